@@ -22,8 +22,11 @@ from chromium import browser, storage
 from chromium import page as open_page
 from needs import NPM
 from normalgan.inference.composites.composition import compose
+from normalgan.inference.composites.context import context_of, in_context
 from normalgan.inference.mask.masks import MODEL
+from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.pipeline import predict
 from normalgan.inference.preparation import prepare
 from normalgan.inference.reading.picture import Picture, read_picture
 from normalgan.inference.suggestion import suggest, uncertainty
@@ -156,8 +159,11 @@ def test_layers_are_composed_as_python_composes_them(studio: "Page") -> None:
         np.rint(255 * (1 - outline(blob((SIDE, SIDE), middle, 120)))).astype(np.uint8)
         for middle in ((200, 256), (300, 280))
     ]
-    predict = normalgan.load(SHIPPED)
-    wanted = compose([predict(each) for each in drawn])
+    model = OnnxBackend(SHIPPED)
+    pictures = [Picture(np.dstack([each / np.float32(255)] * 3), None) for each in drawn]
+    parts = [prepare(each, model.size, line_widths=model.line_widths) for each in pictures]
+    context = context_of(parts)
+    wanted = compose([predict(model, in_context(each, context)) for each in parts])
     found = decoded(studio.evaluate(ASK, encoded(*drawn)), drawn[0].shape)
     assert_near(found, wanted, share=0.98, degrees=1)
     lines = np.full_like(drawn[0], 255)
@@ -173,8 +179,17 @@ def test_layers_are_composed_as_python_composes_them(studio: "Page") -> None:
     [
         {"points": [130, 50, 210, 50, 210, 130, 130, 130], "normal": [0.6, 0.0, 0.8]},
         {"points": [130, 70, 170, 90, 210, 110], "normal": [0.0, -0.6, 0.8], "size": 40},
+        *(
+            {
+                "points": [130, 50, 210, 50, 210, 130, 130, 130],
+                "normal": [0.0, 0.0, 1.0],
+                "form": {"kind": kind, "bevel": bevel, "strength": 0.9},
+                "soft": 0.3,
+            }
+            for kind, bevel in [("round", 1), ("round", 0.4), ("flat", 0.3), ("hollow", 1)]
+        ),
     ],
-    ids=["region", "direction brush"],
+    ids=["region", "direction brush", "round", "partly round", "flat", "hollow"],
 )
 def test_regions_and_the_direction_brush_turn_what_python_turns(studio: "Page", area: dict[str, Any]) -> None:
     grey = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)

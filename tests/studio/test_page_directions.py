@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from studio_page import SIDE, Studio
+from studio_page import RADIUS, SIDE, Studio
 
 # A server and a browser take seconds to start; every test begins with a circle, painted.
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("ball")]
@@ -115,3 +115,43 @@ def test_a_region_is_turned_as_a_whole_and_a_brush_gives_a_direction(studio: Stu
         page.locator("#chips .area").nth(2).click()
         page.keyboard.press("Delete")
     assert page.locator("#chips .area").count() == 2
+
+
+def test_a_layer_and_a_region_take_a_form_by_buttons_sliders_and_keys(studio: Studio) -> None:
+    page = studio.page
+    page.keyboard.press("r")
+    assert page.locator("#form-of").inner_text() == "Whole layer"
+    with studio.repainting():
+        page.locator("#form-round").click()
+    for x, y in ((40, 0), (0, -40), (-30, 30)):
+        wanted = direction(x / RADIUS, -y / RADIUS)
+        assert degrees(studio.shown(MIDDLE + x, MIDDLE + y), wanted) < 6
+    with studio.repainting():
+        page.keyboard.press("g")  # flat
+    assert degrees(studio.shown(MIDDLE + 40, MIDDLE), direction(0, 0)) < 3
+    page.locator("#form-bevel").focus()
+    with studio.repainting():
+        page.keyboard.press("End")
+    assert degrees(studio.shown(MIDDLE + 40, MIDDLE), direction(math.sqrt(0.5), 0)) < 6
+    with studio.repainting():
+        studio.line((90, 90), (166, 90), (166, 166), (90, 166), (90, 92))
+    assert page.locator("#form-of").inner_text() == "Region 1"
+    with studio.repainting():
+        page.locator("#form-hollow").click()
+    assert studio.shown(MIDDLE - 25, MIDDLE)[0] > 0.3  # it slopes inwards
+    page.locator("#form-soft").focus()
+    with studio.repainting():
+        page.keyboard.press("End")
+    assert abs(studio.shown(MIDDLE - 36, MIDDLE)[0]) > 0.3  # where it begins, the layer's bevel is left
+    hollow = studio.shown(MIDDLE - 25, MIDDLE)
+    studio.save_as("coin")
+    page.reload()
+    page.wait_for_selector("html[data-ready]")
+    page.wait_for_function("() => document.getElementById('result').ariaBusy === 'false'")
+    assert degrees(studio.shown(MIDDLE - 25, MIDDLE), hollow) < 1
+    with studio.repainting():
+        for _ in range(6):
+            page.keyboard.press("Control+z")
+    page.locator("#history summary").click()
+    page.locator("#history-list li").first.wait_for()
+    assert page.locator("#history-list li").all_inner_texts().count("Form changed") == 5

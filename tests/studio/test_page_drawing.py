@@ -1,5 +1,8 @@
 """The studio's page under the mouse: lines, points, undo, and what the map makes of them."""
 
+import itertools
+import math
+
 import numpy as np
 import pytest
 from studio_page import SIDE, Studio
@@ -140,3 +143,55 @@ def test_zoom_keeps_what_is_drawn_in_place(ball: Studio) -> None:
     assert ball.screen()[round(y), round(x)].max() < 128  # still under the pointer
     ball.page.locator("#zoom-fit").click()
     assert ball.inked(SIDE / 2 - 80, SIDE / 2)
+
+
+def drawn_points(studio: Studio, name: str) -> list[tuple[float, float]]:
+    """Return the places of the only line, as a saved project has it."""
+    project = studio.page.evaluate(
+        "name => fetch(`/api/projects/${name}`).then((answer) => answer.json())", name
+    )
+    (stroke,) = project["layers"][0]["strokes"]
+    return list(zip(stroke["points"][::3], stroke["points"][1::3], strict=True))
+
+
+@pytest.mark.parametrize("meant", ["square", "circle", "line"])
+def test_a_stroke_held_at_its_end_becomes_the_shape_that_it_means(studio: Studio, meant: str) -> None:
+    page = studio.page
+    corners = [(60, 62), (190, 58), (194, 188), (58, 192), (60, 66)]
+    if meant == "square":
+        way = [
+            (x0 + (x1 - x0) * k / 12 + (k % 3 - 1), y0 + (y1 - y0) * k / 12 + (k % 2))
+            for (x0, y0), (x1, y1) in itertools.pairwise(corners)
+            for k in range(12)
+        ]
+    elif meant == "circle":
+        angles = [2 * math.pi * k / 60 for k in range(60)]
+        way = [
+            (128 + (70 + k % 3) * math.cos(a), 128 + (70 + k % 2) * math.sin(a)) for k, a in enumerate(angles)
+        ]
+    else:
+        way = [(40 + 4 * k, 100 + k % 3) for k in range(40)]
+    page.mouse.move(*studio.on_board(*way[0]))
+    page.mouse.down()
+    for at in way[1:]:
+        page.mouse.move(*studio.on_board(*at))
+    with studio.saying("Straightened."):
+        pass  # it is held still
+    page.mouse.up()
+    studio.save_as(meant)
+    points = drawn_points(studio, meant)
+    if meant == "square":
+        assert len(points) == 10
+        assert all(one == other for one, other in zip(points[::2], points[1::2], strict=True))
+        assert {round(x / 10) for x, _ in points} == {6, 19}
+        assert len({x for x, _ in points}) == len({y for _, y in points}) == 2  # level, with right angles
+    elif meant == "circle":
+        assert len(points) == 97
+        radii = [math.hypot(x - 128.5, y - 128.5) for x, y in points]
+        assert max(radii) - min(radii) < 2
+    else:
+        assert points[0][1] == points[1][1]  # level
+    page.keyboard.press("Control+z")
+    with studio.saying("Saved"):
+        page.keyboard.press("Control+s")
+    assert len(drawn_points(studio, meant)) not in (len(points), 10)

@@ -119,3 +119,13 @@ def test_lights_have_colours_and_go_around(opened: "Browser", server: Server) ->
         page.locator("#light-play").click()
         stood = colour()
         np.testing.assert_allclose(colour(), stood, atol=1)
+
+
+@pytest.mark.parametrize("number", range(3))
+def test_a_sample_is_drawn_so_that_nothing_is_to_be_warned_of(
+    opened: "Browser", server: Server, number: int
+) -> None:
+    with open_studio(opened, server.url) as studio:
+        with studio.repainting():
+            studio.page.locator("#samples button").nth(number).click()
+        assert studio.page.locator("#warning").inner_text() == ""

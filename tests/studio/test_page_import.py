@@ -79,11 +79,11 @@ def test_the_layers_of_a_file_become_those_of_the_drawing(
     for name, x, y in (("body", 100 - 59, 120), ("hat", 200 + 39, 60)):
         page.locator("#layer-list .name", has_text=name).click()
         assert studio.inked(x, y)
-    # Each is painted for itself: the hat alone is as it was in the picture of both.
-    hat = studio.shown(200, 60)
+    # The hat is there without the body.
     with studio.repainting():
         page.locator("#layer-list li", has_text="body").locator(".eye").click()
-    np.testing.assert_allclose(studio.shown(200, 60), hat, atol=0.01)
+    assert studio.shown(200, 60)[2] > 0.9
+    assert studio.shown(60, 120)[2] < 0.9
     page.keyboard.press("Control+z")
     page.keyboard.press("Control+z")
     assert names(studio) == ["Layer 1"]
@@ -105,7 +105,7 @@ def test_a_layered_file_can_be_one_drawing_or_one_to_trace(studio: Studio, tmp_p
     assert names(studio) == ["Layer 1"]
 
 
-def test_of_a_tiff_the_first_page_is_used_and_said(studio: Studio, tmp_path: Path) -> None:
+def test_a_page_of_a_tiff_can_be_chosen(studio: Studio, tmp_path: Path) -> None:
     pages = [
         Image.fromarray(np.rint(255 * (1 - outline(blob(SHAPE, (x, 90))))).astype(np.uint8))
         for x in (90, 170)
@@ -113,7 +113,16 @@ def test_of_a_tiff_the_first_page_is_used_and_said(studio: Studio, tmp_path: Pat
     pages[0].save(tmp_path / "scan.tiff", save_all=True, append_images=pages[1:])
     with studio.repainting():
         give(studio, tmp_path / "scan.tiff", "drawing")
-    assert studio.status() == "Imported “scan.tiff”. Used the first of 2 pages."
+    assert studio.status() == "Imported “scan.tiff”. Used page 1 of 2."
+    studio.page.keyboard.press("Control+z")
+    studio.page.set_input_files("#import-file", files=tmp_path / "scan.tiff")
+    with studio.page.expect_response("**/api/import?part=2"):
+        studio.page.locator("#choose input").fill("2")
+        studio.page.locator("#choose input").blur()
+    with studio.repainting():
+        studio.page.locator("#choose button[value=drawing]").click()
+    assert studio.status() == "Imported “scan.tiff”. Used page 2 of 2."
+    assert studio.shown(150, 90)[2] > 0.5
 
 
 def test_layers_come_in_front_of_what_is_drawn(studio: Studio, tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""The studio's layers: each is painted for itself and has its own marks; the front one hides the others."""
+"""The studio's layers: each has its own form and marks; the front one hides the others."""
 
 import json
 from collections.abc import Iterator
@@ -52,18 +52,24 @@ def add(studio: Studio) -> None:
 
 
 def two(studio: Studio) -> None:
-    """Draw two circles that overlap, each on a layer of its own; the right one is in front."""
+    """Draw two circles that overlap, each on a layer: the left one round, the right one in front."""
     with studio.repainting():
         studio.circle(MIDDLE - 40)
+    with studio.repainting():
+        studio.page.keyboard.press("g")
+    studio.page.keyboard.press("p")
     add(studio)
     with studio.repainting():
         studio.circle(MIDDLE + 40)
 
 
-def test_each_layer_is_painted_for_itself_and_the_front_one_hides_the_other(studio: Studio) -> None:
+def test_the_front_layer_hides_the_other(studio: Studio) -> None:
     page = studio.page
     with studio.repainting():
         studio.circle(MIDDLE - 40)
+    with studio.repainting():
+        page.keyboard.press("g")
+    page.keyboard.press("p")
     back = studio.shown(MIDDLE, MIDDLE)
     add(studio)
     page.evaluate("() => { sent.length = 0; }")

@@ -162,3 +162,36 @@ def test_where_the_model_is_unsure_is_amber(studio: Studio) -> None:
     page.mouse.move(2, 2)
     for (x, y), colour in zip(at, before, strict=True):
         np.testing.assert_allclose(studio.screen()[round(y), round(x)], colour, atol=3)
+
+
+def test_the_result_is_repeated_or_shows_its_pixels(studio: Studio) -> None:
+    page = studio.page
+    with studio.repainting():
+        page.keyboard.press("g")  # round, so that each pixel has another colour
+    page.locator("#overlay").evaluate("(canvas) => { canvas.style.visibility = 'hidden'; }")
+    (left, _), (right, _) = studio.on_result(0, 0), studio.on_result(SIDE, SIDE)
+    column, row = (round(value) for value in studio.on_result(SIDE / 2, SIDE / 2))
+    before = studio.screen()
+    page.keyboard.press("t")
+    tiles = studio.screen()
+    pitch = (right - left) / 3
+    for aside in (-20, 0, 25):
+        middle = tiles[row + 9, column + aside].astype(int)
+        for x, y in ((-1, 0), (1, 0), (0, -1), (1, 1)):
+            other = tiles[row + 9 + round(y * pitch), column + aside + round(x * pitch)].astype(int)
+            assert np.abs(other - middle).max() < 8
+    page.keyboard.press("t")
+    assert np.array_equal(
+        studio.screen()[row, column - 90 : column + 90], before[row, column - 90 : column + 90]
+    )
+    for _ in range(6):
+        page.keyboard.press("+")
+    smooth = studio.screen()[row, column - 90 : column + 90]
+    page.keyboard.press("k")
+    pixels = studio.screen()[row, column - 90 : column + 90]
+
+    def steps(line: NDArray[np.uint8]) -> int:
+        return int((np.diff(line.astype(int), axis=0) != 0).any(-1).sum())
+
+    assert steps(pixels) < 0.8 * steps(smooth)
+    assert page.locator("#pixelated").get_attribute("aria-pressed") == "true"

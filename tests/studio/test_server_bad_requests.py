@@ -228,15 +228,15 @@ def test_a_failure_of_ours_is_one_sentence_too(
 def test_one_picture_is_imported_at_a_time(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
     at_once, most = 0, 0
 
-    def slowly(content: bytes) -> dict[str, str | int | list[int]]:
+    def slowly(content: bytes, part: int) -> dict[str, str | int | list[int]]:
         nonlocal at_once, most
         at_once += 1
         most = max(most, at_once)
         time.sleep(0.05)
         at_once -= 1
-        return import_picture(content)
+        return import_picture(content, part=part)
 
-    monkeypatch.setitem(app._WAYS, "drawing", slowly)
+    monkeypatch.setattr(app, "import_picture", slowly)
     kind = {"Content-Type": "image/png"}
     with ThreadPoolExecutor(8) as pool:
         asked = [

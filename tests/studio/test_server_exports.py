@@ -12,7 +12,10 @@ from PIL import Image
 from starlette.testclient import TestClient
 from studio_client import CENTRE, HEIGHT, RADIUS, WIDTH, asking, away, b64, circle, png, serving
 
+from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.outputs import Output
 from normalgan.inference.outputs.occlusion import occlusion
+from normalgan.studio.exports import ExportRequest
 
 
 def exported(client: TestClient, **fields: Any) -> tuple[str, bytes]:
@@ -139,3 +142,27 @@ def test_a_groove_is_dark_and_a_ball_is_not() -> None:
     dark = occlusion(np.abs(x).astype(np.float32) / 0.7, lean, np.ones((side, side), bool))
     assert dark[side // 2, side // 2] < 0.75
     assert dark[side // 2, side - 4] > 0.95
+
+
+def test_an_output_of_several_files_is_encoded_once() -> None:
+    encoded: list[NormalMap] = []
+
+    class Halves(Output):
+        name = "halves"
+
+        @property
+        def endings(self) -> tuple[str, ...]:
+            return "_left.txt", "_right.txt"
+
+        def encode(self, preds: NormalMap) -> dict[str, bytes]:
+            encoded.append(preds)
+            return dict.fromkeys(self.endings, b"half")
+
+    normals = np.zeros((16, 16, 3), np.float32)
+    normals[..., 2] = 1
+    everywhere = np.ones((16, 16), bool)
+    preds = NormalMap(normals, everywhere, everywhere.astype(np.float32), normals[..., 0], None, "")
+    name, content = ExportRequest("fox", Halves(), None).encode(preds)
+    assert name == "fox_halves.zip"
+    assert unzipped(content) == {"fox_left.txt": b"half", "fox_right.txt": b"half"}
+    assert len(encoded) == 1

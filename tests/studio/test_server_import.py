@@ -67,7 +67,15 @@ def test_a_file_of_several_pictures_says_how_many(
     with serving(model, tmp_path) as client:
         found = asked(client, file.getvalue(), "drawing").json()
         single = asked(client, png(circle()), "drawing").json()
+        last = asked(client, file.getvalue(), "drawing&part=3").json()
+        away = asked(client, file.getvalue(), "drawing&part=4")
+        wrong = asked(client, file.getvalue(), "drawing&part=0")
     assert (found["parts"], found["pages"]) == (3, pages)
+    differs = np.abs(pixels_of(last)[..., 0].astype(int) - np.roll(circle(), 18, 1))
+    assert differs.mean() < 2 < np.abs(pixels_of(found)[..., 0].astype(int) - np.roll(circle(), 18, 1)).mean()
+    assert f"no {'page' if pages else 'frame'} 4" in away.json()["error"]
+    assert (away.status_code, wrong.status_code) == (400, 400)
+    assert "part is 0" in wrong.json()["error"]
     assert (single["parts"], single["pages"]) == (1, False)
 
 

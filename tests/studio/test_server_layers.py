@@ -1,4 +1,4 @@
-"""Layers: each is painted for itself, and only when it changed; what is in front hides what is behind."""
+"""Layers: each is painted among the others, and only when something changed; the front hides the back."""
 
 import io
 import json
@@ -62,17 +62,28 @@ def raw(number: int, name: str, base: int | None, drawn: Pixels | None) -> tuple
     return fields, b"" if drawn is None else drawn.tobytes()
 
 
-def test_each_is_painted_for_itself_and_the_front_hides_the_back(model: Path, tmp_path: Path) -> None:
+def pinned_layer(part: tuple[dict[str, Any], bytes], hint: dict[str, Any]) -> tuple[dict[str, Any], bytes]:
+    """A layer with a hint."""
+    return {**part[0], "hints": [hint]}, part[1]
+
+
+def test_the_front_hides_the_back(model: Path, tmp_path: Path) -> None:
+    # By their forms they are told apart, whatever the network says.
+    flat, hollow = ({"form": {"kind": kind, "bevel": 0.9, "strength": 1}} for kind in ("flat", "hollow"))
     with serving(model, tmp_path) as client:
         back, front = (
-            pixels(client.post("/api/predict", json=asking(number, picture=b64(png(drawn)))))
-            for number, drawn in ((1, BACK), (2, FRONT))
+            pixels(client.post("/api/predict", json=asking(number, picture=b64(png(drawn)), **form)))
+            for number, drawn, form in ((1, BACK, flat), (2, FRONT, hollow))
         )
         both = pixels(
-            client.post("/api/predict", json=ask(3, layer(1, "Body", BACK), layer(2, "Head", FRONT)))
+            client.post(
+                "/api/predict", json=ask(3, layer(1, "Body", BACK, **flat), layer(2, "Head", FRONT, **hollow))
+            )
         )
         turned = pixels(
-            client.post("/api/predict", json=ask(4, layer(2, "Head", FRONT), layer(1, "Body", BACK)))
+            client.post(
+                "/api/predict", json=ask(4, layer(2, "Head", FRONT, **hollow), layer(1, "Body", BACK, **flat))
+            )
         )
     assert np.array_equal(both[..., 3], np.maximum(back[..., 3], front[..., 3]))
     # Away from the soft edges of both.
@@ -83,6 +94,19 @@ def test_each_is_painted_for_itself_and_the_front_hides_the_back(model: Path, tm
     assert np.array_equal(both[far], front[far])
     assert np.array_equal(turned[far], back[far])
     assert (back[far] != front[far]).any()
+
+
+def test_a_layer_is_seen_among_the_others(model: Path, tmp_path: Path) -> None:
+    with serving(model, tmp_path) as client:
+        alone = pixels(client.post("/api/predict", json=asking(1, picture=b64(png(FRONT)))))
+        both = client.post("/api/predict", json=ask(2, layer(1, "Body", BACK), layer(2, "Head", FRONT)))
+        one = np.where(alone[..., 3] > 0, FRONT, np.minimum(BACK, FRONT))
+        whole = pixels(client.post("/api/predict", json=asking(3, picture=b64(png(one)))))
+    # The ramp that this network gives runs over all that it is shown.
+    inside = cv2.erode(whole[..., 3], np.ones((9, 9), np.uint8)) == 255
+    assert np.abs(pixels(both)[inside].astype(int) - whole[inside]).max() <= 2
+    inside &= alone[..., 3] == 255
+    assert np.abs(alone[inside].astype(int) - whole[inside]).max() > 8
 
 
 def test_each_layer_says_for_itself_where_its_object_is(model: Path, tmp_path: Path) -> None:
@@ -101,7 +125,7 @@ def test_each_layer_says_for_itself_where_its_object_is(model: Path, tmp_path: P
             assert np.array_equal(both, np.maximum(back[one], front[other]))
 
 
-def test_only_the_layer_that_changed_is_painted_again(
+def test_only_layers_that_look_different_are_painted_again(
     model: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     predicted: list[int] = []
@@ -117,13 +141,19 @@ def test_only_the_layer_that_changed_is_painted_again(
         assert len(predicted) == 2
         moved = ring(90, 50)
         second = sent(client, 2, [raw(1, "a", 1, None), raw(2, "b", 1, moved)])
-        assert len(predicted) == 3
+        assert len(predicted) == 4  # for each the drawing is another
+        hint = {"x": 90, "y": 50, "normal": [0, 0.6, 0.8]}
+        pinned = sent(client, 3, [raw(1, "a", 2, None), pinned_layer(raw(2, "b", 2, None), hint)])
+        assert len(predicted) == 5
         assert second.content != first.content
-        hidden = sent(client, 3, [raw(1, "a", 2, None)])
-        assert len(predicted) == 3  # what was painted is remembered
-        alone = client.post("/api/predict", json=asking(4, picture=b64(png(BACK))))
+        assert pinned.content != second.content
+        again = sent(client, 4, [raw(1, "a", 3, None), raw(2, "b", 3, None)])
+        assert len(predicted) == 5  # what was painted is remembered
+        assert again.content == second.content
+        hidden = sent(client, 5, [raw(1, "a", 4, None)])
+        alone = client.post("/api/predict", json=asking(6, picture=b64(png(BACK))))
         assert hidden.content == alone.content
-        assert sent(client, 5, [raw(1, "a", 2, None), raw(2, "b", 3, None)]).status_code == 409
+        assert sent(client, 7, [raw(1, "a", 2, None), raw(2, "b", 3, None)]).status_code == 409
 
 
 def test_a_layer_that_cannot_be_painted_leaves_the_others(model: Path, tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 import base64
 import io
 from concurrent.futures import ThreadPoolExecutor
+from itertools import count
 from pathlib import Path
 from threading import Event
 from typing import Any
@@ -293,3 +294,33 @@ def test_the_map_at_a_pin_is_the_pins_normal_and_areas_are_turned(model: Path, t
             assert client.post("/api/predict", json=asking(3, **wrong)).status_code == 400
         far = [{**pins[0], "reach": -1}]
         assert "reach is -1" in client.post("/api/predict", json=asking(4, hints=far)).json()["error"]
+
+
+def test_a_layer_and_a_region_take_a_form(model: Path, tmp_path: Path) -> None:
+    form = {"kind": "round", "bevel": 1, "strength": 1}
+    area = {"points": [50, 40, 90, 40, 90, 80, 50, 80], "normal": [0, 0, 1]}
+    with serving(model, tmp_path) as client:
+
+        def at(x: int, y: int, **fields: Any) -> NDArray[np.float32]:
+            normals = decode(predicted(client, number=next(numbers), **fields)[..., :3])
+            return np.asarray(normals[y, x], np.float32)
+
+        numbers = count(1)
+        x, y = round(CENTRE[0]), round(CENTRE[1])
+        right = x + round(0.8 * RADIUS)
+        assert at(right, y, form=form)[0] > 0.7 > at(right, y)[0]
+        flat = {**form, "kind": "flat", "bevel": 0.2}
+        assert at(70, 60, areas=[{**area, "form": flat}])[2] > 0.99
+        assert at(52, 60, areas=[{**area, "form": flat}])[0] < -0.4
+        # A region alone fades out; with soft 0 it ends at once.
+        turned = {**area, "normal": [0, 0.8, 0.6]}
+        assert at(52, 60, areas=[{**turned, "soft": 0}])[1] > 0.5 > at(52, 60, areas=[turned])[1]
+        for name, wrong in (
+            ("the form is", {"form": {**form, "kind": "square"}}),
+            ("the form is", {"form": {**form, "bevel": 0}}),
+            ("the form is 3", {"form": 3}),
+            ("the form of area 1 is", {"areas": [{**area, "form": {"kind": "flat"}}]}),
+            ("soft of area 1 is 2", {"areas": [{**area, "soft": 2}]}),
+        ):
+            answer = client.post("/api/predict", json=asking(900, **wrong))
+            assert (answer.status_code, answer.json()["error"].startswith(name)) == (400, True), answer.text

@@ -94,12 +94,12 @@ async function drawing(path, body) {
   let at = 4 + length;
   // A drawing of one layer may be without a list of them.
   for (const layer of fields.layers ?? [{ ...fields, id: 0, name: "", bytes: body.length - at }]) {
-    const { id, name, bytes, hints = [], areas = [], mask_strokes: strokes = [], source = fields.source ?? null } = layer;
+    const { id, name, bytes, hints = [], areas = [], mask_strokes: strokes = [], source = fields.source ?? null, form = null } = layer;
     const planes = take(`${fields.tab} ${id}`, layer, fields.number, body.subarray(at, at + bytes));
     at += bytes;
     const ink = planes?.get("ink");
     if (!ink) return refused("send all of the drawing", 409);
-    layers.push({ name, ink, strokes, hints, areas, source });
+    layers.push({ name, ink, strokes, hints, areas, source, form });
   }
   if (path === "/api/predict") {
     try {

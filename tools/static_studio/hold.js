@@ -1,5 +1,6 @@
 /** Hold: a painted map held to what a hand says of it, as normalgan.inference.edits does it in Python. */
 
+import { feathered, giveForm } from "./bevel.js";
 import { components, where } from "./raster.js";
 
 /** @typedef {import("./document.js").Hint} Hint @typedef {import("./document.js").Area} Area */
@@ -11,12 +12,16 @@ import { components, where } from "./raster.js";
 const INKED = 0.35;
 const REACH = 0.05;
 const SOFT = 0.01;
+/** The share of its depth in which a region fades out that has no form and says nothing else. */
+const FADES = 0.5;
 
 /**
- * Holds a map to areas, in their order, then to pins, exactly; in place.
- * @param {Painted} map @param {Hint[]} hints @param {Area[]} areas @param {number} scale pixels of the map for one of the drawing
+ * Holds a map to its form, to areas, in their order, then to pins, exactly; in place.
+ * @param {Painted} map @param {Hint[]} hints @param {Area[]} areas @param {import("./document.js").Form | null} form
+ * @param {number} scale pixels of the map for one of the drawing
  */
-export function hold(map, hints, areas, scale) {
+export function hold(map, hints, areas, form, scale) {
+  if (form) giveForm(map, Float32Array.from(map.mask), form);
   for (const area of areas) turnArea(map, area, scale);
   holdPins(map, hints, scale);
 }
@@ -46,8 +51,12 @@ export function byHand(strokes, width, height, scale, ink) {
 }
 
 /** @param {Painted} map @param {Area} area @param {number} scale */
-function turnArea({ normals, mask, width, height }, { points, normal, size }, scale) {
-  const cover = covered(points.map((value) => value * scale), size && size * scale, width, height);
+function turnArea(map, { points, normal, size, form = null, soft = form ? 0 : FADES }, scale) {
+  const { normals, mask, width, height } = map;
+  /** @type {Float32Array} */
+  let cover = covered(points.map((value) => value * scale), size && size * scale, width, height);
+  if (!size && soft) cover = feathered(cover, width, height, soft);
+  if (!size && form) giveForm(map, cover, form);
   const mean = [0, 0, 0];
   cover.forEach((value, i) => {
     if (value > 0.5 && mask[i]) for (let c = 0; c < 3; c++) mean[c] += normals[3 * i + c];

@@ -64,16 +64,22 @@ export async function prepare(plane, size, source, longest, widths, reader) {
   const blank = !ink.some((value) => value >= 0.3);
   const reading = source || opaque || (blank && alpha) ? null : await read(plane, reader);
   if (reading) ink = blank ? rimOf(reading, width, height) : dropGround(ink, width, height, reading);
-  const box = boxOf(ink, width, height, 0.1);
-  if (!box || (blank && !reading)) throw new Unpaintable(NO_LINE);
-  const [left, top, right, bottom] = box;
-  const side = Math.max(right - left, bottom - top) / (1 - 2 * MARGIN);
-  const frame = { left: rint((left + right - side) / 2), top: rint((top + bottom - side) / 2), side: rint(side), size };
+  const frame = frameAround(ink, width, height, size);
+  if (!frame || (blank && !reading)) throw new Unpaintable(NO_LINE);
   const seen = shown(ink, width, height, frame, widths);
   const rest = { width, height, ink, frame, seen, closed: 1, guessed: false, unsure: "", alpha: null, covered: null };
   if (opaque && !source) return { ...rest, mask: opaque, alpha: cut };
   if (source === "model") return { ...rest, mask: null };
   return { ...rest, ...decide(ink, width, height, reading) };
+}
+
+/** Returns the square about the lines of a drawing; null if there are none. @param {Float32Array} ink @param {number} width @param {number} height @param {number} size @returns {Frame | null} */
+export function frameAround(ink, width, height, size) {
+  const box = boxOf(ink, width, height, 0.1);
+  if (!box) return null;
+  const [left, top, right, bottom] = box;
+  const side = Math.max(right - left, bottom - top) / (1 - 2 * MARGIN);
+  return { left: rint((left + right - side) / 2), top: rint((top + bottom - side) / 2), side: rint(side), size };
 }
 
 const NO_LINE = "no line is seen in it; a sketch needs lines that differ from their paper.";
@@ -213,7 +219,7 @@ export function lineWidth(inked, width, height, depth = distance(inked, width, h
  * Returns what the network is shown: lines as wide as those it was trained on, areas as their outline.
  * @param {Float32Array} ink @param {number} width @param {number} height @param {Frame} frame @param {[number, number]} widths
  */
-function shown(ink, width, height, frame, widths) {
+export function shown(ink, width, height, frame, widths) {
   if (isKnown(ink, width, height, frame, widths)) return cut(ink, width, height, frame);
   const fine = frame.size * FINER;
   const whole = where(cut(ink, width, height, { ...frame, size: fine }), (value) => value > 0.5);

@@ -2,6 +2,7 @@
 
 import * as ort from "./ort.wasm.min.mjs";
 import { compose } from "./compose.js";
+import { inContext } from "./context.js";
 import { finish, hintsOff, restored } from "./finish.js";
 import { byHand, hold } from "./hold.js";
 import { Unpaintable, prepare } from "./prepare.js";
@@ -21,6 +22,7 @@ const RUNTIME = "ort-wasm-simd-threaded.wasm.packed"; // by gzip
  * @property {import("./document.js").Hint[]} hints
  * @property {import("./document.js").Area[]} areas
  * @property {import("./document.js").Source} source
+ * @property {import("./document.js").Form | null} form
  */
 /**
  * @typedef {{id: number, layers: Layer[], longest: number | null, what: "map" | "exact" | "doubt" | "points", count: number}} Wish
@@ -96,12 +98,17 @@ async function recalled(kept, key, make) {
   return found;
 }
 
-/** @param {Layer} layer @param {number | null} longest @returns {Promise<Painted>} */
-async function paintLayer({ ink, strokes, hints, areas, source }, longest) {
-  const { session, refiner, reader, widths, size } = await ready;
+/** @param {Layer} layer @param {number | null} longest */
+async function prepareLayer({ ink, source }, longest) {
+  const { reader, widths, size } = await ready;
   const key = JSON.stringify([digest(ink.pixels), ink.width, ink.height, ink.channels, source, longest]);
-  return recalled(painted, JSON.stringify([key, strokes, hints, areas]), async () => {
-    const lines = await recalled(prepared, key, () => prepare(ink, size, source, longest, widths, reader));
+  return { key, lines: await recalled(prepared, key, () => prepare(ink, size, source, longest, widths, reader)) };
+}
+
+/** @param {Layer} layer @param {import("./prepare.js").Prepared} lines as they are seen among others @param {string} key what that depends on @returns {Promise<Painted>} */
+async function paintLayer({ ink, strokes, hints, areas, form }, lines, key) {
+  const { session, refiner, size } = await ready;
+  return recalled(painted, JSON.stringify([key, strokes, hints, areas, form]), async () => {
     const { width, height, frame } = lines;
     const scale = width / ink.width;
     const given = hintPlanes(hints.filter((hint) => hint.reach === undefined), scale, frame);
@@ -109,7 +116,7 @@ async function paintLayer({ ink, strokes, hints, areas, source }, longest) {
     const { normal, confidence } = await session.run(feeds);
     const { normals, mask, covered, warning: said } = await finish(lines, normal.data, refiner, byHand(strokes, width, height, scale, lines.ink));
     const warning = [said, hintsOff(hints.filter((hint) => hint.reach === undefined), scale, { mask, width, height })].filter(Boolean).join("; ");
-    hold({ normals, mask, width, height }, hints, areas, scale);
+    hold({ normals, mask, width, height }, hints, areas, form, scale);
     // Only few ask for it, and it is as large as the map.
     return { normals, mask, covered, width, height, warning, confidence: null, certainty: () => restored(confidence.data, lines, 1) };
   });
@@ -117,23 +124,35 @@ async function paintLayer({ ink, strokes, hints, areas, source }, longest) {
 
 /** @param {Wish} wish @returns {Promise<Answer>} */
 async function paint({ layers, longest, what, count }) {
+  const { widths } = await ready;
   /** @type {Painted[]} */
   const maps = [];
+  /** @type {{layer: Layer, name: string, key: string, lines: import("./prepare.js").Prepared}[]} */
+  const parts = [];
   /** @type {string[]} */
   const said = [];
   /** @type {Unpaintable | null} */
   let first = null;
+  /** @param {string} name @param {unknown} error */
+  const lacks = (name, error) => {
+    if (!(error instanceof Unpaintable)) throw error;
+    first ??= new Unpaintable(`${name}${error.message}`);
+    said.push(`${name}${error.message.replace(/\.$/, "")}`);
+  };
   for (const layer of layers) {
     // Of one layer it is clear which is meant.
     const name = layers.length > 1 ? `${layer.name}: ` : "";
+    await prepareLayer(layer, longest).then((found) => parts.push({ layer, name, ...found }), (error) => lacks(name, error));
+  }
+  const among = inContext(parts.map(({ lines }) => lines), widths);
+  const all = parts.length > 1 ? digest(new TextEncoder().encode(parts.map(({ key }) => key).join())) : 0;
+  for (const [i, { layer, name, key }] of parts.entries()) {
     try {
-      const found = await paintLayer(layer, longest);
+      const found = await paintLayer(layer, among[i], `${key} ${all}`);
       maps.push(found);
       if (found.warning) said.push(`${name}${found.warning}`);
     } catch (error) {
-      if (!(error instanceof Unpaintable)) throw error;
-      first ??= new Unpaintable(`${name}${error.message}`);
-      said.push(`${name}${error.message.replace(/\.$/, "")}`);
+      lacks(name, error);
     }
   }
   if (!maps.length) throw first ?? new Unpaintable("there is nothing to be painted.");

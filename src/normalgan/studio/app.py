@@ -4,6 +4,7 @@ import asyncio
 import mimetypes
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from functools import partial
 from pathlib import Path
 
 from starlette.applications import Starlette
@@ -36,7 +37,7 @@ __all__ = ["PAGE", "build_app"]
 
 PAGE = Path(__file__).parent / "page"
 _AUTOSAVES = 50
-_WAYS = {"drawing": import_picture, "layers": import_layers}
+_WAYS = ("drawing", "layers")
 """As what a picture is imported."""
 _SENTENCES = {404: "there is nothing at this address.", 405: "this address does not take that method."}
 
@@ -79,10 +80,14 @@ def build_app(
 
     async def import_(request: Request) -> Response:
         check_type(request, "image/", "application/octet-stream")
-        as_ = take_choice(dict(request.query_params), "as", tuple(_WAYS), "drawing")
+        as_ = take_choice(dict(request.query_params), "as", _WAYS, "drawing")
+        part = request.query_params.get("part", "1")
+        if not (part.isascii() and part.isdecimal() and int(part[:9]) >= 1 and len(part) < 9):
+            raise InputError(f"part is {part[:20]}; it is the number of a page or frame, from 1.")
         content = await read_body(request)
+        read = partial(import_picture, part=int(part)) if as_ == "drawing" else import_layers
         async with importing:
-            return JSONResponse(await run_in_threadpool(_WAYS[as_], content))
+            return JSONResponse(await run_in_threadpool(read, content))
 
     version = version_of([*PAGE.glob("*.*"), CLAY_FILE])
     kept = f"/page/{version}"

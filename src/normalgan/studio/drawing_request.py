@@ -24,6 +24,7 @@ from normalgan.inference.edits import (
     stroke,
     tilt,
 )
+from normalgan.inference.forms import KINDS, Form, feather, give_form
 from normalgan.inference.mask.masks import MODEL, OUTLINE, MaskOrSource, mask_of
 from normalgan.inference.reading.hint_files import Hints, parse_hints
 from normalgan.inference.reading.picture import Picture, read_picture
@@ -41,6 +42,7 @@ __all__ = [
     "DrawingRequest",
     "check_sides",
     "read_areas",
+    "read_form",
     "read_png",
     "take_drawing",
     "to_picture",
@@ -54,7 +56,9 @@ MOST_MASK_STROKES = 500
 MOST_POINTS = 4000
 """Of an area."""
 _SOFT = 0.01
-"""Width of the edge of a tilted area, as a share of the map's longer side."""
+"""Width of the edge of an area that does not fade out, as a share of the map's longer side."""
+_FADES = 0.5
+"""The share of its depth in which an area fades out that has no form and says nothing else."""
 _INKED = 0.35
 """How dark a line is at least that parts one area from another."""
 _PNG = b"\x89PNG\r\n\x1a\n"
@@ -71,6 +75,7 @@ class DrawingRequest:
             `normalgan.inference.preparation.prepare`.
         areas: list of what is turned as a whole or brushed, as `read_areas` takes it.
         mask_strokes: list of strokes that add to the object or cut from it, as `read_mask` takes them.
+        form: of the whole drawing, as `read_form` takes it; None leaves it as predicted.
         tab: who draws; while its outline is open, the object stays as it was. Empty for nobody.
     """
 
@@ -79,6 +84,7 @@ class DrawingRequest:
     mask: bytes | str | None
     areas: Any = ()
     mask_strokes: Any = ()
+    form: Any = None
     tab: str = ""
 
     @property
@@ -88,7 +94,8 @@ class DrawingRequest:
 
     def digest(self) -> bytes:
         """Return what is the same for the same drawings and for no others."""
-        return hashlib.sha256(self.lines_digest() + json.dumps([self.hints, self.areas]).encode()).digest()
+        by_hand = json.dumps([self.hints, self.areas, self.form]).encode()
+        return hashlib.sha256(self.lines_digest() + by_hand).digest()
 
     def lines_digest(self) -> bytes:
         """Return what is the same for drawings that differ in their hints alone, and for no others."""
@@ -133,7 +140,7 @@ class DrawingRequest:
         return paint_mask(inked, (_read_mask_stroke(*each) for each in enumerate(self.mask_strokes, 1)))
 
     def edit(self, normals: Floats, mask: NDArray[np.bool_], shape: tuple[int, int]) -> Floats:
-        """Return a predicted map with the user's areas, in their order, and then the pins applied exactly.
+        """Return a predicted map with its form, the user's areas in their order, and then the pins exactly.
 
         Args:
             normals: (h, w, 3), unit.
@@ -143,14 +150,21 @@ class DrawingRequest:
         Raises:
             InputError: if a hint or an area cannot be used.
         """
-        if not self.areas and all(each.get("reach") is None for each in self.hints):
+        free = all(each.get("reach") is None for each in self.hints)
+        if not self.areas and self.form is None and free:
             return normals  # held to these pins already
+        if self.form is not None:
+            normals = give_form(normals, mask, mask.astype(np.float32), read_form("the form", self.form))
         scale = normals.shape[1] / shape[1]
         for area in read_areas(self.areas):
             points = area.points * np.float32(scale)
             size = (normals.shape[0], normals.shape[1])
             if area.size is None:
                 cover = polygon(size, points, _SOFT * max(size))
+                if area.soft:
+                    cover = feather(cover, area.soft)
+                if area.form is not None:
+                    normals = give_form(normals, mask, cover, area.form)
                 normals = tilt(normals, mask, cover, area.normal)
             else:
                 normals = brush(normals, stroke(size, points, area.size * scale), area.normal)
@@ -184,15 +198,21 @@ class Area:
         points: (K, 2), x and y in pixels of the drawing: of a closed polygon, or of a stroke.
         normal: (3,), unit.
         size: width of the brush; None for a polygon, which is turned as a whole.
+        form: of a polygon; None leaves it as predicted.
+        soft: the share of a polygon's depth in which it fades out, 0 to 1.
     """
 
     points: Floats
     normal: Floats
     size: float | None
+    form: Form | None
+    soft: float
 
 
 def read_areas(given: Any) -> list[Area]:
     """Return areas: ``points`` (x, y, x, y, …), ``normal``, and ``size`` if it is a stroke of the brush.
+
+    A polygon may have a ``form``, as `read_form` takes it, and ``soft``, 0 to 1.
 
     Raises:
         InputError: if one cannot be used.
@@ -215,8 +235,33 @@ def read_areas(given: Any) -> list[Area]:
                 f"a size; {MOST_POINTS} at the most) and a normal of length 1 whose z is 0 or more."
             )
         inside = np.clip(points, -MOST_SIDE, 2 * MOST_SIDE)
-        areas.append(Area(inside, normal / np.float32(length), size))
+        given_form = each.get("form")
+        form = None if given_form is None else read_form(f"the form of area {number}", given_form)
+        soft = each.get("soft", _FADES if form is None else 0)
+        if not _is_share(soft):
+            raise InputError(f"soft of area {number} is {json.dumps(soft)[:40]}; it is 0 to 1.")
+        areas.append(Area(inside, normal / np.float32(length), size, form, soft))
     return areas
+
+
+def read_form(name: str, given: Any) -> Form:
+    """Return a form: ``kind``, ``bevel`` and ``strength``.
+
+    Raises:
+        InputError: if it is none.
+    """
+    if isinstance(given, dict) and set(given) == {"kind", "bevel", "strength"}:
+        kind, bevel, strength = (given[each] for each in ("kind", "bevel", "strength"))
+        if kind in KINDS and _is_share(bevel) and bevel > 0 and _is_share(strength):
+            return Form(kind, bevel, strength)
+    raise InputError(
+        f"{name} is {json.dumps(given)[:80]}; its kind is one of {', '.join(KINDS)}, its bevel above 0 to 1 "
+        "and its strength 0 to 1."
+    )
+
+
+def _is_share(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and 0 <= value <= 1
 
 
 def _read_mask_stroke(number: int, given: Any) -> MaskStroke:
@@ -272,6 +317,7 @@ def take_drawing(fields: Fields, picture: NDArray[np.uint8] | None = None) -> Dr
         source if fields.get("mask") is None else take_bytes(fields, "mask"),
         areas,
         strokes,
+        fields.get("form"),
         "" if fields.get("tab") is None else take_text(fields, "tab", 64),
     )
 

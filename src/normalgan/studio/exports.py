@@ -3,9 +3,9 @@
 import io
 import json
 import zipfile
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
-from functools import partial
+from functools import lru_cache, partial
 from html import escape
 from pathlib import Path
 from typing import Final, Literal
@@ -211,27 +211,29 @@ class ExportRequest:
     def _files(self) -> Iterator[tuple[str, Callable[[NormalMap], bytes]]]:
         """Yield the name of each file, and what makes it of a map."""
         if self.output is not None:
+            encode = lru_cache(maxsize=1)(self.output.encode)  # once for all its files
             for ending in self.output.endings:
-                yield self.name + ending, partial(_encoded, self.output, ending)
+                yield self.name + ending, partial(_encoded, encode, ending)
             return
         preset = PRESETS.get(self.preset, _PLAIN)
         own = preset.prefix + self.name
         names, normal = preset.names.of(own), preset.normal
+        encode = lru_cache(maxsize=1)(normal.encode)
         for ending in normal.endings:
-            yield own + ending, partial(_encoded, normal, ending)
+            yield own + ending, partial(_encoded, encode, ending)
             if (beside := normal.sidecar(Path(own + ending))) is not None:
                 yield beside[0].name, partial(_fixed, beside[1])
         for output in (Mask(), Height(preset.height), AmbientOcclusion(), Curvature(), Specular()):
             (ending,) = output.endings
-            yield getattr(names, output.name) + Path(ending).suffix, partial(_encoded, output, ending)
+            yield getattr(names, output.name) + Path(ending).suffix, partial(_encoded, output.encode, ending)
         yield f"{names.preview}.png", _preview if self.lit is None else partial(_fixed, self.lit)
         if self.line_art is not None:
             yield f"{names.line}.png", partial(_fixed, self.line_art)
         yield "README.txt", partial(_fixed, f"{preset.notes}\n".encode())
 
 
-def _encoded(output: Output, ending: str, preds: NormalMap) -> bytes:
-    return output.encode(preds)[ending]
+def _encoded(encode: Callable[[NormalMap], Mapping[str, bytes]], ending: str, preds: NormalMap) -> bytes:
+    return encode(preds)[ending]
 
 
 def _fixed(content: bytes, _: NormalMap) -> bytes:

@@ -1,4 +1,4 @@
-"""Layers: the parts of a drawing in a request, the hindmost first; each is predicted separately."""
+"""Layers: the parts of a drawing in a request, the hindmost first; each is predicted among the others."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -79,22 +79,25 @@ def take_layers(fields: Fields, kept: KeptPlanes, pixels: memoryview | None) -> 
     return found
 
 
-def predict_layers(layers: Sequence[Layer], predict: Callable[[DrawingRequest], NormalMap]) -> NormalMap:
+def predict_layers(
+    layers: Sequence[Layer], predict: Callable[[DrawingRequest, Sequence[DrawingRequest]], NormalMap]
+) -> NormalMap:
     """Return the map of all layers; what one of several lacks to be predicted is in its warning.
 
     Args:
         layers: the hindmost first.
-        predict: predicts one.
+        predict: predicts one among all of them.
 
     Raises:
         InputError: if none can be predicted.
     """
     if len(layers) == 1:
-        return predict(layers[0].drawing)
+        return predict(layers[0].drawing, [])
+    drawings = [layer.drawing for layer in layers]
     predicted, lacks, first = [], [], None
     for layer in layers:
         try:
-            found = predict(layer.drawing)
+            found = predict(layer.drawing, drawings)
         except InputError as error:
             if isinstance(error, RunError | RefusedError):
                 raise

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from normalgan.decoding import Decoded
+from normalgan.decoding import Decoded, decode_frames
 from normalgan.errors import InputError
 from normalgan.inference.composites.animation import PAGES, count_parts, moving_kind
 from normalgan.inference.composites.layers import is_plain, layered_kind, read_layers
+from normalgan.inference.reading.drawings import LARGEST, SMALLEST
 from normalgan.inference.reading.picture import Picture, fitted, read_picture, to_picture
 from normalgan.studio.drawing_request import MOST_SIDE, check_sides
 from normalgan.studio.layers import LONGEST_NAME, MOST_LAYERS
@@ -21,20 +22,28 @@ __all__ = ["Imported", "import_layers", "import_picture"]
 Imported = dict[str, Any]
 
 
-def import_picture(content: bytes, name: str = "the picture") -> Imported:
+def import_picture(content: bytes, name: str = "the picture", part: int = 1) -> Imported:
     """Return an image as base64 of a PNG with alpha, its width and height, and those ``given``.
 
     ``layered`` tells whether the file may have layers, which `import_layers` gives; ``parts``, how many
-    pages or frames it has, of which this is the first; ``pages``, whether they are pages.
+    pages or frames it has; ``pages``, whether they are pages.
 
     Args:
         content: a file as `normalgan.inference.reading.picture.read_picture` reads it.
         name: what to call it in an error.
+        part: which page or frame, from 1.
 
     Raises:
-        InputError: if it is none, or too narrow.
+        InputError: if it is none, or too narrow, or has no such part.
     """
-    picture = read_picture(Path(name), content)
+    parts = count_parts(content)
+    pages = moving_kind(Path(name), content) == PAGES
+    if part > parts:
+        raise InputError(f"there is no {'page' if pages else 'frame'} {part} in {name}; it has {parts}.")
+    if part == 1:
+        picture = read_picture(Path(name), content)
+    else:
+        picture = to_picture(decode_frames(name, content, (SMALLEST, LARGEST)).parts[part - 1].decoded)
     given = [picture.shape[1], picture.shape[0]]
     if max(picture.size) > MOST_SIDE:
         picture = picture.resized(fitted(picture.size, MOST_SIDE))
@@ -46,8 +55,8 @@ def import_picture(content: bytes, name: str = "the picture") -> Imported:
         "height": height,
         "given": given,
         "layered": layered_kind(Path(name), content) is not None,
-        "parts": count_parts(content),
-        "pages": moving_kind(Path(name), content) == PAGES,
+        "parts": parts,
+        "pages": pages,
     }
 
 

@@ -1,8 +1,9 @@
 """Predictor: the studio's model, with a cache of the last predictions."""
 
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from hashlib import sha256
 from pathlib import Path
 from threading import Lock
 from typing import TypeVar
@@ -11,6 +12,8 @@ import cv2
 import numpy as np
 
 from normalgan.arrays import BoolMask, Floats
+from normalgan.errors import InputError, RunError
+from normalgan.inference.composites.context import Context, context_of, in_context
 from normalgan.inference.mask.reader import read
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.network.upsampling import Coarse
@@ -22,6 +25,7 @@ from normalgan.studio.drawing_request import DrawingRequest
 
 __all__ = ["Predictor"]
 
+K = TypeVar("K")
 T = TypeVar("T")
 
 _REMEMBERED = 2**24
@@ -34,6 +38,8 @@ As many drawings are kept prepared: while a pin is turned, nothing but the hints
 _Key = tuple[bytes, int | None, int]
 _LEFT = 0.9
 """The share of an outline's lines that must be left for its object to be held while it is open."""
+_CONTEXTS = 16
+"""Drawings of several layers of which it is kept what the network sees."""
 _TABS = 32
 """Layers of tabs whose objects are held."""
 
@@ -74,21 +80,32 @@ class Predictor:
         self._lock = Lock()
         self._predicted: OrderedDict[_Key, NormalMap] = OrderedDict()
         self._prepared: OrderedDict[_Key, tuple[Prepared, tuple[int, int]]] = OrderedDict()
+        self._contexts: OrderedDict[tuple[_Key, ...], Context] = OrderedDict()
         self._closed: OrderedDict[str, _Closed] = OrderedDict()
         self._count = 0
 
-    def predict(self, drawing: DrawingRequest, longest: int | None, check: Callable[[], None]) -> NormalMap:
+    def predict(
+        self,
+        drawing: DrawingRequest,
+        parts: Sequence[DrawingRequest],
+        longest: int | None,
+        check: Callable[[], None],
+    ) -> NormalMap:
         """Return the normal map of a drawing; it may be called by several threads.
 
         Args:
             drawing: the drawing.
+            parts: among which the network is to see it, the hindmost first, with the drawing itself; empty
+                if it is alone.
             longest: longer side of the map in pixels; None is the drawing's own.
             check: called between the steps; what it raises ends the prediction.
 
         Raises:
             InputError: if the drawing cannot be used.
         """
-        key = drawing.digest(), longest, self._version(drawing.tab)
+        context = self._context(parts, longest)
+        around = sha256(b"" if context is None else context.seen.tobytes()).digest()
+        key = drawing.digest() + around, longest, self._version(drawing.tab)
         predicted = self._recalled(self._predicted, key)
         if predicted is None:
 
@@ -99,11 +116,34 @@ class Predictor:
             check()
             prepared, shape = self._prepare(drawing, longest)
             check()
+            if context is not None:
+                prepared = in_context(prepared, context)
             predicted = predict(self.model, hinted(prepared, drawing.read_hints(shape), shape), upsample)
             predicted = replace(predicted, extended=drawing.edit(predicted.extended, predicted.mask, shape))
             key = *key[:2], self._version(drawing.tab)
             self._remember(self._predicted, key, predicted, _size_of_map)
         return predicted
+
+    def _context(self, parts: Sequence[DrawingRequest], longest: int | None) -> Context | None:
+        """Return what the network sees of the parts of a drawing; None if only one can be seen."""
+        if len(parts) < 2:
+            return None
+        seen = []
+        for part in parts:
+            try:
+                seen.append((part, self._prepare(part, longest)[0]))
+            except InputError as error:
+                if isinstance(error, RunError):
+                    raise
+        # Those of different sizes are refused later.
+        if len(seen) < 2 or len({prepared.ink.shape for _, prepared in seen}) > 1:
+            return None
+        key = tuple((part.lines_digest(), longest, self._version(part.tab)) for part, _ in seen)
+        found = self._recalled(self._contexts, key)
+        if found is None:
+            found = context_of([prepared for _, prepared in seen])
+            self._remember(self._contexts, key, found, lambda _: _REMEMBERED // _CONTEXTS)
+        return found
 
     def _prepare(self, drawing: DrawingRequest, longest: int | None) -> tuple[Prepared, tuple[int, int]]:
         """Return a drawing without its hints as `prepare` gives it, and its own (H, W)."""
@@ -160,14 +200,14 @@ class Predictor:
         enclosed = resize(prepared.decision.outline.astype(np.float32), shape) > 0.5
         return replace(prepared, mask=enclosed | (mask > 0.5), held=True)
 
-    def _recalled(self, kept: OrderedDict[_Key, T], key: _Key) -> T | None:
+    def _recalled(self, kept: OrderedDict[K, T], key: K) -> T | None:
         with self._lock:
             if key not in kept:
                 return None
             kept.move_to_end(key)
             return kept[key]
 
-    def _remember(self, kept: OrderedDict[_Key, T], key: _Key, value: T, size_of: Callable[[T], int]) -> None:
+    def _remember(self, kept: OrderedDict[K, T], key: K, value: T, size_of: Callable[[T], int]) -> None:
         with self._lock:
             kept[key] = value
             while len(kept) > 2 and sum(map(size_of, kept.values())) > _REMEMBERED:

@@ -123,7 +123,7 @@ export async function exported(request) {
 /**
  * @typedef {{picture: string, width: number, height: number, given: [number, number], layered: boolean, parts: number,
  *   pages: boolean}} Imported picture: base64 of a PNG; given: width and height of the file; layered: whether it may
- *   have layers; parts: how many pages or frames it has, of which this is the first; pages: whether they are pages
+ *   have layers; parts: how many pages or frames it has; pages: whether they are pages
  * @typedef {{name: string, opacity: number, picture: string, x: number, y: number, width: number, height: number}} ImportedLayer
  *   opacity: 0 to 1, which the picture does not have; x, y, width, height: where it lies in the whole
  * @typedef {{layers: ImportedLayer[], plain: string[], frames: number, width: number, height: number, given: [number, number]}} ImportedLayers
@@ -137,8 +137,8 @@ function sendFile(file, path) {
   return ask(path, { method: "POST", body: file, headers });
 }
 
-/** Reads an image file of any kind. @param {Blob} file @returns {Promise<Imported>} */
-export const imported = async (file) => (await sendFile(file, "/api/import")).json();
+/** Reads an image file of any kind. @param {Blob} file @param {number} [part] which of its pages or frames, from 1 @returns {Promise<Imported>} */
+export const imported = async (file, part = 1) => (await sendFile(file, part > 1 ? `/api/import?part=${part}` : "/api/import")).json();
 
 /** Reads the visible layers of a layered file. @param {Blob} file @returns {Promise<ImportedLayers>} */
 export const importedLayers = async (file) => (await sendFile(file, "/api/import?as=layers")).json();

@@ -13,12 +13,15 @@ import { say, text } from "./text.js";
  * @typedef {[number, number, number]} Normal camera space: x right, y up, z to the viewer
  * @typedef {{x: number, y: number, normal: Normal, reach?: number}} Hint in pixels of the drawing, x right, y down;
  *   reach: how far it has an effect
- * @typedef {{points: number[], normal: Normal, size?: number}} Area x, y, x, y, … of a polygon that is turned as a
- *   whole, or of a stroke of that width that is brushed with a direction
+ * @typedef {{kind: "round" | "flat" | "hollow", bevel: number, strength: number}} Form bevel: how far the curve or the
+ *   bevel reaches inwards, as a share of the part's depth; strength: how far it replaces what is predicted; both to 1
+ * @typedef {{points: number[], normal: Normal, size?: number, form?: Form | null, soft?: number}} Area x, y, x, y, … of a
+ *   polygon that is turned as a whole, or of a stroke of that width that is brushed with a direction; form and soft are a
+ *   polygon's; soft: the share of its depth in which it fades out
  * @typedef {{adds: boolean, size: number, points: number[], fills?: boolean}} MaskStroke x, y, x, y, … where the object is
  *   added to or cut from; fills: a click, for all of the area between lines about it
  * @typedef {{id: number, name: string, visible: boolean, strokes: Stroke[], hints: Hint[], areas: Area[],
- *   mask: MaskStroke[], source: Source}} Layer a part of the drawing, which is painted for itself
+ *   mask: MaskStroke[], source: Source, form: Form | null}} Layer a part of the drawing
  * @typedef {null | "outline" | "model"} Source where a layer's object is: by itself, inside the outline, as the model sees it
  * @typedef {Omit<Placed, "kind"> & {opacity: number, visible: boolean}} Picture to trace or to look at
  * @typedef {{name: string}} Settings
@@ -41,7 +44,7 @@ export const MOST_PICTURES = 8;
 export const LONGEST_NAME = 80;
 
 /** @param {number} id @param {string} name @returns {Layer} */
-const newLayer = (id, name) => ({ id, name, visible: true, strokes: [], hints: [], areas: [], mask: [], source: null });
+const newLayer = (id, name) => ({ id, name, visible: true, strokes: [], hints: [], areas: [], mask: [], source: null, form: null });
 
 /** What a layer is called that nobody has named. @param {number} number */
 const usualName = (number) => say("layerNumber", { number });
@@ -172,7 +175,7 @@ export function paintsAlike(a, b) {
   if (a.layers === b.layers) return true;
   const [from, to] = [drawnLayers(a), drawnLayers(b)];
   return from.length === to.length && from.every((layer, i) =>
-    /** @type {const} */ (["id", "strokes", "hints", "areas", "mask", "source"]).every((part) => layer[part] === to[i][part]));
+    /** @type {const} */ (["id", "strokes", "hints", "areas", "mask", "source", "form"]).every((part) => layer[part] === to[i][part]));
 }
 
 /** All pictures of a document, which must be decoded before it is shown. @param {Doc} doc @returns {string[]} */
@@ -203,10 +206,16 @@ const isNormal = (value) =>
 const isHint = (value) =>
   isNumber(value.x) && isNumber(value.y) && isNormal(value.normal) && (value.reach === undefined || isNumber(value.reach));
 /** @type {Check} */
+const isShare = (value) => isNumber(value) && value >= 0 && value <= 1;
+/** @type {Check} */
+const isForm = (value) =>
+  value === null || value === undefined ||
+  (["round", "flat", "hollow"].includes(value.kind) && isShare(value.bevel) && value.bevel > 0 && isShare(value.strength));
+/** @type {Check} */
 const isArea = (value) =>
   Array.isArray(value.points) && value.points.length >= (value.size === undefined ? 6 : 2) &&
   value.points.length % 2 === 0 && value.points.every(isNumber) && isNormal(value.normal) &&
-  (value.size === undefined || (isNumber(value.size) && value.size > 0));
+  (value.size === undefined || (isNumber(value.size) && value.size > 0)) && isForm(value.form) && (value.soft === undefined || isShare(value.soft));
 /** @type {Check} */
 const isMaskStroke = (value) =>
   typeof value.adds === "boolean" && [undefined, true].includes(value.fills) && isNumber(value.size) && value.size > 0 && Array.isArray(value.points) &&
@@ -219,7 +228,7 @@ const isList = (list, check, most) => Array.isArray(list) && list.length <= most
 /** @type {Check} */
 const isLayer = (value) =>
   Number.isInteger(value.id) && value.id >= 0 && typeof value.name === "string" && value.name.length > 0 &&
-  value.name.length <= LONGEST_NAME && typeof value.visible === "boolean" && [null, "outline", "model"].includes(value.source) &&
+  value.name.length <= LONGEST_NAME && typeof value.visible === "boolean" && [null, "outline", "model"].includes(value.source) && isForm(value.form) &&
   isList(value.strokes, (stroke) => (stroke.kind === "picture" ? isPlaced(stroke) : isLine(stroke)), MOST_STROKES) &&
   isList(value.hints, isHint, MOST_HINTS) && isList(value.areas, isArea, MOST_AREAS) && isList(value.mask, isMaskStroke, MOST_MASK_STROKES);
 
@@ -268,7 +277,9 @@ export function parseDocument(value) {
     new Set(layers.map(({ id }) => id)).size === layers.length && layers.some(({ id }) => id === active);
   if (!whole) throw new Error(wrongNormal(layers) || text.notProject);
   const settings = { name: String(doc.settings?.name ?? "") };
-  return { format: FORMAT, version: VERSION, width, height, layers, active, pictures, settings };
+  // Drawings from before there were forms have none.
+  const formed = layers.map((layer) => (layer.form === undefined ? { ...layer, form: null } : layer));
+  return { format: FORMAT, version: VERSION, width, height, layers: formed, active, pictures, settings };
 }
 
 /** Pixels of the pane between a point and its ring's knob at least: the point itself is taken hold of too. */

@@ -6,6 +6,9 @@ import { say, text } from "./text.js";
 /** Steps that are listed; older ones are undone one by one. */
 const SHOWN = 200;
 
+/** Whether a line was made a shape: moved lines keep their number of points. @param {import("./document.js").Stroke | undefined} from @param {import("./document.js").Stroke | undefined} to */
+const isShaped = (from, to) => from?.kind === "pen" && to?.kind === "pen" && from.points.length !== to.points.length;
+
 /**
  * Returns what a step did.
  * @param {import("./document.js").Doc} before
@@ -23,6 +26,7 @@ export function nameOf(before, after) {
   const at = Math.max(0, before.layers.findIndex((layer, i) => layer !== after.layers[i]));
   const [old, now] = [before.layers[at], after.layers[at]];
   if (old.name !== now.name) return text.stepLayerNamed;
+  if (old.form !== now.form) return text.stepForm;
   if (old.source !== now.source) return text.stepSource;
   if (old.visible !== now.visible) return now.visible ? text.stepLayerShown : text.stepLayerHidden;
   /** @type {["strokes" | "hints" | "areas" | "mask", string, string, string][]} */
@@ -33,10 +37,12 @@ export function nameOf(before, after) {
   for (const [list, added, removed, changed] of lists) {
     const [from, to] = [old[list], now[list]];
     if (from === to) continue;
+    if (list === "strokes" && from.length === to.length && old.strokes.slice(0, -1).every((each, i) => each === now.strokes[i]) && isShaped(old.strokes.at(-1), now.strokes.at(-1))) return text.stepShape;
     if (to.length > from.length) {
       const last = list === "strokes" ? now.strokes[now.strokes.length - 1].kind : "";
       return last === "eraser" ? text.stepErased : last === "picture" ? text.stepImported : added;
     }
+    if (list === "areas" && now.areas.some((area, i) => area.form !== old.areas[i]?.form || area.soft !== old.areas[i]?.soft)) return text.stepForm;
     return to.length < from.length ? removed : changed;
   }
   const more = after.pictures.length - before.pictures.length;

@@ -9,7 +9,15 @@ import { say, text } from "./text.js";
 
 /** @typedef {"" | "drawing" | "layers" | "traced"} Way as what a picture is imported; "" asks */
 
+/**
+ * @typedef {{picture: string, width: number, height: number, given: [number, number], parts: number, pages: boolean,
+ *   layers: (() => Promise<import("./api.js").ImportedLayers>) | null}} Found layers: reads them; null: it has none
+ */
+
 const TRACED = 0.5;
+
+/** @param {{picture: string}} found */
+const urlOf = ({ picture }) => `data:image/png;base64,${picture}`;
 
 export class Importing {
   /**
@@ -60,10 +68,37 @@ export class Importing {
     try {
       const { layered, ...picture } = await imported(file);
       const layers = layered ? () => importedLayers(file) : null;
-      await this.place({ ...picture, layers }, as, file.name);
+      const found = await this.#chosen({ ...picture, layers }, as, file);
+      if (found) await this.place(found.picture, found.way, file.name, found.part);
     } catch (error) {
       this.#failed(error, file.name);
     }
+  }
+
+  /**
+   * Asks as what a file comes in, and which of its pages or frames.
+   * @param {Found} picture its first one @param {Way} as @param {File} file
+   * @returns {Promise<{picture: Found, way: Way, part: number} | null>} null: it does not
+   */
+  async #chosen(picture, as, file) {
+    let chosen = { picture, way: as, part: 1 };
+    if (!(picture.parts > 1) || as) return chosen; // without a server nobody counts them
+    const input = make("input", { type: "number", min: "1", max: String(picture.parts), value: "1" });
+    const preview = make("img", { src: urlOf(picture), alt: "", class: "thumbnail" });
+    let asked = Promise.resolve();
+    input.addEventListener("change", () => {
+      const part = input.checkValidity() ? input.valueAsNumber : 1;
+      input.value = String(part);
+      asked = imported(file, part).then((other) => {
+        chosen = { ...chosen, picture: { ...other, layers: picture.layers }, part };
+        preview.src = urlOf(chosen.picture);
+      });
+      asked.catch((error) => this.#failed(error, file.name));
+    });
+    const row = make("label", { class: "wide" }, make("span", { text: say(picture.pages ? "pageOf" : "frameOf", { count: picture.parts }) }), input);
+    const way = /** @type {Way} */ (await this.#ask(make("div", {}, preview, row), picture.layers !== null));
+    await asked;
+    return way ? { ...chosen, way } : null;
   }
 
   /** Opens a picture as a drawing of its own. @param {File} file */
@@ -80,21 +115,20 @@ export class Importing {
 
   /**
    * Puts a picture, or the layers of its file, into the document, and says so.
-   * @param {{picture: string, width: number, height: number, given: [number, number], parts: number, pages: boolean,
-   *   layers: (() => Promise<import("./api.js").ImportedLayers>) | null}} found layers: reads them; null: it has none
-   * @param {Way} as @param {string} name
+   * @param {Found} found @param {Way} as @param {string} name @param {number} [part] which of its pages or frames it is
    */
-  async place({ picture, width, height, given, parts, pages, layers }, as, name) {
-    const url = `data:image/png;base64,${picture}`;
+  async place(found, as, name, part = 1) {
+    const { width, height, given, parts, pages, layers } = found;
+    const url = urlOf(found);
     await decodeAll([url]);
-    const way = as || (await this.#ask(url, layers !== null));
+    const way = as || (await this.#ask(make("img", { src: url, alt: "", class: "thumbnail" }), layers !== null));
     if (!way) return;
     const fresh = isEmpty(this.editor.doc);
     let said = say("imported", { name });
     if (way === "layers" && layers) {
       said = await this.#placeLayers(await layers(), fresh, name);
     } else {
-      if (parts > 1) said = `${said} ${say(pages ? "importedPage" : "importedFrame", { count: parts })}`;
+      if (parts > 1) said = `${said} ${say(pages ? "importedPage" : "importedFrame", { number: part, count: parts })}`;
       const doc = fresh ? { ...this.editor.doc, width, height } : this.editor.doc;
       const placed = within(doc, width, height)({ x: 0, y: 0, width, height });
       if (way === "traced") {
@@ -133,7 +167,7 @@ export class Importing {
     return [
       say(layers.length === 1 ? "importedLayer" : "importedLayers", { name, count: layers.length }),
       ...(plain.length ? [say("importedPlain", { names: plain.map((each) => `“${each}”`).join(", ") })] : []),
-      ...(frames > 1 ? [say("importedFrame", { count: frames })] : []),
+      ...(frames > 1 ? [say("importedFrame", { number: 1, count: frames })] : []),
     ].join(" ");
   }
 
@@ -143,9 +177,8 @@ export class Importing {
     else this.status.fail(error);
   }
 
-  /** @param {string} url @param {boolean} layered @returns {Promise<string>} a way, or "" */
-  #ask(url, layered) {
-    const preview = make("img", { src: url, alt: "", class: "thumbnail" });
+  /** @param {Node} preview @param {boolean} layered @returns {Promise<string>} a way, or "" */
+  #ask(preview, layered) {
     const ways = [
       { value: "traced", text: text.asTraced },
       { value: "drawing", text: layered ? text.asOne : text.asDrawing, strong: !layered },

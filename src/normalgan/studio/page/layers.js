@@ -1,4 +1,4 @@
-/** Layers: the parts of the drawing, in their order of depth; each is painted for itself, what is in front hides the rest. */
+/** Layers: the parts of the drawing, in their order of depth; each is painted among the others, what is in front hides the rest. */
 
 import { context2d } from "./canvas.js";
 import { LONGEST_NAME, MOST_LAYERS, changedLayer, withLayerMoved, withNewLayer, withoutLayer } from "./document.js";

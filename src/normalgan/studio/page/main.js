@@ -11,6 +11,7 @@ import { Editor } from "./editor.js";
 import { Exporting } from "./exporting.js";
 import { Folder } from "./folder.js";
 import { followHistory } from "./history_list.js";
+import { followForms } from "./forms.js";
 import { teach } from "./first_steps.js";
 import { Importing } from "./importing.js";
 import { Inks } from "./ink.js";
@@ -68,9 +69,9 @@ const folder = new Folder(importing, projects);
 importing.onSeveral = (/** @type {DataTransfer} */ dropped) => folder.take(dropped);
 const exporting = new Exporting(editor, predictor, status, (map) =>
   result.viewer.shaded(map, materials.colours(Math.max(map.width, map.height))));
-const lines = new LineTool(editor, inks);
 /** @type {import("./status.js").Announce} */
 const announce = (words, kind) => status.say(words, kind);
+const lines = new LineTool(editor, inks, announce);
 const pins = new HintTool(editor, () => predictor.painted, announce);
 const areas = new AreaTool(editor, () => predictor.painted, announce);
 const points = new Points([board, overlay], pins, predictor, status);
@@ -102,6 +103,7 @@ offerSamples((doc, name) => {
 });
 followHistory(editor, announce);
 followPaper(editor, importing);
+const nextForm = followForms(editor);
 const stepLayer = followLayers(editor, inks, announce);
 autosave.addEventListener("failed", (event) => status.fail(/** @type {CustomEvent} */ (event).detail));
 
@@ -140,6 +142,12 @@ const zoom = (factor) => {
   const { camera, x, y } = middle();
   camera.zoom(x, y, factor);
 };
+// All repeats are to be seen.
+result.onLook = (/** @type {"tiled" | "pixelated"} */ way) => {
+  if (way !== "tiled") return;
+  view.fit();
+  if (result.look.tiled) zoom(1 / 3);
+};
 /** @param {number} degrees */
 const turn = (degrees) => {
   const { camera, x, y } = middle();
@@ -173,6 +181,7 @@ followKeys({
   a: () => editor.set({ tool: "mask", fills: true }),
   PageUp: () => stepLayer(1), PageDown: () => stepLayer(-1),
   ",": () => turn(-15), ".": () => turn(15),
+  g: nextForm, t: () => result.turnOver("tiled"), k: () => result.turnOver("pixelated"),
   n: () => points.next(1), "shift+n": () => points.next(-1),
   y: () => editor.set({ symmetry: !editor.symmetry }), "ctrl+a": () => select.all(), "ctrl+d": () => arranging.duplicate(), Delete: remove, Backspace: remove, Escape: escape, "?": help,
 });

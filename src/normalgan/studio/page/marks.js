@@ -120,7 +120,7 @@ export function drawAreas(context, camera, editor) {
 }
 
 /**
- * Draws a straight line that is not in the ink yet, and the line at which all is mirrored.
+ * Draws a line or a shape that is not in the ink yet, and the line at which all is mirrored.
  * @param {CanvasRenderingContext2D} context @param {Camera} camera @param {Editor} editor
  */
 export function drawGuides(context, camera, editor) {
@@ -141,7 +141,7 @@ export function drawGuides(context, camera, editor) {
   context.strokeStyle = guide.kind === "eraser" ? "rgb(200 200 210 / 80%)" : guide.colour ?? "#000";
   for (const { points } of sidesOf(guide)) {
     context.beginPath();
-    for (const i of [0, points.length - 3]) {
+    for (let i = 0; i < points.length; i += 3) {
       const { x, y } = camera.toPane(points[i], points[i + 1]);
       context.lineTo(x, y);
     }

@@ -10,7 +10,7 @@ import { inkAt } from "./ink.js";
 /**
  * @typedef {{id: number, name: string, base: number | null, bytes: number, planes: {name: string, width: number,
  *   height: number, channels: 1 | 4, box: number[]}[], hints: object[], areas: object[], mask_strokes: object[],
- *   source: import("./document.js").Source}} Fields
+ *   form: object | null, source: import("./document.js").Source}} Fields
  * @typedef {{fields: Fields, pixels: Uint8Array}} Part of a request: a layer
  */
 
@@ -155,14 +155,14 @@ export class Predictor extends EventTarget {
    */
   async askAt(longest, send, more) {
     const { doc } = this.editor;
-    const parts = drawnLayers(doc).map(({ id, name, strokes, hints, areas, mask, source }) => {
+    const parts = drawnLayers(doc).map(({ id, name, strokes, hints, areas, mask, source, form }) => {
       const { canvas, scale, pixels } = inkAt({ width: doc.width, height: doc.height, strokes }, longest);
       const { channels, bytes } = pixels();
       const { width, height } = canvas;
       /** @param {number[]} points */
       const scaled = (points) => points.map((value) => value * scale);
       const fields = {
-        id, name, source, base: null, bytes: bytes.length,
+        id, name, source, form, base: null, bytes: bytes.length,
         planes: [{ name: "ink", width, height, channels, box: [0, 0, width, height] }],
         hints: hints.map((hint) => ({ ...hint, x: hint.x * scale, y: hint.y * scale, ...(hint.reach !== undefined && { reach: hint.reach * scale }) })),
         areas: areas.map((area) => ({ ...area, points: scaled(area.points), ...(area.size && { size: area.size * scale }) })),
@@ -176,7 +176,7 @@ export class Predictor extends EventTarget {
 
   /** Returns what is sent of a layer: of its pixels those that have changed since. @param {Layer} layer @returns {Part} */
   #part(layer) {
-    const { id, name, hints, areas, mask, source } = layer;
+    const { id, name, hints, areas, mask, source, form } = layer;
     const ink = this.inks.of(layer);
     const { width, height } = ink;
     const before = this.sent.get(id);
@@ -185,7 +185,7 @@ export class Predictor extends EventTarget {
     if (before && before.channels !== channels) ({ channels, box, bytes } = ink.pixels(true));
     const base = before?.channels === channels ? before.number : null;
     const planes = [{ name: "ink", width, height, channels, box }];
-    return { fields: { id, name, source, base, bytes: bytes.length, planes, hints, areas, mask_strokes: mask }, pixels: bytes };
+    return { fields: { id, name, source, form, base, bytes: bytes.length, planes, hints, areas, mask_strokes: mask }, pixels: bytes };
   }
 
   /**
@@ -261,7 +261,8 @@ export class Predictor extends EventTarget {
     const running = new AbortController();
     this.running = running;
     this.climbing?.abort();
-    while (this.stale && this.running === running) {
+    // A stroke that is becoming a shape may be all that there is.
+    while (this.stale && this.running === running && this.#drawn().length) {
       try {
         await this.#paint(running);
       } catch (error) {

@@ -23,8 +23,12 @@ export class Result {
     this.view = "map";
     this.predictor = predictor;
     this.status = status;
+    /** How the flat views show the map. */
+    this.look = { tiled: false, pixelated: false };
     /** Called with the light that keys have moved. @type {(light: number[]) => void} */
     this.onLight = () => {};
+    /** Called when the map is repeated, or its pixels are shown, or no longer. @type {(way: "tiled" | "pixelated") => void} */
+    this.onLook = () => {};
     /** Called when another view is on show. @type {() => void} */
     this.onView = () => {};
     this.viewer = createViewer($("viewer"), {
@@ -40,6 +44,7 @@ export class Result {
       tab.addEventListener("click", () => this.show(viewOf(tab)));
       tab.addEventListener("keydown", (event) => this.#walk(event, tab));
     }
+    for (const way of /** @type {const} */ (["tiled", "pixelated"])) $(way).addEventListener("click", () => this.turnOver(way));
     const before = recalled(KEY);
     this.show(VIEWS.includes(before) ? before : "map");
   }
@@ -58,6 +63,14 @@ export class Result {
     this.viewer.setView(view);
     this.onView();
     this.predictor.wantHeight(view === "relief" && this.viewer.available);
+  }
+
+  /** Repeats the map, or shows its pixels, or no longer. @param {"tiled" | "pixelated"} way */
+  turnOver(way) {
+    this.look = { ...this.look, [way]: !this.look[way] };
+    $(way).setAttribute("aria-pressed", String(this.look[way]));
+    this.viewer.setLook(this.look);
+    this.onLook(way);
   }
 
   /** @returns {HTMLElement[]} */

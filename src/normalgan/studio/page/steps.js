@@ -127,7 +127,7 @@ export function pastOf(doc, saved, check) {
   const past = fromSteps(saved, (number) => all[number]);
   /** @param {Doc} state */
   const content = ({ width, height, layers, pictures }) => JSON.stringify([
-    width, height, pictures, ...layers.map(({ id, name, visible, strokes, hints, areas, mask, source }) => [id, name, visible, strokes, hints, areas, mask, source]),
+    width, height, pictures, ...layers.map(({ id, name, visible, strokes, hints, areas, mask, source, form }) => [id, name, visible, strokes, hints, areas, mask, source, form]),
   ]);
   try {
     // A history that does not lead to the drawing is another one's.

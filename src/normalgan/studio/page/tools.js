@@ -4,6 +4,7 @@ import { Areas } from "./areas.js";
 import { MOST_AREAS, MOST_HINTS, MOST_MASK_STROKES, activeLayer, anchorOf, changedHint, knobOf, mostReach, withArea, withHint, withMaskStroke, withStroke } from "./document.js";
 import { nearest } from "./marks.js";
 import { meanNormal, normalAt } from "./normal.js";
+import { quickShape } from "./quick_shape.js";
 import { Smoother } from "./smoothing.js";
 import { text } from "./text.js";
 
@@ -30,12 +31,25 @@ const VOICES = 64;
 /** @param {number} value */
 const round = (value) => Math.round(value * 100) / 100;
 
+/** Milliseconds that a pen is held still at the end of a stroke to make a shape of it; pixels of the pane that it may stir; and that the stroke goes at least. */
+const [HELD, STIRRED, LEAST_WAY] = [600, 4, 30];
+
 /** Pen and eraser: a stroke from down to up. */
 export class LineTool {
-  /** @param {import("./editor.js").Editor} editor @param {import("./ink.js").Inks} inks */
-  constructor(editor, inks) {
+  /**
+   * @param {import("./editor.js").Editor} editor
+   * @param {import("./ink.js").Inks} inks
+   * @param {import("./status.js").Announce} announce
+   */
+  constructor(editor, inks, announce) {
     this.editor = editor;
     this.inks = inks;
+    this.announce = announce;
+    /** @type {Touch | null} where the pen is held still, maybe */
+    this.rest = null;
+    this.waiting = 0;
+    /** @type {import("./document.js").Line | null} the stroke as it was drawn, if a shape was made of it */
+    this.raw = null;
     /** @type {import("./document.js").Line | null} */
     this.line = null;
     /** @type {Touch | null} where a straight line begins */
@@ -53,6 +67,7 @@ export class LineTool {
       ...(symmetry && { mirror: doc.width / 2 }),
     };
     this.start = editor.straight || touch.straight ? touch : null;
+    this.rest = this.raw = null;
     this.smoother = new Smoother(editor.smoothing, touch.scale);
     this.move(touch);
   }
@@ -64,27 +79,71 @@ export class LineTool {
       this.#straight(touch);
       return;
     }
+    if (this.raw) return;
+    this.#wait(touch);
     this.#add(this.smoother.move(touch));
     this.editor.draw(this.inks.of(this.editor.layer).draw(this.line, false));
   }
 
   up() {
     if (!this.line) return;
-    const { line, editor } = this;
-    if (!this.start) this.#add(this.smoother.end());
-    this.line = null;
+    const { line, raw, editor } = this;
+    clearTimeout(this.waiting);
+    if (!this.start && !raw) this.#add(this.smoother.end());
+    this.line = this.raw = null;
     editor.guide = null;
+    if (raw) {
+      // Undo leads back to the stroke as it was drawn.
+      const before = editor.doc;
+      editor.commit(withStroke(before, raw));
+      editor.commit(withStroke(before, line));
+      return;
+    }
     editor.draw(this.inks.of(editor.layer).draw(line, true), true);
     editor.commit(withStroke(editor.doc, line));
   }
 
   cancel() {
     if (!this.line) return;
-    this.line = null;
+    clearTimeout(this.waiting);
+    this.line = this.raw = null;
     this.editor.guide = null;
     this.inks.sync(this.editor.doc);
     this.editor.draw(ALL, true);
     this.editor.drop();
+  }
+
+  /** Waits whether the pen is held still; keys, which have no place in the pane, pause for other reasons. @param {Touch} touch */
+  #wait(touch) {
+    if (!touch.pane || this.line?.kind !== "pen") return;
+    if (this.rest && Math.hypot(touch.x - this.rest.x, touch.y - this.rest.y) * touch.scale < STIRRED) return;
+    this.rest = touch;
+    clearTimeout(this.waiting);
+    this.waiting = setTimeout(() => this.#shape(touch), HELD);
+  }
+
+  /** Makes a shape of the stroke, if it means one. @param {Touch} touch */
+  #shape(touch) {
+    const { line, editor, inks } = this;
+    const { scale } = touch;
+    if (!line) return;
+    const end = this.smoother.end();
+    const points = [...line.points, ...(end ? [end.x, end.y, end.pressure] : [])];
+    const places = Array.from({ length: points.length / 3 }, (_, i) => ({ x: points[3 * i], y: points[3 * i + 1] }));
+    const way = places.slice(1).reduce((sum, { x, y }, i) => sum + Math.hypot(x - places[i].x, y - places[i].y), 0);
+    const shape = way * scale < LEAST_WAY ? null : quickShape(places);
+    if (!shape) return;
+    this.raw = { ...line, points };
+    const pressure = round(points.reduce((sum, value, i) => (i % 3 === 2 ? sum + value : sum), 0) / places.length);
+    // A corner that is there twice is sharp: between points a line is curved.
+    this.line = { ...line, points: shape.points.flatMap(({ x, y }) => Array.from({ length: shape.sharp ? 2 : 1 }, () => [round(x), round(y), pressure]).flat()) };
+    // Its end may still be moved.
+    if (shape.points.length === 2) this.start = { ...touch, ...shape.points[0] };
+    inks.sync(editor.doc); // without the stroke
+    editor.draw(ALL, true);
+    editor.guide = this.line;
+    editor.mark();
+    this.announce(text.shaped);
   }
 
   /** Shows a straight line to where the pointer is; near a level, an upright or a diagonal it is exactly that. @param {Touch} touch */

@@ -23,7 +23,7 @@ function checkSize(values, width, height, channels) {
 /**
  * @typedef {{map: Picture | null, heights: Heights | null, view: View, light: number[],
  *   turn: {yaw: number, pitch: number, zoom: number}, ratio: number, frame: Frame | null, colour: number[],
- *   second: Lamp | null, falloff: number, colours: Picture | null}} Scene what is to be shown; falloff: 0 to 1; colours: of
+ *   second: Lamp | null, falloff: number, colours: Picture | null, tiled: boolean, pixelated: boolean}} Scene what is to be shown; falloff: 0 to 1; colours: of
  *   the surface, which is clay without them
  */
 /**
@@ -51,6 +51,8 @@ function checkSize(values, width, height, channels) {
  * @property {(x: number, y: number) => number[]} lightAt towards a light over a point of the canvas, in pixels of the page
  * @property {(first: Lamp, second: Lamp | null, falloff?: number) => void} setLights colours show in the views Lit and Relief
  * @property {(picture: Picture | null) => void} setColours of the surface in these views; null is clay
+ * @property {(look: {tiled: boolean, pixelated: boolean}) => void} setLook whether a flat view repeats the map, three by three, and
+ *   whether it shows its pixels
  * @property {(map: Picture, colours: Picture | null) => Uint8ClampedArray<ArrayBuffer>} shaded RGBA of a map as it is seen now, of any
  *   size; in the views of the map and the relief as lit
  * @property {() => void} resize
@@ -68,7 +70,7 @@ function checkSize(values, width, height, channels) {
  */
 export function createViewer(canvas, { onError = () => {}, text, onMove = () => {} }) {
 /** @type {Scene} */
-  const scene = { map: null, heights: null, view: "lit", light: DEFAULT_LIGHT, turn: { ...FRONT }, ratio: 1, frame: null, colour: WHITE, second: null, falloff: 0, colours: null };
+  const scene = { map: null, heights: null, view: "lit", light: DEFAULT_LIGHT, turn: { ...FRONT }, ratio: 1, frame: null, colour: WHITE, second: null, falloff: 0, colours: null, tiled: false, pixelated: false };
   const gl = canvas.getContext("webgl2", { antialias: true, depth: true });
   const ending = new AbortController();
   /** @type {ScenePainter | null} */
@@ -180,6 +182,10 @@ export function createViewer(canvas, { onError = () => {}, text, onMove = () => 
     setColours(picture) {
       scene.colours = picture;
       painter?.setColours(picture);
+      redraw();
+    },
+    setLook(look) {
+      Object.assign(scene, look);
       redraw();
     },
     shaded(map, colours) {

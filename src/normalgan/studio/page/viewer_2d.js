@@ -167,8 +167,10 @@ export function createPlainPainter(canvas, text, redraw) {
       if (scene.view === "map") drawChecker(place, scene.ratio);
       fillSheet(scene.map, scene);
       context.imageSmoothingQuality = "medium"; // "high" enlarges with halos
+      context.imageSmoothingEnabled = !scene.pixelated;
       context.setTransform(...place);
-      context.drawImage(sheet, 0, 0, 1, 1);
+      const beside = scene.tiled ? [-1, 0, 1] : [0];
+      for (const x of beside) for (const y of beside) context.drawImage(sheet, x, y, 1, 1);
       context.setTransform(1, 0, 0, 1, 0, 0);
     }
   }

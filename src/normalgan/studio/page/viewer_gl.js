@@ -88,6 +88,11 @@ export function createGlPainter(canvas, gl) {
     gl.uniform3f(at.checker, CHECKER.side * scene.ratio, Math.round(place[4]), Math.round(place[5]));
     gl.uniformMatrix3fv(at.way, false, inverted(place));
     gl.uniform1f(at.height, canvas.height);
+    gl.uniform1f(at.rim, scene.tiled ? 1 : 0);
+    for (const unit of [MAP_UNIT, PAINT_UNIT]) {
+      gl.activeTexture(gl.TEXTURE0 + unit);
+      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, scene.pixelated ? gl.NEAREST : gl.LINEAR);
+    }
     gl.bindVertexArray(nothing);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }

@@ -88,12 +88,15 @@ precision highp int;
 uniform sampler2D map;
 uniform mat3 way; // from pixels of the canvas, downwards, to shares of the map
 uniform float height; // of the canvas
+uniform float rim; // how many maps lie on each side of the middle one, all alike
 out vec4 colour;`;
 const FLAT_PLACE = `
   vec2 pixel = vec2(gl_FragCoord.x, height - gl_FragCoord.y);
   vec2 at = (way * vec3(pixel, 1.0)).xy;
-  vec4 texel = texture(map, at);
-  if (at != clamp(at, 0.0, 1.0)) { colour = vec4(0.0); return; }`;
+  vec2 across = dFdx(at), down = dFdy(at);
+  if (at != clamp(at, -rim, 1.0 + rim)) { colour = vec4(0.0); return; }
+  if (rim > 0.0) at = fract(at);
+  vec4 texel = textureGrad(map, at, across, down);`;
 
 const MAP_FRAGMENT = `${FLAT_HEAD}
 uniform vec3 checker; // side of a cell in pixels, then the map's upper left corner

@@ -1,0 +1,183 @@
+"""Forms: make a part of a map round, flat or hollow, with a bevel, as a hand asks for."""
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal, get_args
+
+import cv2
+import numpy as np
+
+from normalgan.arrays import BoolMask, Floats
+from normalgan.inference.vectors import unit
+from normalgan.normals import normalize
+
+__all__ = ["KINDS", "Form", "feather", "give_form"]
+
+_Kind = Literal["round", "flat", "hollow"]
+KINDS: tuple[_Kind, ...] = get_args(_Kind)
+
+_SIDE = 256
+"""Longer side in pixels at which a form is computed; it is smooth, and enlarged to the map's size."""
+_COARSE = 64
+"""Longer side at which the inflation starts; from there on each size only mends the one before it."""
+_SWEEPS = 24
+"""Of each larger size."""
+_OUTSIDE = 2.0
+"""How strongly the surface is held down off the part; a partly covered pixel is held down in part."""
+_DISH = math.sin(math.radians(60))
+"""Sine of the slope at the rim of a hollow: a vertical wall would only be a dark line."""
+
+
+@dataclass(frozen=True)
+class Form:
+    """The form of a part.
+
+    Args:
+        kind: "round" curves it towards the viewer, "flat" gives it a face with a bevel of 45°, "hollow" makes
+            it a dish.
+        bevel: how far the curve or the bevel reaches inwards, as a share of the part's depth, above 0 to 1;
+            the rest is level.
+        strength: how far the form replaces the predicted normals, 0 to 1.
+    """
+
+    kind: _Kind
+    bevel: float
+    strength: float
+
+
+def give_form(normals: Floats, mask: BoolMask, area: Floats, form: Form) -> Floats:
+    """Return a map with a part of it brought to a form.
+
+    Args:
+        normals: (H, W, 3), unit.
+        mask: (H, W), the object.
+        area: (H, W) in [0, 1], how much each pixel belongs to the part.
+        form: which.
+
+    Example:
+        A flat coin faces the viewer in its middle and leans out at its rim:
+
+        >>> y, x = np.mgrid[:64, :64] - 31.5
+        >>> coin = np.hypot(x, y) < 30
+        >>> dome = np.dstack([x / 31, -y / 31, np.sqrt(np.clip(1 - (x**2 + y**2) / 31**2, 0, 1))])
+        >>> flat = give_form(dome.astype(np.float32), coin, coin.astype(np.float32), Form("flat", 0.2, 1))
+        >>> flat[32, 32].round(2).tolist(), flat[32, 59].round(1).tolist()
+        ([0.0, 0.0, 1.0], [0.6, 0.0, 0.8])
+    """
+    part = area * mask
+    found = _box(part > 0.5)
+    if found is None or form.strength == 0:
+        return normals
+    top, left, bottom, right = found
+    box = np.s_[top:bottom, left:right]
+    height, width = bottom - top, right - left
+    scale = min(_SIDE / max(height, width), 1)
+    size = max(round(width * scale), 1), max(round(height * scale), 1)
+    small = cv2.resize(part[box], size, interpolation=cv2.INTER_AREA) if scale < 1 else part[box]
+    shaped = _shaped(np.rint(small * 255).astype(np.uint8).tobytes(), size, form.kind, form.bevel)
+    if scale < 1:
+        shaped = np.asarray(cv2.resize(shaped, (width, height), interpolation=cv2.INTER_LINEAR), np.float32)
+    share = (form.strength * area[box])[..., None]
+    formed = normals.copy()
+    formed[box] = unit((1 - share) * normals[box] + share * shaped, front=True)
+    return formed
+
+
+def feather(area: Floats, soft: float) -> Floats:
+    """Return an area (H, W) that fades out inwards, so that no edge of it is seen in the curvature.
+
+    Args:
+        area: (H, W) in [0, 1].
+        soft: the share of the area's depth in which it fades out, above 0 to 1.
+    """
+    depth = _depth(area > 0.5)
+    width = soft * float(depth.max())
+    if width <= 0:
+        return area
+    rise = np.clip((depth - 0.5) / width, 0, 1)
+    # Its first two derivatives are zero at both ends (Perlin 2002, "Improving noise").
+    faded = rise**3 * (rise * (6 * rise - 15) + 10)
+    # Nor has it any where two sides are equally near.
+    return np.asarray(cv2.GaussianBlur(faded, (0, 0), max(width / 6, 0.5)), np.float32)
+
+
+def _box(inside: BoolMask) -> tuple[int, int, int, int] | None:
+    """Return top, left, bottom and right of what is inside with a pixel around it, or None if nothing is."""
+    rows, columns = np.flatnonzero(inside.any(1)), np.flatnonzero(inside.any(0))
+    if not rows.size:
+        return None
+    height, width = inside.shape
+    top, left = max(int(rows[0]) - 1, 0), max(int(columns[0]) - 1, 0)
+    return top, left, min(int(rows[-1]) + 2, height), min(int(columns[-1]) + 2, width)
+
+
+@lru_cache(maxsize=32)  # while a ball or a slider is moved, all other parts stay
+def _shaped(part: bytes, size: tuple[int, int], kind: _Kind, bevel: float) -> Floats:
+    """Return the normals (h, w, 3) of a part in a form.
+
+    Args:
+        part: 8-bit coverage of its pixels.
+        size: width and height.
+        kind: as in `Form`.
+        bevel: as in `Form`.
+    """
+    inside = np.frombuffer(part, np.uint8).reshape(size[::-1]).astype(np.float32) / np.float32(255)
+    rim = 1 + (round(0.3 * max(size) * bevel) if kind == "flat" else 0)  # as far as what is blurred reaches
+    inside = np.pad(inside, rim)
+    depth = _depth(inside > 0.5)
+    deepest = max(float(depth.max()), 1.0)
+    width = max(bevel * deepest, 1.0)
+    if kind == "flat":
+        off = cv2.distanceTransform((inside <= 0.5).astype(np.uint8), cv2.DIST_L2, 5)
+        height = cv2.GaussianBlur(np.minimum(depth - off, width), (0, 0), max(0.15 * width, 0.7))
+        down, right = _slopes(height)
+        normals = np.dstack([-right, down, np.ones_like(right)])
+    else:
+        # The surface whose square solves a screened Poisson equation: a ball over a disc, a round limb over a
+        # strip, and level farther in than the width.
+        level = 4 / width**2 - 4 / deepest**2 if width < deepest else 0.0
+        square = _inflated(inside, level)
+        down, right = _slopes(square)
+        normals = normalize(np.dstack([-right, down, 2 * np.sqrt(square) + np.float32(1e-3)]))
+        if kind == "hollow":
+            dish = np.float32(-_DISH) * normals[..., :2]
+            rest = np.clip(1 - (dish**2).sum(-1), 0, 1)
+            normals = np.dstack([dish, np.sqrt(rest)])
+    return np.asarray(normalize(normals.astype(np.float32))[rim:-rim, rim:-rim])
+
+
+def _inflated(inside: Floats, level: float) -> Floats:
+    """Return u (h, w) with ∇²u - level u = -4 inside and nearly 0 outside, from coarse to fine."""
+    height, width = inside.shape
+    if max(height, width) > _COARSE:
+        half = (height + 1) // 2, (width + 1) // 2
+        shrunk = cv2.resize(inside, half[::-1], interpolation=cv2.INTER_AREA)
+        coarse = _inflated(np.asarray(shrunk, np.float32), 4 * level)
+        square = 4 * cv2.resize(coarse, (width, height), interpolation=cv2.INTER_LINEAR)
+        sweeps, ahead = _SWEEPS, 1.0
+    else:
+        square = np.zeros_like(inside)
+        # The best overrelaxation of a square of that side (Young 1954).
+        sweeps, ahead = 2 * max(height, width), 2 / (1 + math.sin(math.pi / max(height, width)))
+    y, x = np.ogrid[:height, :width]
+    colours = [((x + y) % 2 == parity).astype(np.float32) for parity in (0, 1)]
+    gain = np.float32(ahead) / (4 + np.float32(level) + np.float32(_OUTSIDE) * (1 - inside))
+    kernel = np.array([[0, 1, 0], [1, 0, 1], [0, 1, 0]], np.float32)
+    for _ in range(sweeps):
+        for colour in colours:
+            wanted = cv2.filter2D(square, -1, kernel, borderType=cv2.BORDER_CONSTANT) + 4 * inside
+            square = square + colour * (wanted * gain - np.float32(ahead) * square)
+    return np.asarray(np.maximum(square, 0), np.float32)
+
+
+def _slopes(values: Floats) -> tuple[Floats, Floats]:
+    """Return by how much values (h, w) rise a pixel downwards and to the right."""
+    down, right = np.gradient(values)
+    return np.asarray(down, np.float32), np.asarray(right, np.float32)
+
+
+def _depth(inside: BoolMask) -> Floats:
+    """Return how far (h, w) each pixel lies within an area, in pixels; beyond the picture is outside."""
+    padded = np.pad(inside.astype(np.uint8), 1)
+    return np.asarray(cv2.distanceTransform(padded, cv2.DIST_L2, 5)[1:-1, 1:-1], np.float32)
