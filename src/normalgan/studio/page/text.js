@@ -242,7 +242,7 @@ export const text = {
   asDrawing: "Drawing",
   asOne: "One drawing",
   asLayers: "Layers",
-  layersHelp: "Layers keep their order and place, and each is predicted separately.",
+  layersHelp: "Layers keep their order and place. Each gets a map of its own and is seen among the others.",
   asTraced: "Reference picture",
   importHelp: "A reference picture lies under or beside the drawing and doesn't affect the map.",
   paperTitle: "Paper",

@@ -228,7 +228,7 @@ export const words = {
   asDrawing: "Zeichnung",
   asOne: "Eine Zeichnung",
   asLayers: "Ebenen",
-  layersHelp: "Ebenen behalten Reihenfolge und Platz, und jede wird einzeln vorhergesagt.",
+  layersHelp: "Ebenen behalten Reihenfolge und Platz. Jede bekommt eine eigene Map und wird zwischen den anderen gesehen.",
   asTraced: "Referenzbild",
   importHelp: "Ein Referenzbild liegt unter oder neben der Zeichnung und ändert die Map nicht.",
   paperTitle: "Papier",

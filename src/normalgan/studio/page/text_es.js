@@ -228,7 +228,7 @@ export const words = {
   asDrawing: "Dibujo",
   asOne: "Un solo dibujo",
   asLayers: "Capas",
-  layersHelp: "Las capas conservan su orden y lugar, y cada una se predice por separado.",
+  layersHelp: "Las capas conservan su orden y lugar. Cada una recibe su propio mapa y se ve entre las demás.",
   asTraced: "Imagen de referencia",
   importHelp: "Una imagen de referencia va debajo del dibujo o al lado y no afecta al mapa.",
   paperTitle: "Papel",

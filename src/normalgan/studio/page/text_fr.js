@@ -228,7 +228,7 @@ export const words = {
   asDrawing: "Dessin",
   asOne: "Un seul dessin",
   asLayers: "Calques",
-  layersHelp: "Les calques gardent leur ordre et leur place, et chacun est prédit séparément.",
+  layersHelp: "Les calques gardent leur ordre et leur place. Chacun reçoit sa propre carte et est vu parmi les autres.",
   asTraced: "Image de référence",
   importHelp: "Une image de référence se place sous le dessin ou à côté et ne change pas la carte.",
   paperTitle: "Papier",

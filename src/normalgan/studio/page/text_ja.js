@@ -228,7 +228,7 @@ export const words = {
   asDrawing: "絵",
   asOne: "1枚の絵",
   asLayers: "レイヤー",
-  layersHelp: "レイヤーは順序と位置を保ち、それぞれ別々に予測されます。",
+  layersHelp: "レイヤーは順序と位置を保ちます。それぞれが他のレイヤーとともに見られ、個別のマップになります。",
   asTraced: "参考画像",
   importHelp: "参考画像は絵の下や横に置かれ、マップには影響しません。",
   paperTitle: "用紙",

@@ -228,7 +228,7 @@ export const words = {
   asDrawing: "绘图",
   asOne: "一张绘图",
   asLayers: "图层",
-  layersHelp: "图层保持顺序和位置，各自单独预测。",
+  layersHelp: "图层保持顺序和位置。每个图层与其他图层一起被识别，并得到自己的贴图。",
   asTraced: "参考图",
   importHelp: "参考图位于绘图下方或旁边，不影响贴图。",
   paperTitle: "画纸",
