@@ -76,7 +76,7 @@ def test_a_sprite_has_the_details_that_generate_gives_it(here: Path) -> None:
     assert main(["generate", "fox.png", "--model", "model.onnx", *options]) == 0
     assert Path("a.png").read_bytes() == Path("normals/fox_normal.png").read_bytes()
     answer = call("infer", drawing="fox.png", output="b.png", detail=2)
-    assert "detail is 2" in answer.content[0].text
+    assert "detail of Sprite is 2.0; it must be from 0 to 1" in answer.content[0].text
 
 
 @pytest.mark.parametrize(

@@ -298,7 +298,7 @@ def test_a_saved_project_keeps_its_history(studio: Studio, tmp_path: Path) -> No
     rows = page.locator("#history-list button")
     rows.first.wait_for()  # the list is filled once it is open
     steps = rows.all_inner_texts()
-    assert steps == ["Beginning", "Line", "Layer added", "Line"]
+    assert steps == ["Beginning", "Line", "Form changed", "Layer added", "Line"]
     page.locator("#history summary").click()
     page.keyboard.press("Control+z")
     page.keyboard.press("Control+z")
@@ -309,7 +309,7 @@ def test_a_saved_project_keeps_its_history(studio: Studio, tmp_path: Path) -> No
         page.locator("#download-project").click()
     waiting.value.save_as(tmp_path / "past.normalgan")
     kept = json.loads((tmp_path / "past.normalgan").read_text(encoding="utf-8"))
-    assert len(kept["history"]["steps"]) == 4
+    assert len(kept["history"]["steps"]) == 5
     # A damaged history is left out, and the drawing is opened.
     kept["history"]["steps"][1] = {"layers": [7], "pictures": [0], "more": {}}
     (tmp_path / "past.normalgan").write_text(json.dumps(kept), encoding="utf-8")
