@@ -52,8 +52,8 @@ _PAIRS_PER_SHARD = 8
 class MeshDataModule(LightningDataModule):
     """Makes or reads sketches, normal maps and masks, and serves them and drawings to predict in batches.
 
-    What researchers change from run to run is a parameter of its own, as in other data modules; the rest is
-    grouped.
+    Settings that researchers change from run to run are parameters of their own, as in other data modules;
+    the rest is grouped.
 
     Args:
         meshes: a folder, a glob or a list of mesh files (.off .obj .ply .stl .glb .gltf); None takes the

@@ -64,7 +64,7 @@ def write_onnx(model: Deployed, notes: Mapping[str, str]) -> bytes:
         raise InputError(
             "ONNX needs two more packages; install them with pip install 'normalgan[export]'."
         ) from None
-    from normalgan.exporting.onnx_file import finish, simplify
+    from normalgan.exporting.onnx_file import finish, fold_constants
 
     batch = {0: Dim.DYNAMIC}
     with warnings.catch_warnings(), quiet_loggers("torch.onnx", "onnxscript", "onnx_ir", level=logging.ERROR):
@@ -82,7 +82,7 @@ def write_onnx(model: Deployed, notes: Mapping[str, str]) -> bytes:
         )
     if program is None:
         raise RuntimeError("torch.onnx.export returned nothing")
-    return finish(simplify(program.model_proto), notes)
+    return finish(fold_constants(program.model_proto), notes)
 
 
 def read_onnx(content: bytes) -> Run:

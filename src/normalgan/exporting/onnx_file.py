@@ -9,14 +9,14 @@ from onnxscript import optimizer
 
 from normalgan.errors import InputError, brief
 
-__all__ = ["finish", "halve", "lowered", "simplify"]
+__all__ = ["finish", "fold_constants", "halve", "lowered"]
 
 _SMALL = 64
 """Tensors of fewer elements stay as they are: shapes, scales and the like weigh nothing."""
 
 
-def simplify(model: ModelProto) -> ModelProto:
-    """Return a model in which what depends on constants alone is computed; weights keep their names."""
+def fold_constants(model: ModelProto) -> ModelProto:
+    """Return a model in which all that depends on constants alone is computed; weights keep their names."""
     done = ModelProto()
     done.CopyFrom(model)
     optimizer.fold_constants(done)

@@ -58,7 +58,7 @@ MOST_POINTS = 4000
 _SOFT = 0.01
 """Width of the edge of an area that does not fade out, as a share of the map's longer side."""
 _FADES = 0.5
-"""The share of its depth in which an area fades out that has no form and says nothing else."""
+"""The share of its depth in which an area without a form fades out, unless it says how far."""
 _INKED = 0.35
 """How dark a line is at least that parts one area from another."""
 _PNG = b"\x89PNG\r\n\x1a\n"
@@ -248,7 +248,7 @@ def read_form(name: str, given: Any) -> Form:
     """Return a form: ``kind``, ``bevel`` and ``strength``.
 
     Raises:
-        InputError: if it is none.
+        InputError: if it is not one.
     """
     if isinstance(given, dict) and set(given) == {"kind", "bevel", "strength"}:
         kind, bevel, strength = (given[each] for each in ("kind", "bevel", "strength"))

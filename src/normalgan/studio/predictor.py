@@ -39,7 +39,7 @@ _Key = tuple[bytes, int | None, int]
 _LEFT = 0.9
 """The share of an outline's lines that must be left for its object to be held while it is open."""
 _CONTEXTS = 16
-"""Drawings of several layers of which it is kept what the network sees."""
+"""Drawings of several layers whose context is kept."""
 _TABS = 32
 """Layers of tabs whose objects are held."""
 

@@ -66,17 +66,17 @@ class Weights:
         return len(text).to_bytes(8, "little") + text + numbers
 
 
-def parse_weights(content: bytes, name: str = "the file") -> Weights:
+def parse_weights(content: bytes, name: str = "the file", is_onnx: bool = False) -> Weights:
     """Return the weights in the content of a file; nothing in it is executed.
 
     Args:
         content: of the file.
-        name: of the file, in what is said of it; one that ends in .onnx is read as ONNX.
+        name: of the file, in error messages.
+        is_onnx: whether it is ONNX and not safetensors.
 
     Raises:
         InputError: if it is damaged, holds another model, or one that cannot be built here.
     """
-    is_onnx = name.lower().endswith(_ONNX)
     try:
         metadata, tensors = (parse_onnx if is_onnx else _parse_safetensors)(content)
     except Exception as error:  # each library has its own classes of errors, and torch others
@@ -119,7 +119,7 @@ def read_weights(path: Path) -> Weights:
         content = read_bounded(path)
     except OSError as error:
         raise InputError(f"the weights {path} cannot be read: {error.strerror}.") from None
-    return parse_weights(content, str(path))
+    return parse_weights(content, str(path), path.suffix.lower() == _ONNX)
 
 
 def _parse_safetensors(content: bytes) -> tuple[dict[str, str], dict[str, Tensor]]:

@@ -69,7 +69,7 @@ def painted_areas(colour: Floats, paper: Floats, level: Floats, step: BoolMask) 
     """Return where a drawing is painted, (H, W), and the paper with painted areas as wide as they are.
 
     The paper is found by a window, so that of a painted body the window shows the trunk and not the legs,
-    which are narrower. What is connected with the trunk and has its colour belongs to it.
+    which are narrower. Pixels that are connected with the trunk and have its colour belong to it.
 
     Args:
         colour: (H, W, 3), the drawing; (H, W) if it is grey.
