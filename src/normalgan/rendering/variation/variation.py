@@ -6,7 +6,7 @@ from normalgan.errors import InputError
 
 __all__ = ["MOST", "Variation"]
 
-MOST = {"bend": 180.0, "twist": 360.0}
+MOST = {"bend": 180.0, "twist": 360.0, "joints": 90.0, "tilt": 180.0}
 """Strengths that are no shares; shares go up to 0.9, so that nothing shrinks to nothing."""
 
 
@@ -26,6 +26,10 @@ class Variation:
         lattice: random pulls at a lattice of 4 × 4 × 4 points about the object, as a share of its size.
         bumps: height of a dozen bumps and hollows, as a share of their width.
         asymmetry: how much left and right differ: 0 mirrors all changes; it alone changes nothing.
+        joints: up to so many degrees by which limbs bend at places that are found on the surface, for bodies
+            without a skeleton. By default none do.
+        tilt: up to so many degrees by which it leans or lies, to any side; most lean little. By default it
+            stands.
 
     Raises:
         InputError: if a strength is negative, or so large that nothing recognisable would be left.
@@ -45,6 +49,8 @@ class Variation:
     lattice: float = 0.06
     bumps: float = 0.15
     asymmetry: float = 0.4
+    joints: float = 0.0
+    tilt: float = 0.0
 
     def __post_init__(self) -> None:
         """Check that all strengths are finite and leave a shape."""

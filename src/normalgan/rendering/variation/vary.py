@@ -1,5 +1,7 @@
 """vary: another individual of a mesh, and its normals."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from normalgan.arrays import Doubles
@@ -7,6 +9,7 @@ from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.variation.bending import in_turn
 from normalgan.rendering.variation.draws import draw
 from normalgan.rendering.variation.frame import find_frame
+from normalgan.rendering.variation.joints import find_joints
 from normalgan.rendering.variation.steps import Object, steps
 from normalgan.rendering.variation.variation import Variation
 
@@ -30,6 +33,9 @@ def vary(mesh: Mesh, variation: Variation, rng: np.random.Generator) -> Mesh:
     """
     if variation.none():
         return mesh
+    limbs, lean = rng.spawn(2)
+    if variation.joints:
+        mesh = _bend_limbs(mesh, np.deg2rad(variation.joints), limbs)
     frame = find_frame(mesh)
     points = frame.inward(mesh.vertices.astype(np.float64))
     normals = mesh.normals.astype(np.float64) @ frame.axes.T
@@ -46,9 +52,36 @@ def vary(mesh: Mesh, variation: Variation, rng: np.random.Generator) -> Mesh:
     turned_normals = np.einsum("vij,vj->vi", turned, normals) @ frame.axes
     turned_normals /= np.linalg.norm(turned_normals, axis=1, keepdims=True)
     vertices = frame.outward(moved)
+    if variation.tilt:
+        turn = _lean(np.deg2rad(variation.tilt), lean)
+        vertices, turned_normals = vertices @ turn.T, turned_normals @ turn.T
     vertices -= (vertices.min(axis=0) + vertices.max(axis=0)) / 2
     vertices /= np.linalg.norm(vertices, axis=1).max()
     return Mesh(mesh.name, vertices.astype(np.float32), mesh.faces, turned_normals.astype(np.float32))
+
+
+def _bend_limbs(mesh: Mesh, most: float, rng: np.random.Generator) -> Mesh:
+    """Return the mesh with the joints of its limbs turned by up to ``most`` radians, each about any axis."""
+    points, normals = mesh.vertices.astype(np.float64), mesh.normals.astype(np.float64)
+    for joint in find_joints(points, mesh.faces, rng):
+        axis = np.cross(joint.outward, rng.standard_normal(3))
+        axis /= np.linalg.norm(axis)
+        angle = float(rng.uniform(-most, most))
+        moved, jacobian = joint.bend(points, axis, angle)
+        turned = cofactors(jacobian)
+        if np.einsum("vc,vc->v", jacobian[:, 0], turned[:, 0]).min() >= LEAST_VOLUME:
+            points, normals = moved, np.einsum("vij,vj->vi", turned, normals)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return replace(mesh, vertices=points.astype(np.float32), normals=normals.astype(np.float32))
+
+
+def _lean(most: float, rng: np.random.Generator) -> Doubles:
+    """Return a rotation (3, 3) about a level axis; of its angles up to ``most`` radians, small ones are likeliest."""
+    from scipy.spatial.transform import Rotation  # half a second: only when a mesh is varied
+
+    heading = rng.uniform(0.0, 2 * np.pi)
+    angle = most * rng.uniform() ** 3
+    return np.asarray(Rotation.from_rotvec(angle * np.array([np.cos(heading), 0.0, np.sin(heading)])).as_matrix())
 
 
 def cofactors(matrices: Doubles) -> Doubles:

@@ -1,0 +1,163 @@
+"""Joints without a skeleton: limbs are found on the surface and bent, each at a place where it is thin."""
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.arrays import BoolMask, Doubles
+from normalgan.rendering.variation.bending import Deformed
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+__all__ = ["Joint", "find_joints"]
+
+TIPS = 8
+"""Most ends of limbs that are looked for: a person has five, a dog with a tail six."""
+SHORTEST_LIMB = 0.35
+"""Share of the longest limb from which an end of the surface counts as a limb."""
+JOINTS = 2
+"""Most joints of a limb: a knee and a hip, an elbow and a shoulder."""
+PLACES = np.linspace(0.25, 0.8, 12)
+"""Where a limb may have a joint, from its tip to the middle of the object."""
+THICKEST = 0.35
+"""A limb's radius at a joint by its length from there to the tip, at most: what is thicker is no limb."""
+BAND = 1.5
+"""Half the length of a joint, in radii of the limb; a shorter one would crease at 70 degrees."""
+TORN = 0.1
+"""Share of a turn that a place may be off where a joint ends."""
+FEWEST = 3
+"""Vertices that a limb needs on either side of a joint, to say how it points."""
+CLOTH = 0.02
+"""Distance, in radii of the object, at which separate parts such as body and clothes move as one."""
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A place where a limb bends.
+
+    Args:
+        centre: (3,) of the limb there.
+        outward: (3,) unit direction of the limb there, towards its tip.
+        band: half the length over which the turn sets in.
+        beyond: (V,) vertices between the joint and the tip, those of the joint included.
+        near: (V,) those of them that belong to the joint.
+    """
+
+    centre: Doubles
+    outward: Doubles
+    band: float
+    beyond: BoolMask
+    near: BoolMask
+
+    def share(self, points: Doubles) -> tuple[Doubles, Doubles]:
+        """Return how much of the turn each point (V, 3) takes, (V,), and how fast that grows outward, (V,)."""
+        along = np.clip(((points - self.centre) @ self.outward) / (2 * self.band) + 0.5, 0.0, 1.0)
+        share = np.where(self.near, along**2 * (3 - 2 * along), self.beyond)
+        return share, np.where(self.near, 6 * along * (1 - along) / (2 * self.band), 0.0)
+
+    def bend(self, points: Doubles, axis: Doubles, angle: float) -> Deformed:
+        """Turn what lies beyond the joint.
+
+        Args:
+            points: (V, 3).
+            axis: (3,) unit axis of the turn, through the joint's centre.
+            angle: in radians.
+        """
+        offset = points - self.centre
+        share, slope = self.share(points)
+        cross = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+        turn = (angle * share)[:, None, None]
+        rotation = np.eye(3) + np.sin(turn) * cross + (1 - np.cos(turn)) * (cross @ cross)
+        moved = (rotation @ offset[:, :, None])[:, :, 0]
+        # How it turns on as one goes outward.
+        speed = angle * slope[:, None] * np.cross(axis, moved)
+        return moved + self.centre, rotation + speed[:, :, None] * self.outward
+
+
+def find_joints(points: Doubles, faces: NDArray[np.integer], rng: np.random.Generator) -> list[Joint]:
+    """Find the limbs of a surface, and return up to two joints of each, where it is thin.
+
+    The ends of limbs are the points that lie farthest from one another over the surface; the middle of the
+    object is the point from which none of them is far.
+
+    Args:
+        points: (V, 3) vertices of an object of about unit radius.
+        faces: (F, 3) vertex indices.
+        rng: draws where along their limbs the joints lie.
+
+    Returns:
+        The joints; one that lies beyond another comes before it.
+    """
+    from scipy.sparse.csgraph import dijkstra  # half a second: only when a mesh is varied
+
+    places, place_of = np.unique(points.round(6), axis=0, return_inverse=True)
+    place_of = place_of.ravel()
+    graph, whole = _graph(places, place_of[faces])
+    nearest = dijkstra(graph, indices=int(np.argmax(whole)))
+    reached: list[Doubles] = []
+    for _ in range(TIPS):
+        tip = int(np.argmax(np.where(whole, nearest, -1.0)))
+        reached.append(dijkstra(graph, indices=tip))
+        nearest = np.minimum.reduce(reached)
+    middle = int(np.argmin(np.where(whole, np.maximum.reduce(reached), np.inf)))
+    longest = max(distance[middle] for distance in reached)
+    joints: list[Joint] = []
+    for distance in reached:
+        length = distance[middle]
+        found = [_joint(places, distance, place * length) for place in PLACES]
+        thin = [joint for joint in found if joint is not None]
+        if length < SHORTEST_LIMB * longest:
+            continue
+        chosen: list[Joint] = []
+        for index in rng.permutation(len(thin)):
+            joint = thin[index]
+            if len(chosen) < JOINTS and not any((joint.near & other.near).any() for other in chosen):
+                chosen.append(joint)
+        joints += [replace(one, beyond=one.beyond[place_of], near=one.near[place_of]) for one in chosen]
+    return sorted(joints, key=lambda joint: int(joint.beyond.sum()))
+
+
+def _joint(places: Doubles, distance: Doubles, length: float) -> Joint | None:
+    """Return the joint of a limb at this distance from its tip, or None where it is too thick."""
+    ring = np.abs(distance - length) < length / 8
+    outer = ring & (distance < length)
+    if min(outer.sum(), (ring & ~outer).sum()) < FEWEST:
+        return None
+    centre = places[ring].mean(axis=0)
+    outward = places[outer].mean(axis=0) - places[ring & ~outer].mean(axis=0)
+    outward /= max(float(np.linalg.norm(outward)), 1e-9)
+    offset = places[ring] - centre
+    across = offset - np.outer(offset @ outward, outward)
+    radius = float(np.quantile(np.linalg.norm(across, axis=1), 0.9))
+    band = BAND * radius
+    if radius > THICKEST * length or band > length / 1.5:
+        return None
+    near = np.abs(distance - length) < 1.5 * band
+    joint = Joint(centre, outward, band, distance < length + 1.5 * band, near)
+    # Where another limb is in the way, the surface is not where the plane of the joint expects it, and would tear.
+    share, _ = joint.share(places)
+    torn = (share[near & (distance > length + band)] > TORN).any() or (
+        share[near & (distance < length - band)] < 1 - TORN
+    ).any()
+    return None if torn else joint
+
+
+def _graph(places: Doubles, faces: NDArray[np.integer]) -> tuple["csr_array", BoolMask]:
+    """Return the lengths of a surface's edges and of links between its parts, and which vertices hang together."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    count = (len(places), len(places))
+    _, part = connected_components(coo_array((np.ones(len(edges)), edges.T), shape=count), directed=False)
+    pairs = cKDTree(places).query_pairs(CLOTH, output_type="ndarray")
+    edges = np.unique(np.sort(np.concatenate([edges, pairs[part[pairs[:, 0]] != part[pairs[:, 1]]]]), axis=1), axis=0)
+    lengths = np.linalg.norm(places[edges[:, 0]] - places[edges[:, 1]], axis=1)
+    both = np.concatenate([edges, edges[:, ::-1]])
+    graph = coo_array((np.tile(lengths, 2) + 1e-9, both.T), shape=count).tocsr()
+    _, part = connected_components(graph, directed=False)
+    return graph, part == np.bincount(part).argmax()
