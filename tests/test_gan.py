@@ -388,6 +388,17 @@ def test_the_worst_places_are_those_of_the_generator_and_looking_changes_nothing
     assert torch.equal(gan.measured_hints(given)[:, 3:], wanted)
 
 
+def test_a_share_of_the_batch_gets_pins_and_predicting_them_changes_nothing() -> None:
+    gan = make(generator=UNetGenerator(size=64, width=4), hint_sampler=NoHints(), pinned=0.5)
+    given, before = batch(size=64), weights(gan)
+    gan.train()
+    counts = torch.stack([gan.training_hints(given, seed)[:, 3].flatten(1).sum(1) for seed in range(12)])
+    assert (counts[:, 0] == 0).all()
+    assert set(counts[:, 1].tolist()) == {0, 1, 2, 3}
+    assert same(weights(gan), before)  # statistics of norms too
+    assert all(module.training for module in gan.modules())
+
+
 def saved(folder: Path, **settings: Any) -> Checkpoint:
     """Return what is in a checkpoint of a model that was made in Python, read without running anything."""
     model = make(**settings)

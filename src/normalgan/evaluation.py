@@ -1,5 +1,8 @@
 """Evaluation: predicting, validating and testing of a generator that takes a sketch and hints."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import torch
 from lightning.pytorch import LightningModule
 from torch import Tensor, nn
@@ -70,20 +73,22 @@ class Evaluation(LightningModule):
         given = batch["normal"], batch["mask"], names, self.seed, self._error(batch)
         return draw_hints_by_name(self.hint_sampler, *given)
 
-    @torch.no_grad()
     def _error(self, batch: Batch) -> Tensor | None:
-        """Return the error without hints (N, 1, H, W), for a sampler that needs it.
-
-        The network is in evaluation mode, so that norms keep their statistics and no noise is drawn.
-        """
+        """Return the error without hints (N, 1, H, W), for a sampler that needs it."""
         if not isinstance(self.hint_sampler, ErrorHintSampler):
             return None
+        with self._predicting():
+            return angular_error(self._predict(batch, None), batch["normal"])
+
+    @contextmanager
+    def _predicting(self) -> Iterator[None]:
+        """Let the network predict in training: norms keep their statistics, and no noise is drawn."""
         modes = {module: module.training for module in self.generator.modules()}
         self.generator.eval()
-        predicted = self._predict(batch, None)
+        with torch.no_grad():
+            yield
         for module, training in modes.items():
             module.training = training
-        return angular_error(predicted, batch["normal"])
 
     @torch.compiler.disable  # type: ignore[untyped-decorator]
     def validation_step(self, batch: Batch, batch_idx: int, dataloader_idx: int = 0) -> None:

@@ -19,6 +19,7 @@ from normalgan.evaluation import Evaluation
 from normalgan.hints import HintSampler
 from normalgan.hints.draw import draw_hints
 from normalgan.hints.noise import turn_hints
+from normalgan.hints.pins import pin_in_turn
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths, check_line_widths
 from normalgan.losses import AdversarialObjective, L1AndHints, Reconstruction, Term
 from normalgan.losses.checks import check_losses, check_terms
@@ -31,7 +32,7 @@ from normalgan.models.compilation import check_compile, compiled_predict
 from normalgan.models.condition import make_condition, paste_hints
 from normalgan.models.predictions import Predictions
 from normalgan.models.statistics import average_statistics
-from normalgan.ranges import Count, NonNegative, Positive, PositiveInt, Range, check_ranges
+from normalgan.ranges import Count, NonNegative, Positive, PositiveInt, Range, Share, check_ranges
 from normalgan.saved_settings import SavedSettings
 from normalgan.schedules import end_cosine_at
 from normalgan.seeds import derive_seed, seed_torch
@@ -84,6 +85,8 @@ class NormalGAN(SavedSettings, Evaluation):
         reconstruction: the per-pixel loss.
         gradient_clip: largest norm of the generator's gradient; None leaves it as it is.
         n_critic: discriminator steps to each generator step; one batch each.
+        pinned: share of each batch whose hints are followed by up to three pins, each where the prediction
+            with those before it is most wrong. Each takes a prediction of these samples.
         hint_noise: largest mean angle in degrees by which the hints of a training sample are turned.
         distractor_consistency: weight of the mean angle in radians between the normals with and without
             strokes that say nothing of the form. A quarter of each batch is predicted twice for it; 0: none.
@@ -118,6 +121,7 @@ class NormalGAN(SavedSettings, Evaluation):
         reconstruction: Reconstruction = L1AndHints(),  # noqa: B008  # frozen
         gradient_clip: Positive | None = None,
         n_critic: PositiveInt = 5,
+        pinned: Share = 0.0,
         hint_noise: Annotated[float, Range(0, 90)] = 0.0,
         distractor_consistency: NonNegative = 0.0,
         share_every: Count = 0,
@@ -163,6 +167,7 @@ class NormalGAN(SavedSettings, Evaluation):
         self.reconstruction = reconstruction
         self.gradient_clip = gradient_clip
         self.n_critic = n_critic
+        self.pinned = pinned
         self.hint_noise = hint_noise
         self.distractor_consistency = distractor_consistency
         self.share_every = share_every
@@ -231,10 +236,23 @@ class NormalGAN(SavedSettings, Evaluation):
             self._step_generator(condition, terms, preds.direction, fake, batch)
 
     def training_hints(self, batch: Batch, seed: int) -> Tensor:
-        """Return the hints (N, 4, H, W) of a batch: its own, or those that the sampler draws with a seed."""
+        """Return the hints (N, 4, H, W) of a batch: its own, or the sampler's and pins, drawn with a seed."""
         if "hints" in batch:
             return batch["hints"]
-        return draw_hints(self.hint_sampler, batch["normal"], batch["mask"], seed, self._error(batch))
+        hints = draw_hints(self.hint_sampler, batch["normal"], batch["mask"], seed, self._error(batch))
+        first = len(hints) - round(self.pinned * len(hints))  # the ones before get strokes that say nothing
+        if first == len(hints):
+            return hints
+        last = slice(first, None)
+        with self._predicting():
+            pinned = pin_in_turn(
+                lambda given: self(batch["sketch"][last], given).float(),
+                batch["normal"][last],
+                batch["mask"][last],
+                hints[last],
+                derive_seed("pins", seed),
+            )
+        return torch.cat([hints[:first], pinned])
 
     def _step_discriminator(
         self, discriminator: Discriminator, condition: Tensor, batch: Batch, fake: Tensor

@@ -1,7 +1,7 @@
 """Joints without a skeleton: limbs are found on the surface and bent, each at a place where it is thin."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,7 +53,7 @@ class Joint:
     near: BoolMask
 
     def share(self, points: Doubles) -> tuple[Doubles, Doubles]:
-        """Return how much of the turn each point (V, 3) takes, (V,), and how fast that grows outward, (V,)."""
+        """Return the shares (V,) of the turn that points (V, 3) take, and how fast these grow outward."""
         along = np.clip(((points - self.centre) @ self.outward) / (2 * self.band) + 0.5, 0.0, 1.0)
         share = np.where(self.near, along**2 * (3 - 2 * along), self.beyond)
         return share, np.where(self.near, 6 * along * (1 - along) / (2 * self.band), 0.0)
@@ -137,7 +137,7 @@ def _joint(places: Doubles, distance: Doubles, length: float) -> Joint | None:
         return None
     near = np.abs(distance - length) < 1.5 * band
     joint = Joint(centre, outward, band, distance < length + 1.5 * band, near)
-    # Where another limb is in the way, the surface is not where the plane of the joint expects it, and would tear.
+    # Where another limb is in the way, the surface does not end where the joint does, and would tear.
     share, _ = joint.share(places)
     torn = (share[near & (distance > length + band)] > TORN).any() or (
         share[near & (distance < length - band)] < 1 - TORN
@@ -145,8 +145,8 @@ def _joint(places: Doubles, distance: Doubles, length: float) -> Joint | None:
     return None if torn else joint
 
 
-def _graph(places: Doubles, faces: NDArray[np.integer]) -> tuple["csr_array", BoolMask]:
-    """Return the lengths of a surface's edges and of links between its parts, and which vertices hang together."""
+def _graph(places: Doubles, faces: NDArray[np.integer]) -> tuple["csr_array[Any, Any]", BoolMask]:
+    """Return the edges of a surface, with links between its parts, as lengths; and what hangs together."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
@@ -155,7 +155,9 @@ def _graph(places: Doubles, faces: NDArray[np.integer]) -> tuple["csr_array", Bo
     count = (len(places), len(places))
     _, part = connected_components(coo_array((np.ones(len(edges)), edges.T), shape=count), directed=False)
     pairs = cKDTree(places).query_pairs(CLOTH, output_type="ndarray")
-    edges = np.unique(np.sort(np.concatenate([edges, pairs[part[pairs[:, 0]] != part[pairs[:, 1]]]]), axis=1), axis=0)
+    edges = np.unique(
+        np.sort(np.concatenate([edges, pairs[part[pairs[:, 0]] != part[pairs[:, 1]]]]), axis=1), axis=0
+    )
     lengths = np.linalg.norm(places[edges[:, 0]] - places[edges[:, 1]], axis=1)
     both = np.concatenate([edges, edges[:, ::-1]])
     graph = coo_array((np.tile(lengths, 2) + 1e-9, both.T), shape=count).tocsr()

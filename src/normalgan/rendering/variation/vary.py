@@ -76,12 +76,14 @@ def _bend_limbs(mesh: Mesh, most: float, rng: np.random.Generator) -> Mesh:
 
 
 def _lean(most: float, rng: np.random.Generator) -> Doubles:
-    """Return a rotation (3, 3) about a level axis; of its angles up to ``most`` radians, small ones are likeliest."""
+    """Return a rotation (3, 3) about a level axis by up to ``most`` radians, mostly by little."""
     from scipy.spatial.transform import Rotation  # half a second: only when a mesh is varied
 
     heading = rng.uniform(0.0, 2 * np.pi)
     angle = most * rng.uniform() ** 3
-    return np.asarray(Rotation.from_rotvec(angle * np.array([np.cos(heading), 0.0, np.sin(heading)])).as_matrix())
+    return np.asarray(
+        Rotation.from_rotvec(angle * np.array([np.cos(heading), 0.0, np.sin(heading)])).as_matrix()
+    )
 
 
 def cofactors(matrices: Doubles) -> Doubles:

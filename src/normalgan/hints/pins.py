@@ -1,0 +1,50 @@
+"""Pins as a person sets them: one after another, each where the last prediction is most wrong."""
+
+from collections.abc import Callable
+
+import torch
+from torch import Tensor
+from torch.nn import functional as F
+
+from normalgan.hints.encode import hints_at
+from normalgan.metrics import angular_error
+
+__all__ = ["MOST_PINS", "pin_in_turn"]
+
+MOST_PINS = 3
+"""Most pins that are set in turn; Sofiiuk et al. make as many clicks."""
+_REGION = 1 / 8
+"""Side of the square over which an error counts as one, in sides of the picture: about a limb's width."""
+
+
+def pin_in_turn(
+    predict: Callable[[Tensor], Tensor], normal: Tensor, mask: Tensor, hints: Tensor, seed: int
+) -> Tensor:
+    """Return hints (N, 4, H, W) with up to `MOST_PINS` more for each sample, 0 among the numbers.
+
+    Each pin is the true normal in the middle of the region where the prediction with all pins before it is
+    most wrong.
+
+    Args:
+        predict: returns normals (N, 3, H, W) of any length for hints (N, 4, H, W).
+        normal: (N, 3, H, W) true unit normals, 0 off the object.
+        mask: (N, 1, H, W), 1 on the object.
+        hints: (N, 4, H, W) that are there before.
+        seed: of the numbers of pins.
+
+    References:
+        Sofiiuk, Petrov, Konushin 2022, "Reviving Iterative Training with Mask Guidance for Interactive
+        Segmentation", section 3.3.
+    """
+    rng = torch.Generator(device=normal.device).manual_seed(seed)
+    numbers = torch.randint(0, MOST_PINS + 1, (len(hints), 1, 1, 1), generator=rng, device=normal.device)
+    reach = int(normal.shape[-1] * _REGION / 2)
+    on_object = mask > 0.5
+    for turn in range(int(numbers.max())):
+        error = torch.where(on_object, angular_error(predict(hints), normal), 0.0)
+        region = F.avg_pool2d(error, 2 * reach + 1, stride=1, padding=reach)
+        free = on_object & (hints[:, 3:] < 0.5) & (numbers > turn)
+        worst = torch.where(free, region, -1.0).flatten(1).argmax(1, keepdim=True)
+        chosen = torch.zeros_like(region).flatten(1).scatter(1, worst, 1.0).view_as(region)
+        hints = hints + hints_at(normal, chosen * free).to(hints.dtype)
+    return hints
