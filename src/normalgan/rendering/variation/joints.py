@@ -1,7 +1,7 @@
 """Joints without a skeleton: limbs are found on the surface and bent, each at a place where it is thin."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -96,11 +96,15 @@ def find_joints(points: Doubles, faces: NDArray[np.integer], rng: np.random.Gene
     places, place_of = np.unique(points.round(6), axis=0, return_inverse=True)
     place_of = place_of.ravel()
     graph, whole = _graph(places, place_of[faces])
-    nearest = dijkstra(graph, indices=int(np.argmax(whole)))
+
+    def distances(start: int) -> Doubles:
+        return np.asarray(dijkstra(graph, indices=start))  # type: ignore[call-overload]  # stubs lack csr_array
+
+    nearest = distances(int(np.argmax(whole)))
     reached: list[Doubles] = []
     for _ in range(TIPS):
         tip = int(np.argmax(np.where(whole, nearest, -1.0)))
-        reached.append(dijkstra(graph, indices=tip))
+        reached.append(distances(tip))
         nearest = np.minimum.reduce(reached)
     middle = int(np.argmin(np.where(whole, np.maximum.reduce(reached), np.inf)))
     longest = max(distance[middle] for distance in reached)
@@ -145,7 +149,7 @@ def _joint(places: Doubles, distance: Doubles, length: float) -> Joint | None:
     return None if torn else joint
 
 
-def _graph(places: Doubles, faces: NDArray[np.integer]) -> tuple["csr_array[Any, Any]", BoolMask]:
+def _graph(places: Doubles, faces: NDArray[np.integer]) -> tuple["csr_array", BoolMask]:
     """Return the edges of a surface, with links between its parts, as lengths; and what hangs together."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
