@@ -82,6 +82,22 @@ def test_a_large_region_of_which_the_reader_is_unsure_is_told_until_it_is_flippe
     assert not decide(ink, reading(presence)).unsure
 
 
+@pytest.mark.parametrize(("gap", "told"), [(60, True), (20, False)])
+def test_an_edge_without_a_line_is_told_with_its_place(gap: int, told: bool) -> None:
+    ink, disc, _ = ring()
+    large = np.asarray(cv2.resize(ink, (1024, 1024), interpolation=cv2.INTER_LINEAR), np.float32)
+    large[800:, 512 - 4 * gap : 512 + 4 * gap] = 0
+    found = decide(large, reading(np.where(disc, 0.95, 0.02).astype(np.float32))).unsure
+    assert found.startswith("no line bounds the object about x 5") == told
+    assert (", y 9" in found) == told
+
+
+def test_what_the_pictures_border_cuts_off_needs_no_line_there() -> None:
+    ink, disc, _ = ring()
+    below = np.where(disc, 0.95, 0.02).astype(np.float32)[:160]
+    assert not decide(ink[:160], reading(below)).unsure
+
+
 def test_presence_closes_an_open_outline_and_nothing_else() -> None:
     ink, disc, _ = ring()
     ink[200:, 108:148] = 0  # far too wide for a gap

@@ -35,6 +35,10 @@ _SURE, _SPECK = 0.72, 0.002
 """Least mean presence of an area that no outline encloses, and its least share of the object."""
 _UNSURE = 0.15, 0.7, 0.02
 """Mean presence between which the reader is unsure of a region; and the least share of the object to warn."""
+_OPEN = 0.2
+"""Share of the object's longer side over which its edge may go without a line, before that is told."""
+_REACH = 4
+"""How far from an edge a line bounds it, in pixels of the vote."""
 _NEAR = 0.01
 """How far from a region a point that flips it may lie, as a share of the longer side: on its line, say."""
 
@@ -56,7 +60,8 @@ class Decision:
         closed: share of the lines that lie in or at the object.
         guessed: whether a wide gap was closed although the reader was not asked.
         by_lines: whether lines alone enclose most of what is drawn, without a wide gap.
-        unsure: the warning about regions that may or may not be object, a part of a sentence; empty if none.
+        unsure: the warning about regions that may or may not be object, and about edges without a line; a
+            part of a sentence, empty if none.
     """
 
     ink: Floats
@@ -146,7 +151,10 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
         own = regions == number
         small = small & ~own if small[own].mean() > 0.5 else small | own
         settled[number] = True
-    unsure = "" if presence is None else _unsure(regions, votes, sizes, enclosed & ~settled, total, shape)
+    warnings = []
+    if presence is not None:
+        warnings.append(_unsure(regions, votes, sizes, enclosed & ~settled, total, shape))
+        warnings.append(_open(small, small_ink > _INKED / 2, shape))
     rough: BoolMask = small if size == shape else resize(_smooth(small), shape) > 0.5
     coverage = snap(rough, ink, max(_OFF * max(shape) / _SIDE, _LEAST_OFF))
     return Decision(
@@ -162,7 +170,7 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
         closed=filled.closed if presence is None else _closed(inked, small),
         guessed=presence is None and filled.guessed,
         by_lines=filled.closed >= CLOSED and not filled.guessed,
-        unsure=unsure,
+        unsure="; ".join(filter(None, warnings)),
     )
 
 
@@ -265,6 +273,26 @@ def _unsure(
     places = "; ".join(f"x {round(x * scale)}, y {round(y * scale)}" for x, y in points)
     what = "a region" if len(numbers) == 1 else f"{len(numbers)} regions"
     return f"{what} may be object or hole, at {places}; flip one with --hole x,y if it is wrong"
+
+
+def _open(small: BoolMask, inked: BoolMask, shape: tuple[int, int]) -> str:
+    """Return the warning about the longest stretch of an object's edge that no line bounds."""
+    reach = np.ones((2 * _REACH + 1, 2 * _REACH + 1), np.uint8)
+    # What the picture's border cuts off needs no line there.
+    bounded = cv2.dilate(inked.astype(np.uint8), reach, borderValue=1)
+    inner = cv2.erode(small.astype(np.uint8), np.ones((3, 3), np.uint8))
+    free = (small & (inner == 0) & (bounded == 0)).astype(np.uint8)
+    free[:_REACH] = free[-_REACH:] = 0
+    free[:, :_REACH] = free[:, -_REACH:] = 0
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(free, connectivity=8)
+    rows, columns = np.nonzero(small)
+    if count < 2 or stats[1:, cv2.CC_STAT_AREA].max() < _OPEN * (max(np.ptp(rows), np.ptp(columns)) + 1):
+        return ""
+    rows, columns = np.nonzero(labels == 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax()))
+    middle = int(np.hypot(rows - rows.mean(), columns - columns.mean()).argmin())
+    scale = shape[1] / small.shape[1]
+    x, y = round(columns[middle] * scale), round(rows[middle] * scale)
+    return f"no line bounds the object about x {x}, y {y}, so its edge is a guess; close it if it is wrong"
 
 
 def _deepest(region: BoolMask) -> tuple[int, int]:
