@@ -401,12 +401,19 @@ def test_figures_of_a_page_are_predicted_separately_unless_they_are_one(
 ) -> None:
     page = np.hstack([GREY[:, 80:260], GREY[:, 80:260], GREY[:, 80:260]])
     Image.fromarray(page).save("page.png")
-    assert generate("page.png", "--alpha", "--hole", "450,90") == 0
+    assert generate("page.png", "--alpha", "--hole", "450,90", "--explain", "why") == 0
     assert "page.png: it shows 3 separate figures, each predicted separately" in capsys.readouterr().err
     found = np.asarray(Image.open("normals/page_normal.png"))
     assert found.shape[:2] == page.shape
     assert found[90, [90, 270], 3].tolist() == [255, 255]
     assert found[90, 450, 3] == 0
+    assert (
+        len(list(Path("why").glob("page_?_*.png")))
+        == len(list(Path("why").glob("page_figure_3_?_*.png")))
+        == 6
+    )
+    third = np.asarray(Image.open("why/page_figure_3_6_mask.png")) > 0
+    assert third.sum() == (found[:, 360:, 3] > 127).sum() > 1000
     assert np.abs(found[60:120, 60:120, :3].astype(int) - found[60:120, 240:300, :3]).max() < 16
     assert generate("page.png", "--single") == 0
     assert "separate figures" not in capsys.readouterr().err

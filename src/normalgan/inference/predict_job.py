@@ -18,8 +18,8 @@ from normalgan.inference.composites.figures import alike, find_figures
 from normalgan.inference.composites.islands import find_islands
 from normalgan.inference.composites.layered_job import LayeredJob, layered_target
 from normalgan.inference.composites.packing import OWN, Packing
-from normalgan.inference.composites.series import Member, flat_map, left_flat, predict_series
-from normalgan.inference.composites.sheets import predict_sheet
+from normalgan.inference.composites.series import Member, flat_map, left_flat, predict_series, prepare_member
+from normalgan.inference.composites.sheets import drawings_in, predict_sheet
 from normalgan.inference.composites.tile_grid import TileGrid
 from normalgan.inference.composites.tilesets import predict_tileset
 from normalgan.inference.drawing import Drawing
@@ -33,7 +33,7 @@ from normalgan.inference.outputs.explanation import write_explanation
 from normalgan.inference.outputs.outputs import Outputs
 from normalgan.inference.pipeline import predict
 from normalgan.inference.predictor import Predictor
-from normalgan.inference.preparation import Prepared, prepare
+from normalgan.inference.preparation import Prepared, hinted, prepare
 from normalgan.inference.reading.drawings import SVG_SIDE, read_pixels
 from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import Picture, fitted, read_picture, resize, to_picture, to_pixels
@@ -188,7 +188,7 @@ class JobPredictor:
         )
         cells = [] if self.single or files.mask not in {None, READER} else self._figures(drawing, prepared)
         if cells:
-            preds = self._page(files, drawing, picture, cells)
+            preds = self._page(job, drawing, picture, cells)
         else:
             preds = predict(backend, prepared, self.predictor.upsample)
         if self.explain is not None:
@@ -206,20 +206,30 @@ class JobPredictor:
             return []
         return find_figures(prepared.decision, prepared.reading, prepared.shape)
 
-    def _page(
-        self, files: DrawingFiles, drawing: Drawing, picture: Picture, cells: Sequence[Cell]
-    ) -> NormalMap:
+    def _page(self, job: Job, drawing: Drawing, picture: Picture, cells: Sequence[Cell]) -> NormalMap:
         """Return the map of a page, each of whose figures is predicted separately."""
-        hints, mask = as_hints(files.hints, picture.shape), _mask(files, picture.shape)
-        if self.size is None:
-            return predict_sheet(self.predictor, drawing.pixels(), cells, hints, mask, False, self.holes)
-        shape = fitted(picture.shape, self.size)
-        scale = shape[1] / picture.shape[1]
-        if hints is not None:
-            hints = Hints(hints.points * np.float32(scale), hints.normals)
-        holes = [(x * scale, y * scale) for x, y in self.holes]
-        sheet = to_pixels(picture.resized(shape))
+        hints, mask = as_hints(job.files.hints, picture.shape), _mask(job.files, picture.shape)
+        sheet, holes = drawing.pixels(), self.holes
+        if self.size is not None:
+            shape = fitted(picture.shape, self.size)
+            scale = shape[1] / picture.shape[1]
+            if hints is not None:
+                hints = Hints(hints.points * np.float32(scale), hints.normals)
+            holes = [(x * scale, y * scale) for x, y in holes]
+            sheet = to_pixels(picture.resized(shape))
+        if self.explain is not None:
+            self._explain_figures(job, drawings_in(sheet, cells, hints, mask, holes))
         return predict_sheet(self.predictor, sheet, cells, hints, mask, False, holes)
+
+    def _explain_figures(self, job: Job, figures: Sequence[tuple[Cell, Member]]) -> None:
+        """Write how the mask of each figure of a page was found."""
+        assert self.explain is not None
+        for number, (_, member) in enumerate(figures, 1):
+            prepared = prepare_member(self.predictor, member)
+            prepared = hinted(prepared, member.hints, member.picture.shape)
+            preds = predict(self.predictor.backend, prepared, self.predictor.upsample)
+            stem = f"{job.stem}_figure_{number}"
+            write_explanation(self.explain / job.files.below, stem, member.picture, prepared, preds)
 
     def _sheet(self, files: DrawingFiles, drawing: Drawing) -> NormalMap:
         content = drawing.content

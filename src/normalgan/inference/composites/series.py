@@ -19,7 +19,7 @@ from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import Picture, fitted
 from normalgan.inference.vectors import lengths
 
-__all__ = ["Member", "flat_map", "left_flat", "predict_series", "steadied"]
+__all__ = ["Member", "flat_map", "left_flat", "predict_series", "prepare_member", "steadied"]
 
 _REACH = 4
 """Frames before and after that a frame is averaged with, as far as they show the same."""
@@ -72,7 +72,7 @@ def predict_series(
     Raises:
         InputError: if ``shared``, and the sizes differ.
     """
-    prepared = [got for _, got in stream(members, lambda each: _prepared(predictor, each, size))]
+    prepared = [got for _, got in stream(members, lambda each: prepare_member(predictor, each, size))]
     good = [i for i, each in enumerate(prepared) if isinstance(each, Prepared)]
     if shared and good:
         _check_sizes(members)
@@ -161,7 +161,8 @@ def flat_map(shape: tuple[int, int], size: int | None = None) -> NormalMap:
     return NormalMap(normals, nothing > 0, nothing, np.zeros((8, 8), np.float32), None, "")
 
 
-def _prepared(predictor: Predictor, member: Member, size: int | None) -> Prepared:
+def prepare_member(predictor: Predictor, member: Member, size: int | None = None) -> Prepared:
+    """Return a drawing of a series, cleaned and framed by itself; its hints are left out."""
     widths = predictor.backend.line_widths
     given = member.picture, predictor.size, member.mask, None, size
     return prepare(*given, line_widths=widths, flips=member.flips)

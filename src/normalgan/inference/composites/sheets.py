@@ -22,7 +22,7 @@ from normalgan.inference.reading.drawings import SMALLEST
 from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import to_picture
 
-__all__ = ["MOST_CELLS", "grid_cells", "parse_grid", "predict_sheet"]
+__all__ = ["MOST_CELLS", "drawings_in", "grid_cells", "parse_grid", "predict_sheet"]
 
 MOST_CELLS = 4096
 """Drawings in one sheet; the largest atlases in use have some hundreds."""
@@ -97,8 +97,7 @@ def predict_sheet(
     Raises:
         InputError: if no cell can be predicted, or cells that share a frame differ in size.
     """
-    members = [(cell, _member(cell, sheet.pixels, hints, mask, flips)) for cell in cells]
-    drawn = [(cell, member) for cell, member in members if member is not None]
+    drawn = drawings_in(sheet, cells, hints, mask, flips)
     if not drawn:
         raise InputError("none of its cells holds a drawing; give other columns and rows, or another atlas.")
     large = [(cell, member) for cell, member in drawn if min(cell.width, cell.height) >= SMALLEST]
@@ -112,6 +111,18 @@ def predict_sheet(
         cell, error = done[0]
         raise InputError(f"{cell.name}: {error}")
     return replace(_assembled(sheet.shape, fine, _warning(done, said)), partial=len(fine) < len(done))
+
+
+def drawings_in(
+    sheet: Decoded,
+    cells: Sequence[Cell],
+    hints: Hints | None,
+    mask: MaskOrSource,
+    flips: Sequence[tuple[float, float]],
+) -> list[tuple[Cell, Member]]:
+    """Return what is drawn in each cell of a sheet, without empty cells; arguments as `predict_sheet`."""
+    members = [(cell, _member(cell, sheet.pixels, hints, mask, flips)) for cell in cells]
+    return [(cell, member) for cell, member in members if member is not None]
 
 
 def _repeated(
