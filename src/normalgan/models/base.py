@@ -49,7 +49,11 @@ class Network(nn.Module, ABC):
 
 
 class Generator(Network):
-    """Base of the networks that predict a normal map."""
+    """Base of the networks that predict a normal map.
+
+    An argument named ``size`` of its constructor receives the setting ``data.size``. It may use torch's
+    global random numbers, because each training step seeds them.
+    """
 
     @abstractmethod
     def forward(self, condition: Tensor) -> Tensor:

@@ -13,8 +13,9 @@ __all__ = ["RENDERERS", "Renderer"]
 class Renderer(ABC):
     """Base of the renderers.
 
-    A renderer is a frozen dataclass: its fields are its settings, and they enter the key under which
-    rendered samples are stored. Anything it opens (an OpenGL context) belongs to the process, not to
+    A renderer is a frozen dataclass that uses NumPy only. Its fields are its settings; they and the file
+    that defines the class, but not what that file imports, enter the key under which rendered samples
+    are stored. Anything it opens (an OpenGL context) belongs to the process, not to
     the object, so that it can be handed to a worker process.
     """
 
