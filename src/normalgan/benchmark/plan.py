@@ -24,7 +24,7 @@ _MESHES = ("meshes", "reading", "split", "test_views")
 _TEST_DATA = (*_DRAWN, *_MESHES)
 """Settings of the data that may be others for the test split; its size is that of the networks."""
 PLACEMENTS = ("uniform", "curvature", "farthest", "worst")
-"""See `normalgan.benchmark.placements`, which needs torch."""
+"""See `normalgan.benchmark.hints`, which needs torch."""
 Part = TypeVar("Part", "Plan", "Row")
 
 
