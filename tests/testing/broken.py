@@ -26,7 +26,7 @@ def broken(
             method: _replaced(right, method, wrong),
         }
         module[name] = type(name, (right,), body)
-        made.append((module[name], f"{name} {sentence}"))
+        made.append((module[name], f"{name}{'' if sentence.startswith('.') else ' '}{sentence}"))
     return made
 
 

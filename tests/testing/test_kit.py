@@ -81,16 +81,16 @@ SAMPLERS = broken(
     {
         "Flat": (
             lambda right, *given: right(*given)[:, 0],
-            r"returned \(2, 32, 32\) for normals of \(2, 3, 32, 32\); it must return where the hints are",
+            r"gave a tensor \(2, 32, 32\); hints are a tensor \(2, 1, 32, 32\) here",
         ),
-        "ListOfHints": (lambda right, *given: list(right(*given)), "returned list for normals of"),
+        "ListOfHints": (lambda right, *given: list(right(*given)), "gave a list of .*; hints are a tensor"),
         "WholeNumbers": (
             lambda right, *given: right(*given).long(),
             r"returned torch.int64 for normals of torch.float32; it must return the type of the normals.",
         ),
         "Half": (
             lambda right, *given: right(*given) / 2,
-            "returned 0.5; a pixel has a hint, 1, or none, 0.",
+            "gave hints with the value 0.5; hints are a tensor .* 1 at a hinted pixel and 0 elsewhere",
         ),
         "Everywhere": (
             lambda right, normal, mask, rng: torch.ones_like(mask),
@@ -281,7 +281,7 @@ GENERATORS = [
         {
             "TwoChannels": (
                 lambda right, condition: right(condition)[:, :2],
-                r"returned \(2, 2, 64, 64\) for a condition of .*; it must return normals",
+                r"returns 2 channels; a model has 3, or 4 with the confidence",
             ),
             "AnswersInDoubles": (
                 lambda right, condition: right(condition).double(),
@@ -300,7 +300,7 @@ GENERATORS = [
                 lambda right, condition: right(condition).view(
                     min(len(condition), 2), 3, *condition.shape[2:]
                 ),
-                "raised RuntimeError .* when asked for batches of any number; forward must take",
+                "raised RuntimeError .* when asked for batches of any number; forward must return",
             ),
             "Cut": (
                 lambda right, condition: (
@@ -339,7 +339,7 @@ GENERATORS = [
             ),
             "PlainTensor": (
                 lambda right, condition: right.__self__(condition),
-                "returned Tensor from predict; it must return Predictions",
+                r".predict gave a tensor \(2, 3, 64, 64\); it gives normalgan.models.predictions.Predictions",
             ),
             "Rounds": (
                 lambda right, condition: Predictions(right.__self__(condition)),
@@ -377,11 +377,11 @@ DISCRIMINATORS = broken(
     {
         "Bare": (
             lambda right, *given: right(*given)[0],
-            "returned Tensor; it must return a tuple of scores, one tensor a head",
+            "gave a tensor .*; a discriminator gives a tuple of scores",
         ),
         "Verdict": (
             lambda right, *given: (right(*given)[0].mean()[None],),
-            r"returned scores of \(1,\) for 2 pictures; the first axis of each head",
+            r"gave a tuple of \(a tensor \(1,\)\); a discriminator gives",
         ),
         "Logarithm": (
             lambda right, *given: ((0 * right(*given)[0]).log(),),
@@ -434,11 +434,11 @@ OBJECTIVES = [
         {
             "LossOfEachHead": (
                 lambda right, fake: -torch.stack([score.mean() for score in fake]),
-                r"returned \(2,\) as generator_loss; generator_loss must be a scalar",
+                r".generator_loss gave a tensor \(2,\); it gives a tensor of one number",
             ),
             "PythonNumber": (
                 lambda right, fake: right(fake).item(),
-                "returned float as generator_loss; generator_loss must be a scalar",
+                ".generator_loss gave a float; it gives a tensor of one number",
             ),
             "Detached": (
                 lambda right, fake: right(fake).detach(),
@@ -525,15 +525,15 @@ RECONSTRUCTIONS = broken(
     {
         "Sum": (
             lambda right, *given: right(*given)["square"].value,
-            "returned Tensor; terms must return the parts of the loss by name",
+            r"gave a tensor \(\); a reconstruction loss gives its terms by name",
         ),
         "Unweighted": (
             lambda right, *given: {"square": right(*given)["square"].value},
-            "returned dict of Tensor; terms must return",
+            r"gave a tensor \(\) as square; a reconstruction loss gives its terms by name",
         ),
         "WholeMap": (
             lambda right, preds, target, *_: {"square": Term((preds.normal - target).square().mean(1), 1.0)},
-            "(raised|returned) .*term",
+            r"gave a tensor \(.*\) as square; a reconstruction loss gives its terms by name",
         ),
         "TakenName": (
             lambda right, *given: {"adversarial": right(*given)["square"]},
@@ -641,7 +641,7 @@ AUGMENTATIONS = broken(
     {
         "LosesHints": (
             lambda right, *given: {k: v for k, v in right(*given).items() if k != "hints"},
-            "lost hints",
+            "gave a batch without hints; an augmentation gives a batch with all that it was given",
         ),
         "LeavesVectors": (
             lambda right, batch, seed: {
@@ -786,7 +786,7 @@ RENDERERS = [
         {
             "NoMaps": (
                 lambda right, *given: (right(*given).normal, right(*given).depth),
-                "returned tuple; render must return Maps of size × size pixels",
+                "returned tuple; render must return the Maps of a mesh seen by a camera, size × size pixels",
             ),
             "RendersDoubles": (
                 normals_times(np.float64(1) * np.ones(3)),
@@ -872,7 +872,7 @@ LINE_STYLES = [
         {
             "BarePoints": (
                 lambda right, points, width, rng: points,
-                "returned list of ndarray; trace must return a list of Stroke in pixels of the sketch",
+                "returned list of ndarray; trace must return the exact lines of the drawing, each a Stroke",
             ),
             "Unplaced": (
                 lambda right, points, width, rng: right(points * np.nan, width, rng),

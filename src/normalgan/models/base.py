@@ -149,7 +149,7 @@ class Discriminator(Network):
 
     @abstractmethod
     def forward(self, condition: Tensor, normal: Tensor) -> tuple[Tensor, ...]:
-        """Return the raw scores of each head, of any shape (N, ...); high means true.
+        """Return a tuple of raw scores, a tensor of any shape (N, ...) a head; high means true.
 
         All heads have equal weight.
 

@@ -21,7 +21,7 @@ class LineDrawing(ABC):
 
     @abstractmethod
     def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
-        """Return the exact lines of the drawing, in pixels of the sketch, ``view.size`` a side.
+        """Return the exact lines of the drawing, each a `Stroke` in pixels, ``view.size`` a side.
 
         Args:
             view: the object and where it is seen from; ``view.maps(scale)`` are its maps.

@@ -21,7 +21,7 @@ class Renderer(ABC):
 
     @abstractmethod
     def render(self, mesh: Mesh, camera: Camera, size: int) -> Maps:
-        """Return the maps of ``mesh`` seen by ``camera``, ``size`` × ``size`` pixels.
+        """Return the `Maps` of a mesh seen by a camera, ``size`` × ``size`` pixels.
 
         One sample a pixel at its centre, never blended with the background. A surface seen from behind
         (through a hole of an open shell) gets the normal that faces the viewer.
