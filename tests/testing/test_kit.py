@@ -369,7 +369,7 @@ class Spectral(Judge):
 
     def __init__(self) -> None:
         super().__init__()
-        self.conv = spectral_norm(self.conv)
+        spectral_norm(self.conv)
 
 
 DISCRIMINATORS = broken(
@@ -921,7 +921,7 @@ LINE_STYLES = [
     ),
 ]
 
-FAULTS = [
+FAULTS: list[tuple[type[Any], str]] = [
     *(*SAMPLERS, *SETTINGS, *GENERATORS, *DISCRIMINATORS, *OBJECTIVES, *RECONSTRUCTIONS),
     *(*METRICS, *AUGMENTATIONS, *SOURCES, *RENDERERS, *LINE_STYLES),
 ]

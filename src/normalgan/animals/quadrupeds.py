@@ -59,7 +59,7 @@ class LegTemplate:
         sole: whether the foot ends flat.
 
     Raises:
-        InputError: if a joint is no station.
+        InputError: if a joint is not a station.
     """
 
     stations: Stations

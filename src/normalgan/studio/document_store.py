@@ -42,7 +42,7 @@ class DocumentStore:
     """A folder of documents, for any number of threads and of processes at once.
 
     Args:
-        folder: where they lie; it is made where missing.
+        folder: where they are kept; it is created if it is missing.
 
     Raises:
         InputError: if nothing can be written there.

@@ -52,7 +52,7 @@ def integrate(
         (H, W) height in pixels towards the viewer, of mean zero over each connected part, zero off the mask.
 
     Raises:
-        InputError: if the sizes differ or a normal on the object is no number.
+        InputError: if the sizes differ or a normal on the object is not a number.
 
     References:
         Cao, Santo, Shi, Okura, Matsushita 2022, "Bilateral Normal Integration", ECCV.

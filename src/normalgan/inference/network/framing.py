@@ -132,7 +132,7 @@ def box_of(marked: NDArray[np.bool_]) -> Bounds:
 
 
 def around(marked: NDArray[np.bool_], room: int) -> tuple[slice, slice]:
-    """Return the part of a picture (H, W) that holds what is marked, with so many pixels around it.
+    """Return the part of a picture (H, W) around the marked pixels, with a margin.
 
     All of it if nothing is marked.
 
