@@ -341,7 +341,7 @@ class _Text:
         self._at = 0
 
     def skip(self, count: int, properties: Sequence[_Property]) -> None:
-        """Pass over elements; those without a property have no line."""
+        """Skip elements; those without a property have no line."""
         self._at += count if properties else 0
 
     def table(self, count: int, properties: Sequence[_Property]) -> Doubles:
@@ -395,7 +395,7 @@ class _Binary:
         self._body, self._order, self._at = body, order, 0
 
     def skip(self, count: int, properties: Sequence[_Property]) -> None:
-        """Pass over elements."""
+        """Skip elements."""
         if properties:
             self._read(count, properties)
 

@@ -86,7 +86,7 @@ class RidgesAndValleys(OutlinedDrawing):
 def apparent_ridges(shape: Shape, eye: Doubles, sharpness: float) -> list[tuple[EdgeMarks, Doubles]]:
     """Return the ridges, then the valleys: where they cross edges, and their view-dependent curvature.
 
-    Where one is not as sharp as asked for the strength is 0, so that it may be bridged.
+    Where a ridge is blunter than ``sharpness`` its strength is 0, so that the gap can be bridged.
 
     Args:
         shape: the mesh and its curvature.
