@@ -32,6 +32,8 @@ from pairs_on_disk import write_pairs
 
 torch.set_num_threads(1)
 HERE = globals()
+Cases = list[tuple[type[Any], str]]
+"""Broken plug-ins, and the sentence of the kit."""
 
 
 # Hint samplers
@@ -204,7 +206,7 @@ class _Private(Sampler):
     """Has a name that jsonargparse hides."""
 
 
-SETTINGS = [
+SETTINGS: Cases = [
     (Undocumented, "Undocumented has no docstring of its own; its first line is what --help"),
     (
         Mysterious,
@@ -275,7 +277,7 @@ def into_the_condition(right: Any, condition: Tensor) -> Any:
     return right(condition)
 
 
-GENERATORS = [
+GENERATORS: Cases = [
     *broken(
         *(Network, "forward", HERE),
         {
@@ -428,7 +430,7 @@ def fail(right: Any, discriminator: nn.Module) -> None:
     raise KeyError("norm")
 
 
-OBJECTIVES = [
+OBJECTIVES: Cases = [
     *broken(
         *(Plain, "generator_loss", HERE),
         {
@@ -610,7 +612,7 @@ class Alone(Worst):
         self.add_state("worst", torch.tensor(0.0), dist_reduce_fx="sum")
 
 
-METRICS = [
+METRICS: Cases = [
     (OfTheBatch, ".*once a picture without an object was counted too"),
     (EverywhereMeasured, ".*after the prediction off the mask was changed"),
     (Alone, ".*when two processes measured a part each"),
@@ -780,7 +782,7 @@ class Loose(Renderer):
         return EmbreeRenderer().render(mesh, camera, size)
 
 
-RENDERERS = [
+RENDERERS: Cases = [
     *broken(
         *(Rays, "render", HERE),
         {
@@ -866,7 +868,7 @@ def trembling(right: Any, points: Any, width: Any, rng: np.random.Generator) -> 
     return right(points + np.random.default_rng().normal(0, 0.1, points.shape), width, rng)
 
 
-LINE_STYLES = [
+LINE_STYLES: Cases = [
     *broken(
         *(Outline, "ink", HERE),
         {
@@ -921,7 +923,7 @@ LINE_STYLES = [
     ),
 ]
 
-FAULTS: list[tuple[type[Any], str]] = [
+FAULTS: Cases = [
     *(*SAMPLERS, *SETTINGS, *GENERATORS, *DISCRIMINATORS, *OBJECTIVES, *RECONSTRUCTIONS),
     *(*METRICS, *AUGMENTATIONS, *SOURCES, *RENDERERS, *LINE_STYLES),
 ]

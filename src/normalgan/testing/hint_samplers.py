@@ -111,4 +111,5 @@ def _untouched(sampler: HintSampler) -> None:
 
 def _devices(sampler: HintSampler) -> None:
     for device in device_list():
-        _sample(sampler, *(part.to(device) for part in pictures(2)))
+        normal, mask = (part.to(device) for part in pictures(2))
+        _sample(sampler, normal, mask)
