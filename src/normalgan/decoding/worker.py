@@ -547,7 +547,7 @@ def decode(
 
 
 def turned_upright(image: "Image") -> "Image":
-    """Return an image rotated as its EXIF data say; unchanged if these are damaged."""
+    """Return an image turned as its camera says; as it lies, if what the camera wrote is damaged."""
     from PIL import ImageOps
 
     try:
@@ -764,9 +764,9 @@ def draw_svg(content: bytes, side: int, most: int) -> bytes:
 
 
 def sanitize_svg(content: bytes, most: int) -> str:
-    """Return a rewritten SVG, with its entities expanded and without references to anything outside.
+    """Return an SVG written anew, with its entities expanded and nothing in it that leads out of it.
 
-    It is rewritten, not only checked, because another parser may read the same bytes differently.
+    It is written anew, not only looked at: what another parser would make of the same bytes does not matter.
 
     Args:
         content: the file, in any encoding that XML knows.

@@ -160,7 +160,7 @@ class Cluster:
         """Say that a result is lost: with its worker just after it was finished, or with the connection.
 
         Raises:
-            RunError: if the connection is lost.
+            RunError: if there is no connection any more.
         """
         if not self._connected():
             raise self._lost()

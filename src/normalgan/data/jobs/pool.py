@@ -35,7 +35,7 @@ class Pool(Protocol):
 
 
 def unrelated(_: object) -> tuple[str, ...]:
-    """Return no names: the tasks are independent."""
+    """Return no names: every task stands for itself."""
     return ()
 
 
