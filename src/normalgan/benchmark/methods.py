@@ -42,7 +42,7 @@ class Method:
     """A method and its properties.
 
     Args:
-        predict: predicts a batch; it must not look at the truth, but for what is told of a classical method.
+        predict: predicts a batch; only classical methods may use the truth, as their docstrings say.
         sampler: gives the hints that it was trained for.
         generator: its network; None if it has none.
         timed: whether it predicts here, so that its speed can be measured; what another program predicted is

@@ -73,7 +73,7 @@ class Plan:
         images: how many each generator learns from, repetitions counted.
         rows: what is compared.
         data: settings of the data that all rows share.
-        test_data: of these, what the test split alone has otherwise: how it is drawn, or other meshes.
+        test_data: of these, those that differ for the test split: how it is drawn, or other meshes.
         seeds: of initialisation, training hints and dropout; a run for each.
         hints: how many hints table 1 gives.
         hint_counts: of the curve; 0 and ``hints`` are always measured.

@@ -199,7 +199,7 @@ def figure_cell(given: str, name: str, unit: str | None = None) -> Cell:
     Args:
         given: the hints, ``15`` or ``own``.
         name: of the figure, such as ``angular_mean``: angles in degrees, shares in per cent.
-        unit: of another's figure, ``%`` for a share; None tells it by the name.
+        unit: of a metric from a plug-in, ``%`` for a share; None derives it from the name.
     """
     if unit is None:
         angle = name.startswith(("angular", "calibration"))

@@ -286,7 +286,7 @@ class _Batch:
         """Predict drawings whenever they are saved, until Ctrl-C; of those that share a frame, all.
 
         Raises:
-            RunError: if a folder that was named is gone.
+            RunError: if a folder that was named was removed.
         """
         folders = [Path(word) for word in self._settings.sketches if Path(word).is_dir()]
         print("normalgan: watching; Ctrl-C ends it.", file=sys.stderr, flush=True)

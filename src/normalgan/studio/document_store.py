@@ -179,7 +179,7 @@ class DocumentStore:
 
 
 def tag_of(content: bytes) -> str:
-    """Return the tag of a document: the same for the same bytes, and as HTTP's ETag is written."""
+    """Return the tag of a document: an ETag, equal for equal bytes."""
     return f'"{hashlib.sha256(content).hexdigest()[:32]}"'
 
 

@@ -66,7 +66,7 @@ def steps(darkness: Floats) -> BoolMask:
 
 
 def painted_areas(colour: Floats, paper: Floats, level: Floats, step: BoolMask) -> tuple[BoolMask, Floats]:
-    """Return where a drawing is painted, (H, W), and the paper with painted areas as wide as they are.
+    """Return the painted areas (H, W) of a drawing, and the paper with these areas.
 
     The paper is found by a window, so that of a painted body the window shows the trunk and not the legs,
     which are narrower. Pixels that are connected with the trunk and have its colour belong to it.

@@ -278,7 +278,7 @@ def _sizes(grid: TileGrid) -> tuple[int, int]:
 
 
 def _connected(count: int, pairs: Sequence[tuple[int, int]]) -> NDArray[np.int32]:
-    """Return a number for each of several things, the same for those that pairs connect."""
+    """Return a number for each item, the same for items that pairs connect."""
     from scipy.sparse import coo_array  # here: it takes a while to import
     from scipy.sparse.csgraph import connected_components
 

@@ -79,7 +79,7 @@ def _below(folder: Path, leave_out: Path | None) -> Iterator[Path]:
 
 
 def _apart(found: dict[Path, Path]) -> dict[Path, Path]:
-    """Return the same with drawings of one name from different folders in folders of their own."""
+    """Return the jobs, with drawings of one name from different folders put into separate folders."""
     named = defaultdict(list)
     for path, below in found.items():
         named[below / path.stem].append(path)
