@@ -77,7 +77,7 @@ class Frame:
         return np.asarray(cv2.resize(square, (self.size, self.size), interpolation=method), np.float32)
 
     def cut_points(self, points: NDArray[np.floating], normals: Floats) -> Floats:
-        """Return hints (4, size, size) for the model: unit normals, averaged within a pixel, and 1 where they are.
+        """Return hints (4, size, size) for the model: unit normals, averaged within a pixel, and their mask.
 
         Args:
             points: (K, 2), x right and y down in pixels of the drawing, whose first has its middle at 0.5.
