@@ -365,7 +365,7 @@ def _configuration(name: str, value: Any) -> Any:
 
 
 def _as_named(value: Mapping[str, Any], found: dict[str, Any]) -> dict[str, Any]:
-    """Return a configuration by the path that the file has for the class, if it leads there still."""
+    """Return a configuration with the class path that the file has, if it still leads to that class."""
 
     def leads_to(path: str) -> object:
         module, _, name = path.rpartition(".")
