@@ -8,7 +8,10 @@ from pathlib import Path
 import pytest
 from attacked_meshes import attacked_meshes, attacked_rigs
 from hostile import CLUSTERS, CONFIGURATIONS, MESHES, ORIENTATIONS, PLANS, TRIANGLE, gltf
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from limited import SECONDS, read_limited
+from readers import READERS
 from sound_files import sound
 
 from normalgan.errors import InputError
@@ -67,6 +70,37 @@ def test_sound_files_are_read_and_hostile_ones_refused_in_one_sentence(tmp_path:
     good: Files = {name: (content, "") for name, content in sound()[reader].items()}
     bad: Files = {path.name: (path.read_bytes(), " ") for path in (CORPUS / reader).glob("*")}
     check_reader(tmp_path, reader, {**good, **bad, **HOSTILE[reader]()})
+
+
+TEXTS = [
+    (reader, name, content)
+    for reader in ("configuration", "plan", "cluster", "orientation", "split", "hints")
+    for name, content in sound()[reader].items()
+    if not name.endswith(".png")
+]
+"""Sound files whose readers are quick and take no more memory than they are long."""
+
+
+@settings(max_examples=200)
+@given(st.sampled_from(TEXTS), st.data())
+def test_an_edited_text_file_is_read_or_refused_in_one_sentence(
+    tmp_path_factory: pytest.TempPathFactory, file: tuple[str, str, bytes], data: st.DataObject
+) -> None:
+    reader, name, content = file
+    for _ in range(data.draw(st.integers(1, 3))):
+        start, end = sorted(data.draw(st.tuples(*[st.integers(0, len(content))] * 2)))
+        words = [b"", b"null", b"[", b"{", b"-1", b"1e999", 2 * content[start:end]]
+        inside = data.draw(st.binary(max_size=4) | st.sampled_from(words))
+        content = content[:start] + inside + content[end:]
+    path = tmp_path_factory.getbasetemp() / f"edited-{name}"
+    path.write_bytes(content)
+    said = ""
+    try:
+        READERS[reader](path)
+    except InputError as error:
+        said = str(error)
+    assert "\n" not in said
+    assert len(said) < 400 + len(str(path))
 
 
 @pytest.mark.slow  # imports torch
