@@ -67,7 +67,7 @@ _FOREIGN_ZIPS = {
 
 
 def kind_of(content: bytes) -> str | None:
-    """Return the kind of a layered file: psd, zip (OpenRaster or Krita) or aseprite; None for other files.
+    """Return the kind of a layered file: psd, zip (OpenRaster or Krita) or aseprite; None of any other file.
 
     >>> kind_of(b"8BPS..."), kind_of(b"GIF89a")
     ('psd', None)
@@ -82,7 +82,7 @@ def kind_of(content: bytes) -> str | None:
 
 
 def foreign(content: bytes) -> str | None:
-    """Return the name of an unsupported format and what to export instead; None for other files.
+    """Return what a file of a paint program is that cannot be read, and the way out; None of any other.
 
     >>> foreign(b"gimp xcf v011")
     'is a GIMP file, which cannot be read; export it from GIMP as PSD or ORA'
@@ -92,7 +92,7 @@ def foreign(content: bytes) -> str | None:
 
 
 def open_layered(content: bytes, check_size: Callable[[int, int], None]) -> LayeredFile | None:
-    """Return a layered file, of which no picture is decoded yet; None for other files.
+    """Return a layered file, of which no picture is decoded yet; None of any other file.
 
     Args:
         content: of the file.

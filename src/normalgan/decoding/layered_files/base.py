@@ -77,7 +77,7 @@ class Layer:
 
 
 class LayeredFile(ABC):
-    """A layered file of one format. Opening it reads its structure, but decodes no picture.
+    """A layered file of one format. Making one reads how it is built; no picture in it is decoded yet.
 
     Args:
         content: of the file.
