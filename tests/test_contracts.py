@@ -90,29 +90,13 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
         {"hint_sampler": Sampler(lambda mask: mask[:, 0])},
         r"^Sampler gave a tensor \(2, 32, 32\); hints are a tensor \(2, 1, 32, 32\) here, 1 at a hinted pi",
     ),
-    "hints of another size": (
-        {"hint_sampler": Sampler(lambda mask: mask[..., ::2])},
-        r"^Sampler gave a tensor \(2, 1, 32, 16\); hints are a tensor \(2, 1, 32, 32\) here",
-    ),
-    "hints of one sample for all": (
-        {"hint_sampler": Sampler(lambda mask: mask[:1])},
-        r"^Sampler gave a tensor \(1, 1, 32, 32\); hints are a tensor \(2, 1, 32, 32\) here",
-    ),
     "no hints returned": (
         {"hint_sampler": Sampler(lambda mask: None)},
         r"^Sampler gave None; hints are a ten",
     ),
-    "hints as an array": (
-        {"hint_sampler": Sampler(lambda mask: mask.numpy())},
-        r"^Sampler gave an? ndarray; hints are a tensor",
-    ),
     "maps of two channels": (
         {"generator": Predictor(lambda predicted: predicted, 2)},
         r"^Predictor returns 2 channels; a model has 3, or 4 with the confidence\.$",
-    ),
-    "maps of five channels": (
-        {"generator": Predictor(lambda predicted: predicted, 5)},
-        r"^Predictor returns 5 channels; a model has 3, or 4 with the confidence\.$",
     ),
     "smaller maps": (
         {"generator": Predictor(lambda predicted: predicted[..., 1:-1, ::2])},
@@ -143,21 +127,9 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
         {"discriminator": Critic(lambda scores: ())},
         r"^Critic gave an empty tuple; a discriminator gives a tuple of scores",
     ),
-    "one score for all": (
-        {"discriminator": Critic(lambda scores: (scores.mean(),))},
-        r"^Critic gave a tuple of \(a tensor \(\)\); a discriminator gives",
-    ),
     "a map of losses": (
         {"reconstruction": Loss(lambda difference: {"l1": Term(difference, 1)})},
         r"^Loss gave a tensor \(2, 3, 32, 32\) as l1; a reconstruction loss gives its terms by name, a Ter",
-    ),
-    "a loss without a weight": (
-        {"reconstruction": Loss(lambda difference: {"l1": difference.mean()})},
-        r"^Loss gave a tensor \(\) as l1; a reconstruction loss gives",
-    ),
-    "a loss without a name": (
-        {"reconstruction": Loss(lambda difference: difference.mean())},
-        r"^Loss gave a tensor \(\); a reconstruction loss gives its terms by name",
     ),
     "a loss that teaches nothing": (
         {"reconstruction": Loss(lambda difference: {"l1": Term(difference.mean().detach(), 1)})},

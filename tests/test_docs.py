@@ -59,7 +59,7 @@ def run_code(code: str, folder: Path) -> None:
     assert done.returncode == 0, done.stderr[-3000:]
 
 
-@pytest.mark.parametrize("name", ["conventions", "data", "plugins", "prediction"])
+@pytest.mark.parametrize("name", ["conventions", "data", "plugins"])
 def test_python_runs(name: str, tmp_path: Path) -> None:
     run_python(ROOT / "docs" / f"{name}.md", tmp_path)
 
@@ -116,7 +116,7 @@ def test_python_of_the_recipes_runs(tmp_path: Path) -> None:
 
 def test_no_page_with_python_is_forgotten() -> None:
     with_python = {page.stem for page in PAGES if blocks(page, "python")}
-    assert with_python == {"conventions", "data", "plugins", "prediction", "python", "recipes"}
+    assert with_python == {"conventions", "data", "plugins", "python", "recipes"}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=page_id)

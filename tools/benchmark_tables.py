@@ -489,7 +489,7 @@ def shipped() -> list[str]:
         "median, 15 hints": error("15", "angular_median"),
         "below 11.25°, 15 hints": error("15", "below_11_25"),
     }
-    return [*lines, "", "Without hints, but for the last two columns:", *table(found, columns, "test set")]
+    return [*lines, "", "Without hints, except in the last two columns:", *table(found, columns, "test set")]
 
 
 def card() -> list[str]:

@@ -15,6 +15,10 @@ from pathlib import Path
 from pyexpat import ParserCreate
 from typing import Any
 
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "trust"))
+
+from readers import READERS
+
 FUZZ = "--fuzz"
 TIMEOUT = 60
 """Seconds for one input, the most that a child of the product would have too."""
@@ -64,6 +68,14 @@ def as_file(data: bytes, name: str) -> Path:
     path = Path(_folder.name) / name
     path.write_bytes(data)
     return path
+
+
+def read_as(data: bytes, name: str, *readers: str) -> None:
+    """Have a file read by readers of `tests/trust/readers.py`, which may refuse it."""
+    path = as_file(data, name)
+    for reader in readers:
+        with refusals():
+            READERS[reader](path)
 
 
 def drawing() -> Read:
@@ -210,20 +222,12 @@ def mesh() -> Read:
     with instrumented("trimesh"):
         import trimesh  # noqa: F401
 
-        from normalgan.rendering.mesh_files import MeshFile
-        from normalgan.rendering.rigs import RiggedFile, find_poses
+        import normalgan.rendering.mesh_files
+        import normalgan.rendering.rigs  # noqa: F401
 
     def read(data: bytes) -> None:
         kind = next((kind for start, kind in starts.items() if data.startswith(start)), "obj")
-        file = MeshFile(str(as_file(data, f"mesh.{kind}")))
-        with refusals():
-            file.fingerprint()
-            found = file.load()
-            assert found.faces.max() < len(found.vertices)
-        if kind in {"glb", "gltf"}:
-            with refusals():
-                find_poses([file], 1)
-                RiggedFile(file, 0).load()
+        read_as(data, f"mesh.{kind}", "mesh", *(["rig"] if kind in {"glb", "gltf"} else []))
 
     return read
 
@@ -231,15 +235,8 @@ def mesh() -> Read:
 def checkpoint() -> Read:
     """Checkpoints, as commands read them that predict with them and as `fit` does to go on."""
     with instrumented():
-        from normalgan.weights.checkpoint import read_checkpoint
-
-    def read(data: bytes) -> None:
-        with refusals():
-            found = read_checkpoint(as_file(data, "model.ckpt"))
-            found.weights(32)
-            found.training_settings()
-
-    return read
+        import normalgan.weights.checkpoint  # noqa: F401
+    return lambda data: read_as(data, "model.ckpt", "checkpoint")
 
 
 def weights() -> Read:
@@ -257,20 +254,10 @@ def weights() -> Read:
 def configuration() -> Read:
     """Files in YAML: a configuration, a plan, a cluster file."""
     with instrumented():
-        from normalgan.benchmark.plan import read_plan
-        from normalgan.cli.config_files import check_config
-        from normalgan.data.jobs.cluster_address import read_cluster
-
-    def read(data: bytes) -> None:
-        path = as_file(data, "file.yaml")
-        with refusals():
-            check_config(path, ("trainer", "data", "model"))
-        with refusals():
-            read_plan(path)
-        with refusals():
-            read_cluster(path)
-
-    return read
+        import normalgan.benchmark.plan
+        import normalgan.cli.config_files
+        import normalgan.data.jobs.cluster_address  # noqa: F401
+    return lambda data: read_as(data, "file.yaml", "configuration", "plan", "cluster")
 
 
 def project() -> Read:
@@ -297,19 +284,9 @@ def project() -> Read:
 
 def model() -> Read:
     """Models as ONNX, which are checked, loaded, and given an empty drawing."""
-    import numpy as np
-
     with instrumented():
-        from normalgan.inference.network.onnx_backend import OnnxBackend
-
-    def read(data: bytes) -> None:
-        with refusals():
-            loaded = OnnxBackend(as_file(data, "model.onnx"), threads=1)
-            normals, _ = loaded.predict(np.zeros((loaded.size, loaded.size), np.float32))
-            assert normals.shape == (loaded.size, loaded.size, 3)
-            assert np.isfinite(normals).all()
-
-    return read
+        import normalgan.inference.network.onnx_backend  # noqa: F401
+    return lambda data: read_as(data, "model.onnx", "model")
 
 
 TARGETS = {

@@ -1,6 +1,5 @@
 """Seeds: the files that fuzzing starts from: sound ones, and what once broke a reader or tried to."""
 
-import io
 import json
 import shutil
 import sys
@@ -107,19 +106,11 @@ def _animations(_: str) -> Iterable[tuple[str, bytes]]:
 
 def _other(target: str) -> Iterable[tuple[str, bytes | str]]:
     if target == "checkpoint":
-        from attacked_checkpoints import FILES, MODEL, sound
-        from sound_files import sound_checkpoint
-        from torch import save
+        from attacked_checkpoints import attacked_checkpoints, bytes_of
 
-        yield "sound.ckpt", sound_checkpoint()
-        for number, (make, _) in enumerate(FILES.values()):
-            yield f"file{number}.ckpt", make()
-        for number, (edit, _) in enumerate(list(MODEL.values())[::6]):  # all are in tests/trust already
-            tree = sound()
-            edit(tree)
-            buffer = io.BytesIO()
-            save(tree, buffer)
-            yield f"model{number}.ckpt", buffer.getvalue()
+        yield "sound.ckpt", bytes_of()
+        for name, (content, _) in attacked_checkpoints().items():
+            yield name, content
     elif target == "weights":
         from small_weights import make_weights
 

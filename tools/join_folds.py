@@ -96,6 +96,6 @@ if __name__ == "__main__":
     options = parser.parse_args()
     found = [json.loads(path.read_text(encoding="utf-8")) for path in options.results]
     together = join(found)
-    print("\n".join(interval_table(read_plan(options.plan), together)))
+    print("\n".join(interval_table(read_plan(options.plan), together)).lstrip())
     if options.output:
         write_bytes(options.output, report(found, together))

@@ -95,7 +95,7 @@ def encode(normals: NDArray[np.floating], bits: Bits = 8) -> NDArray[np.uint8] |
 def strips(shape: tuple[int, ...]) -> Iterator[slice]:
     """Yield slices of rows, so that elementwise computations use the cache.
 
-    Of a large picture each step would go through the whole memory, and would need as much of it again.
+    A large picture is processed in strips, because each step would otherwise need its memory again.
 
     >>> list(strips((5, 2**14, 2)))
     [slice(0, 2, None), slice(2, 4, None), slice(4, 6, None)]

@@ -221,7 +221,7 @@ def _noting_ctrl_c() -> Iterator[Callable[[], bool]]:
 def find_imported(name: str, base: type[T]) -> type[T] | None:
     """Return the concrete class derived from a base that a name in dots means; nothing is imported for it.
 
-    Its package and its own name decide: packages show a class in other places than where it is defined.
+    Only its package and its own name count, because packages re-export classes in other modules.
 
     >>> class Base: ...
     >>> class Dots(Base): ...

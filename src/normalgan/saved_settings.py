@@ -20,7 +20,7 @@ class SavedSettings(LightningModule):
     def hparams_initial(self) -> AttributeDict:
         """The hyperparameters that loggers write: classes and settings, in values that any YAML reader knows.
 
-        Of the objects that Python hands in they would write every weight as text: 8 MB for a million.
+        For objects from Python they would write every weight as text: 8 MB for a million weights.
         """
         settings = settings_to_save(self._given())
         return AttributeDict({k: list(v) if isinstance(v, tuple) else v for k, v in settings.items()})

@@ -22,7 +22,7 @@ def derive_seed(*parts: int | str) -> int:
 
 
 def rng_of(name: str, number: int) -> np.random.Generator:
-    """Return the random generator of one of many named things, equal on every machine.
+    """Return the random generator for a name, the same on every machine.
 
     >>> bool(rng_of("horse", 3).random() == rng_of("horse", 3).random() != rng_of("horse", 4).random())
     True

@@ -152,9 +152,9 @@ def test_a_mistake_is_answered_by_a_sentence(tmp_path: Path, wrong: Any, words: 
 
 
 def test_the_names_of_placements_are_those_that_there_are() -> None:
-    from normalgan.benchmark import placements, plan
+    from normalgan.benchmark import hints, plan
 
-    assert tuple(placements._SAMPLERS) == plan.PLACEMENTS
+    assert tuple(hints._SAMPLERS) == plan.PLACEMENTS
 
 
 def test_the_matrix_trains_each_placement_at_each_count() -> None:

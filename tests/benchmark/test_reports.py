@@ -184,6 +184,8 @@ def test_curves_are_drawn_if_something_is_learnt() -> None:
     assert draw_curves(PLAN, {"mean": results["mean"]}, "caption") is None
     one = draw_curves(PLAN, results, "caption")
     assert one is not None
+    untaught = replace(PLAN, reference="mean")
+    assert draw_curves(untaught, results, "caption") not in (None, one)
     two = draw_curves(PLAN, {**results, "ours": [result(0, 9.0)]}, "caption")
     assert two != one
     with Image.open(BytesIO(one)) as picture:

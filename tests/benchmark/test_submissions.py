@@ -12,10 +12,10 @@ import torch
 from needs import SHARED_MESHES
 from normalgan.batch import Batch
 from normalgan.benchmark import command
+from normalgan.benchmark.hints import hint_points
 from normalgan.benchmark.measure import HintTests, measure
 from normalgan.benchmark.methods import Method
 from normalgan.benchmark.plan import read_plan
-from normalgan.benchmark.points import hint_points
 from normalgan.benchmark.specification import check_specification, specify
 from normalgan.benchmark.submissions import read_submission, write_inputs
 from normalgan.benchmark.table import ranked_error

@@ -33,7 +33,7 @@ def test_hints_by_name_are_drawn_on_the_cpu_whatever_the_device(monkeypatch: pyt
     places: list[torch.device] = []
 
     # What is not there has no values to be looked at.
-    monkeypatch.setattr("normalgan.hints.draw._check_values", lambda *_: None)
+    monkeypatch.setattr("normalgan.hints.draw.check_hint_values", lambda *_: None)
 
     class Watched(UniformHints):
         def sample(self, normal: torch.Tensor, mask: torch.Tensor, rng: torch.Generator) -> torch.Tensor:

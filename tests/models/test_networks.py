@@ -95,7 +95,7 @@ def test_wrong_sizes_are_said() -> None:
         GlobalDiscriminator(size=20)
     with pytest.raises(InputError, match="width"):
         UNetGenerator(width=0)
-    with pytest.raises(InputError, match="layers from 1 on"):
+    with pytest.raises(InputError, match="layers of PatchDiscriminator is 0; it must be 1 or more"):
         PatchDiscriminator(layers=0)
 
 

@@ -142,8 +142,8 @@ def test_sides_that_cannot_be_halved_are_refused() -> None:
     [
         (((8,), (1,), 2), "two or more levels"),
         (((8, 16), (1,), 2), "two or more levels"),
-        (((8, 16), (1, 0), 2), "all from 1 on"),
-        (((8, 16), (1, 1), 3), "a power of two, not 3"),
+        (((8, 16), (1, 0), 2), r"blocks of ResidualUNetGenerator is \(1, 0\); each number must be 1 or more"),
+        (((8, 16), (1, 1), 3), "are 3 and 1; they must be powers of two"),
     ],
 )
 def test_settings_out_of_range_are_refused(
@@ -162,7 +162,7 @@ def test_detail_layers_may_see_folded_squares() -> None:
     given[:, 0, 17, 9] = -1  # one pixel of ink is felt where it is, not only in its square of four
     change = (network(given) - predicted).abs().sum((0, 1))
     assert change[16:18, 8:10].max() > 0
-    with pytest.raises(InputError, match="power of two up to its patch of 4, not 8"):
+    with pytest.raises(InputError, match="are 4 and 8; they must be powers of two, and detail at most patch"):
         ResidualUNetGenerator((8, 12), (1, 1), 4, detail=8)
 
 

@@ -282,17 +282,20 @@ IGNORED: dict[str, Callable[[Tree], object]] = {
 
 def save(path: Path, edit: Callable[[Tree], object] = lambda tree: None) -> Path:
     """Write a sound checkpoint with an edit."""
-    tree = sound()
-    edit(tree)
-    torch.save(tree, path)
+    path.write_bytes(bytes_of(edit))
     return path
 
 
-def _bytes(edit: Callable[[Tree], object] = lambda tree: None) -> bytes:
-    buffer = io.BytesIO()
+def bytes_of(edit: Callable[[Tree], object] = lambda tree: None) -> bytes:
+    """Return a sound checkpoint with an edit."""
     tree = sound()
     edit(tree)
-    torch.save(tree, buffer)
+    return _saved(tree)
+
+
+def _saved(content: Any, **how: Any) -> bytes:
+    buffer = io.BytesIO()
+    torch.save(content, buffer, **how)
     return buffer.getvalue()
 
 
@@ -301,7 +304,7 @@ def repacked(**changes: Any) -> bytes:
     compressed, level = changes.pop("compressed", zipfile.ZIP_STORED), changes.pop("level", None)
     packed = io.BytesIO()
     with (
-        zipfile.ZipFile(io.BytesIO(_bytes())) as whole,
+        zipfile.ZipFile(io.BytesIO(bytes_of())) as whole,
         zipfile.ZipFile(packed, "w", compressed, compresslevel=level) as target,
     ):
         for name in whole.namelist():
@@ -317,34 +320,38 @@ def _calls(module: str, name: str, number: int) -> bytes:
 
 
 def _commented() -> bytes:
-    content = _bytes()
+    content = bytes_of()
     return content[:-2] + struct.pack("<H", 3) + b"abc"
 
 
 def _lying() -> bytes:
     """Return an archive whose list says that a part is longer than the file."""
-    content = bytearray(_bytes())
+    content = bytearray(bytes_of())
     entry = content.rindex(b"PK\x01\x02")
     content[entry + 20 : entry + 28] = struct.pack("<2L", 2**31, 2**31)
     return bytes(content)
 
 
-def _old() -> bytes:
-    buffer = io.BytesIO()
-    torch.save(sound(), buffer, _use_new_zipfile_serialization=False)
-    return buffer.getvalue()
+class Touch:
+    """What a pickle of it does when it is loaded without care: it makes a file."""
+
+    def __reduce__(self) -> tuple[Any, tuple[str, str]]:
+        return open, ("touched", "w")
 
 
-def _tensor() -> bytes:
-    buffer = io.BytesIO()
-    torch.save(torch.zeros(3), buffer)
-    return buffer.getvalue()
+TOUCH = {"hyper_parameters": {"generator": Touch()}, "state_dict": {}}
 
 
 FILES: dict[str, tuple[Callable[[], bytes], str]] = {
     "empty": (bytes, "damaged or no checkpoint"),
     "pickle": (lambda: pickle.dumps(Path("x")), "damaged or no checkpoint"),
-    "tensor": (_tensor, "holds no normalgan model"),
+    "touching pickle": (lambda: pickle.dumps(TOUCH), "damaged or no checkpoint"),
+    "touching archive": (lambda: _saved(TOUCH), "damaged or no checkpoint"),
+    "touching archive of old": (
+        lambda: _saved(TOUCH, _use_new_zipfile_serialization=False),
+        "damaged or no checkpoint",
+    ),
+    "tensor": (lambda: _saved(torch.zeros(3)), "holds no normalgan model"),
     "compressed": (lambda: repacked(compressed=zipfile.ZIP_DEFLATED), "its parts are compressed"),
     "bomb": (
         lambda: repacked(compressed=zipfile.ZIP_DEFLATED, level=1, **{"0": bytes(2**29)}),
@@ -352,9 +359,12 @@ FILES: dict[str, tuple[Callable[[], bytes], str]] = {
     ),
     "lying": (_lying, "its parts are longer than the file"),
     "two pickles": (lambda: repacked(**{"DATA.PKL": b"x"}), "two of its parts have the same name"),
-    "prefixed": (lambda: b"MZ" * 99 + _bytes(), "it is no archive of torch"),
+    "prefixed": (lambda: b"MZ" * 99 + bytes_of(), "it is no archive of torch"),
     "commented": (_commented, "it is no archive of torch"),
-    "old format": (_old, "it is no archive of torch"),
+    "old format": (
+        lambda: _saved(sound(), _use_new_zipfile_serialization=False),
+        "it is no archive of torch",
+    ),
     "bytes": (
         lambda: repacked(**{"data.pkl": _calls("__builtin__", "bytearray", 2**40)}),
         "it holds __builtin__.bytear",
@@ -369,6 +379,13 @@ FILES: dict[str, tuple[Callable[[], bytes], str]] = {
         lambda: repacked(**{"data.pkl": pickle.dumps(Path("x"), protocol=4)}),
         "a pickle that torch does not",
     ),
-    "repeated": (lambda: _bytes(_widen), "its tensors are larger than the file"),
+    "repeated": (lambda: bytes_of(_widen), "its tensors are larger than the file"),
 }
 """Files that are refused before anything in them is loaded, each with a part of the sentence."""
+
+
+def attacked_checkpoints() -> dict[str, tuple[bytes, str]]:
+    """Return the contents of those that every command refuses, with a part of the sentence."""
+    files = {f"file{i}.ckpt": (make(), words) for i, (make, words) in enumerate(FILES.values())}
+    edits = enumerate(MODEL.values())
+    return files | {f"model{i}.ckpt": (bytes_of(edit), words) for i, (edit, words) in edits}

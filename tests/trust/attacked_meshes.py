@@ -4,7 +4,6 @@ import base64
 import json
 import struct
 from collections.abc import Callable, Iterator
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -276,9 +275,36 @@ GLTF: dict[str, Callable[[Tree], object]] = {
 """What is done to a small rig: each must be read or refused."""
 
 
-@cache
-def attacks() -> dict[str, str | bytes]:
-    """Return the contents of all attacked files by name, their format in the suffix."""
+REFUSED = {
+    "stride of 0.gltf": "has elements of 12 bytes 0 bytes apart, in accessor 0",
+    "many numbers.gltf": "announces 3000000043 numbers, more than a mesh file can hold",
+    "many views.gltf": "refers to the same bytes again and again",
+    "a part repeated.gltf": "places 200000000 vertices; reduce it to",
+    "a pipe.gltf": "refers to 'pipe', which is no file",
+    "a device.gltf": "refers to 'zero.bin', which is no file",
+}
+"""What is said of some."""
+REFUSED_RIGS = {
+    "many clips.gltf": "it has 50000 animations of 50000 channels; delete most of them",
+    "many channels.gltf": "it has 1 animations of 50000 channels",
+    "clips of many nodes.gltf": "it has 1000 animations of 1000 channels",
+    "a thousand parts.gltf": "its 240000 vertices hang on 1000 loose trees of nodes; join them",
+    "many sets.gltf": "a vertex is bound to 4000 joints; 16 are enough",
+}
+"""The same of rigs."""
+READ = dict.fromkeys(("material.obj", "libraries.obj", "library 0.obj", "library 2.obj"), "")
+"""What these refer to is not needed."""
+
+
+def attacked_rigs() -> dict[str, tuple[str | bytes, str | None]]:
+    """Return the contents of attacked rigs by name, and what is said of them if that is known."""
+    said = REFUSED | REFUSED_RIGS
+    return {f"{name}.gltf": (rigged(change), said.get(f"{name}.gltf")) for name, change in GLTF.items()}
+
+
+def attacked_meshes() -> dict[str, tuple[str | bytes, str | None]]:
+    """Return the same of files of every format, as meshes."""
     formats = {"obj": obj_attacks(), "ply": ply_attacks(), "off": off_attacks()}
     found = {f"{name}.{suffix}": content for suffix, made in formats.items() for name, content in made}
-    return found | {f"{name}.gltf": rigged(change) for name, change in GLTF.items()}
+    found |= {name: content for name, (content, _) in attacked_rigs().items()}
+    return {name: (content, (REFUSED | READ).get(name)) for name, content in found.items()}

@@ -1,10 +1,7 @@
 """Hostile files: small to make, and asking for all memory, all time, or somebody else's files."""
 
 import json
-import pickle
 import struct
-from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 BILLION = 10**9
@@ -131,37 +128,3 @@ ORIENTATIONS: dict[str, tuple[str | bytes, str]] = {
     "deep.json": ("[" * 200_000 + "]" * 200_000, "cannot be read as JSON"),
     "digits.json": ("1" * 100_000, "cannot be read as JSON"),
 }
-
-
-class Touch:
-    """What a pickle of it does when it is loaded without care: it makes a file."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-
-    def __reduce__(self) -> tuple[Any, tuple[str, str]]:
-        return open, (str(self.path), "w")
-
-
-def pickles(folder: Path, touched: Path) -> Iterator[Path]:
-    """Yield checkpoints that make a file when they are loaded without care."""
-    import torch
-
-    bare = folder / "bare.ckpt"
-    bare.write_bytes(pickle.dumps({"hyper_parameters": Touch(touched)}))
-    yield bare
-    saved = folder / "saved.ckpt"
-    torch.save({"hyper_parameters": {"generator": Touch(touched)}, "state_dict": {}}, saved)
-    yield saved
-    old = folder / "old.ckpt"
-    torch.save({"hyper_parameters": Touch(touched)}, old, _use_new_zipfile_serialization=False)
-    yield old
-
-
-def write(folder: Path, files: dict[str, tuple[str | bytes, str]]) -> list[Path]:
-    """Write files, and beside them the buffers that some refer to."""
-    (folder / "triangle.bin").write_bytes(TRIANGLE)
-    (folder / "zero.bin").symlink_to("/dev/zero")
-    for name, (content, _) in files.items():
-        (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
-    return [folder / name for name in files]

@@ -17,7 +17,8 @@ def mesh(path: Path) -> None:
     from normalgan.rendering.mesh_files import MeshFile
 
     MeshFile(str(path)).fingerprint()
-    MeshFile(str(path)).load()
+    found = MeshFile(str(path)).load()
+    assert found.faces.max() < len(found.vertices)
 
 
 def rig(path: Path) -> None:
@@ -45,13 +46,15 @@ def drawing(path: Path) -> None:
 
 
 def model(path: Path) -> None:
-    """Paint nothing with a model as ONNX."""
+    """Predict an empty drawing with a model as ONNX."""
     import numpy as np
 
     from normalgan.inference.network.onnx_backend import OnnxBackend
 
     loaded = OnnxBackend(path, threads=1)
-    loaded.predict(np.zeros((loaded.size, loaded.size), np.float32))
+    normals, _ = loaded.predict(np.zeros((loaded.size, loaded.size), np.float32))
+    assert normals.shape == (loaded.size, loaded.size, 3)
+    assert np.isfinite(normals).all()
 
 
 def hints(path: Path) -> None:
@@ -92,7 +95,7 @@ def cluster(path: Path) -> None:
 
 
 def checkpoint(path: Path) -> None:
-    """Read the model in a checkpoint: as commands do that paint with it, and as `fit` does to go on."""
+    """Read the model in a checkpoint: as commands do that predict with it, and as `fit` does to go on."""
     from normalgan.weights.checkpoint import read_checkpoint
 
     found = read_checkpoint(path)

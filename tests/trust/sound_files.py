@@ -7,7 +7,8 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import trimesh
-from hostile import TRIANGLE, gltf
+from attacked_meshes import rigged
+from hostile import gltf
 from PIL import Image
 
 CONFIGURATION = Path(__file__).parents[1] / "conf" / "resume.yaml"
@@ -57,6 +58,7 @@ def sound() -> dict[str, dict[str, bytes]]:
     turned = json.dumps({"ball": {"rotation": [[0, -1, 0], [1, 0, 0], [0, 0, 1]], "inside_out": False}})
     return {
         "mesh": meshes,
+        "rig": {"rig.gltf": rigged(lambda tree: None).encode()},
         "drawing": drawings,
         "hints": {"hints.png": _picture(predicted, "png"), "hints.json": listed.encode()},
         "configuration": {"resume.yaml": CONFIGURATION.read_bytes()},
@@ -66,16 +68,6 @@ def sound() -> dict[str, dict[str, bytes]]:
         "cluster": {"cluster.yaml": CLUSTER.encode()},
         "model": {"ramp.onnx": _model()},
     }
-
-
-def sound_checkpoint() -> bytes:
-    """Return a checkpoint, as small as it gets."""
-    import torch  # takes seconds
-    from attacked_checkpoints import sound as sound_tree
-
-    buffer = io.BytesIO()
-    torch.save(sound_tree(), buffer)
-    return buffer.getvalue()
 
 
 def _model() -> bytes:
@@ -89,12 +81,3 @@ def _picture(pixels: "np.ndarray[tuple[int, ...], np.dtype[np.uint8]]", kind: st
     buffer = io.BytesIO()
     Image.fromarray(pixels).save(buffer, kind)
     return buffer.getvalue()
-
-
-def lay_out(folder: Path, content: bytes, name: str, number: int) -> Path:
-    """Write a file beside the buffer that a glTF refers to."""
-    if not (folder / "triangle.bin").exists():
-        (folder / "triangle.bin").write_bytes(TRIANGLE)
-    path = folder / f"{number:05d}-{name}"
-    path.write_bytes(content)
-    return path

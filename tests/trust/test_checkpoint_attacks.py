@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 import torch
 from attacked_checkpoints import EVIL, FILES, IGNORED, MODEL, RESUMED, TRAINING, save, sound
-from limited import read_limited
 
 from normalgan.errors import InputError
 from normalgan.weights.checkpoint import read_checkpoint
@@ -93,16 +92,3 @@ def test_files_are_refused_before_they_are_loaded(here: Path, kind: str) -> None
     make, words = FILES[kind]
     (here / "bad.ckpt").write_bytes(make())
     refused(here / "bad.ckpt", words, training=False)
-
-
-@pytest.mark.slow  # imports torch in a process of its own
-@pytest.mark.skipif(sys.platform != "linux", reason="limits of memory are those of Linux")
-def test_nothing_of_it_takes_more_memory_than_the_file_is_long(here: Path) -> None:
-    paths = []
-    for number, (make, _) in enumerate(FILES.values()):
-        paths.append(here / f"file{number}.ckpt")
-        paths[-1].write_bytes(make())
-    paths += [save(here / f"model{i}.ckpt", edit) for i, (edit, _) in enumerate(MODEL.values())]
-    for answer in read_limited("checkpoint", paths):
-        assert answer.outcome == "refused", answer
-        assert answer.memory < 300 * 2**20, answer

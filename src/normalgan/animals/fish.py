@@ -110,7 +110,7 @@ class Fish(PosedPlan):
         ranges: ranges of proportions that differ from the general ones.
 
     Raises:
-        InputError: if the mouth is no line.
+        InputError: if the mouth is not a line.
     """
 
     habits: tuple[Annotated[str, tuple(_POSES)], ...]

@@ -1,4 +1,4 @@
-"""Where things are and how they turn: rotations, frames, chains bent at joints."""
+"""Positions and rotations: frames, and chains bent at joints."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

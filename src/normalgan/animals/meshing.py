@@ -62,7 +62,7 @@ def _spacing(parts: Sequence[Part], count: int) -> float:
 
 
 def _field(parts: Sequence[Part], spacing: float) -> Volume:
-    """Return the field of the parts on a grid round them all, its voids and crumbs gone."""
+    """Return the field of the parts on a grid around them all, without voids and loose crumbs."""
     fine = [part.thickened(_THINNEST * spacing) for part in parts]
     corners = [part.reach() for part in fine if not part.carve]
     # Blends swell the union by at most a sixth of their width: two cells more than the margin hold that.

@@ -59,7 +59,7 @@ class LegTemplate:
         sole: whether the foot ends flat.
 
     Raises:
-        InputError: if a joint is no station.
+        InputError: if a joint is not a station.
     """
 
     stations: Stations
@@ -292,7 +292,7 @@ def _assemble(species: Quadruped, build: _Build, pose: Pose, rng: Rng) -> list[P
     """Return the parts, in the order in which they blend.
 
     Legs are united sharply among themselves, so that they do not melt into one another, and softly with
-    the torso; ``rng`` draws only small things: the swivel of ears, the presence of horns.
+    the torso; ``rng`` draws only details: the swivel of ears, the presence of horns.
     """
     if pose.sit:
         build = {**build, "length": _SEATED * build["length"]}

@@ -306,7 +306,7 @@ class Box(Solid):
         return self.frame.origin - half, self.frame.origin + half
 
     def area(self) -> float:
-        """Return the surface of the box with sharp edges, a little too much."""
+        """Return an upper bound of the area: that of the box with sharp edges."""
         a, b, c = self.half
         return float(8 * (a * b + b * c + c * a))
 

@@ -178,8 +178,8 @@ def evaluate(plan: Plan, scale: Scale, name: str, out: Path | None = None) -> in
         out: folder of ``evaluation.json``, which has all figures; None writes none.
     """
     from normalgan.benchmark.evaluation import Evaluation
+    from normalgan.benchmark.methods import saved_method
     from normalgan.benchmark.runs import shared_settings
-    from normalgan.benchmark.saved import saved_method
 
     evaluation = Evaluation(plan, shared_settings(plan, scale), test_alone=True)
     method = saved_method(name, evaluation.shared["data"]["size"], evaluation.device)

@@ -54,7 +54,8 @@ def draw_curves(plan: Plan, results: Results, caption: str) -> bytes | None:
             colours[str(plan.reference)] = _REFERENCE
         for name, colour in colours.items():
             label, style = plan.row(name).label, "--" if colour == _REFERENCE else "-"
-            _draw(learning, *learning_curve(results[name]), colour, style, label)
+            if not plan.row(name).classical:  # the reference may be one that learns nothing
+                _draw(learning, *learning_curve(results[name]), colour, style, label)
             _draw(hinted, *hint_curve(results[name], plan.counts), colour, style, label, marker="o")
         learning.set(xlabel="images the generator has learnt from", ylabel="mean error, °")
         learning.xaxis.set_major_formatter(lambda images, _: f"{images / 1000:g} k" if images else "0")

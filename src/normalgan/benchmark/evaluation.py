@@ -14,9 +14,9 @@ from torch.utils.data import default_collate
 
 from normalgan.arrays import Floats
 from normalgan.batch import Batch
-from normalgan.benchmark.cost import flops, images_per_second, parameters
-from normalgan.benchmark.machine import describe_machine, describe_versions
-from normalgan.benchmark.measure import HintTests, measure, moved, true_float32
+from normalgan.benchmark.cost import describe_machine, describe_versions, flops, images_per_second, parameters
+from normalgan.benchmark.hints import hint_points, placements
+from normalgan.benchmark.measure import HintTests, measure, more_metrics, moved, true_float32
 from normalgan.benchmark.methods import (
     Method,
     constant_method,
@@ -24,11 +24,8 @@ from normalgan.benchmark.methods import (
     mean_method,
     weights_method,
 )
-from normalgan.benchmark.more_metrics import more_metrics
 from normalgan.benchmark.pins import STRATEGIES, Strategy, pin_curve, pin_one_by_one
-from normalgan.benchmark.placements import placements
 from normalgan.benchmark.plan import Plan, Settings
-from normalgan.benchmark.points import hint_points
 from normalgan.benchmark.runs import Run, build_data
 from normalgan.benchmark.settings import digest
 from normalgan.benchmark.specification import Specification, specify

@@ -10,15 +10,16 @@ from torch import Tensor
 
 from normalgan.batch import Batch
 from normalgan.benchmark.accumulator import Accumulator, Figure
-from normalgan.benchmark.hint_noise import noisy_hints
+from normalgan.benchmark.hints import hint_points, noisy_hints
 from normalgan.benchmark.methods import Method
-from normalgan.benchmark.points import hint_points
 from normalgan.hints import HintSampler, hints_at
 from normalgan.hints.draw import draw_hints_by_name
-from normalgan.metrics import MapMetric, angular_error
+from normalgan.metrics import METRICS, MapMetric, angular_error
+from normalgan.metrics.collection import check_names
 from normalgan.metrics.contour import distance_from_contour
+from normalgan.weights.class_spec import ANY_NUMBER, ClassSpec
 
-__all__ = ["OWN", "HintTests", "Measured", "measure", "moved", "true_float32"]
+__all__ = ["OWN", "HintTests", "Measured", "measure", "more_metrics", "moved", "true_float32"]
 
 OWN = "own"
 """Stands for the hints of the method's own sampler."""
@@ -81,6 +82,21 @@ class HintTests:
     def names(self) -> list[str]:
         """What the figures are called."""
         return [*map(str, self.counts), *self.placements, *self.noise, OWN]
+
+
+def more_metrics(named: Sequence[str | dict[str, Any]]) -> list[MapMetric]:
+    """Return the metrics that a plan names.
+
+    Args:
+        named: names of registered classes, or these as ``class_path`` with ``init_args``.
+
+    Raises:
+        InputError: if there is no such metric, it does not take its settings, or two have the same name.
+    """
+    given = [{"class_path": each} if isinstance(each, str) else each for each in named]
+    metrics = [ClassSpec.of(each, ANY_NUMBER).build(METRICS) for each in given]
+    check_names(metrics)
+    return metrics
 
 
 def measure(method: Method, batches: Iterable[Batch], tests: HintTests, device: torch.device) -> Measured:

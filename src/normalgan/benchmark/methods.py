@@ -2,17 +2,25 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import torch
 from torch import Tensor, nn
 
+from normalgan.arrays import Floats
 from normalgan.batch import Batch
 from normalgan.benchmark.inflation import inflated_normals
+from normalgan.callbacks.checkpoints import check_size
+from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
-from normalgan.hints import HintSampler, NoHints
+from normalgan.hints import HINT_SAMPLERS, HintSampler, NoHints
+from normalgan.inference.network.onnx_backend import OnnxBackend, find_model
 from normalgan.losses import Wasserstein
 from normalgan.seeds import derive_seed
-from normalgan.weights.file import Weights
+from normalgan.weights.checkpoint import read_checkpoint
+from normalgan.weights.class_spec import ClassSpec
+from normalgan.weights.file import SUFFIXES, Weights, find_weights, read_weights
+from normalgan.weights.shipped import SHIPPED_NAME
 
 __all__ = [
     "Method",
@@ -21,6 +29,7 @@ __all__ = [
     "inflation_method",
     "mean_method",
     "model_method",
+    "saved_method",
     "weights_method",
 ]
 
@@ -33,7 +42,7 @@ class Method:
     """A method and its properties.
 
     Args:
-        predict: predicts a batch; it must not look at the truth, but for what is told of a classical method.
+        predict: predicts a batch; only classical methods may use the truth, as their docstrings say.
         sampler: gives the hints that it was trained for.
         generator: its network; None if it has none.
         timed: whether it predicts here, so that its speed can be measured; what another program predicted is
@@ -103,3 +112,48 @@ def model_method(model: NormalGAN) -> Method:
         return predicted.float()
 
     return Method(predict, model.hint_sampler, model.generator)
+
+
+def saved_method(name: str, size: int, device: torch.device) -> Method:
+    """Return a model as a method; all file formats of one model give the same figures.
+
+    Args:
+        name: of the file; ``shipped`` is the one that comes with the package.
+        size: side of the pictures that it is to predict.
+        device: where to; ONNX predicts on the processor.
+
+    Raises:
+        InputError: if it cannot be used, or was trained at another size.
+    """
+    path = find_weights(name)
+    if path.suffix.lower() == ".onnx" and name != SHIPPED_NAME:  # that of the package may use a GPU by torch
+        return _onnx_method(find_model(name), size)
+    if path.suffix.lower() in SUFFIXES:
+        weights = read_weights(path)
+        check_size(path, weights.notes.size, size)
+        return weights_method(weights, device)
+    checkpoint = read_checkpoint(path)
+    check_size(path, checkpoint.generator_size(), size)
+    return weights_method(checkpoint.weights(size), device)
+
+
+def _onnx_method(path: Path, size: int) -> Method:
+    model = OnnxBackend(path, torch.get_num_threads())
+    check_size(path, model.size, size)
+    if "hint_sampler" not in model.notes:
+        raise InputError(f"{path} does not say what hints it was trained for; export it anew.")
+    sampler = ClassSpec.from_json(model.notes["hint_sampler"]).build(HINT_SAMPLERS)
+
+    def predict(batch: Batch, hints: Tensor | None) -> Tensor:
+        given = [None] * len(batch["sketch"]) if hints is None else list(hints.cpu().numpy())
+        sketches = batch["sketch"][:, 0].cpu().numpy()
+        predicted = [_channels(*model.predict(*one)) for one in zip(sketches, given, strict=True)]
+        return torch.stack(predicted).to(batch["sketch"])
+
+    return Method(predict, sampler)
+
+
+def _channels(normal: Floats, confidence: Floats | None) -> Tensor:
+    """Return normals (S, S, 3) and confidence (S, S), if there is one, as (3 or 4, S, S)."""
+    channels = torch.from_numpy(normal).permute(2, 0, 1)
+    return channels if confidence is None else torch.cat([channels, torch.from_numpy(confidence)[None]])

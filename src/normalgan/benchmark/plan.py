@@ -24,7 +24,7 @@ _MESHES = ("meshes", "reading", "split", "test_views")
 _TEST_DATA = (*_DRAWN, *_MESHES)
 """Settings of the data that may be others for the test split; its size is that of the networks."""
 PLACEMENTS = ("uniform", "curvature", "farthest", "worst")
-"""See `normalgan.benchmark.placements`, which needs torch."""
+"""See `normalgan.benchmark.hints`, which needs torch."""
 Part = TypeVar("Part", "Plan", "Row")
 
 
@@ -73,7 +73,7 @@ class Plan:
         images: how many each generator learns from, repetitions counted.
         rows: what is compared.
         data: settings of the data that all rows share.
-        test_data: of these, what the test split alone has otherwise: how it is drawn, or other meshes.
+        test_data: of these, those that differ for the test split: how it is drawn, or other meshes.
         seeds: of initialisation, training hints and dropout; a run for each.
         hints: how many hints table 1 gives.
         hint_counts: of the curve; 0 and ``hints`` are always measured.

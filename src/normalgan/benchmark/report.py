@@ -6,12 +6,12 @@ from typing import Any
 
 import torch
 
+from normalgan.benchmark.cost import describe_machine, describe_versions
 from normalgan.benchmark.curves import draw_calibration, draw_curves
 from normalgan.benchmark.evaluation import Evaluation, maps_of
-from normalgan.benchmark.machine import describe_machine, describe_versions
+from normalgan.benchmark.hints import hint_points
 from normalgan.benchmark.pictures import Line, draw_methods
 from normalgan.benchmark.plan import Plan
-from normalgan.benchmark.points import hint_points
 from normalgan.benchmark.runs import Run
 from normalgan.benchmark.scale import Scale
 from normalgan.benchmark.table import markdown

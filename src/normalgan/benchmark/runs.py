@@ -142,7 +142,7 @@ def timed(settings: Settings, images: int, samples: int, seconds: float | None) 
         settings: of a row.
         images: the number; batches that the discriminator alone sees do not count.
         samples: in the training split.
-        seconds: the span; None goes by the images.
+        seconds: the wall-clock budget; None trains on the number of images.
     """
     model, trainer, batch = settings["model"], dict(settings["trainer"]), settings["data"]["batch_size"]
     callbacks = [*(trainer["callbacks"] or []), {"class_path": "normalgan.callbacks.LearningCurve"}]

@@ -35,7 +35,7 @@ class Scale:
 
     @property
     def changed(self) -> dict[str, Any]:
-        """Of the settings that were given, those that change figures; in dots."""
+        """The given settings that change figures, by their names in dots."""
         return flatten(without(self.given or {}, MACHINE))
 
 

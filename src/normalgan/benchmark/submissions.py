@@ -16,8 +16,8 @@ import torch
 from torch import Tensor
 
 from normalgan.batch import Batch
+from normalgan.benchmark.hints import hint_order
 from normalgan.benchmark.methods import Method
-from normalgan.benchmark.points import hint_order
 from normalgan.data.sources.pair import looks_flipped, outwardness
 from normalgan.errors import InputError, brief
 from normalgan.files.writing import write_bytes

@@ -7,8 +7,7 @@ from statistics import mean, stdev
 from typing import Any
 
 from normalgan.benchmark.intervals import Interval, difference_interval, mesh_interval, total_interval
-from normalgan.benchmark.measure import OWN
-from normalgan.benchmark.more_metrics import more_metrics
+from normalgan.benchmark.measure import OWN, more_metrics
 from normalgan.benchmark.plan import Plan
 from normalgan.benchmark.scale import Scale
 from normalgan.benchmark.training import Result
@@ -111,9 +110,10 @@ def markdown(
     if specification:
         told = ", ".join(f"{name} {value}" for name, value in specification.items())
         lines.append(f"Measured on (reports with the same are comparable): {told}.")
+    bare, hinted = "0", str(plan.hints)
     for title, given in (
-        (f"Table 1: {plan.hints} hints, uniform, the same for every method", str(plan.hints)),
-        ("Table 1, without hints", "0"),
+        (f"Table 1: {plan.hints} hints, uniform, the same for every method", hinted),
+        ("Table 1, without hints", bare),
         ("Table 2: hints of the method's own sampler", OWN),
     ):
         cells = {heading: figure_cell(given, name) for name, heading in FIGURES.items()}
@@ -124,32 +124,36 @@ def markdown(
         cells |= {"coverage": figure_cell(given, "coverage", "%"), "mask IoU": figure_cell(given, "mask_iou")}
         if given == OWN:
             cells = {"hints": lambda runs: spread_of([r["figures"][OWN]["hints"] for r in runs], 1)} | cells
-        lines += ["", f"## {title}", "", *_table(plan, results, cells)]
-    for given in ("0", str(plan.hints)):
+        lines += _section(title, _table(plan, results, cells))
+    for given in (bare, hinted):
         lines += _ranking(plan, results, given)
-    lines += ["", *interval_table(plan, results)]
-    for given in ("0", str(plan.hints)):
+    lines += interval_table(plan, results)
+    for given in (bare, hinted):
         cells = {heading: figure_cell(given, name) for name, heading in RELIEF.items()}
-        title = "no hints" if given == "0" else f"{given} hints"
-        lines += ["", f"## Relief, rim, mask and confidence: {title}", "", *_table(plan, results, cells)]
+        title = f"Relief, rim, mask and confidence: {_hints(given)}"
+        lines += _section(title, _table(plan, results, cells))
     lines += ["", _RELIEF_NOTES]
-    for given in ("0", str(plan.hints)):
-        bins = _distances(results, given)
-        if bins:
-            title = "no hints" if given == "0" else f"{given} hints"
-            lines += [
-                "",
-                f"## By distance from the contour in 170ths of the picture: mean error, {title}",
-                "",
-            ]
-            lines += _table(plan, results, {label: _distance_cell(given, low) for low, label in bins.items()})
+    for given in (bare, hinted):
+        if bins := _distances(results, given):
+            title = f"By distance from the contour in 170ths of the picture: mean error, {_hints(given)}"
+            cells = {label: _distance_cell(given, low) for low, label in bins.items()}
+            lines += _section(title, _table(plan, results, cells))
     for title, cells in _further(plan, results).items():
-        lines += ["", f"## {title}", "", *_table(plan, results, cells)]
+        lines += _section(title, _table(plan, results, cells))
     by_count = {str(count): figure_cell(str(count), "angular_mean") for count in plan.counts}
-    lines += ["", "## Mean angular error by the number of hints", "", *_table(plan, results, by_count)]
-    lines += ["", "## What it costs", "", *_table(plan, results, _COSTS)]
-    notes = "Speed in float32, in batches, on: " + "; ".join(sorted(_machines(results))) + "."
-    return "\n".join([*lines, "", notes]) + "\n"
+    lines += _section("Mean angular error by the number of hints", _table(plan, results, by_count))
+    machines = "Speed in float32, in batches, on: " + "; ".join(sorted(_machines(results))) + "."
+    lines += _section("What it costs", _table(plan, results, _COSTS), machines)
+    return "\n".join(lines) + "\n"
+
+
+def _hints(given: str) -> str:
+    """Return the words for what was given."""
+    return {"0": "no hints", OWN: "its own hints"}.get(given, f"{given} hints")
+
+
+def _section(title: str, table: Sequence[str], notes: str = "") -> list[str]:
+    return ["", f"## {title}", "", *table, *(["", notes] if notes else [])]
 
 
 def ranked_error(error: float, iou: float) -> float:
@@ -176,18 +180,17 @@ def _ranking(plan: Plan, results: Results, given: str) -> list[str]:
             ranked.append((mean(scores), row, scores))
     if not ranked:
         return []
-    title = "no hints" if given == "0" else f"{given} hints"
-    lines = ["", f"## Ranking, {title}", "", "| rank | method | ranked by | error | coverage | mask IoU |"]
-    lines.append("| ---: | --- | ---: | ---: | ---: | ---: |")
+    table = ["| rank | method | ranked by | error | coverage | mask IoU |"]
+    table.append("| ---: | --- | ---: | ---: | ---: | ---: |")
     columns = (("angular_mean", None), ("coverage", "%"), ("mask_iou", None))
     for place, (_, row, scores) in enumerate(sorted(ranked, key=lambda one: one[0]), 1):
         cells = [figure_cell(given, name, unit)(results[row.name]) for name, unit in columns]
-        lines.append(f"| {place} | {row.label} | {' | '.join([spread_of(scores, 2, '°'), *cells])} |")
+        table.append(f"| {place} | {row.label} | {' | '.join([spread_of(scores, 2, '°'), *cells])} |")
     notes = (
         "Ranked by IoU × error + (1 - IoU) × 90°: a pixel of the object that is missed, or of the background "
         "that is predicted as object, counts 90°. The error is of direction, wherever one is given."
     )
-    return [*lines, "", notes]
+    return _section(f"Ranking, {_hints(given)}", table, notes)
 
 
 def figure_cell(given: str, name: str, unit: str | None = None) -> Cell:
@@ -196,7 +199,7 @@ def figure_cell(given: str, name: str, unit: str | None = None) -> Cell:
     Args:
         given: the hints, ``15`` or ``own``.
         name: of the figure, such as ``angular_mean``: angles in degrees, shares in per cent.
-        unit: of another's figure, ``%`` for a share; None tells it by the name.
+        unit: of a metric from a plug-in, ``%`` for a share; None derives it from the name.
     """
     if unit is None:
         angle = name.startswith(("angular", "calibration"))
@@ -269,34 +272,28 @@ def interval_table(plan: Plan, results: Results) -> list[str]:
     cells: dict[str, Cell] = {}
     totals: dict[str, Cell] = {}
     for given in ("0", str(plan.hints), OWN):
-        heading = {"0": "no hints", OWN: "its own hints"}.get(given, f"{given} hints")
+        heading = _hints(given)
         cells[heading] = _interval_of(given)
         if reference:
             less = f"{heading}, less {plan.row(str(plan.reference)).label}"
             cells[less] = _difference_of(difference_interval, given, reference)
             totals[less] = _difference_of(total_interval, given, reference)
-    lines = [
-        "## Table 3: mean error with 95 % intervals over the test meshes",
-        "",
-        *_table(plan, results, cells),
-        "",
+    notes = (
         "Bootstrap over the meshes, all views of one together, of the mean over the seeds; differences are "
         "paired. They are those of the networks that were trained; with few meshes they are too narrow. ± in "
-        "the other tables is the spread of the seeds on the same meshes.",
-    ]
+        "the other tables is the spread of the seeds on the same meshes."
+    )
+    title = "Table 3: mean error with 95 % intervals over the test meshes"
+    lines = _section(title, _table(plan, results, cells), notes)
     others = {name: runs for name, runs in results.items() if name != plan.reference}
     if not any(cell(runs) != interval_cell(None) for runs in others.values() for cell in totals.values()):
         return lines
-    return [
-        *lines,
-        "",
-        "## Table 4: the same differences with 95 % intervals over the test meshes and the seeds",
-        "",
-        *_table(plan, others, totals),
-        "",
+    notes = (
         "Student's t, the variances over meshes and over seeds added; of the seeds that both have. These are "
-        "the ones to quote of methods: an interval that covers 0 shows no difference between them.",
-    ]
+        "the ones to quote of methods: an interval that covers 0 shows no difference between them."
+    )
+    title = "Table 4: the same differences with 95 % intervals over the test meshes and the seeds"
+    return lines + _section(title, _table(plan, others, totals), notes)
 
 
 _RELIEF_NOTES = (

@@ -134,7 +134,7 @@ def measured_checkpoint(run: Run, which: Literal["best", "last"]) -> Path:
 
     Raises:
         RunError: if training has left none.
-        InputError: if it cannot be read, or the best one is gone.
+        InputError: if it cannot be read, or the best one is missing.
     """
     last = run.folder / "checkpoints" / "last.ckpt"
     if not last.is_file():

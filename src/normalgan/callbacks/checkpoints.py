@@ -115,7 +115,7 @@ def best_checkpoint(last: Path) -> Path | None:
             help: a stopped and resumed run leaves ``stopped.ckpt`` behind.
 
     Raises:
-        InputError: if it cannot be read, or the best checkpoint is gone.
+        InputError: if it cannot be read, or the best checkpoint is missing.
     """
     content = load_torch_file(last)
     callbacks = content.get("callbacks") if isinstance(content, dict) else None

@@ -189,7 +189,7 @@ def _outputs(settings: Namespace) -> Outputs:
 
 
 class _Batch:
-    """What is done with the drawings that a command names."""
+    """How the drawings of a command are processed."""
 
     def __init__(
         self,
@@ -237,7 +237,7 @@ class _Batch:
         Args:
             predictor: the network.
             jobs: the drawings.
-            alone: whether to raise what is wrong with one, as there is no other.
+            alone: whether an error of a drawing is raised, because it is the only one.
         """
         settings = self._settings
         work = JobPredictor(
@@ -286,7 +286,7 @@ class _Batch:
         """Predict drawings whenever they are saved, until Ctrl-C; of those that share a frame, all.
 
         Raises:
-            RunError: if a folder that was named is gone.
+            RunError: if a folder that was named was removed.
         """
         folders = [Path(word) for word in self._settings.sketches if Path(word).is_dir()]
         print("normalgan: watching; Ctrl-C ends it.", file=sys.stderr, flush=True)

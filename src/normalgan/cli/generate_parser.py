@@ -169,7 +169,7 @@ def _add_sheets(group: argparse._ArgumentGroup) -> None:
 
 
 def as_shell_means(arguments: Sequence[str], options: Sequence[str]) -> list[str]:
-    """Return arguments in which a file whose name begins with a dash is no option.
+    """Return arguments in which a file whose name begins with a dash is not taken for an option.
 
     After ``--`` nothing is an option. Before, what is called as a file that is there, and as no option, is
     that file.

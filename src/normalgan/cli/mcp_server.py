@@ -69,7 +69,7 @@ def make_server(root: Path, model: str = "shipped") -> "MCPServer[Any]":
 
 @dataclass
 class Tools:
-    """What the server offers; docstrings and annotations are what an assistant is told.
+    """The tools of the server; assistants see their docstrings and annotations.
 
     Args:
         root: the folder that tools read from and write to.
@@ -241,7 +241,7 @@ _SOURCES = ("outline", "model", "reader")
 
 
 class _told:  # noqa: N801 -- used like a function
-    """Turn what a user can do something about into an error that the assistant is told."""
+    """Turn errors that a user can act on into errors of the protocol."""
 
     def __enter__(self) -> None:
         pass

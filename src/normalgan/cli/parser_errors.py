@@ -89,7 +89,7 @@ def explain(message: str, plugins: Mapping[str, Registry[Any]], settings: Sequen
 def refusal(error: Exception) -> str:
     r"""Return what a class says of settings that it does not take, in one sentence.
 
-    jsonargparse tells it among the reasons why each of the other types a setting may have did not do.
+    jsonargparse lists it among the reasons why each other type of the setting did not fit.
 
     >>> tried = "Does not validate against any of the Union subtypes\n  - size is 0.\n  - Expected a None"
     >>> refusal(ValueError(tried))

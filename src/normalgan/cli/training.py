@@ -498,7 +498,7 @@ def _reading_settings(safe: bool = False) -> Iterator[ExitStack]:
 
 
 def _set_here(arguments: list[str]) -> list[str]:
-    """Return the arguments that set outputs themselves, without those that name a file which does.
+    """Return the arguments that set outputs directly, not through a configuration file.
 
     >>> _set_here(["--trainer", "theirs.yaml", "--output.folder", "maps", "--data.cache=cache"])
     ['--output.folder=maps', '--data.cache=cache']

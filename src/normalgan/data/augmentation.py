@@ -42,7 +42,7 @@ class BatchAugmentation(ABC):
         """Return all that the changes depend on besides the seed, as plain values for JSON.
 
         Raises:
-            TypeError: if it is no dataclass, whose fields would tell.
+            TypeError: if it is not a dataclass and does not override this.
         """
         settings: Any = self
         if not dataclasses.is_dataclass(settings):

@@ -26,7 +26,7 @@ class Loadable(Protocol):
         """Return what the recipe makes samples of, such as a `Mesh` or a `Pair`.
 
         Raises:
-            InputError: if it cannot be used; the message says why.
+            InputError: if it cannot be used; the message says why, and it is left out with a warning.
         """
 
 

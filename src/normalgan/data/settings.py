@@ -98,7 +98,7 @@ class Storage:
         memory: bytes that a split may take in memory; larger ones are read from the cache as needed. On the
             fly, what the meshes may take in all workers together.
         local_cache: folder on this machine for shards of a cache behind a URL, so that each is fetched once;
-            None fetches what is wanted each time. A cache on this machine needs none.
+            None fetches shards each time. A cache on this machine needs none.
         local_cache_size: bytes that may be used there.
         render_workers: processes that render what is kept, side by side; 0 renders in this one.
     """

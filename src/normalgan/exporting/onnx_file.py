@@ -28,7 +28,7 @@ def finish(model: ModelProto, notes: Mapping[str, str]) -> bytes:
     """Return a model as bytes, with notes as its ``metadata_props`` and nothing of the machine that made it.
 
     Raises:
-        onnx.checker.ValidationError: if it is no valid model.
+        onnx.checker.ValidationError: if it is not a valid model.
     """
     done = ModelProto()
     done.CopyFrom(model)

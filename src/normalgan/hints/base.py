@@ -17,7 +17,7 @@ class HintSampler(ABC):
     def sample(self, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
         """Return the hint mask, (N, 1, H, W): 1 at a hinted pixel, 0 elsewhere.
 
-        Hints lie on the object; a sample may get none.
+        Hints lie on the object; a sample may get none, and must not depend on the others of its batch.
 
         Args:
             normal: (N, 3, H, W) true unit normals in camera space, 0 off the object.

@@ -45,7 +45,7 @@ class CurvatureHints(HintSampler):
         signed: divergence of the normals (True), or the length of their gradient (False; set offset 0).
         blur: standard deviation in pixels of a Gaussian on the curvature; 0 for none.
         normalisation: ``none``: grey = offset + gain · curvature. ``minmax``: each picture's curvature is
-            stretched over 0…255, gain is not used, and flat is no fixed grey.
+            stretched over 0…255, gain is not used, and flat is not a fixed grey.
         gain: grey per curvature of 1/pixel, where black is 0 and white 1; positive.
         offset: grey of flat, 0…1.
         rounding: of grey · 255 to whole levels: ``round`` (0.5 becomes 128) or ``floor`` (127).

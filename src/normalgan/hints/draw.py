@@ -11,7 +11,7 @@ from normalgan.hints.base import ErrorHintSampler, HintSampler
 from normalgan.hints.encode import hints_at
 from normalgan.seeds import derive_seed
 
-__all__ = ["draw_hints", "draw_hints_by_name"]
+__all__ = ["check_hint_shape", "check_hint_values", "draw_hints", "draw_hints_by_name"]
 
 
 def draw_hints(
@@ -40,11 +40,11 @@ def _sampled(sampler: HintSampler, normal: Tensor, mask: Tensor, seed: int, erro
         where = sampler.sample_by_error(error.to(normal.dtype), mask, rng)
     else:
         where = sampler.sample(normal, mask, rng)
-    _check_shape(sampler, where, mask)
+    check_hint_shape(sampler, where, mask)
     return where
 
 
-def _check_shape(sampler: HintSampler, where: object, mask: Tensor) -> None:
+def check_hint_shape(sampler: HintSampler, where: object, mask: Tensor) -> None:
     """Raise `InputError` unless a sampler returned a tensor of the mask's shape, on its device."""
     if not isinstance(where, Tensor) or where.shape != mask.shape:
         raise refused(sampler, where, _asked(mask))
@@ -55,7 +55,7 @@ def _check_shape(sampler: HintSampler, where: object, mask: Tensor) -> None:
         )
 
 
-def _check_values(sampler: HintSampler, where: Tensor, mask: Tensor) -> None:
+def check_hint_values(sampler: HintSampler, where: Tensor, mask: Tensor) -> None:
     """Raise `InputError` if a sampler returned values other than 1 and 0, or a hint off the object."""
     odd = where[(where != 0) & (where != 1)]
     if len(odd):
@@ -101,6 +101,6 @@ def draw_hints_by_name(
     drawn = []
     for each, inside, wrong, name in singles:
         where = _sampled(sampler, each, inside, derive_seed("hints", seed, name), wrong)
-        _check_values(sampler, where, inside)
+        check_hint_values(sampler, where, inside)
         drawn.append(hints_at(each, where))
     return torch.cat(drawn).to(normal.device)

@@ -22,7 +22,7 @@ def read_map(path: str | Path, green: Green = "up") -> NormalMap:
         green: which way of y its green channel holds.
 
     Raises:
-        InputError: if it cannot be read, or is no normal map.
+        InputError: if it cannot be read, or is not a normal map.
     """
     found, alpha = read_normals(path, green)
     return _map(unit(np.ascontiguousarray(found), front=True), alpha)

@@ -45,7 +45,7 @@ class Drawing:
 
     @cached_property
     def content(self) -> bytes:
-        """What is in its file, not decoded yet.
+        """The bytes of its file, not decoded yet.
 
         Raises:
             InputError: if it is missing, cannot be read, or is larger than any drawing.

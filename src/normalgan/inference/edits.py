@@ -88,7 +88,7 @@ def enforce_pins(normals: Floats, points: Floats, wanted: Floats, reaches: Float
 def tilt(normals: Floats, mask: NDArray[np.bool_], area: Floats, direction: Floats) -> Floats:
     """Turn an area of a map as a whole, so that on average it faces a direction.
 
-    What is bent in the area stays as bent as it was: a flat wall stays flat, where a pin would make a dent.
+    The area keeps its curvature: a flat wall stays flat, where a pin would make a dent.
 
     Args:
         normals: (H, W, 3), unit.

@@ -22,8 +22,8 @@ class Histogram:
 
     Args:
         values: (H, W), float32.
-        low: least value that counts; what is below counts as it.
-        high: greatest value that counts; what is above counts as it.
+        low: values below it count as this one.
+        high: values above it count as this one.
 
     Example:
         >>> levels = Histogram(np.arange(101, dtype=np.float32)[None] / 100, 0, 1)

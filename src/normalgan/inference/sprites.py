@@ -136,7 +136,7 @@ class Sprite:
 def slopes_of(colour: Floats, mask: BoolMask, tile: Tile | None = None) -> Floats:
     """Return the slopes (H, W, 2), nx / nz and ny / nz, of a surface as high as a painting is light.
 
-    Shading wider than a tenth of the object is left out, because the inferred form has it.
+    Shading wider than a tenth of the object is left out, because the inferred form contains it.
 
     Args:
         colour: (H, W, 3) in [0, 1].

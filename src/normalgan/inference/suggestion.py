@@ -157,7 +157,7 @@ def _depth(mask: NDArray[np.bool_]) -> Floats:
 def _point(
     row: np.intp, column: np.intp, step: Floats, normals: Floats, mask: NDArray[np.bool_], gain: float
 ) -> Point:
-    """Return a point of the small map in pixels of the large one, moved onto the object if it lies beside."""
+    """Return a point of the small map in pixels of the large one, at the nearest pixel of the object."""
     x, y = (column + 0.5) / step[0], (row + 0.5) / step[1]
     at = min(int(y), mask.shape[0] - 1), min(int(x), mask.shape[1] - 1)
     if not mask[at]:

@@ -31,7 +31,7 @@ def unit(
     Args:
         vectors: (H, W, 3).
         front: whether those shorter than 1e-8 are to face the viewer; else they become zero.
-        out: (H, W, 3), what the result is written to, be it the vectors themselves; None is a new array.
+        out: (H, W, 3), where the result is written, possibly the vectors themselves; None makes a new array.
         length: (H, W), as `lengths` gives them, if they are known already.
 
     >>> unit(np.array([[[0, 0, 2], [0, 0, 0]]], np.float32)).tolist()

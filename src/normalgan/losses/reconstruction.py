@@ -15,7 +15,7 @@ class Term(NamedTuple):
     """A part of a loss."""
 
     value: Tensor
-    """A scalar; logged as it is."""
+    """A scalar; logged as it is, as ``train/<name>``."""
     weight: float
     """How much it counts."""
 

@@ -49,7 +49,11 @@ class Network(nn.Module, ABC):
 
 
 class Generator(Network):
-    """Base of the networks that predict a normal map."""
+    """Base of the networks that predict a normal map.
+
+    An argument named ``size`` of its constructor receives the setting ``data.size``. It may use torch's
+    global random numbers, because each training step seeds them.
+    """
 
     @abstractmethod
     def forward(self, condition: Tensor) -> Tensor:
@@ -145,7 +149,7 @@ class Discriminator(Network):
 
     @abstractmethod
     def forward(self, condition: Tensor, normal: Tensor) -> tuple[Tensor, ...]:
-        """Return the raw scores of each head, of any shape (N, ...); high means true.
+        """Return a tuple of raw scores, a tensor of any shape (N, ...) a head; high means true.
 
         All heads have equal weight.
 

@@ -6,6 +6,7 @@ from torch import Tensor, nn
 from normalgan.errors import InputError
 from normalgan.models.base import DISCRIMINATORS, INPUT_CHANNELS, Discriminator
 from normalgan.models.blocks import Norm, down, init_weights, norm_layer
+from normalgan.ranges import PositiveInt, check_ranges
 
 __all__ = ["GlobalDiscriminator"]
 
@@ -23,13 +24,11 @@ class GlobalDiscriminator(Discriminator):
         Su et al. 2018, "Interactive Sketch-Based Normal Map Generation with Deep Neural Networks".
     """
 
-    def __init__(self, size: int = 256, width: int = 64, norm: Norm = "batch") -> None:
+    def __init__(self, size: int = 256, width: PositiveInt = 64, norm: Norm = "batch") -> None:
         super().__init__()
-        if width < 1 or size < 8 or size % 8:
-            raise InputError(
-                f"GlobalDiscriminator needs a width from 1 on and a size that is a multiple of 8, "
-                f"not {width} and {size}."
-            )
+        check_ranges(self, self.built_with)
+        if size < 8 or size % 8:
+            raise InputError(f"size of GlobalDiscriminator is {size}; it must be a multiple of 8.")
         self.size = size
         widths = [width * 2**i for i in range(4)]
         modules: list[nn.Module] = [down(INPUT_CHANNELS - 1 + 3, width, 5, bias=True), nn.LeakyReLU(0.2)]

@@ -3,9 +3,9 @@
 import torch
 from torch import Tensor, nn
 
-from normalgan.errors import InputError
 from normalgan.models.base import DISCRIMINATORS, INPUT_CHANNELS, Discriminator
 from normalgan.models.blocks import Norm, init_weights, norm_layer
+from normalgan.ranges import PositiveInt, check_ranges
 
 __all__ = ["PatchDiscriminator"]
 
@@ -25,13 +25,10 @@ class PatchDiscriminator(Discriminator):
     """
 
     def __init__(
-        self, width: int = 64, layers: int = 3, norm: Norm = "batch", see_mask: bool = False
+        self, width: PositiveInt = 64, layers: PositiveInt = 3, norm: Norm = "batch", see_mask: bool = False
     ) -> None:
         super().__init__()
-        if width < 1 or layers < 1:
-            raise InputError(
-                f"PatchDiscriminator needs a width and layers from 1 on, not {width} and {layers}."
-            )
+        check_ranges(self, self.built_with)
         self.condition_channels = INPUT_CHANNELS if see_mask else INPUT_CHANNELS - 1
         bias = norm == "none"
         modules: list[nn.Module] = [nn.Conv2d(self.condition_channels + 3, width, 4, 2, 1), nn.LeakyReLU(0.2)]

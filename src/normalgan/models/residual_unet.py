@@ -1,5 +1,6 @@
 """ResidualUNetGenerator: our network; a residual U-Net with unit normals, presence and confidence."""
 
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import Literal
 
@@ -11,10 +12,12 @@ from normalgan.errors import InputError
 from normalgan.models.base import GENERATORS, Generator
 from normalgan.models.blocks import Norm, norm_layer
 from normalgan.models.predictions import Predictions
+from normalgan.ranges import PositiveInt, check_ranges
 
 __all__ = [
     "ResidualBlock",
     "ResidualUNetGenerator",
+    "check_levels",
     "float32_output",
     "hint_pyramid",
     "mean_of_mirrored",
@@ -60,17 +63,23 @@ class ResidualUNetGenerator(Generator):
 
     def __init__(
         self,
-        widths: tuple[int, ...] = (32, 64, 128, 192, 256),
-        blocks: tuple[int, ...] = (1, 1, 2, 2, 2),
-        patch: int = 2,
+        widths: tuple[PositiveInt, ...] = (32, 64, 128, 192, 256),
+        blocks: tuple[PositiveInt, ...] = (1, 1, 2, 2, 2),
+        patch: PositiveInt = 2,
         norm: Literal["batch", "none"] = "none",
-        detail: int = 1,
+        detail: PositiveInt = 1,
         hint_levels: bool = True,
         deblock: bool = False,
         mirror: bool = False,
     ) -> None:
         super().__init__()
-        _check(widths, blocks, patch, detail)
+        check_ranges(self, self.built_with)
+        check_levels(self, widths, blocks)
+        if patch & (patch - 1) or detail & (detail - 1) or detail > patch:
+            raise InputError(
+                f"patch and detail of ResidualUNetGenerator are {patch} and {detail}; they must be powers of "
+                "two, and detail at most patch."
+            )
         self.patch = patch
         self.fold = detail
         self.norm = norm
@@ -187,17 +196,16 @@ def _deblocked(direction: Tensor, presence: Tensor, ink: Tensor, patch: int) -> 
     return F.normalize(torch.lerp(mean, there, near), dim=1, eps=1e-6)
 
 
-def _check(widths: tuple[int, ...], blocks: tuple[int, ...], patch: int, detail: int) -> None:
-    if len(widths) != len(blocks) or len(widths) < 2 or min(*widths, *blocks) < 1:
+def check_levels(network: nn.Module, widths: Sequence[int], blocks: Sequence[int]) -> None:
+    """Check that a network has a width and a number of blocks for each of its levels.
+
+    Raises:
+        InputError: if it has not, or has fewer than two levels.
+    """
+    if len(widths) != len(blocks) or len(widths) < 2:
         raise InputError(
-            "ResidualUNetGenerator needs a width and a number of blocks for each of two or more levels, "
-            f"all from 1 on, not {list(widths)} and {list(blocks)}."
-        )
-    if patch < 1 or patch & (patch - 1):
-        raise InputError(f"the patch of ResidualUNetGenerator is a power of two, not {patch}.")
-    if not 1 <= detail <= patch or detail & (detail - 1):
-        raise InputError(
-            f"the detail of ResidualUNetGenerator is a power of two up to its patch of {patch}, not {detail}."
+            f"widths and blocks of {type(network).__name__} are {list(widths)} and {list(blocks)}; each must "
+            "have a number for each of two or more levels."
         )
 
 

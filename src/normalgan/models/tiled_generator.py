@@ -9,7 +9,8 @@ from torch import Tensor, nn
 from normalgan.errors import InputError
 from normalgan.models.base import GENERATORS, Generator
 from normalgan.models.blocks import Norm
-from normalgan.models.residual_unet import residual_blocks
+from normalgan.models.residual_unet import check_levels, residual_blocks
+from normalgan.ranges import PositiveInt, check_ranges
 
 __all__ = ["SCALES", "TiledGenerator"]
 
@@ -42,18 +43,15 @@ class TiledGenerator(Generator):
     def __init__(
         self,
         window: int = 64,
-        widths: tuple[int, ...] = (32, 64, 128, 256),
-        blocks: tuple[int, ...] = (1, 1, 1, 2),
+        widths: tuple[PositiveInt, ...] = (32, 64, 128, 256),
+        blocks: tuple[PositiveInt, ...] = (1, 1, 1, 2),
         norm: Norm = "batch",
     ) -> None:
         super().__init__()
+        check_ranges(self, self.built_with)
+        check_levels(self, widths, blocks)
         if window < 16 or window % 16:
             raise InputError(f"the window of TiledGenerator is a multiple of 16 pixels, not {window}.")
-        if len(widths) != len(blocks) or len(widths) < 2 or min(*widths, *blocks) < 1:
-            raise InputError(
-                "TiledGenerator needs a width and a number of blocks for each of two or more levels, all "
-                f"from 1 on, not {list(widths)} and {list(blocks)}."
-            )
         if window % 2 ** (len(widths) - 1):
             raise InputError(f"a window of {window} pixels cannot be halved {len(widths) - 1} times.")
         self.window = window

@@ -1,13 +1,18 @@
 """U-Net: the paper's generator and discriminator, and the network that both are made of."""
 
+from typing import Annotated
+
 import torch
 from torch import Tensor, nn
 
 from normalgan.errors import InputError
 from normalgan.models.base import DISCRIMINATORS, GENERATORS, INPUT_CHANNELS, Discriminator, Generator
 from normalgan.models.blocks import Norm, down, init_weights, norm_layer, up
+from normalgan.ranges import PositiveInt, Range, Share, check_ranges
 
 __all__ = ["UNet", "UNetDiscriminator", "UNetGenerator", "full_depth"]
+
+_Depth = Annotated[int, Range(2)]
 
 
 @GENERATORS.register
@@ -34,14 +39,15 @@ class UNetGenerator(Generator):
     def __init__(
         self,
         size: int = 256,
-        width: int = 64,
-        depth: int | None = None,
-        kernel: int = 4,
+        width: PositiveInt = 64,
+        depth: _Depth | None = None,
+        kernel: PositiveInt = 4,
         norm: Norm = "batch",
         bias: bool = False,
-        dropout: float = 0.5,
+        dropout: Share = 0.5,
     ) -> None:
         super().__init__()
+        check_ranges(self, self.built_with)
         self.unet = UNet(
             INPUT_CHANNELS,
             3,
@@ -82,14 +88,15 @@ class UNetDiscriminator(Discriminator):
     def __init__(
         self,
         size: int = 256,
-        width: int = 64,
-        depth: int | None = None,
-        kernel: int = 4,
+        width: PositiveInt = 64,
+        depth: _Depth | None = None,
+        kernel: PositiveInt = 4,
         norm: Norm = "batch",
         encoder_head: bool = False,
         see_mask: bool = False,
     ) -> None:
         super().__init__()
+        check_ranges(self, self.built_with)
         self.condition_channels = INPUT_CHANNELS if see_mask else INPUT_CHANNELS - 1
         self.unet = UNet(
             self.condition_channels + 3,
@@ -162,8 +169,6 @@ class UNet(nn.Module):
         dropout: float = 0.0,
     ) -> None:
         super().__init__()
-        if width < 1 or depth < 2:
-            raise InputError(f"a U-Net has a width from 1 and a depth from 2 on, not {width} and {depth}.")
         self.depth = depth
         self.widths = [width * min(2**i, 8) for i in range(depth)]
         bias = bias or norm == "none"

@@ -35,7 +35,7 @@ class MeshFile:
 
     Args:
         path: a file in one of the formats of `SUFFIXES`.
-        rotation: 3 rows of 3 numbers R, x' = R x, after which +Y is up; None leaves it as it lies.
+        rotation: 3 rows of 3 numbers R, x' = R x, after which +Y is up; None leaves it unchanged.
         inside_out: whether the file's faces are wound clockwise seen from outside; None finds out.
         crease_angle: edges sharper than this, in degrees, stay hard; None smooths all.
     """
@@ -46,7 +46,7 @@ class MeshFile:
     crease_angle: Annotated[float, Range(0, 180)] | None = None
 
     def __post_init__(self) -> None:
-        """Refuse a matrix that is no rotation, and an angle that is out of range."""
+        """Refuse a matrix that is not a rotation, and an angle that is out of range."""
         check_ranges(self)
         if self.rotation is not None:
             object.__setattr__(self, "rotation", checked_rotation(self.path, self.rotation))

@@ -27,7 +27,7 @@ def read_orientations(path: str) -> dict[str, Orientation]:
     Either entry may be missing: the mesh then keeps the rotation of its file, or its outside is detected.
 
     Raises:
-        InputError: if the file cannot be read, is not of that form, or a matrix is no rotation.
+        InputError: if the file cannot be read, is not of that form, or a matrix is not a rotation.
     """
     try:
         table = json.loads(read_bounded(find_beside(path)))

@@ -43,7 +43,7 @@ _FACES = ("vertex_indices", "vertex_index")
 
 
 class BrokenMeshError(ValueError):
-    """A mesh file that is not as its format has it; its text goes after the file's name and a colon."""
+    """A mesh file that violates its format; its text goes after the file's name and a colon."""
 
 
 @dataclass(frozen=True)
@@ -220,7 +220,7 @@ def read_off(data: bytes) -> Polygons:
     """Return the faces of an OFF, also of one with colours or normals (COFF, NOFF).
 
     Raises:
-        BrokenMeshError: if it is not as the format has it.
+        BrokenMeshError: if it violates the format.
 
     References:
         Geomview manual, "OFF files".
@@ -260,7 +260,7 @@ def read_ply(data: bytes) -> Polygons:
     """Return the faces of a PLY, as text or binary.
 
     Raises:
-        BrokenMeshError: if it is not as the format has it.
+        BrokenMeshError: if it violates the format.
 
     References:
         Turk 1994, "The PLY polygon file format".
@@ -341,7 +341,7 @@ class _Text:
         self._at = 0
 
     def skip(self, count: int, properties: Sequence[_Property]) -> None:
-        """Pass over elements; those without a property have no line."""
+        """Skip elements; those without a property have no line."""
         self._at += count if properties else 0
 
     def table(self, count: int, properties: Sequence[_Property]) -> Doubles:
@@ -395,7 +395,7 @@ class _Binary:
         self._body, self._order, self._at = body, order, 0
 
     def skip(self, count: int, properties: Sequence[_Property]) -> None:
-        """Pass over elements."""
+        """Skip elements."""
         if properties:
             self._read(count, properties)
 
@@ -431,7 +431,7 @@ class _Binary:
         return self._walk(count, properties)
 
     def _walk(self, count: int, properties: Sequence[_Property]) -> list[tuple[NDArray[Any], Indices]]:
-        """Return the same, element by element: lists of several lengths."""
+        """Read elements one by one, because their lists have several lengths."""
         sizes = np.ones((len(properties), count), np.int64)
         values: list[list[NDArray[Any]]] = [[] for _ in properties]
         for row in range(count):

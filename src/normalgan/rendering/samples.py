@@ -90,7 +90,7 @@ class Recipe:
         """Return view number ``index`` of ``mesh``; it depends on no other view.
 
         Raises:
-            InputError: if it is no mesh, or the style gets no lines from it: a blank sketch is refused.
+            InputError: if it is not a mesh, or the style draws no lines of it.
         """
         mesh = check_mesh(mesh)
         view = View(mesh, self.views.camera(mesh, self._rng(mesh, index, "views")), self.renderer, self.size)
@@ -137,7 +137,7 @@ def draw_strokes(
 
 
 def no_lines(lines: LineDrawing, seen: str, size: int) -> InputError:
-    """Return the error for a view in which a style draws no strokes: a blank sheet is no drawing."""
+    """Return the error for a view in which a style draws no strokes: a blank sheet is not a drawing."""
     return InputError(
         f"{type(lines).__name__} gets no lines from {seen}; seen so, it is thinner than a pixel of {size}, "
         "or no line is as long as the style asks for."

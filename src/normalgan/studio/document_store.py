@@ -42,7 +42,7 @@ class DocumentStore:
     """A folder of documents, for any number of threads and of processes at once.
 
     Args:
-        folder: where they lie; it is made where missing.
+        folder: where they are kept; it is created if it is missing.
 
     Raises:
         InputError: if nothing can be written there.
@@ -179,7 +179,7 @@ class DocumentStore:
 
 
 def tag_of(content: bytes) -> str:
-    """Return the tag of a document: the same for the same bytes, and as HTTP's ETag is written."""
+    """Return the tag of a document: an ETag, equal for equal bytes."""
     return f'"{hashlib.sha256(content).hexdigest()[:32]}"'
 
 

@@ -15,7 +15,7 @@ def check_document(content: bytes) -> Fields:
     """Return a project's fields; what its lists hold is the page's business.
 
     Raises:
-        InputError: if it is no project, or one of a later version.
+        InputError: if it is not a project, or is one of a later version.
     """
     fields = parse_fields(content)
     if fields.get("format") != FORMAT:

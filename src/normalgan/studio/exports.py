@@ -176,7 +176,7 @@ def with_export_menu(page: str) -> str:
 
 @dataclass(frozen=True)
 class ExportRequest:
-    """What is wanted of a drawing.
+    """The files to export of a drawing.
 
     Args:
         name: of the drawing, without a suffix.
@@ -283,7 +283,7 @@ def _picture(fields: Fields, field: str) -> bytes | None:
     """Return the PNG in a field; None without one.
 
     Raises:
-        InputError: if it is no picture.
+        InputError: if it is not a picture.
     """
     if fields.get(field) is None:
         return None

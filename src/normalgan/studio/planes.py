@@ -102,7 +102,7 @@ class KeptPlanes:
 
 
 def _change(planes: dict[str, Pixels], given: object, pixels: memoryview) -> int:
-    """Put a box of pixels into its plane, anew, and return how many bytes that were."""
+    """Replace a box of pixels in its plane, and return its number of bytes."""
     if not isinstance(given, dict) or given.get("name") not in CHANNELS:
         raise InputError(f"a plane is {json.dumps(given)[:60]}; it has a name among {', '.join(CHANNELS)}.")
     name: str = given["name"]

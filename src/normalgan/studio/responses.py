@@ -1,4 +1,4 @@
-"""Responses: how a refusal is told to the page, and the headers of every response."""
+"""Responses: errors in JSON, and the headers of every response."""
 
 import os
 import sys

@@ -1,5 +1,6 @@
 """Checks as objects: each has a name, and its failure is one sentence."""
 
+import inspect
 import pickle
 import random
 from collections.abc import Callable, Iterator
@@ -10,7 +11,7 @@ from typing import Generic, TypeVar
 import numpy as np
 import torch
 
-from normalgan.errors import brief
+from normalgan.errors import InputError, brief
 
 __all__ = [
     "Check",
@@ -19,6 +20,8 @@ __all__ = [
     "demand",
     "device_list",
     "global_randomness_untouched",
+    "held_to_contract",
+    "promised",
 ]
 
 T = TypeVar("T")
@@ -79,6 +82,30 @@ def demand(fulfilled: object, plugin: object, did: str, asked: str) -> None:
 def class_name(plugin: object) -> str:
     """Return what a plug-in is called: the name of its class."""
     return type(plugin).__name__
+
+
+@contextmanager
+def held_to_contract() -> Iterator[None]:
+    """Have the kit fail where a check that training does too refuses what a plug-in gave.
+
+    Raises:
+        ConformanceError: with the sentence of that check.
+    """
+    try:
+        yield
+    except InputError as error:
+        raise ConformanceError(str(error)) from error
+
+
+def promised(method: Callable[..., object]) -> str:
+    """Return what the docstring of a base's method promises, as a part of a sentence.
+
+    >>> from normalgan.hints import HintSampler
+    >>> promised(HintSampler.sample)
+    'sample must return the hint mask, (N, 1, H, W): 1 at a hinted pixel, 0 elsewhere'
+    """
+    line = (inspect.getdoc(method) or "").partition("\n")[0].replace("`", "").rstrip(".")
+    return f"{method.__name__} must {line[0].lower()}{line[1:]}"
 
 
 @contextmanager

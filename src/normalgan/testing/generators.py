@@ -6,14 +6,13 @@ import torch
 from torch import Tensor
 
 from normalgan.models import Generator
-from normalgan.models.predictions import Predictions
-from normalgan.testing.conformance import Check, class_name, demand
+from normalgan.models.base import check_generated, check_predictions
+from normalgan.testing.conformance import Check, demand, held_to_contract, promised
 from normalgan.testing.networks import given, network_checks
 from normalgan.testing.settings import settings_checks
 
 __all__ = ["generator_checks"]
 
-_PAINTED = "forward must take (N, 4, H, W) and return (N, 3, H, W), or a fourth channel of confidence"
 _PREDICTED = "predict must return Predictions whose channels() are what forward returns, in float32"
 
 
@@ -21,9 +20,9 @@ def generator_checks(size: int = 64) -> list[Check[Generator]]:
     """Return the checks of a generator for pictures of a size, for ``pytest.mark.parametrize``."""
     return [
         *settings_checks(Generator),  # type: ignore[type-abstract]
-        Check("shape and type", lambda g: _shape(g, size), _PAINTED),
+        Check("shape and type", lambda g: _shape(g, size), promised(Generator.forward)),
         Check("range", lambda g: _range(g, size), "normals lie in [-1, 1], a confidence above 0"),
-        *network_checks(size, _answer, sees_normals=False, contract=_PAINTED),
+        *network_checks(size, _answer, sees_normals=False, contract=promised(Generator.forward)),
         Check("predictions for the losses", lambda g: _predictions(g, size), _PREDICTED),
         Check("training in bfloat16", lambda g: _bfloat16(g, size), _PREDICTED),
     ]
@@ -35,11 +34,8 @@ def _answer(generator: Generator, condition: Tensor, _: Tensor) -> tuple[Tensor,
 
 def _predict(generator: Generator, condition: Tensor) -> Tensor:
     predicted = generator(condition)
-    shape = tuple(predicted.shape) if isinstance(predicted, Tensor) else class_name(predicted)
-    count, _, height, width = condition.shape
-    wanted = [(count, channels, height, width) for channels in (3, 4)]
-    asked = f"it must return normals {wanted[0]}, or {wanted[1]} with a confidence"
-    demand(shape in wanted, generator, f"returned {shape} for a condition of {tuple(condition.shape)}", asked)
+    with held_to_contract():
+        check_generated(generator, predicted, condition)
     return cast("Tensor", predicted)
 
 
@@ -71,8 +67,8 @@ def _range(generator: Generator, size: int) -> None:
 def _predictions(generator: Generator, size: int) -> None:
     condition = given(2, size)[0]
     preds = generator.eval().predict(condition)
-    good = isinstance(preds, Predictions)
-    demand(good, generator, f"returned {class_name(preds)} from predict", "it must return Predictions")
+    with held_to_contract():
+        check_predictions(generator, preds, condition)
     channels, predicted = preds.channels(), _predict(generator, condition)
     same = channels.shape == predicted.shape and torch.allclose(channels, predicted, atol=1e-5)
     asked = "what is trained and what is predicted must be the same; override both or forward alone"

@@ -70,7 +70,7 @@ def check(plugin: object, size: int = 64) -> None:
         size: side in pixels of the pictures that a generator or discriminator is given.
 
     Raises:
-        ConformanceError: at the first thing that it does otherwise, in one sentence.
+        ConformanceError: at the first fault, in one sentence.
     """
     for each in checks(plugin if isinstance(plugin, type) else type(plugin), size):
         each(plugin)

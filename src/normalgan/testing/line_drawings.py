@@ -11,13 +11,19 @@ from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers import EmbreeRenderer
 from normalgan.rendering.strokes import Stroke, rasterise
 from normalgan.rendering.view import View
-from normalgan.testing.conformance import Check, class_name, demand, global_randomness_untouched
+from normalgan.testing.conformance import (
+    Check,
+    class_name,
+    demand,
+    global_randomness_untouched,
+    promised,
+)
 from normalgan.testing.settings import frozen_check, settings_checks
 from normalgan.testing.solids import away, camera
 
 __all__ = ["line_drawing_checks"]
 
-_STROKES = "trace must return a list of Stroke in pixels of the sketch"
+_STROKES = promised(LineDrawing.trace)
 _SIZE = 96
 _SLACK = 2.0  # pixels that a line may go beyond the frame: what lies outside is cut off
 

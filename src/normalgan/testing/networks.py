@@ -15,17 +15,17 @@ __all__ = ["Answer", "given", "network_checks"]
 
 N = TypeVar("N", bound=nn.Module)
 Answer = Callable[[N, Tensor, Tensor], tuple[Tensor, ...]]
-"""Runs a network on a condition (N, 4, H, W) and normals (N, 3, H, W) and returns what it says."""
+"""Runs a network on a condition (N, 4, H, W) and normals (N, 3, H, W) and returns its output."""
 
 _CLOSE = 1e-4  # of answers in float32 that are the same but for the order of additions
 
 
 def network_checks(size: int, answer: Answer[N], sees_normals: bool, contract: str) -> list[Check[N]]:
-    """Return what is asked of a network of either kind.
+    """Return the checks that generators and discriminators share.
 
     Args:
         size: side in pixels of pictures that it takes.
-        answer: runs the network and looks at the form of what it says.
+        answer: runs the network and checks the form of its output.
         sees_normals: whether the normals are something it is given.
         contract: what ``forward`` is to do.
     """

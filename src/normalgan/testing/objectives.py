@@ -7,7 +7,8 @@ from torch import Tensor, nn
 
 from normalgan.errors import InputError
 from normalgan.losses import AdversarialObjective, Scores
-from normalgan.testing.conformance import Check, class_name, demand
+from normalgan.losses.checks import check_losses
+from normalgan.testing.conformance import Check, demand, held_to_contract
 from normalgan.testing.pictures import pictures
 from normalgan.testing.settings import settings_checks
 
@@ -57,8 +58,8 @@ def _losses(objective: AdversarialObjective) -> None:
 
 
 def _demand_scalar(objective: AdversarialObjective, name: str, loss: Tensor) -> None:
-    shape = tuple(loss.shape) if isinstance(loss, Tensor) else class_name(loss)
-    demand(shape == (), objective, f"returned {shape} as {name}", f"{name} must be a scalar tensor")
+    with held_to_contract():
+        check_losses(objective, {name: loss})
     demand(loss.isfinite(), objective, f"returned {loss.item()} as {name}", f"{name} must be finite")
 
 

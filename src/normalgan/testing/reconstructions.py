@@ -5,14 +5,15 @@ from torch import Tensor
 
 from normalgan.errors import InputError
 from normalgan.losses import Reconstruction, Term
+from normalgan.losses.checks import check_terms
 from normalgan.models.predictions import Predictions
-from normalgan.testing.conformance import Check, class_name, demand
+from normalgan.testing.conformance import Check, demand, held_to_contract, promised
 from normalgan.testing.pictures import pictures
 from normalgan.testing.settings import settings_checks
 
 __all__ = ["reconstruction_checks"]
 
-_TERMS = "terms must return the parts of the loss by name, each a Term of a scalar and a weight"
+_TERMS = promised(Reconstruction.terms)
 _TAKEN = {"adversarial", "discriminator"}
 """What training logs itself."""
 
@@ -44,9 +45,8 @@ def _compare(
         logits = torch.logit(length.clamp(1e-6, 1 - 1e-6))
         preds = Predictions(directions, logits, torch.ones_like(mask))
         terms = reconstruction.terms(preds, target, mask, where * mask)
-    good = isinstance(terms, dict) and terms and all(isinstance(term, Term) for term in terms.values())
-    parts = f" of {class_name(next(iter(terms.values()), None))}" if isinstance(terms, dict) else ""
-    demand(good, reconstruction, f"returned {class_name(terms)}{parts}", _TERMS)
+    with held_to_contract():
+        check_terms(reconstruction, terms, alone=True)
     return torch.stack([term.weight * term.value for term in terms.values()]).sum(), directions, terms
 
 
@@ -61,8 +61,6 @@ def _terms(reconstruction: Reconstruction) -> None:
                 f"has a term named {name}",
                 "training logs one itself; rename it",
             )
-            shape = tuple(term.value.shape)
-            demand(shape == (), reconstruction, f"returned {shape} as its term {name}", "a term is a scalar")
             finite = bool(term.value.isfinite())
             demand(
                 finite,
@@ -99,9 +97,6 @@ def _gradient(reconstruction: Reconstruction) -> None:
         ("halfway", target / 2),
     ):
         loss, directions, _ = _compare(reconstruction, normals, target, mask)
-        demand(
-            loss.requires_grad, reconstruction, "has no gradient", "the generator learns from its gradient"
-        )
         (grad,) = torch.autograd.grad(loss, directions)
         finite = bool(grad.isfinite().all())
         asked = "one infinite value spoils all weights"

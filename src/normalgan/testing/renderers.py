@@ -6,13 +6,19 @@ from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers import Renderer
 from normalgan.rendering.views import Camera
-from normalgan.testing.conformance import Check, class_name, demand, global_randomness_untouched
+from normalgan.testing.conformance import (
+    Check,
+    class_name,
+    demand,
+    global_randomness_untouched,
+    promised,
+)
 from normalgan.testing.settings import frozen_check, settings_checks
 from normalgan.testing.solids import RADII, away, bowl, camera, degrees, ellipsoid, exact_ellipsoid
 
 __all__ = ["renderer_checks"]
 
-_MAPS = "render must return Maps of size × size pixels"
+_MAPS = promised(Renderer.render)
 _SIZE = 96
 _VIEWS = (None, 40.0)
 """Fields of view: orthographic, and perspective."""

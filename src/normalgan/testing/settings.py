@@ -21,7 +21,7 @@ T = TypeVar("T")
 
 
 def settings_checks(base: type[T]) -> list[Check[T]]:
-    """Return what is asked of the settings of a plug-in, whatever its kind.
+    """Return the checks of the settings of a plug-in of any kind.
 
     Args:
         base: the abstract base of its kind.
@@ -47,7 +47,7 @@ def settings_checks(base: type[T]) -> list[Check[T]]:
 
 
 def frozen_check() -> Check[Any]:
-    """Return what is asked of parts whose settings enter the key under which samples are stored."""
+    """Return the check of plug-ins whose settings enter the key under which samples are stored."""
     return Check("a frozen dataclass", _frozen, "it must be a dataclass with frozen=True")
 
 
@@ -175,7 +175,7 @@ def as_config(plugin: object) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Return a setting as YAML has it: parts of a plug-in that are plug-ins, as configurations."""
+    """Return a setting as YAML holds it, nested plug-ins as configurations."""
     if is_dataclass(value):
         return as_config(value)
     return [_plain(item) for item in value] if isinstance(value, list) else value

@@ -264,7 +264,7 @@ def uncompiled(name: str) -> str:
 def settings_to_save(given: Mapping[str, Any]) -> dict[str, Any]:
     """Return the arguments of a model as a checkpoint holds them: classes and values in place of objects.
 
-    What cannot be said so is named alone: the model can be gone on with in Python, where it was made.
+    Objects that plain values cannot describe are only named; such a model can be continued in Python.
 
     Args:
         given: as Lightning saves them: configurations, if the command line built the model, or the objects.
@@ -328,7 +328,7 @@ def _part(name: str, value: Any) -> ClassSpec:
 def _unchecked_part(name: str, value: Any) -> ClassSpec | None:
     """Return a part that takes no part in inference, so that its class need not be known here.
 
-    None stands for an object that was made in Python of more than plain values.
+    None stands for an object that was made in Python from other than plain values.
     """
     registry, largest = _REGISTRIES[name]
     if isinstance(value, dict) and value.keys() == {_PYTHON}:
@@ -365,7 +365,7 @@ def _configuration(name: str, value: Any) -> Any:
 
 
 def _as_named(value: Mapping[str, Any], found: dict[str, Any]) -> dict[str, Any]:
-    """Return a configuration by the path that the file has for the class, if it leads there still."""
+    """Return a configuration with the class path that the file has, if it still leads to that class."""
 
     def leads_to(path: str) -> object:
         module, _, name = path.rpartition(".")

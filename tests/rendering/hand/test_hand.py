@@ -171,8 +171,8 @@ def test_nothing_to_draw_is_no_trouble() -> None:
         ({"strength": (0.5, 0.2)}, r"strength of Hand is \(0.5, 0.2\)"),
         ({"strength": (0.0, 1.5)}, "low then high, from 0 to 1"),
         ({"pen": (0.0, 1.0)}, "pen of Hand is .* two numbers, low then high, from 0.1"),
-        ({"wobble": -0.1}, "wobble of Hand is -0.1; it must lie from 0 to 0.1"),
-        ({"missed": 1.2}, "it must lie from 0 to 1"),
+        ({"wobble": -0.1}, "wobble of Hand is -0.1; it must be from 0 to 0.1"),
+        ({"missed": 1.2}, "it must be from 0 to 1"),
         ({"taper": float("nan")}, "taper of Hand is nan"),
     ],
 )

@@ -7,10 +7,10 @@ from typing import Any
 
 import torch
 
+from normalgan.benchmark.cost import describe_machine, describe_versions
 from normalgan.benchmark.human.drawings import read_drawings
 from normalgan.benchmark.human.evaluation import COUNTS, Measurement, measure_drawings
 from normalgan.benchmark.intervals import mesh_interval
-from normalgan.benchmark.machine import describe_machine, describe_versions
 from normalgan.benchmark.pictures import Line, draw_methods
 from normalgan.benchmark.table import figure_cell, interval_cell
 from normalgan.benchmark.training import write_json

@@ -12,10 +12,10 @@ from torch import Tensor
 
 from normalgan.batch import Batch
 from normalgan.benchmark.accumulator import Accumulator, Figure, mesh_of
+from normalgan.benchmark.hints import hint_points
 from normalgan.benchmark.human.drawings import HumanDrawing
 from normalgan.benchmark.human.registration import camera_of, read_placed_mesh
 from normalgan.benchmark.measure import Measured
-from normalgan.benchmark.points import hint_points
 from normalgan.callbacks.gallery import Row
 from normalgan.data.sources.pairs import PairFiles
 from normalgan.errors import InputError

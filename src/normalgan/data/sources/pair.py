@@ -95,7 +95,7 @@ class PairRecipe:
         """Return the sample of a pair; there is one, whatever its number.
 
         Raises:
-            InputError: if it is no pair, or there is no line in the sketch.
+            InputError: if it is not a pair, or the sketch has no line.
         """
         del index
         if not isinstance(pair, Pair):
@@ -173,7 +173,7 @@ def _checked_array(normal: NDArray[Any]) -> NDArray[Any]:
 
 
 def _check_normals(on: NDArray[np.floating]) -> None:
-    """Raise `InputError` if vectors on the object, (K, 3), are no normals in camera space."""
+    """Raise `InputError` if vectors on the object, (K, 3), are not normals in camera space."""
     if not np.isfinite(on).all():
         raise InputError("the normal map holds numbers that are not finite.")
     length = np.linalg.norm(on, axis=-1)

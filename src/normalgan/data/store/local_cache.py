@@ -57,7 +57,7 @@ class LocalCache:
         """Return bytes of an object, after fetching the whole of it if it is not here.
 
         Args:
-            key: what it is called; the same bytes for ever.
+            key: name of the object, whose bytes never change.
             fetch: how to get it; what it raises is passed on.
             start: from which byte on; negative counts from the end, None is the first.
             stop: up to which byte, not included; None is the last.

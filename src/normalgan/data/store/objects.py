@@ -50,7 +50,7 @@ class ObjectStore(Store):
         return hash(self.storage.url)
 
     def forget(self, paths: Iterable[str]) -> None:
-        """Remove objects from the cache, so that they are fetched anew."""
+        """Remove objects from the cache, so that they are fetched again."""
         for path in paths:
             if self.cache is not None and path in self.digests:
                 self.cache.forget(self.digests[path])

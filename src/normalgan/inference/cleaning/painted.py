@@ -66,10 +66,10 @@ def steps(darkness: Floats) -> BoolMask:
 
 
 def painted_areas(colour: Floats, paper: Floats, level: Floats, step: BoolMask) -> tuple[BoolMask, Floats]:
-    """Return where a drawing is painted, (H, W), and the paper with painted areas as wide as they are.
+    """Return the painted areas (H, W) of a drawing, and the paper with these areas.
 
-    The paper is found by a window, so that of a painted body the window shows the trunk and not the legs,
-    which are narrower. Pixels that are connected with the trunk and have its colour belong to it.
+    The paper is estimated over a window, so a wide trunk is found as painted but narrow legs are not. Pixels
+    that are connected with the trunk and have its colour belong to it.
 
     Args:
         colour: (H, W, 3), the drawing; (H, W) if it is grey.

@@ -62,7 +62,7 @@ def compose(maps: Sequence[NormalMap]) -> NormalMap:
 
 
 def tiled(pictures: Sequence[Floats]) -> Floats:
-    """Return pictures (H, W) side by side, in a square or nearly one; what is left over is 0."""
+    """Return pictures (H, W) side by side, in a square or nearly one; the rest is 0."""
     columns = math.ceil(math.sqrt(len(pictures)))
     height, width = np.max([each.shape for each in pictures], axis=0)
     every = [np.pad(each, ((0, height - each.shape[0]), (0, width - each.shape[1]))) for each in pictures]

@@ -75,7 +75,7 @@ def _connected(inked: BoolMask, figure: NDArray[np.intp], count: int) -> NDArray
 def _strangers(
     figure: NDArray[np.intp], boxes: NDArray[np.int32], reading: Reading, size: tuple[int, int]
 ) -> list[tuple[int, int]]:
-    """Return pairs of areas of one object: one sees its middle off its own, and near the other's."""
+    """Return pairs of areas of one object: the reader puts the middle of one near that of the other."""
     seen = [cv2.resize(each, size[::-1], interpolation=cv2.INTER_LINEAR) for each in reading.middle]
     there = figure >= 0
     counts = np.bincount(figure[there], minlength=len(boxes))

@@ -94,7 +94,7 @@ def _lines(sheet: Decoded) -> BoolMask:
 
 
 def _owners(boxes: _Boxes) -> NDArray[np.intp]:
-    """Return for each part (left, top, right, bottom) the one that it belongs to; a drawing is its own."""
+    """Return for each part (left, top, right, bottom) the number of the drawing that it belongs to."""
     spans = (boxes[:, 2:] - boxes[:, :2]).max(1)
     owner = np.arange(len(boxes))
     large = np.flatnonzero(spans >= _SMALL * spans.max())

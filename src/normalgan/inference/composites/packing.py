@@ -42,7 +42,7 @@ class Packing:
     tileset: str | None = None
 
     def __post_init__(self) -> None:
-        """Refuse what is no packing."""
+        """Refuse an invalid packing."""
         given = [name for name in _WAYS if getattr(self, name) is not None]
         if len(given) > 1:
             raise InputError(

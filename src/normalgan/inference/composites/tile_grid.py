@@ -110,7 +110,7 @@ def read_tiled(path: Path) -> TileGrid:
     """Return the grid of a tileset of Tiled, as XML (.tsx) or JSON (.tsj).
 
     Raises:
-        InputError: if it cannot be read, is no tileset, or is a collection of pictures.
+        InputError: if it cannot be read, is not a tileset, or is a collection of pictures.
     """
     try:
         text = read_bounded(path, _MOST_BYTES).decode("utf-8-sig", "replace")

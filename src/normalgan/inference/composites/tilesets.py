@@ -259,7 +259,7 @@ def _fit(before: Floats, behind: Floats, axis: int) -> tuple[BoolMask, BoolMask]
         axis: along which they follow.
 
     Returns:
-        Those with a step that is usual inside both, and those with one that is there at all.
+        Where the step at the edge is at most a usual one inside both tiles, and where at most the hardest.
     """
     last, first = np.take(before, -1, 2 + axis), np.take(behind, 0, 2 + axis)
     there = last[..., 4] > 0, first[..., 4] > 0
@@ -278,7 +278,7 @@ def _sizes(grid: TileGrid) -> tuple[int, int]:
 
 
 def _connected(count: int, pairs: Sequence[tuple[int, int]]) -> NDArray[np.int32]:
-    """Return a number for each of several things, the same for those that pairs connect."""
+    """Return a number for each item, the same for items that pairs connect."""
     from scipy.sparse import coo_array  # here: it takes a while to import
     from scipy.sparse.csgraph import connected_components
 

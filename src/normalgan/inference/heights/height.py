@@ -52,7 +52,7 @@ def integrate(
         (H, W) height in pixels towards the viewer, of mean zero over each connected part, zero off the mask.
 
     Raises:
-        InputError: if the sizes differ or a normal on the object is no number.
+        InputError: if the sizes differ or a normal on the object is not a number.
 
     References:
         Cao, Santo, Shi, Okura, Matsushita 2022, "Bilateral Normal Integration", ECCV.
@@ -115,7 +115,7 @@ def _enlarged(
 ) -> Floats:
     """Return the heights of a large map from those of a reduced one.
 
-    Normals of large drawings are enlarged themselves, so that there is hardly more in them.
+    Little is lost, because the normals of a large drawing were enlarged from the network's size too.
     """
     shape = fitted((mask.shape[0], mask.shape[1]), _MOST)
     there = resize(mask.astype(np.float32), shape) > 0

@@ -127,7 +127,7 @@ def _obj(mesh: Any, stem: str) -> tuple[bytes, dict[str, bytes]]:
 
 
 def simpler(height: Floats, mask: NDArray[np.bool_], faces: int) -> tuple[Floats, NDArray[np.bool_]]:
-    """Return heights and mask of fewer pixels, whose relief with a flat back has at most so many triangles.
+    """Return heights and mask of fewer pixels, whose relief with a flat back has at most ``faces`` triangles.
 
     Args:
         height: (H, W) in pixels towards the viewer.

@@ -179,7 +179,7 @@ class Surface:
         return _logistic(ready * (across[0] - errors[0])), _logistic(ready * (across[1] - errors[1]))
 
     def _errors(self, height: _Vector) -> tuple[_Vector, _Vector]:
-        """Return how far, squared, each link is from what the normals at its two ends say, (links,) each."""
+        """Return each link's squared deviation from the slopes that the normals at its ends say, (links,)."""
         rise = height[self.links.head] - height[self.links.tail]
         return (self.steep[0] * rise + self.tilt[0]) ** 2, (self.steep[1] * rise + self.tilt[1]) ** 2
 

@@ -27,10 +27,10 @@ def search(
 
     Args:
         words: files, folders and globs.
-        companions: what lies beside a drawing and is named its stem with one of these is no drawing.
+        companions: a file beside a drawing that is named its stem and one of these is not a drawing.
         recursive: search folders to the bottom. What begins with a dot is passed over in any folder.
         leave_out: a folder that is not searched: the output, if it lies in one that is.
-        may_be_empty: whether a folder without a drawing is no error, as the next drawing may go there.
+        may_be_empty: whether a folder without a drawing is accepted, because drawings may arrive later.
     """
     found: dict[Path, Path] = {}
     errors = []
@@ -79,7 +79,7 @@ def _below(folder: Path, leave_out: Path | None) -> Iterator[Path]:
 
 
 def _apart(found: dict[Path, Path]) -> dict[Path, Path]:
-    """Return the same with drawings of one name from different folders in folders of their own."""
+    """Return the jobs, with drawings of one name from different folders put into separate folders."""
     named = defaultdict(list)
     for path, below in found.items():
         named[below / path.stem].append(path)

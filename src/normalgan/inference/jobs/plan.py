@@ -221,7 +221,7 @@ def is_file_name(output: Path) -> bool:
 
 
 def format_of(target: Path, asked: str | None) -> Literal["png", "exr", "tiff"]:
-    """Return the format of a map whose file has a name.
+    """Return the format of a map by the ending of its file.
 
     Args:
         target: the file.

@@ -47,7 +47,7 @@ class Watcher:
 
 
 def _stamp(path: Path, beside: Iterable[Path]) -> Stamp | None:
-    """Return what changes when a drawing, or what is read for it, is saved; None if the drawing is gone."""
+    """Return a value that changes when a drawing or a file read for it is saved; None without a drawing."""
     own = _look(path)
     return None if own is None else (own, *map(_look, beside))
 

@@ -69,7 +69,7 @@ class Writer:
         self.sink(job.target, content)
 
     def write_sidecar(self, target: Path) -> None:
-        """Write what an engine imports a map by, unless the engine has it already.
+        """Write the file by which an engine imports a map, unless it exists.
 
         Unity's and Godot's own file holds the id by which scenes name the map, and what was set there since.
         """

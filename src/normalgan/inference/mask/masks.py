@@ -53,7 +53,7 @@ def mask_of(picture: Picture, shape: tuple[int, int], name: str = "the mask") ->
 def load_mask(path: Path, shape: tuple[int, int]) -> BoolMask:
     """Read the mask (h, w) of a drawing of (H, W) pixels; see `mask_of`.
 
-    Of a larger one than is worked on it is a reduced one.
+    A mask above the working size is reduced.
 
     Raises:
         InputError: if it cannot be used.

@@ -77,7 +77,7 @@ class Frame:
         return np.asarray(cv2.resize(square, (self.size, self.size), interpolation=method), np.float32)
 
     def cut_points(self, points: NDArray[np.floating], normals: Floats) -> Floats:
-        """Return hints (4, size, size) for the model: unit normals, averaged where they meet, and where.
+        """Return hints (4, size, size) for the model: unit normals, averaged within a pixel, and their mask.
 
         Args:
             points: (K, 2), x right and y down in pixels of the drawing, whose first has its middle at 0.5.
@@ -132,7 +132,7 @@ def box_of(marked: NDArray[np.bool_]) -> Bounds:
 
 
 def around(marked: NDArray[np.bool_], room: int) -> tuple[slice, slice]:
-    """Return the part of a picture (H, W) that holds what is marked, with so many pixels around it.
+    """Return the part of a picture (H, W) around the marked pixels, with a margin.
 
     All of it if nothing is marked.
 

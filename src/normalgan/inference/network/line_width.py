@@ -138,7 +138,7 @@ def middle(inked: BoolMask, width: float, thick: BoolMask) -> BoolMask:
 
 
 def _edge(inked: BoolMask, thick: BoolMask) -> BoolMask:
-    """Return the outline of areas (H, W) but where they go over into a line: there is no edge."""
+    """Return the outline (H, W) of areas, except where they continue as a line."""
     inner = cv2.erode(thick.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
     onto = cv2.dilate((inked & ~thick).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
     return thick & ~inner & ~onto

@@ -63,7 +63,7 @@ class OnnxBackend:
         threads: of one run; 0 takes all cores.
 
     Raises:
-        InputError: if it is no such file.
+        InputError: if it is not such a file.
     """
 
     def __init__(self, path: Path, threads: int = 0) -> None:
@@ -202,7 +202,7 @@ def _listed(names: Iterable[str]) -> str:
 
 
 def _fits(shape: list[object] | None, channels: int, side: object) -> bool:
-    """Return whether an input takes one picture of so many channels and pixels a side, or several."""
+    """Return whether an input takes pictures, one or several, of these channels and this side."""
     if shape is None or not isinstance(side, int) or len(shape) != 4:
         return False
     return (shape[0] == 1 or not isinstance(shape[0], int)) and shape[1:] == [channels, side, side]

@@ -34,7 +34,7 @@ def repeats(tile: Tile | None) -> tuple[bool, bool]:
 
 
 def wrapped(picture: NDArray[Any], tile: Tile | None, beside: tuple[int, int]) -> NDArray[Any]:
-    """Return a picture (H, W, …) with so many more rows and columns at each edge, where it is repeated.
+    """Return a picture (H, W, …) extended at each edge by its own repetition.
 
     >>> wrapped(np.array([[1, 2, 3]]), "x", (1, 1)).tolist()
     [[3, 1, 2, 3, 1]]

@@ -141,7 +141,7 @@ def repeated(
 def _shifts(
     tile: Tile, shape: tuple[int, int], first: NDArray[np.intp], side: int, extent: Sequence[int]
 ) -> Iterator[NDArray[np.intp]]:
-    """Yield how far down and to the right there are repeats of a square that show in a picture."""
+    """Yield the offsets, down and to the right, of the repeats of a square that are visible in a picture."""
     every = []
     for period, begin, length, there in zip(shape, first, extent, repeats(tile), strict=True):
         least, most = floor((-begin - side) / period) + 1, ceil((length - begin) / period)

@@ -17,7 +17,9 @@ __all__ = ["OUTPUTS", "Output", "Scaled"]
 class Output(ABC):
     """A kind of file that is written beside a normal map, such as a height map.
 
-    Subclasses are frozen dataclasses. Each field is a setting with a default, and an option of the commands.
+    Subclasses are frozen dataclasses. Each field is a setting with a default, and an option of `generate` and
+    `predict`, so its name is one that neither has. The studio's menu and the rule for which pictures beside
+    a drawing are outputs of it read the registry too.
 
     Args:
         format: ending of the file. A kind with several annotates it as a `Literal` of them.

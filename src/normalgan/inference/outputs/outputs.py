@@ -14,7 +14,7 @@ __all__ = ["Outputs", "option_of", "outputs_of", "settings_of"]
 
 @dataclass(frozen=True)
 class Outputs:
-    """What is written for each drawing.
+    """The files that are written for each drawing.
 
     Args:
         normal: how its normal map is written.

@@ -53,7 +53,7 @@ def find_drawings(
         source: folder, glob, file or a list of them.
         ending: what is written for a drawing is named its stem with this.
         companions: what lies beside a drawing in a folder or a glob and is named its stem with one of these,
-            such as ``_hints``, is no drawing.
+            such as ``_hints``, is not a drawing.
 
     Raises:
         InputError: if something named is missing, or nothing is found, or two have one name.
@@ -205,7 +205,7 @@ def read_hints(path: str | Path, shape: tuple[int, int]) -> tuple[Floats, NDArra
         Unit normals (H, W, 3), zero where there is no hint, and where the hints are (H, W).
 
     Raises:
-        InputError: if the picture is missing, opaque or of another size, or a colour is no normal.
+        InputError: if the picture is missing, opaque or of another size, or a colour is not a normal.
     """
     path = Path(path)
     pixels = read_pixels(path, exact=True).pixels

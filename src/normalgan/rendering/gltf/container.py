@@ -71,8 +71,8 @@ def read_container(path: Path) -> Container:
     """Return the JSON and the buffers of a glTF file.
 
     Raises:
-        InputError: if it cannot be read, is no glTF 2.0, needs an extension that is not supported, or lacks a
-            buffer.
+        InputError: if it cannot be read, is not glTF 2.0, needs an extension that is not supported, or lacks
+            a buffer.
     """
     tree, binary = _tree(path)
     for name in map(str, tree.get("extensionsRequired", [])):

@@ -39,7 +39,7 @@ def read_nodes(container: Container) -> Nodes:
     """Return the nodes of a file.
 
     Raises:
-        InputError: if they are no tree, or a number of theirs cannot be used.
+        InputError: if they are not a tree, or have an unusable number.
     """
     entries = container.tree.get("nodes", [])
     parents = np.full(len(entries), -1)

@@ -30,8 +30,8 @@ class Distortion:
     Args:
         matrix: (2, 2) of the affine part.
         bends: (2, `KNOTS`, `KNOTS`) coefficients of u's x and y, by row and column.
-        zoom: enlargement of the drawing thereafter; the object counts as larger in all three directions.
-        shift: (2,) its move thereafter.
+        zoom: enlargement of the drawing after that; the object counts as larger in all three directions.
+        shift: (2,) its move after that.
     """
 
     matrix: Doubles

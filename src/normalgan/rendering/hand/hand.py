@@ -2,12 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Annotated, Self
+from typing import Annotated, Self, get_type_hints
 
 import numpy as np
 
-from normalgan.errors import InputError
-from normalgan.ranges import Range, check_ranges
+from normalgan.ranges import Range, Share, check_ranges
 from normalgan.rendering.hand.curves import resample
 from normalgan.rendering.hand.distortion import random_distortion
 from normalgan.rendering.hand.ends import miss_ends
@@ -24,9 +23,9 @@ __all__ = ["Hand"]
 
 _STEP = 1 / 320  # of the side: between points; four to a wave of the tremor, and finer than a line is wide
 _HABITS = (0.3, 1.7)  # by what factor a drawing has more or less of each effect than the mean
-_LIMITS = {"missed": 1.0, "repeats": 1.0, "taper": 0.95, "proportion": 0.3, "pressure": 1.0, "fade": 2.0}
-_LIMITS |= {"cuts": 20.0, "missed_parts": 20.0, "slowness": 2.0}
-_LONGEST = 0.1  # what the other settings, lengths as fractions of the side, may be
+_Length = Annotated[float, Range(0, 0.1)]  # as a fraction of the side
+_Number = Annotated[float, Range(0, 20)]  # on the length of a side
+_Factor = Annotated[float, Range(0, 2)]
 
 
 @dataclass(frozen=True)
@@ -64,31 +63,27 @@ class Hand:
     """
 
     strength: Annotated[tuple[float, float], Range(0, 1)] = (0.0, 1.0)
-    distortion: float = 0.02
-    proportion: float = 0.08
-    cuts: float = 0.8
-    simplification: float = 0.016
-    missed: float = 0.9
-    missed_parts: float = 0.04
-    repeats: float = 0.1
-    drift: float = 0.004
-    wobble: float = 0.0025
-    tremor: float = 0.0006
-    overshoot: float = 0.007
-    gaps: float = 0.004
-    pressure: float = 0.12
-    fade: float = 0.15
-    taper: float = 0.4
-    slowness: float = 0.2
+    distortion: _Length = 0.02
+    proportion: Annotated[float, Range(0, 0.3)] = 0.08
+    cuts: _Number = 0.8
+    simplification: _Length = 0.016
+    missed: Share = 0.9
+    missed_parts: _Number = 0.04
+    repeats: Share = 0.1
+    drift: _Length = 0.004
+    wobble: _Length = 0.0025
+    tremor: _Length = 0.0006
+    overshoot: _Length = 0.007
+    gaps: _Length = 0.004
+    pressure: Share = 0.12
+    fade: _Factor = 0.15
+    taper: Annotated[float, Range(0, 0.95)] = 0.4
+    slowness: _Factor = 0.2
     pen: Annotated[tuple[float, float], Range(0.1, 10)] = (0.9, 3.0)
 
     def __post_init__(self) -> None:
         """Check the ranges of all settings."""
         check_ranges(self)
-        for field in fields(self)[1:-1]:
-            value, most = getattr(self, field.name), _LIMITS.get(field.name, _LONGEST)
-            if not 0 <= value <= most:
-                raise InputError(f"{field.name} of Hand is {value}; it must lie from 0 to {most:g}.")
 
     def draw(
         self, strokes: Sequence[Stroke], maps: Maps, rng: np.random.Generator
@@ -123,10 +118,11 @@ class Hand:
         """Return the settings scaled by the strength and the habits of one drawing."""
         names = [field.name for field in fields(self)[1:-1]]
         habits = rng.uniform(*_HABITS, len(names))
+        hints = get_type_hints(Hand, include_extras=True)
         return replace(
             self,
             **{
-                name: min(strength * habit * getattr(self, name), _LIMITS.get(name, _LONGEST))
+                name: min(strength * habit * getattr(self, name), hints[name].__metadata__[0].most)
                 for name, habit in zip(names, habits, strict=True)
             },
         )

@@ -14,13 +14,14 @@ __all__ = ["LINE_DRAWINGS", "LineDrawing"]
 class LineDrawing(ABC):
     """Base of the line styles.
 
-    A style is a frozen dataclass: its fields are its settings, and they enter the key under which
-    rendered samples are stored.
+    A style is a frozen dataclass that uses NumPy only. Its fields are its settings; they and the file that
+    defines the class, but not what that file imports, enter the key under which rendered samples are
+    stored. The hand and the ink come after it.
     """
 
     @abstractmethod
     def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
-        """Return the exact lines of the drawing, in pixels of the sketch, ``view.size`` a side.
+        """Return the exact lines of the drawing, each a `Stroke` in pixels, ``view.size`` a side.
 
         Args:
             view: the object and where it is seen from; ``view.maps(scale)`` are its maps.

@@ -42,7 +42,7 @@ class RidgesAndValleys(OutlinedDrawing):
         strength: how sharply the surface must turn for a ridge or valley, in radians over the object's
             radius as it is seen; one begun goes on down to a third of it.
         sharpness: by how much more than beside it, in units of the curvature cubed; a limb is round, so its
-            middle is no ridge.
+            middle is not a ridge.
         shortest_contour: contours that span less than this fraction of the frame's side are left out.
         shortest: ridges and valleys shorter than this fraction of the frame's side are left out.
         bridge: gaps up to this fraction of the frame's side do not break one.
@@ -86,7 +86,7 @@ class RidgesAndValleys(OutlinedDrawing):
 def apparent_ridges(shape: Shape, eye: Doubles, sharpness: float) -> list[tuple[EdgeMarks, Doubles]]:
     """Return the ridges, then the valleys: where they cross edges, and their view-dependent curvature.
 
-    Where one is not as sharp as asked for the strength is 0, so that it may be bridged.
+    Where a ridge is blunter than ``sharpness`` its strength is 0, so that the gap can be bridged.
 
     Args:
         shape: the mesh and its curvature.

@@ -13,14 +13,15 @@ __all__ = ["RENDERERS", "Renderer"]
 class Renderer(ABC):
     """Base of the renderers.
 
-    A renderer is a frozen dataclass: its fields are its settings, and they enter the key under which
-    rendered samples are stored. Anything it opens (an OpenGL context) belongs to the process, not to
+    A renderer is a frozen dataclass that uses NumPy only. Its fields are its settings; they and the file
+    that defines the class, but not what that file imports, enter the key under which rendered samples
+    are stored. Anything it opens (an OpenGL context) belongs to the process, not to
     the object, so that it can be handed to a worker process.
     """
 
     @abstractmethod
     def render(self, mesh: Mesh, camera: Camera, size: int) -> Maps:
-        """Return the maps of ``mesh`` seen by ``camera``, ``size`` × ``size`` pixels.
+        """Return the `Maps` of a mesh seen by a camera, ``size`` × ``size`` pixels.
 
         One sample a pixel at its centre, never blended with the background. A surface seen from behind
         (through a hole of an open shell) gets the normal that faces the viewer.

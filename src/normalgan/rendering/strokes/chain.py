@@ -72,7 +72,7 @@ def _pieces(neighbours: Neighbours, degree: Indices) -> list[Piece]:
 
 
 def _walk(path: Piece, neighbours: Neighbours, inner: list[bool], walked: list[bool]) -> Piece:
-    """Return ``path`` continued to the next point that is no inner one, or has been walked on."""
+    """Return ``path`` continued to the next point that is an end or a junction, or was already walked on."""
     near, begin = neighbours
     before, here = path
     while inner[here]:

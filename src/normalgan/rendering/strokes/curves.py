@@ -55,7 +55,7 @@ def settle(path: Doubles, sigma: float, slack: float) -> Doubles:
 
 
 def resample(path: Doubles, spacing: float) -> Doubles:
-    """Return points on a polyline at equal distances of about ``spacing``, the first and last its own.
+    """Return points on a polyline at equal distances of about ``spacing``, including its two ends.
 
     >>> resample(np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 1.0]]), 1.0).tolist()
     [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0], [3.0, 1.0]]

@@ -157,7 +157,7 @@ def _covered(depth: Floats, slant: Doubles) -> Floats:
 
 
 def _lay(owner: Indices, row: Indices, column: Indices, ink: Floats, paper: Floats) -> None:
-    """Darken the (H, W) share of ``paper`` that shows: of each stroke the most, of all strokes together."""
+    """Darken ``paper`` (H, W), the share that still shows; a stroke inks a pixel once, by its largest."""
     size = len(paper)
     # A pixel of each stroke has a number of its own; what is inked several times counts once.
     key = (owner * size + row) * size + column

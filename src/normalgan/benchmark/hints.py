@@ -1,17 +1,76 @@
-"""Noisy hints, wrong in direction or position, as people give them."""
+"""The hints that methods are tested with: uniform, placed in other ways, or off as people give them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from normalgan.hints import (
+    CurvatureHints,
+    FarthestPointHints,
+    HintSampler,
+    UniformHints,
+    WorstErrorHints,
+)
 from normalgan.seeds import derive_seed
 
-__all__ = ["noisy_hints", "turn"]
+__all__ = ["hint_order", "hint_points", "noisy_hints", "placements", "turn"]
 
+_SAMPLERS: dict[str, Callable[[int], HintSampler]] = {
+    "uniform": lambda count: UniformHints(count, count),
+    "curvature": lambda count: CurvatureHints(count=count),
+    "farthest": FarthestPointHints,
+    "worst": WorstErrorHints,
+}
+"""By name: anywhere on the object; where the paper's sampler looks; far from one another; where a method is
+most wrong without hints, which only an oracle knows."""
 _TRIES = 16  # directions in which a hint is moved before it stays where it is
+
+
+def hint_order(mask: Tensor, name: str, seed: int, most: int) -> Tensor:
+    """Return the flat indices of a sample's hinted pixels, the first hint first.
+
+    The first five of fifty hints are the five hints.
+
+    Args:
+        mask: (1, H, W), 1 on the object.
+        name: of the sample; another one has other points.
+        seed: another seed gives other points.
+        most: how many, if the object has as many pixels.
+    """
+    pixels = torch.nonzero(mask.flatten() > 0.5).flatten()
+    order = np.random.default_rng(derive_seed("benchmark", seed, name)).permutation(len(pixels))
+    return pixels[torch.from_numpy(order[:most]).to(pixels.device)]
+
+
+def hint_points(mask: Tensor, names: Sequence[str], seed: int, count: int) -> Tensor:
+    """Return the hint mask of a batch, (N, 1, H, W) of the mask's type, 1 at a hint.
+
+    Args:
+        mask: (N, 1, H, W), 1 on the object.
+        names: of the N samples.
+        seed: of the points.
+        count: hints of each sample; all of its pixels if it has fewer.
+    """
+    where = torch.zeros_like(mask)
+    for sample, one, name in zip(where, mask, names, strict=True):
+        sample.view(-1)[hint_order(one, name, seed, count)] = 1
+    return where
+
+
+def placements(names: Sequence[str], counts: Sequence[int]) -> dict[str, HintSampler]:
+    """Return a sampler for each name and count, by what its figures are called.
+
+    Args:
+        names: of `PLACEMENTS`.
+        counts: hints of each sample.
+
+    >>> list(placements(["uniform", "worst"], [3, 10]))
+    ['uniform-3', 'uniform-10', 'worst-3', 'worst-10']
+    """
+    return {f"{name}-{count}": _SAMPLERS[name](count) for name in names for count in counts}
 
 
 def noisy_hints(

@@ -8,8 +8,7 @@ import torch
 from normalgan.batch import Batch
 from normalgan.benchmark.accumulator import Figure
 from normalgan.benchmark.measure import HintTests, measure
-from normalgan.benchmark.methods import model_method
-from normalgan.benchmark.saved import saved_method
+from normalgan.benchmark.methods import model_method, saved_method
 from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
 from normalgan.hints import UniformHints

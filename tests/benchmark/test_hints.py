@@ -1,6 +1,4 @@
-"""Hints as people give them: off by an angle or some pixels, placed at equal counts, given one by one."""
-
-from itertools import pairwise
+"""Hints of a test: the same points for all, placements at equal counts, hints off as people give them."""
 
 import numpy as np
 import pytest
@@ -8,16 +6,17 @@ import torch
 from torch import Tensor
 
 from normalgan.batch import Batch
-from normalgan.benchmark.hint_noise import noisy_hints
+from normalgan.benchmark.hints import hint_order, hint_points, noisy_hints, placements
 from normalgan.benchmark.measure import HintTests, measure
 from normalgan.benchmark.methods import Method, constant_method
-from normalgan.benchmark.pins import STRATEGIES, pin_curve, pin_one_by_one
-from normalgan.benchmark.placements import placements
-from normalgan.benchmark.points import hint_points
 from normalgan.hints import UniformHints, hints_at
 from normalgan.metrics import angular_error
 from spheres import batch
 
+MASK = torch.zeros(2, 1, 16, 16)
+MASK[0, 0, 3:13, 4:12] = 1
+MASK[1, 0, 8, 2:5] = 1  # three pixels
+NAMES = ["cat/0", "cat/1"]
 CPU = torch.device("cpu")
 COUNT = 20
 
@@ -95,30 +94,31 @@ def test_noise_is_measured_on_the_hints_of_table_1() -> None:
     assert not torch.allclose(by_count["degrees-20"], right)
 
 
-@pytest.mark.parametrize("strategy", STRATEGIES)
-def test_pins_come_one_by_one_and_the_curve_is_over_the_same_pixels(strategy: str) -> None:
-    """Facing the viewer until there are three pins, then the truth."""
-    given = named()
-    numbers: list[int] = []
-    places: list[Tensor] = []
+def test_more_hints_are_the_same_ones_and_others() -> None:
+    order = hint_order(MASK[0], "cat/0", 0, 50)
+    for count in (0, 5, 10, 20, 50):
+        assert hint_order(MASK[0], "cat/0", 0, count).tolist() == order[:count].tolist()
+        assert (hint_points(MASK, NAMES, 0, count) <= hint_points(MASK, NAMES, 0, count + 3)).all()
 
-    def predict(one: Batch, hints: Tensor | None) -> Tensor:
-        number = 0 if hints is None else int(hints[0, 3].sum())
-        numbers.append(number)
-        if hints is not None:
-            places.append(hints[:, 3:])
-            torch.testing.assert_close(hints[:, :3], one["normal"] * hints[:, 3:])
-        facing = torch.zeros_like(one["normal"])
-        facing[:, 2] = 1
-        return one["normal"] if number >= 3 else facing
 
-    sums = pin_one_by_one(Method(predict, UniformHints()), given, strategy, 4)  # type: ignore[arg-type]
-    assert numbers == [0, 1, 2, 3, 4]
-    assert all(((after - before) >= 0).all() for before, after in pairwise(places))
-    assert sums[:, -1].tolist() == (given["mask"].sum((1, 2, 3)) - 4).tolist()
-    curve = pin_curve([sums[:1], sums[1:]])
-    assert curve[0] == curve[1] == curve[2] > 10
-    assert curve[3] == curve[4] == pytest.approx(0, abs=0.05)
-    if strategy == "worst":  # of what faces the viewer the outline is farthest off
-        first = given["normal"][:, 2:][places[0] > 0]
-        assert first.max() < 0.5
+def test_they_lie_on_the_object_as_many_as_asked_for() -> None:
+    where = hint_points(MASK, NAMES, 0, 10)
+    assert (where <= MASK).all()
+    assert where.sum((1, 2, 3)).tolist() == [10, 3]
+    assert not hint_points(MASK, NAMES, 0, 0).any()
+
+
+def test_they_depend_on_the_name_and_the_seed_and_not_on_the_batch() -> None:
+    where = hint_points(MASK, NAMES, 0, 10)
+    assert torch.equal(hint_points(MASK[:1], NAMES[:1], 0, 10), where[:1])
+    assert not torch.equal(hint_points(MASK[:1], ["dog/0"], 0, 10), where[:1])
+    assert not torch.equal(hint_points(MASK[:1], NAMES[:1], 1, 10), where[:1])
+
+
+def test_they_are_uniform() -> None:
+    total = sum(hint_points(MASK[:1], [str(i)], 0, 8) for i in range(1000))
+    assert isinstance(total, torch.Tensor)
+    counts = total[MASK[:1] > 0]
+    # Each of 80 pixels is one of the 8 with p = 0.1: 100 ± 9.5 times.
+    assert abs(counts.mean().item() - 100) < 1e-3
+    assert 7 < counts.std().item() < 12
