@@ -19,7 +19,7 @@ from normalgan.evaluation import Evaluation
 from normalgan.hints import HintSampler
 from normalgan.hints.draw import draw_hints
 from normalgan.hints.noise import turn_hints
-from normalgan.hints.pins import pin_in_turn
+from normalgan.hints.pins_in_turn import pin_in_turn
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths, check_line_widths
 from normalgan.losses import AdversarialObjective, L1AndHints, Reconstruction, Term
 from normalgan.losses.checks import check_losses, check_terms

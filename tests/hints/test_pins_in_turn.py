@@ -3,7 +3,7 @@
 import torch
 from torch import Tensor
 
-from normalgan.hints.pins import MOST_PINS, pin_in_turn
+from normalgan.hints.pins_in_turn import MOST_PINS, pin_in_turn
 
 SIDE = 64
 SAMPLES = 12
