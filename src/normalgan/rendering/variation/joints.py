@@ -14,23 +14,23 @@ if TYPE_CHECKING:
 
 __all__ = ["Joint", "find_joints"]
 
-TIPS = 8
+_TIPS = 8
 """Most ends of limbs that are looked for: a person has five, a dog with a tail six."""
-SHORTEST_LIMB = 0.35
+_SHORTEST_LIMB = 0.35
 """Share of the longest limb from which an end of the surface counts as a limb."""
-JOINTS = 2
+_JOINTS = 2
 """Most joints of a limb: a knee and a hip, an elbow and a shoulder."""
-PLACES = np.linspace(0.25, 0.8, 12)
+_PLACES = np.linspace(0.25, 0.8, 12)
 """Where a limb may have a joint, from its tip to the middle of the object."""
-THICKEST = 0.35
+_THICKEST = 0.35
 """A limb's radius at a joint by its length from there to the tip, at most: what is thicker is no limb."""
-BAND = 1.5
+_BAND = 1.5
 """Half the length of a joint, in radii of the limb; a shorter one would crease at 70 degrees."""
-TORN = 0.1
+_TORN = 0.1
 """Share of a turn that a place may be off where a joint ends."""
-FEWEST = 3
+_FEWEST = 3
 """Vertices that a limb needs on either side of a joint, to say how it points."""
-CLOTH = 0.02
+_CLOTH = 0.02
 """Distance, in radii of the object, at which separate parts such as body and clothes move as one."""
 
 
@@ -102,7 +102,7 @@ def find_joints(points: Doubles, faces: NDArray[np.integer], rng: np.random.Gene
 
     nearest = distances(int(np.argmax(whole)))
     reached: list[Doubles] = []
-    for _ in range(TIPS):
+    for _ in range(_TIPS):
         tip = int(np.argmax(np.where(whole, nearest, -1.0)))
         reached.append(distances(tip))
         nearest = np.minimum.reduce(reached)
@@ -111,14 +111,14 @@ def find_joints(points: Doubles, faces: NDArray[np.integer], rng: np.random.Gene
     joints: list[Joint] = []
     for distance in reached:
         length = distance[middle]
-        found = [_joint(places, distance, place * length) for place in PLACES]
+        found = [_joint(places, distance, place * length) for place in _PLACES]
         thin = [joint for joint in found if joint is not None]
-        if length < SHORTEST_LIMB * longest:
+        if length < _SHORTEST_LIMB * longest:
             continue
         chosen: list[Joint] = []
         for index in rng.permutation(len(thin)):
             joint = thin[index]
-            if len(chosen) < JOINTS and not any((joint.near & other.near).any() for other in chosen):
+            if len(chosen) < _JOINTS and not any((joint.near & other.near).any() for other in chosen):
                 chosen.append(joint)
         joints += [replace(one, beyond=one.beyond[place_of], near=one.near[place_of]) for one in chosen]
     return sorted(joints, key=lambda joint: int(joint.beyond.sum()))
@@ -128,7 +128,7 @@ def _joint(places: Doubles, distance: Doubles, length: float) -> Joint | None:
     """Return the joint of a limb at this distance from its tip, or None where it is too thick."""
     ring = np.abs(distance - length) < length / 8
     outer = ring & (distance < length)
-    if min(outer.sum(), (ring & ~outer).sum()) < FEWEST:
+    if min(outer.sum(), (ring & ~outer).sum()) < _FEWEST:
         return None
     centre = places[ring].mean(axis=0)
     outward = places[outer].mean(axis=0) - places[ring & ~outer].mean(axis=0)
@@ -136,15 +136,15 @@ def _joint(places: Doubles, distance: Doubles, length: float) -> Joint | None:
     offset = places[ring] - centre
     across = offset - np.outer(offset @ outward, outward)
     radius = float(np.quantile(np.linalg.norm(across, axis=1), 0.9))
-    band = BAND * radius
-    if radius > THICKEST * length or band > length / 1.5:
+    band = _BAND * radius
+    if radius > _THICKEST * length or band > length / 1.5:
         return None
     near = np.abs(distance - length) < 1.5 * band
     joint = Joint(centre, outward, band, distance < length + 1.5 * band, near)
     # Where another limb is in the way, the surface does not end where the joint does, and would tear.
     share, _ = joint.share(places)
-    torn = (share[near & (distance > length + band)] > TORN).any() or (
-        share[near & (distance < length - band)] < 1 - TORN
+    torn = (share[near & (distance > length + band)] > _TORN).any() or (
+        share[near & (distance < length - band)] < 1 - _TORN
     ).any()
     return None if torn else joint
 
@@ -158,7 +158,7 @@ def _graph(places: Doubles, faces: NDArray[np.integer]) -> tuple["csr_array", Bo
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     count = (len(places), len(places))
     _, part = connected_components(coo_array((np.ones(len(edges)), edges.T), shape=count), directed=False)
-    pairs = cKDTree(places).query_pairs(CLOTH, output_type="ndarray")
+    pairs = cKDTree(places).query_pairs(_CLOTH, output_type="ndarray")
     edges = np.unique(
         np.sort(np.concatenate([edges, pairs[part[pairs[:, 0]] != part[pairs[:, 1]]]]), axis=1), axis=0
     )
