@@ -150,7 +150,7 @@ def test_numbers_draw_individuals_and_names_tell_the_family() -> None:
     ("field", "value"), [("bend", -1.0), ("scale", float("nan")), ("lattice", 1.0), ("twist", 400.0)]
 )
 def test_strengths_that_leave_nothing_are_refused(field: str, value: float) -> None:
-    with pytest.raises(InputError, match=rf"{field} of Variation is {value}; it must lie from 0 to"):
+    with pytest.raises(InputError, match=rf"{field} of Variation is {value}; it must be from 0 to"):
         replace(Variation(), **{field: value})
 
 

@@ -1,13 +1,13 @@
 """Variation: how far individuals of one shape differ; and one more individual, drawn at random."""
 
 from dataclasses import dataclass, fields, replace
+from typing import Annotated
 
-from normalgan.errors import InputError
+from normalgan.ranges import Range, check_ranges
 
-__all__ = ["MOST", "Variation"]
+__all__ = ["Variation"]
 
-MOST = {"bend": 180.0, "twist": 360.0, "joints": 90.0, "tilt": 180.0}
-"""Strengths that are no shares; shares go up to 0.9, so that nothing shrinks to nothing."""
+_Part = Annotated[float, Range(0, 0.9)]  # so that nothing shrinks to nothing
 
 
 @dataclass(frozen=True)
@@ -39,25 +39,22 @@ class Variation:
         15.0
     """
 
-    scale: float = 0.12
-    taper: float = 0.12
-    bend: float = 12.0
-    twist: float = 20.0
-    limb_length: float = 0.2
-    limb_thickness: float = 0.25
-    parts: float = 0.2
-    lattice: float = 0.06
-    bumps: float = 0.15
-    asymmetry: float = 0.4
-    joints: float = 0.0
-    tilt: float = 0.0
+    scale: _Part = 0.12
+    taper: _Part = 0.12
+    bend: Annotated[float, Range(0, 180)] = 12.0
+    twist: Annotated[float, Range(0, 360)] = 20.0
+    limb_length: _Part = 0.2
+    limb_thickness: _Part = 0.25
+    parts: _Part = 0.2
+    lattice: _Part = 0.06
+    bumps: _Part = 0.15
+    asymmetry: _Part = 0.4
+    joints: Annotated[float, Range(0, 90)] = 0.0
+    tilt: Annotated[float, Range(0, 180)] = 0.0
 
     def __post_init__(self) -> None:
         """Check that all strengths are finite and leave a shape."""
-        for field in fields(self):
-            value, most = getattr(self, field.name), MOST.get(field.name, 0.9)
-            if not 0 <= value <= most:
-                raise InputError(f"{field.name} of Variation is {value}; it must lie from 0 to {most:g}.")
+        check_ranges(self)
 
     def times(self, amount: float) -> "Variation":
         """Return all strengths times ``amount``; the asymmetry, a share of the others, stays."""
