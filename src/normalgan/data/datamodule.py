@@ -359,10 +359,9 @@ class MeshDataModule(LightningDataModule):
 
     def _loaders(self) -> Loaders:
         replicas, rank = (self.trainer.world_size, self.trainer.global_rank) if self.trainer else (1, 0)
-        # A trainer at work has its batches decoded by `on_after_batch_transfer`; who asks without one, or
-        # after it, is given tensors to use.
-        as_stored = self.trainer is not None and self.trainer.state.status == TrainerStatus.RUNNING
-        return Loaders(self.batch_size, self.workers, replicas, rank, as_stored)
+        # A trainer at work has its batches decoded by `on_after_batch_transfer`.
+        at_work = self.trainer is not None and self.trainer.state.status == TrainerStatus.RUNNING
+        return Loaders(self.batch_size, self.workers, replicas, rank, decoded=not at_work)
 
     def on_after_batch_transfer(self, batch: Batch, dataloader_idx: int) -> Batch:
         """Decode batches on the device they are on, and augment those of training there.
