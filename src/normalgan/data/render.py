@@ -76,7 +76,6 @@ def render_samples(
             manifest.write(folder)
         elif folder.local or thorough:
             manifest.describe(folder)  # mends what describes the arrays
-        _warn(manifest.left_out, recipe.noun)
         make = MakeShard(folder.address, recipe, meshes)
         tasks = [
             make.task(shard)

@@ -56,7 +56,7 @@ def lay_out(
         names = tuple(source.name for source in sources[split])
         _refuse_if_none_usable(pool, [meshes[name] for name in names], split, recipe.noun)
         splits[split] = Layout(names, number, recipe.size, per_shard, recipe.hints)
-    return Manifest(recipe.describe(), splits, {})
+    return Manifest(recipe.describe(), splits)
 
 
 def _refuse_if_none_usable(pool: Pool, tasks: Sequence[MeshTask], split: str, noun: str) -> None:
