@@ -124,7 +124,7 @@ def test_workers_of_another_version_do_nothing(tmp_path: Path) -> None:
 @pytest.mark.slow  # starts processes of its own
 def test_a_worker_without_the_package_or_with_threads_is_refused(tmp_path: Path) -> None:
     blocker = tmp_path / "block.py"
-    blocker.write_text("import sys\nsys.modules['normalgan.data.worker_versions'] = None\n")
+    blocker.write_text("import sys\nsys.modules['normalgan.data.jobs.cluster_worker'] = None\n")
     with start_cluster(tmp_path / "dask") as dask_cluster:
         bare = dask_cluster.start_worker("--preload", str(blocker))
         with pytest.raises(InputError, match="is not fit for this: it has no normalgan, or an older one"):

@@ -14,7 +14,7 @@ from uuid import uuid4
 
 from normalgan.data.jobs.cluster_address import TIMEOUT, connect
 from normalgan.data.jobs.cluster_worker import Unfit, flaws, order
-from normalgan.data.jobs.pool import Killed, unrelated
+from normalgan.data.jobs.workers import Killed, unrelated
 from normalgan.errors import InputError, RunError
 
 __all__ = ["Cluster"]

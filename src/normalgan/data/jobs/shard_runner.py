@@ -3,8 +3,8 @@
 import dataclasses
 from collections.abc import Iterator, Sequence
 
-from normalgan.data.jobs.pool import Killed, Pool, alone
 from normalgan.data.jobs.tasks import MeshTask, ShardTask, render_shard, try_mesh, validate_source
+from normalgan.data.jobs.workers import Killed, Pool, alone
 from normalgan.errors import RunError
 
 __all__ = ["DEADLY", "render_shards", "validate_sources"]

@@ -1,8 +1,11 @@
-"""Workers: parallel processes that end with their parent and use one core each."""
+"""Pool, the interface of parallel work, and Workers: processes of this machine with one core each."""
 
+import ast
+import inspect
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Iterator
@@ -10,15 +13,15 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor
 from concurrent.futures import wait as wait_for
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
+from dataclasses import dataclass
 from multiprocessing.connection import wait
+from pathlib import Path
 from types import TracebackType
-from typing import Self, TypeVar
+from typing import Protocol, Self, TypeVar
 
-from normalgan.data.jobs.main_guard import check_main_guard
-from normalgan.data.jobs.pool import Killed, unrelated
 from normalgan.errors import InputError
 
-__all__ = ["Workers", "one_thread_each"]
+__all__ = ["Killed", "Pool", "Workers", "alone", "check_main_guard", "one_thread_each", "unrelated"]
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -34,6 +37,41 @@ _ONE_THREAD = {
     "NUMEXPR_NUM_THREADS": "1",
     "LP_NUM_THREADS": "0",
 }
+
+
+@dataclass(frozen=True)
+class Killed:
+    """The result of a task that killed its worker twice, or that shares a name with such a task."""
+
+
+class Pool(Protocol):
+    """Does tasks in parallel."""
+
+    def run(
+        self, function: Callable[[T], R], tasks: Iterable[T], related: Callable[[T], Collection[str]] = ...
+    ) -> Iterator[tuple[T, R | Killed]]:
+        """Yield every task with its result when it is finished, in any order.
+
+        Args:
+            function: of a module, so that a worker can import it.
+            tasks: what it is called with.
+            related: names that tasks share. After one is killed, tasks that share a name with it are not
+                started, and yielded as killed.
+
+        Raises:
+            RunError: if no worker is left; finished tasks have been yielded or written by then.
+        """
+
+
+def unrelated(_: object) -> tuple[str, ...]:
+    """Return no names: every task stands for itself."""
+    return ()
+
+
+def alone(pool: Pool, function: Callable[[T], R], task: T) -> R | Killed:
+    """Return the result of a task that runs alone; if its worker dies, the task is the cause."""
+    ((_, outcome),) = pool.run(function, [task])
+    return outcome
 
 
 class Workers:
@@ -142,3 +180,40 @@ def _die_with(sentinel: int) -> None:
     # A killed parent closes no queue: its workers would wait on it for ever.
     wait([sentinel])
     os._exit(1)
+
+
+def check_main_guard() -> None:
+    """Check that the script which calls this does so under ``if __name__ == "__main__":``.
+
+    A spawned process imports the script again. Without the guard it starts processes in turn, and dies.
+
+    Raises:
+        InputError: if it does not; it names the script and its line.
+    """
+    main = sys.modules.get("__main__")
+    frame = inspect.currentframe()
+    while frame is not None:
+        again = frame.f_globals.get("__name__") == "__mp_main__"  # how a spawned process imports it
+        if frame.f_code.co_name == "<module>" and (again or frame.f_globals is vars(main or sys)):
+            script = frame.f_globals.get("__file__")  # none of an interactive session, which is not imported
+            if script is not None and (again or not _is_guarded(Path(script), frame.f_lineno)):
+                raise InputError(
+                    f"line {frame.f_lineno} of {script} starts processes, which import this script again; "
+                    'put the lines that do something under `if __name__ == "__main__":`.'
+                )
+        frame = frame.f_back
+
+
+def _is_guarded(script: Path, line: int) -> bool:
+    """Return whether a line of a script lies in an ``if`` that looks at the module's name or its parent."""
+    try:
+        tree = ast.parse(script.read_bytes())
+    except (OSError, SyntaxError, ValueError):
+        return True  # no source in Python, such as a program that was frozen
+    for node in ast.walk(tree):
+        if isinstance(node, ast.If) and node.lineno <= line <= (node.end_lineno or node.lineno):
+            names = {each.id for each in ast.walk(node.test) if isinstance(each, ast.Name)}
+            names |= {each.attr for each in ast.walk(node.test) if isinstance(each, ast.Attribute)}
+            if names & {"__name__", "parent_process", "current_process"}:
+                return True
+    return False

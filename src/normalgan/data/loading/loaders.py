@@ -10,8 +10,7 @@ import torch
 from torch.utils.data import DataLoader, Dataset, DistributedSampler, Sampler
 
 from normalgan.data.dataset import SampleDataset
-from normalgan.data.jobs.main_guard import check_main_guard
-from normalgan.data.jobs.workers import one_thread_each
+from normalgan.data.jobs.workers import check_main_guard, one_thread_each
 from normalgan.data.loading.items import Item, collate_decoded
 from normalgan.data.loading.order import ShardOrder
 from normalgan.data.loading.stream import FreshViews, StreamDataset
