@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from jsonargparse import ActionConfigFile, ArgumentParser, Namespace
+from jsonargparse import ActionConfigFile, ArgumentParser, Namespace  # type: ignore[attr-defined]  # so does Lightning
 
 from normalgan.files.limits import load_yaml
 
@@ -46,7 +46,7 @@ class _Overlay(ActionConfigFile):
     def __call__(self, parser: Any, settings: Any, file: Any, option: Any = None) -> None:
         if Path(file).is_file():
             _drop_replaced(settings, load_yaml(Path(file).read_text(encoding="utf-8")))
-        super().__call__(parser, settings, file, option)
+        super().__call__(parser, settings, file, option)  # type: ignore[no-untyped-call]
 
 
 def _drop_replaced(settings: Any, named: object) -> None:
@@ -55,7 +55,7 @@ def _drop_replaced(settings: Any, named: object) -> None:
         return
     another = "class_path" in named and _class_name(named) != _class_name(settings)
     if another and "init_args" in settings:
-        settings["init_args"] = Namespace()
+        settings["init_args"] = Namespace()  # type: ignore[no-untyped-call]
     for key, value in named.items():
         if key in settings:
             _drop_replaced(settings[key], value)

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from normalgan.decoding import Decoded, DecodedLayer, DecodedLayers, decode_layers
-from normalgan.decoding.layered_files import kind_of
+from normalgan.decoding.decoders.layered_files import kind_of
 from normalgan.inference.reading.drawings import LARGEST, SMALLEST, read_content
 from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, to_picture
 

@@ -1,8 +1,4 @@
-"""Layered files of paint programs, decoded in the child process: one module per format.
-
-The package imports nothing of `normalgan`, as the program that it is a part of (`worker.py`) runs without it.
-Its imports are relative because that program knows it by another name, `layered_files`.
-"""
+"""Layered files of paint programs, decoded in the child process: one module per format."""
 
 from collections.abc import Callable
 
