@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Collection, Mapping, Sequence
 
 from normalgan.data.jobs.cluster import Cluster
+from normalgan.data.jobs.pool import Killed, Pool
 from normalgan.data.jobs.shard_runner import render_shards, validate_sources
 from normalgan.data.jobs.tasks import (
     CheckTask,
@@ -16,7 +17,7 @@ from normalgan.data.jobs.tasks import (
     find_damage,
     render_shard,
 )
-from normalgan.data.jobs.workers import Killed, Pool, Workers
+from normalgan.data.jobs.workers import Workers
 from normalgan.data.recipe import Loadable, SampleRecipe
 from normalgan.data.splits import plural
 from normalgan.data.store.layout import Layout, Shard

@@ -243,9 +243,9 @@ def _layers(answer: _Answer, most: int) -> DecodedLayers:
     durations = [_whole(each, 0, 2**32) for each in said["durations"]]
     layers = []
     for header, decoded in found:
-        pixels = np.asarray(decoded.pixels)
-        if pixels.dtype != np.uint8 or pixels.shape[2:] != (4,):
+        if decoded.pixels.dtype != np.uint8 or decoded.pixels.shape[2:] != (4,):
             raise EOFError
+        pixels = np.asarray(decoded.pixels, np.uint8)
         *groups, own = map(_printable, header["names"])
         place = (
             _whole(header["left"], 0, width - pixels.shape[1]),
