@@ -15,7 +15,8 @@ import pytest
 from toys import BallRenderer, Counted, Octahedron, assert_same, contents, recipe, surroundings
 
 from normalgan.data.jobs import tasks
-from normalgan.data.jobs.workers import Killed, Workers
+from normalgan.data.jobs.pool import Killed
+from normalgan.data.jobs.workers import Workers
 from normalgan.data.render import open_samples, render_samples
 from normalgan.data.store.layout import Layout
 from normalgan.data.store.manifest import dataset_key, fingerprints
