@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from .formats import format_of
 from .levels import is_tiff
 from .limits import limit_time
 from .opening import (
@@ -318,12 +319,15 @@ def _layered(content: bytes, least: int, most: int) -> Any:
     Raises:
         RefusedError: if it cannot be read, or is of no possible size.
     """
-    if not content.startswith((b"8BPS", b"PK\x03\x04")) and content[4:6] != b"\xe0\xa5":
+    found = format_of(content[:64])
+    if found is None or not found.layered:
         return None
     from .layered_files import open_layered  # late: few files need it
 
     with _unreadable_refused():
-        return open_layered(content, lambda width, height: check_sides(width, height, least, most))
+        return open_layered(
+            found.name, content, lambda width, height: check_sides(width, height, least, most)
+        )
 
 
 def _layered_frames(layered: Any) -> Iterator[Message]:
