@@ -150,10 +150,6 @@ class ShardedSamples:
     def _finished(self) -> list[int]:
         return sorted(set(range(self.layout.shards)) - set(self.missing()))
 
-    def write(self, shard: int, samples: Sequence[Sample]) -> None:
-        """Write all samples of a shard, then mark it as finished. Raises as `write_shard` does."""
-        write_shard(self._storage, self.layout.shard(self.split, shard), samples)
-
     def read(self, index: int) -> Sample:
         """Return one sample.
 
