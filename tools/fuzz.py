@@ -83,15 +83,17 @@ def drawing() -> Read:
     with instrumented("PIL"):
         from PIL import Image
 
-        from normalgan.decoding import worker
+        from normalgan.decoding.decoders.opening import MODES, RefusedError, UnknownTiffError
+        from normalgan.decoding.decoders.pictures import decode
+        from normalgan.decoding.decoders.svg import is_svg
     Image.init()  # its plug-ins
 
     def read(data: bytes) -> None:
-        if worker.is_svg(data):  # has a target of its own
+        if is_svg(data):  # has a target of its own
             return
-        with suppress(worker.RefusedError, worker.UnknownTiffError, MemoryError):
-            image, full = worker.decode(data, LEAST, 1024, 64, MOST, grey=bool(len(data) % 2))
-            assert image.mode in worker.MODES
+        with suppress(RefusedError, UnknownTiffError, MemoryError):
+            image, full = decode(data, LEAST, 1024, 64, MOST, grey=bool(len(data) % 2))
+            assert image.mode in MODES
             assert all(LEAST <= side <= 1024 for side in full)
             assert max(image.size) <= MOST
 
@@ -101,7 +103,8 @@ def drawing() -> Read:
 def svg() -> Read:
     """SVG, rewritten without what leads out of it, and then drawn in a child as users' are."""
     with instrumented():
-        from normalgan.decoding.worker import RefusedError, sanitize_svg
+        from normalgan.decoding.decoders.opening import RefusedError
+        from normalgan.decoding.decoders.svg import sanitize_svg
         from normalgan.errors import InputError
         from normalgan.inference.reading.drawings import read_drawing
 
@@ -123,7 +126,7 @@ def svg() -> Read:
 
 def check_svg(text: str) -> None:
     """Raise `AssertionError` if an SVG refers to a file, or is nested too deeply."""
-    from normalgan.decoding.worker import MOST_DEPTH
+    from normalgan.decoding.decoders.svg import MOST_DEPTH
 
     depth = 0
 
@@ -147,28 +150,27 @@ def check_svg(text: str) -> None:
 
 def layers() -> Read:
     """Layered files, PSD, KRA, ORA and Aseprite: the composite, the frames, the layers."""
-    with instrumented("psd_tools", "layered_files"):
+    with instrumented("psd_tools"):
         import psd_tools  # noqa: F401
 
-        from normalgan.decoding import worker
-
-        # The child process finds it by this name, as it does not have the package on its path.
-        sys.path.append(str(Path(worker.__file__).parent))
-        __import__("layered_files")
+        from normalgan.decoding.decoders import layered_files  # noqa: F401
+        from normalgan.decoding.decoders.opening import MODES, RefusedError
+        from normalgan.decoding.decoders.pictures import decode, frames
+        from normalgan.decoding.decoders.pictures import layers as layers_of
 
     def read(data: bytes) -> None:
         aseprite = data[4:6] == b"\xe0\xa5"
         if data[:4] not in {b"8BPS", b"PK\x03\x04"} and not aseprite:
             return
-        with suppress(worker.RefusedError, MemoryError):
-            image, full = worker.decode(data, LEAST, MOST, 64, 0, False)
-            assert image.mode in worker.MODES
+        with suppress(RefusedError, MemoryError):
+            image, full = decode(data, LEAST, MOST, 64, 0, False)
+            assert image.mode in MODES
             assert image.size == full
         if aseprite:
-            with suppress(worker.RefusedError, MemoryError):
-                check_frames([*worker.frames(data, LEAST, MOST, SECONDS)])
-        with suppress(worker.RefusedError, MemoryError):
-            check([*worker.layers(data, LEAST, MOST, SECONDS)])
+            with suppress(RefusedError, MemoryError):
+                check_frames([*frames(data, LEAST, MOST, SECONDS)])
+        with suppress(RefusedError, MemoryError):
+            check([*layers_of(data, LEAST, MOST, SECONDS)])
 
     def check(sent: list[Any]) -> None:
         (first, _), *found = sent
@@ -186,7 +188,7 @@ def layers() -> Read:
 
 def check_frames(sent: list[Any]) -> None:
     """Raise `AssertionError` if frames are not whole."""
-    from normalgan.decoding.worker import MODES
+    from normalgan.decoding.decoders.opening import MODES
 
     (first, _), *found = sent
     assert first["count"] == len(found) > 0
@@ -201,7 +203,8 @@ def animation() -> Read:
     with instrumented("PIL"):
         from PIL import Image
 
-        from normalgan.decoding import worker
+        from normalgan.decoding.decoders.opening import RefusedError
+        from normalgan.decoding.decoders.pictures import frames
         from normalgan.inference.composites.animation import moving_kind
     Image.init()  # its plug-ins
 
@@ -210,8 +213,8 @@ def animation() -> Read:
             return
         with refusals():
             moving_kind(Path("animation"), data)
-        with suppress(worker.RefusedError, MemoryError):
-            check_frames([*worker.frames(data, LEAST, MOST, SECONDS)])
+        with suppress(RefusedError, MemoryError):
+            check_frames([*frames(data, LEAST, MOST, SECONDS)])
 
     return read
 

@@ -13,6 +13,7 @@ from torch import Tensor
 from normalgan.callbacks import TestReport
 from normalgan.callbacks.table import FIGURES, HEADINGS
 from normalgan.data.datamodule import MeshDataModule
+from normalgan.data.loading.items import collate_decoded
 from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
 from normalgan.hints import UniformHints
@@ -50,9 +51,9 @@ def report(
 def angles(module: MeshDataModule, guess: np.ndarray[Any, np.dtype[np.float64]]) -> list[float]:
     """All angles between one map (3, H, W) and the test samples, on the objects, by arccos in float64."""
     found: list[float] = []
-    for i in range(len(module.test_dataset)):
-        item = module.test_dataset[i]
-        target, on = item["normal"].double().numpy(), item["mask"][0].numpy() > 0
+    samples = collate_decoded([module.test_dataset[i] for i in range(len(module.test_dataset))])
+    for normal, mask in zip(samples["normal"], samples["mask"], strict=True):
+        target, on = normal.double().numpy(), mask[0].numpy() > 0
         length = np.linalg.norm(target, axis=0) * np.maximum(np.linalg.norm(guess, axis=0), 1e-12)
         cosine = (target * guess).sum(0)[on] / length[on]
         found += np.degrees(np.arccos(np.clip(cosine, -1, 1))).tolist()

@@ -13,7 +13,7 @@ from normalgan.batch import Batch
 from normalgan.callbacks.checkpoints import LastCheckpoint
 from normalgan.data.augmentation import Augmentation
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.data.loading.items import Item
+from normalgan.data.loading.items import Item, collate_decoded
 from normalgan.data.loading.loaders import EqualShare
 from normalgan.data.settings import MeshReading, Split
 from normalgan.rendering import Mesh
@@ -174,12 +174,19 @@ def test_a_run_resumed_with_other_data_says_what_is_other(meshes: Path, cache: P
     )
 
 
+def by_name(items: list[Item]) -> dict[str, dict[str, torch.Tensor]]:
+    """Return decoded samples by name."""
+    batch = collate_decoded(items)
+    parts = {"sketch": batch["sketch"], "normal": batch["normal"]}
+    return {name: {key: part[i] for key, part in parts.items()} for i, name in enumerate(batch["name"])}
+
+
 def test_augmentation_is_for_training_alone_and_seeded_by_the_step(
     meshes: Path, cache: Path, tmp_path: Path
 ) -> None:
     plain = ready(data(meshes, cache))
-    stored = {item["name"]: item for item in (plain.train_dataset[i] for i in range(6))}
-    kept = {item["name"]: item for item in (plain.val_dataset[i] for i in range(2))}
+    stored = by_name([plain.train_dataset[i] for i in range(6)])
+    kept = by_name([plain.val_dataset[i] for i in range(2)])
     seen = seen_in(data(meshes, cache, augmentation=Augmentation()), tmp_path / "a", epochs=2)
     for batch in seen.validation:
         for i, name in enumerate(batch["name"]):
@@ -207,7 +214,8 @@ def test_last_batch_of_few_is_left_out_but_a_small_set_is_used(meshes: Path, cac
 
 def test_mean_map_by_numpy(meshes: Path, cache: Path) -> None:
     module = ready(data(meshes, cache))
-    maps = np.stack([module.train_dataset[i]["normal"].numpy() for i in range(6)]).astype(np.float64)
+    batch = collate_decoded([module.train_dataset[i] for i in range(6)])
+    maps = batch["normal"].numpy().astype(np.float64)
     mean = maps.mean(0)
     length = np.linalg.norm(mean, axis=0)
     expected = np.divide(mean, length, out=np.zeros_like(mean), where=length > 0)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 import torch
-from test_datamodule import last, names, ready, sample_names, seen_in
+from test_datamodule import by_name, last, names, ready, sample_names, seen_in
 
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.loading.stream import FreshViews
@@ -36,7 +36,7 @@ def test_only_what_is_measured_is_kept(meshes: Path, tmp_path: Path) -> None:
 def test_the_first_epoch_is_that_of_the_shards_and_the_next_one_is_fresh(meshes: Path, cache: Path) -> None:
     stored, rendered = ready(data(meshes, cache)), ready(flying(meshes, cache))
     assert sample_names(rendered) == sample_names(stored)
-    items = {item["name"]: item for item in (stored.train_dataset[i] for i in range(6))}
+    items = by_name([stored.train_dataset[i] for i in range(6)])
     loader = rendered.train_dataloader()
     assert isinstance(loader.sampler, FreshViews)
     for batch in loader:

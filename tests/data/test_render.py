@@ -144,15 +144,6 @@ def test_damage_of_what_describes_the_samples_is_mended(
     assert contents(folder) == whole
 
 
-def test_a_manifest_of_an_older_version_is_believed(folder: Path, tmp_path: Path) -> None:
-    path = folder / "dataset.json"
-    content = json.loads(path.read_text())
-    del content["sha256"]
-    path.write_text(json.dumps(content))
-    render(tmp_path)
-    assert json.loads(path.read_text()) == content
-
-
 @pytest.mark.slow
 def test_a_killed_run_is_taken_up_and_leaves_no_workers_behind(tmp_path: Path) -> None:
     code = (

@@ -139,17 +139,17 @@ def test_the_child_can_open_no_file_even_if_the_check_were_passed(tmp_path: Path
     drawing = svg(f'<image width="64" height="64" href="{secret}"/>').decode()
     program = f"""
 import sys
-sys.path.extend({[str(Path(process.__file__).parents[2]), *process._folders()]!r})
-from normalgan.decoding import worker
+sys.path.extend({[process._HERE, *process._folders()]!r})
+from decoders.pictures import decode
+from decoders.worker import import_all, limit
 from resvg_py import svg_to_bytes
 dark = []
 def draw():
-    image, _ = worker.decode(bytes(svg_to_bytes(svg_string={drawing!r}, width=64)), 8, 64, 64, 0, True)
+    image, _ = decode(bytes(svg_to_bytes(svg_string={drawing!r}, width=64)), 8, 64, 64, 0, True)
     dark.append(image.tobytes().count(0))
-sys.path.append(worker.__file__.rpartition('/')[0])
-worker.import_all('')
+import_all('')
 draw()
-worker.limit(2**31)
+limit(2**31)
 draw()
 try:
     open({str(secret)!r})

@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from normalgan.decoding.formats import ENDINGS, FORMATS, format_of
+from normalgan.decoding.decoders.formats import ENDINGS, FORMATS, format_of
 from normalgan.inference.reading.drawings import SUFFIXES
 
 ROOT = Path(__file__).parents[2]

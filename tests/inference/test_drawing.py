@@ -9,7 +9,7 @@ from PIL import Image
 
 from normalgan.__main__ import main
 from normalgan.decoding import DecodedLayer
-from normalgan.decoding.worker import needed
+from normalgan.decoding.decoders.worker import needed
 from normalgan.inference.composites.layers import encode_layers
 from normalgan.weights.shipped import SHIPPED
 from pens import blob, outline

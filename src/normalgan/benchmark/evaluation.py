@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import torch
-from torch.utils.data import default_collate
 
 from normalgan.arrays import Floats
 from normalgan.batch import Batch
@@ -32,7 +31,7 @@ from normalgan.benchmark.specification import Specification, specify
 from normalgan.benchmark.training import Result, measured_checkpoint
 from normalgan.commit import commit
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.data.loading.items import decode
+from normalgan.data.loading.items import collate_decoded, decode
 from normalgan.data.loading.order import spread
 from normalgan.files.writing import write_bytes
 from normalgan.gan import SHARE
@@ -94,8 +93,7 @@ class Evaluation:
     def shown(self) -> Batch:
         """The samples of the gallery, spread over the test split."""
         samples = self.data.test_dataset
-        batch: Batch = default_collate([samples[i] for i in spread(len(samples), self.plan.gallery)])
-        return batch
+        return collate_decoded([samples[i] for i in spread(len(samples), self.plan.gallery)])
 
     def of_run(self, run: Run) -> Result:
         """Return the result of a trained run, and leave its maps of the gallery's samples in its folder."""

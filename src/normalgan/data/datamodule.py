@@ -15,7 +15,6 @@ from normalgan.batch import Batch
 from normalgan.contracts import check_kinds, class_name, refused
 from normalgan.data.augmentation import BatchAugmentation, augmented
 from normalgan.data.dataset import SampleDataset
-from normalgan.data.jobs.usable import find_unusable, leave_out
 from normalgan.data.loading.items import Item, decode
 from normalgan.data.loading.loaders import Loaders
 from normalgan.data.loading.order import spread
@@ -23,7 +22,7 @@ from normalgan.data.loading.stream import StreamDataset
 from normalgan.data.loading.training_data import changes, describe_training_data
 from normalgan.data.mean import ENOUGH, mean_of_maps
 from normalgan.data.recipe import Loadable, SampleRecipe
-from normalgan.data.render import open_samples, render_samples
+from normalgan.data.render import find_unusable, leave_out, open_samples, render_samples
 from normalgan.data.settings import EmbeddedAnimals, MeshReading, Prediction, Split, Storage
 from normalgan.data.sketches import SketchDataset, SketchSample
 from normalgan.data.sources import DataSource, MeshGroup, PairSource, SplitSettings
@@ -359,10 +358,9 @@ class MeshDataModule(LightningDataModule):
 
     def _loaders(self) -> Loaders:
         replicas, rank = (self.trainer.world_size, self.trainer.global_rank) if self.trainer else (1, 0)
-        # A trainer at work has its batches decoded by `on_after_batch_transfer`; who asks without one, or
-        # after it, is given tensors to use.
-        as_stored = self.trainer is not None and self.trainer.state.status == TrainerStatus.RUNNING
-        return Loaders(self.batch_size, self.workers, replicas, rank, as_stored)
+        # A trainer at work has its batches decoded by `on_after_batch_transfer`.
+        at_work = self.trainer is not None and self.trainer.state.status == TrainerStatus.RUNNING
+        return Loaders(self.batch_size, self.workers, replicas, rank, decoded=not at_work)
 
     def on_after_batch_transfer(self, batch: Batch, dataloader_idx: int) -> Batch:
         """Decode batches on the device they are on, and augment those of training there.

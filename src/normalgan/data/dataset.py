@@ -1,4 +1,4 @@
-"""SampleDataset: the stored samples of one split as tensors."""
+"""SampleDataset: the samples of one split as tensors, uint8, float16 and bool as they are stored."""
 
 from typing import Any
 
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.utils.data import Dataset
 
-from normalgan.data.loading.items import Item, SampleError, decode_item, to_item
+from normalgan.data.loading.items import Item, SampleError, to_item
 from normalgan.data.store.layout import ARRAYS, array_names
 from normalgan.data.store.shards import ShardedSamples
 from normalgan.errors import InputError
@@ -64,19 +64,15 @@ class SampleDataset(Dataset[Item]):
         return len(self.store)
 
     def __getitem__(self, index: int) -> Item:
-        return decode_item(self.stored(index))
-
-    def stored(self, index: int) -> Item:
-        """Return a sample as it is stored."""
         index = range(len(self))[index]  # as a list: from the end if negative, IndexError if beyond
         for step in range(len(self)):
             place = (index + step) % len(self)
-            item = self._stored(place)
+            item = self._kept(place)
             if not self.substitute or item["mask"].any() or not self.store.is_blank(place):
                 return item
         raise SampleError(f"none of the {len(self)} samples of {self.store.split} can be used.")
 
-    def _stored(self, index: int) -> Item:
+    def _kept(self, index: int) -> Item:
         if index in self._recent:
             return self._recent[index]
         item = self._read(index)

@@ -1,23 +1,38 @@
 """Render a data set once, in parallel, on one machine or many; an interrupted rendering continues."""
 
+import hashlib
+import json
 import warnings
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 
 from normalgan.data.jobs.cluster import Cluster
-from normalgan.data.jobs.pool import Pool
-from normalgan.data.jobs.request import Sources, lay_out, locate
-from normalgan.data.jobs.shard_runner import render_shards
-from normalgan.data.jobs.survey import pending_shards
-from normalgan.data.jobs.tasks import MakeShard, ShardTask, render_shard
+from normalgan.data.jobs.pool import Killed, Pool
+from normalgan.data.jobs.shard_runner import render_shards, validate_sources
+from normalgan.data.jobs.tasks import (
+    CheckTask,
+    MakeShard,
+    MeshTask,
+    ShardTask,
+    check_recipe,
+    find_damage,
+    render_shard,
+)
 from normalgan.data.jobs.workers import Workers
-from normalgan.data.recipe import SampleRecipe
+from normalgan.data.recipe import Loadable, SampleRecipe
+from normalgan.data.splits import plural
+from normalgan.data.store.layout import Layout, Shard
 from normalgan.data.store.local_cache import LocalCache
-from normalgan.data.store.manifest import Manifest
+from normalgan.data.store.manifest import Manifest, dataset_key, fingerprints, views_by_split
 from normalgan.data.store.shards import ShardedSamples
-from normalgan.errors import InputError
+from normalgan.data.store.storage import Storage
+from normalgan.errors import InputError, RunError
 from normalgan.progress import progress_bar
+from normalgan.rendering.samples import RENDERING_VERSION
 
-__all__ = ["Sources", "open_samples", "render_samples"]
+__all__ = ["Sources", "find_unusable", "leave_out", "open_samples", "render_samples"]
+
+Sources = Mapping[str, Sequence[Loadable]]
+_AT_ONCE = 64  # shards a task that checks them: a few seconds of reading
 
 
 def render_samples(
@@ -59,7 +74,7 @@ def render_samples(
     """
     if per_shard < 1:
         raise InputError(f"a shard has 1 sample or more, not {per_shard}.")
-    folder, views, meshes = locate(cache, sources, views_per_mesh, recipe)
+    folder, views, meshes = _locate(cache, sources, views_per_mesh, recipe)
     if (workers > 0 or cluster) and folder.in_memory:
         raise InputError(
             f"{cache} cannot be seen by other processes; set workers to 0 or name another folder."
@@ -72,17 +87,16 @@ def render_samples(
         if manifest is None:
             if Manifest.damaged(folder):
                 warnings.warn(f"damaged, and written again: the manifest of {folder.url}.", stacklevel=2)
-            manifest = lay_out(pool, sources, views, recipe, meshes, per_shard)
+            manifest = _lay_out(pool, sources, views, recipe, meshes, per_shard)
             manifest.write(folder)
         elif folder.local or thorough:
             manifest.describe(folder)  # mends what describes the arrays
-        _warn(manifest.left_out, recipe.noun)
         make = MakeShard(folder.address, recipe, meshes)
         tasks = [
             make.task(shard)
             for split, store in manifest.stores(folder).items()
             if split not in later
-            for shard in pending_shards(pool, store, thorough)
+            for shard in _pending_shards(pool, store, thorough)
         ]
         _render_all(pool, tasks, progress)
         for split in later:
@@ -116,7 +130,7 @@ def open_samples(
     Raises:
         InputError: if some are missing.
     """
-    folder, _, meshes = locate(cache, sources, views_per_mesh, recipe)
+    folder, _, meshes = _locate(cache, sources, views_per_mesh, recipe)
     manifest = Manifest.read(folder)
     if manifest is None or any(
         store.missing() for split, store in manifest.stores(folder).items() if split not in later
@@ -152,3 +166,145 @@ def _render_all(pool: Pool, tasks: list[ShardTask], progress: bool) -> None:
     with progress_bar("rendering", total, "samples", progress) as advance:
         for task, _ in render_shards(pool, tasks):
             advance(len(task.shard))
+
+
+def find_unusable(cache: str, sources: Sequence[Loadable], workers: int = 0) -> dict[str, str]:
+    """Return the reasons why meshes cannot be used, by name.
+
+    This needs loading, up to a second a mesh, so the result is cached as ``meshes/<key>.json`` under a hash
+    of the fingerprints, for resumed runs and for all training processes.
+
+    Args:
+        cache: folder or URL of all data sets.
+        sources: the meshes.
+        workers: processes to load in, 0 for this one alone.
+
+    Raises:
+        InputError: if the cache cannot be written to, or a worker is killed.
+    """
+    prints = fingerprints({"": sources})[""]
+    key = hashlib.sha256(json.dumps([RENDERING_VERSION, prints]).encode())
+    path = f"{key.hexdigest()[:24]}.json"
+    folder = Storage(cache) / "meshes"
+    try:
+        return dict(json.loads(folder.read(path) or b"")["left_out"])
+    except (ValueError, TypeError, KeyError):  # not asked yet, or damaged
+        pass
+    with Workers(workers) as pool:
+        tasks = [MeshTask(source, seen) for source, (_, seen) in zip(sources, prints, strict=True)]
+        reasons = {}
+        with progress_bar("looking at", len(tasks), "meshes", stays=False) as advance:
+            for task, reason in validate_sources(pool, tasks):
+                advance(1)
+                if reason is not None:
+                    reasons[task.source.name] = reason
+    left_out = {source.name: reasons[source.name] for source in sources if source.name in reasons}
+    folder.write(path, (json.dumps({"left_out": left_out}, indent=1) + "\n").encode())
+    return left_out
+
+
+def leave_out(sources: Sequence[Loadable], reasons: Mapping[str, str], split: str) -> list[Loadable]:
+    """Return the meshes that can be used.
+
+    Args:
+        sources: the meshes.
+        reasons: why some of them cannot be used, by name.
+        split: name of their split.
+
+    Raises:
+        InputError: if none is left.
+    """
+    usable = [source for source in sources if source.name not in reasons]
+    if not usable:
+        first = reasons[sources[0].name] if sources else "there is none."
+        raise InputError(f"none of the {len(sources)} meshes for {split} can be used; the first: {first}")
+    return usable
+
+
+def _locate(
+    cache: str, sources: Sources, views_per_mesh: int | Mapping[str, int], recipe: SampleRecipe
+) -> tuple[Storage, dict[str, int], dict[str, MeshTask]]:
+    """Return the folder of the data set, the views by split, and the meshes by name.
+
+    Raises:
+        InputError: if the request makes no sense.
+    """
+    views = views_by_split(views_per_mesh, sources, recipe.noun)
+    prints = fingerprints({split: sources[split] for split in views})
+    folder = Storage(cache) / dataset_key(prints, views, recipe)
+    known = dict(pair for part in prints.values() for pair in part)
+    return folder, views, {s.name: MeshTask(s, known[s.name]) for split in views for s in sources[split]}
+
+
+def _lay_out(
+    pool: Pool,
+    sources: Sources,
+    views: Mapping[str, int],
+    recipe: SampleRecipe,
+    meshes: Mapping[str, MeshTask],
+    per_shard: int,
+) -> Manifest:
+    """Return the layout of a new data set, after loading one mesh of each split.
+
+    Loads meshes of each split until one can be used, so that a split without any is refused before hours of
+    rendering. The others are loaded when they are rendered, and fail there.
+
+    Raises:
+        InputError: if the renderer does not run, or no mesh of a split can be used.
+    """
+    for _, outcome in pool.run(check_recipe, [recipe]):
+        if isinstance(outcome, Killed):
+            raise RunError(f"{type(recipe).__name__} kills the process that asks whether it runs.")
+    splits = {}
+    for split, number in views.items():
+        names = tuple(source.name for source in sources[split])
+        _refuse_if_none_usable(pool, [meshes[name] for name in names], split, recipe.noun)
+        splits[split] = Layout(names, number, recipe.size, per_shard, recipe.hints)
+    return Manifest(recipe.describe(), splits)
+
+
+def _refuse_if_none_usable(pool: Pool, tasks: Sequence[MeshTask], split: str, noun: str) -> None:
+    first = ""
+    for task in tasks:
+        ((_, reason),) = validate_sources(pool, [task])
+        if reason is None:
+            return
+        first = first or reason
+    raise InputError(f"none of the {len(tasks)} {plural(noun)} for {split} can be used; the first: {first}")
+
+
+def _pending_shards(pool: Pool, store: ShardedSamples, thorough: bool) -> list[Shard]:
+    """Return missing and damaged shards, with a warning that names the damaged ones.
+
+    Args:
+        pool: who checks, if there are many machines.
+        store: the samples of a split.
+        thorough: whether every byte of a distant store is checked too, and failed meshes are tried again.
+    """
+    storage = Storage(store.url)
+    missing = store.missing()
+    if isinstance(pool, Cluster) and (storage.local or thorough):
+        damaged = _check_side_by_side(pool, storage, store, set(missing))
+    else:
+        # A distant store keeps sums of its own, and to read all of it for each run would take hours.
+        damaged = store.verify() if storage.local or thorough else store.lost()
+    damaged = sorted({*damaged, *store.unexplained()})
+    if damaged:
+        numbers = ", ".join(map(str, damaged))
+        warnings.warn(
+            f"damaged, and rendered again: shard {numbers} of {store.split} in {store.url}.", stacklevel=3
+        )
+    again = set(store.failures()) if thorough else set()
+    return [store.layout.shard(store.split, number) for number in sorted({*missing, *damaged, *again})]
+
+
+def _check_side_by_side(pool: Pool, storage: Storage, store: ShardedSamples, missing: set[int]) -> list[int]:
+    finished = [number for number in range(store.layout.shards) if number not in missing]
+    parts = [tuple(finished[start : start + _AT_ONCE]) for start in range(0, len(finished), _AT_ONCE)]
+    damaged: list[int] = []
+    tasks = [CheckTask(storage.address, store.split, part) for part in parts]
+    for _, found in pool.run(find_damage, tasks):
+        if isinstance(found, Killed):
+            raise RunError("the workers are killed while they check what is finished: give them more memory.")
+        damaged += found
+    return sorted(damaged)

@@ -8,16 +8,17 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 from multiprocessing import Pipe
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.decoding.worker import DTYPES, MOST_PARTS, MOST_PIXELS, needed
+from normalgan.decoding.decoders.opening import DTYPES, MOST_PARTS, MOST_PIXELS
+from normalgan.decoding.decoders.worker import needed
 from normalgan.errors import InputError, RunError
 
 __all__ = [
@@ -173,22 +174,18 @@ def decode(
         InputError: if it cannot be decoded; it says why.
         RunError: if no process can be started to do it.
     """
-    request = {"what": "picture", "sides": sides, "svg_side": svg_side, "longest": longest or 0}
-    request |= {"grey": grey, "exact": exact}
-    ask = _Question(name, request, content, sides[1])
-    return _pool.run(needed(content, exact), lambda child: child.ask(ask, child.picture))
+    more = {"svg_side": svg_side, "longest": longest or 0, "grey": grey, "exact": exact}
+    return _pool.run(needed(content, exact), _Question("picture", name, content, sides, _picture, more))
 
 
 def decode_frames(name: str, content: bytes, sides: tuple[int, int]) -> Parts:
     """Return all frames of an animation, each whole; arguments and errors are those of `decode`."""
-    ask = _Question(name, {"what": "frames", "sides": sides}, content, sides[1])
-    return _pool.run(needed(content), lambda child: child.ask(ask, child.frames))
+    return _pool.run(needed(content), _Question("frames", name, content, sides, _frames))
 
 
 def decode_layers(name: str, content: bytes, sides: tuple[int, int]) -> DecodedLayers:
     """Return the visible layers of a layered file; arguments and errors are those of `decode`."""
-    ask = _Question(name, {"what": "layers", "sides": sides}, content, sides[1])
-    return _pool.run(needed(content), lambda child: child.ask(ask, child.layers))
+    return _pool.run(needed(content), _Question("layers", name, content, sides, _layers))
 
 
 def decode_tileset(name: str, content: bytes, sides: tuple[int, int]) -> tuple[Decoded, tuple[int, int]]:
@@ -196,8 +193,7 @@ def decode_tileset(name: str, content: bytes, sides: tuple[int, int]) -> tuple[D
 
     Arguments and errors are those of `decode`.
     """
-    ask = _Question(name, {"what": "tileset", "sides": sides}, content, sides[1])
-    return _pool.run(needed(content), lambda child: child.ask(ask, child.tileset))
+    return _pool.run(needed(content), _Question("tileset", name, content, sides, _tileset))
 
 
 def start() -> None:
@@ -205,21 +201,74 @@ def start() -> None:
     _pool.start()
 
 
-@dataclass(frozen=True)
-class _Question:
-    """What a child is asked: the name of a file, how to decode it, its content, the largest side."""
+_Answer = tuple[dict[str, Any], list[tuple[dict[str, Any], Decoded]]]
+"""What a child says of a file, and of each picture in it, with its pixels."""
 
+
+@dataclass(frozen=True)
+class _Question(Generic[T]):
+    """What a child is asked.
+
+    Args:
+        what: is wanted of the file: ``picture``, ``frames``, ``layers`` or ``tileset``.
+        name: what to call it in an error.
+        content: its file.
+        sides: pixels that each side has at least and at most.
+        read: makes of the child's answer what is wanted; raises one of `_NONSENSE` of one that cannot be.
+        more: how to decode it.
+    """
+
+    what: str
     name: str
-    request: dict[str, Any]
     content: bytes
-    most: int
+    sides: tuple[int, int]
+    read: Callable[[_Answer, int], T]
+    more: dict[str, Any] = field(default_factory=dict)
+
+
+def _picture(answer: _Answer, most: int) -> Decoded:
+    said, ((_, found),) = answer
+    return replace(found, note=_note(said), partial=_partial(said))
+
+
+def _frames(answer: _Answer, most: int) -> Parts:
+    said, found = answer
+    parts = [Part(decoded, _whole(header["duration"], 0, 2**32)) for header, decoded in found]
+    return Parts(parts, _whole(said["loop"], 0, 2**16), _note(said), _partial(said))
+
+
+def _layers(answer: _Answer, most: int) -> DecodedLayers:
+    said, found = answer
+    height, width = (_whole(side, 1, most) for side in said["full"])
+    durations = [_whole(each, 0, 2**32) for each in said["durations"]]
+    layers = []
+    for header, decoded in found:
+        if decoded.pixels.dtype != np.uint8 or decoded.pixels.shape[2:] != (4,):
+            raise EOFError
+        pixels = np.asarray(decoded.pixels, np.uint8)
+        *groups, own = map(_printable, header["names"])
+        place = (
+            _whole(header["left"], 0, width - pixels.shape[1]),
+            _whole(header["top"], 0, height - pixels.shape[0]),
+            _whole(header["number"], 0, 2**16),
+            _whole(header["frame"], 0, len(durations) - 1),
+        )
+        opacity, base = _whole(header["opacity"], 0, 255), _whole(header["base"], -1, 2**16)
+        layers.append(DecodedLayer(own, tuple(groups), opacity, *place, pixels, base))
+    return DecodedLayers((height, width), durations, layers, _note(said), _partial(said))
+
+
+def _tileset(answer: _Answer, most: int) -> tuple[Decoded, tuple[int, int]]:
+    said, ((_, found),) = answer
+    width, height = (_whole(side, 1, most) for side in said["tile"])
+    return found, (width, height)
 
 
 class _Child:
     """A process that decodes one picture after the other.
 
     Args:
-        needs: which libraries it has beside Pillow, as `normalgan.decoding.worker.needed` says.
+        needs: which libraries it has beside Pillow, as `decoders.worker.needed` says.
     """
 
     def __init__(self, needs: str) -> None:
@@ -230,10 +279,10 @@ class _Child:
         if sys.platform == "win32":
             os.set_handle_inheritable(handle, True)
             passed = {"close_fds": False, "creationflags": subprocess.CREATE_NO_WINDOW}
-        limits = (str(SECONDS), str(MEMORY))
+        given = (_HERE, str(handle), needs, str(SECONDS), str(MEMORY), *_folders())
         try:
             self._process = subprocess.Popen(
-                [sys.executable, "-I", "-S", _WORKER, str(handle), needs, *limits, *_folders()],
+                [sys.executable, "-I", "-S", "-c", _PROGRAM, *given],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.DEVNULL,
@@ -249,7 +298,7 @@ class _Child:
             theirs.close()
         self._ready = False
 
-    def ask(self, question: _Question, receive: Callable[[_Question], T]) -> T:
+    def ask(self, question: _Question[T]) -> T:
         """Return what the process answers; if anything but a refusal is raised, it has ended."""
         late = threading.Event()
 
@@ -263,9 +312,11 @@ class _Child:
         try:
             if not self._ready:
                 self._greet()
-            self._connection.send_bytes(json.dumps(question.request).encode())
+            request = {"what": question.what, "sides": question.sides, **question.more}
+            self._connection.send_bytes(json.dumps(request).encode())
             self._connection.send_bytes(question.content)
-            return receive(question)
+            most = question.sides[1]
+            return question.read(self._answer(question.name, most), most)
         except RunError:
             self.close()
             raise
@@ -288,59 +339,6 @@ class _Child:
         """Whether the process has ended."""
         return self._process.poll() is not None
 
-    def picture(self, question: _Question) -> Decoded:
-        """Return pixels as the child sends them."""
-        return self._pixels(self._header(question.name), question.most)
-
-    def frames(self, question: _Question) -> Parts:
-        """Return frames as the child sends them."""
-        header = self._header(question.name)
-        count, loop = _whole(header["count"], 1, MOST_PARTS), _whole(header["loop"], 0, 2**16)
-        note, partial = _said(header)
-        parts, pixels = [], 0
-        for _ in range(count):
-            header = self._header(question.name)  # or its refusal
-            duration = _whole(header["duration"], 0, 2**32)
-            decoded = self._pixels(header, question.most)
-            pixels += decoded.shape[0] * decoded.shape[1]
-            if pixels > MOST_PIXELS:
-                raise EOFError
-            parts.append(Part(decoded, duration))
-        return Parts(parts, loop, note, partial)
-
-    def layers(self, question: _Question) -> DecodedLayers:
-        """Return layers as the child sends them."""
-        header = self._header(question.name)
-        count = _whole(header["count"], 1, MOST_PARTS)
-        height, width = (_whole(side, 1, question.most) for side in header["full"])
-        durations = [_whole(each, 0, 2**32) for each in header["durations"]]
-        note, partial = _said(header)
-        layers, total = [], 0
-        for _ in range(count):
-            header = self._header(question.name)
-            pixels = self._pixels(header, question.most).pixels
-            total += pixels.shape[0] * pixels.shape[1]
-            if pixels.dtype != np.uint8 or pixels.shape[2:] != (4,) or total > MOST_PIXELS:
-                raise EOFError
-            *groups, own = map(_printable, header["names"])
-            place = (
-                _whole(header["left"], 0, width - pixels.shape[1]),
-                _whole(header["top"], 0, height - pixels.shape[0]),
-                _whole(header["number"], 0, 2**16),
-                _whole(header["frame"], 0, len(durations) - 1),
-            )
-            opacity = _whole(header["opacity"], 0, 255)
-            base = _whole(header["base"], -1, 2**16)
-            found = np.asarray(pixels, np.uint8)
-            layers.append(DecodedLayer(own, tuple(groups), opacity, *place, found, base))
-        return DecodedLayers((height, width), durations, layers, note, partial)
-
-    def tileset(self, question: _Question) -> tuple[Decoded, tuple[int, int]]:
-        """Return tiles as the child sends them."""
-        header = self._header(question.name)
-        width, height = (_whole(side, 1, question.most) for side in header["tile"])
-        return self._pixels(header, question.most), (width, height)
-
     def _greet(self) -> None:
         """Wait until the process can decode."""
         try:
@@ -352,6 +350,19 @@ class _Child:
         if words:
             raise RunError(f"the process that decodes pictures does not start: {words}.")
         self._ready = True
+
+    def _answer(self, name: str, most: int) -> _Answer:
+        """Return what the child says and sends, within the limits of a drawing."""
+        said = self._header(name)
+        found, pixels = [], 0
+        for _ in range(_whole(said["count"], 1, MOST_PARTS)):
+            header = self._header(name)  # or its refusal
+            decoded = self._pixels(header, most)
+            pixels += decoded.pixels.shape[0] * decoded.pixels.shape[1]
+            if pixels > MOST_PIXELS:
+                raise EOFError
+            found.append((header, decoded))
+        return said, found
 
     def _header(self, name: str) -> dict[str, Any]:
         """Return words and numbers that the child sends.
@@ -376,7 +387,7 @@ class _Child:
             strip = self._connection.recv_bytes(len(view))
             view[: len(strip)] = strip
             view = view[len(strip) :]
-        return Decoded(pixels, (full_height, full_width), *_said(header))
+        return Decoded(pixels, (full_height, full_width))
 
     def _reason(self, late: bool) -> str:
         code = self._process.returncode
@@ -409,12 +420,12 @@ class _Pool:
             if not self._idle:
                 self._idle.append(_Child(""))
 
-    def run(self, needs: str, work: Callable[[_Child], T]) -> T:
-        """Return what a child that is free gives, one with the libraries that are needed."""
+    def run(self, needs: str, question: _Question[T]) -> T:
+        """Return what a child that is free answers, one with the libraries that are needed."""
         with self._turns:
             child = self._take(needs)
             try:
-                return work(child)
+                return child.ask(question)
             finally:
                 if child.ended:
                     child.close()
@@ -455,9 +466,14 @@ def _whole(value: Any, least: int, most: int) -> int:
     return value
 
 
-def _said(header: dict[str, Any]) -> tuple[str, bool]:
-    """Return the note on a picture, and whether a layer of it is missing."""
-    return _printable(header.get("note", "")), header.get("partial", False) is True
+def _note(said: dict[str, Any]) -> str:
+    """Return what of a file is not shown as its program shows it."""
+    return _printable(said.get("note", ""))
+
+
+def _partial(said: dict[str, Any]) -> bool:
+    """Return whether a layer of a file is missing."""
+    return said.get("partial", False) is True
 
 
 def _printable(words: str) -> str:
@@ -476,7 +492,14 @@ def _close() -> None:
     _pool.close()
 
 
-_WORKER = str(Path(__file__).with_name("worker.py"))
+_HERE = str(Path(__file__).parent)
+_PROGRAM = """
+import sys
+sys.path.append(sys.argv[1])
+from decoders.worker import main
+main(int(sys.argv[2]), sys.argv[3], int(sys.argv[4]), int(sys.argv[5]), sys.argv[6:])
+"""
+"""What a child runs: `decoders` without the package that it is a part of."""
 _ENVIRONMENT = ("SYSTEMROOT", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "DYLD_FALLBACK_LIBRARY_PATH")
 """What a child needs of the environment, which may hold secrets: where the libraries are."""
 _ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}

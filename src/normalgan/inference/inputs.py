@@ -10,7 +10,7 @@ from PIL import Image
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.decoding import Decoded
-from normalgan.decoding.worker import plain, reduced, turned_upright
+from normalgan.decoding.decoders.pictures import plain, reduced, turned_upright
 from normalgan.errors import InputError, brief
 from normalgan.inference.mask.masks import MODEL, OUTLINE, READER, MaskOrSource, load_mask, mask_of
 from normalgan.inference.preparation import Prepared, prepare

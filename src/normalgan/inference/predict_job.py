@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.decoding import Decoded
-from normalgan.decoding.worker import is_svg
+from normalgan.decoding.decoders.svg import is_svg
 from normalgan.errors import InputError
 from normalgan.inference.composites.animation import PAGES, encode_animation, kind_of
 from normalgan.inference.composites.cells import Cell

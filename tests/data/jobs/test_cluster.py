@@ -14,7 +14,6 @@ from toys import Octahedron, contents, recipe
 
 from normalgan.data.jobs.cluster import Cluster
 from normalgan.data.jobs.tasks import MeshTask, ShardTask, render_shard
-from normalgan.data.jobs.workers import Workers
 from normalgan.data.render import render_samples
 from normalgan.data.store.layout import Layout
 from normalgan.data.store.shards import ShardedSamples
@@ -124,7 +123,7 @@ def test_workers_of_another_version_do_nothing(tmp_path: Path) -> None:
 @pytest.mark.slow  # starts processes of its own
 def test_a_worker_without_the_package_or_with_threads_is_refused(tmp_path: Path) -> None:
     blocker = tmp_path / "block.py"
-    blocker.write_text("import sys\nsys.modules['normalgan.data.worker_versions'] = None\n")
+    blocker.write_text("import sys\nsys.modules['normalgan.data.jobs.cluster_worker'] = None\n")
     with start_cluster(tmp_path / "dask") as dask_cluster:
         bare = dask_cluster.start_worker("--preload", str(blocker))
         with pytest.raises(InputError, match="is not fit for this: it has no normalgan, or an older one"):
@@ -209,12 +208,6 @@ def test_a_store_that_a_worker_does_not_see_is_named(tmp_path: Path) -> None:
         render_shard(task)
     ShardedSamples(str(tmp_path), "train", Layout(("a",), 2, 16)).create()
     assert render_shard(task) == {}
-
-
-def test_workers_and_clusters_are_asked_alike(pair: DaskCluster) -> None:
-    with Workers(0) as alone, Cluster(pair.address) as many:
-        for pool in (alone, many):
-            assert sorted(pool.run(abs, [-1, 2, -3])) == [(-3, 3), (-1, 1), (2, 2)]
 
 
 def test_no_two_tasks_share_a_key(pair: DaskCluster, monkeypatch: pytest.MonkeyPatch) -> None:

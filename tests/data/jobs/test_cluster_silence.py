@@ -9,7 +9,7 @@ import pytest
 
 from normalgan.data.jobs import cluster
 from normalgan.data.jobs.cluster import Cluster
-from normalgan.data.worker_versions import worker_versions
+from normalgan.data.jobs.cluster_worker import worker_versions
 
 WORKER = "tcp://10.0.0.1:4000"
 

@@ -1,4 +1,5 @@
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Collection
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -6,7 +7,7 @@ import pytest
 from dask_processes import SOURCES
 from toys import recipe
 
-from normalgan.data.jobs.pool import Killed
+from normalgan.data.jobs.pool import Killed, Pool
 from normalgan.data.jobs.shard_runner import DEADLY, render_shards, validate_sources
 from normalgan.data.jobs.tasks import MeshTask, ShardTask
 from normalgan.data.store.layout import Layout
@@ -16,19 +17,27 @@ from normalgan.errors import RunError
 MESHES = {source.name: MeshTask(source, source.fingerprint()) for source in SOURCES["train"]}
 
 
-class Unlucky:
+class Unlucky(Pool):
     """A pool in which a task with a deadly mesh dies, and takes all beside it along."""
+
+    room = 100
 
     def __init__(self, *deadly: str) -> None:
         self.deadly = set(deadly)
+        self.dies = False
 
-    def run(
-        self, function: Callable[[Any], Any], tasks: Iterable[Any], related: object = None
-    ) -> Iterator[tuple[Any, Any]]:
-        given = list(tasks)
-        dies = any(self.deadly & set(task.meshes) for task in given)
-        for task in given:
-            yield task, Killed() if dies else function(task)
+    def submit(self, function: Callable[[Any], Any], task: Any) -> Any:
+        return partial(function, task)
+
+    def wait(self, under_way: Collection[Any]) -> Collection[Any]:
+        self.dies = any(self.deadly & set(future.args[0].meshes) for future in under_way)
+        return list(under_way)
+
+    def outcome(self, future: Any) -> Any:
+        return Killed() if self.dies else future()
+
+    def cancel(self, under_way: Collection[Any]) -> None:
+        pass
 
 
 def tasks(folder: Path) -> list[ShardTask]:

@@ -1,5 +1,6 @@
 import multiprocessing
 import os
+import pickle
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -7,14 +8,14 @@ import numpy as np
 import psutil
 import pytest
 import torch
-from toys import BallRenderer, Octahedron, recipe
+from toys import BallRenderer, Counted, Octahedron, recipe
 
 from normalgan.batch import Batch
 from normalgan.data.dataset import SampleDataset
 from normalgan.data.loading.items import Item, SampleError
 from normalgan.data.loading.loaders import Loaders
 from normalgan.data.loading.order import ViewIndex
-from normalgan.data.loading.stream import FreshViews, StreamDataset
+from normalgan.data.loading.stream import FreshViews, MeshCache, StreamDataset
 from normalgan.data.render import render_samples
 from normalgan.errors import InputError
 from normalgan.rendering.lines.base import LineDrawing
@@ -150,3 +151,47 @@ def test_too_few_samples_for_a_batch_each_are_all_dealt_out() -> None:
     assert len({ticket for share in shares for ticket in share}) == 6
     (batch,) = Loaders(batch_size=50, workers=0).shuffled(rendered, seed=0)
     assert len(batch["name"]) == 6
+
+
+BYTES = 6 * 12 + 8 * 12 + 6 * 12
+"""An octahedron's: vertices, faces, normals."""
+
+
+def cached(count: int, limit: int) -> tuple[MeshCache, list[str]]:
+    loads: list[str] = []
+    return MeshCache([Counted(str(i), loads) for i in range(count)], limit), loads
+
+
+def test_what_was_used_last_stays() -> None:
+    meshes, loads = cached(4, limit=2 * BYTES)
+    for number in (0, 1, 0, 2, 0, 1):
+        assert meshes.take(number).name == str(number)
+    assert loads == ["0", "1", "2", "1"]
+
+
+@pytest.mark.parametrize(("limit", "kept"), [(0, 1), (BYTES - 1, 1), (3 * BYTES + 1, 3), (100 * BYTES, 7)])
+def test_the_bound_is_kept(limit: int, kept: int) -> None:
+    meshes, _ = cached(7, limit)
+    for number in range(7):
+        meshes.take(number)
+        assert meshes.bytes == BYTES * len(meshes) <= max(limit, BYTES)
+    assert len(meshes) == kept
+
+
+def test_a_worker_starts_with_an_empty_cache() -> None:
+    meshes = MeshCache([Octahedron("a")], limit=10 * BYTES)
+    meshes.take(0)
+    handed = pickle.loads(pickle.dumps(meshes))
+    assert (len(handed), handed.bytes, len(meshes)) == (0, 0, 1)
+    assert handed.take(0).name == "a"
+
+
+def test_what_is_no_mesh_is_refused_before_it_is_kept() -> None:
+    class Empty(Octahedron):
+        def load(self) -> Mesh:
+            return None  # type: ignore[return-value]
+
+    meshes = MeshCache([Empty("a")], limit=BYTES)
+    with pytest.raises(InputError, match="its load gave NoneType"):
+        meshes.take(0)
+    assert len(meshes) == meshes.bytes == 0

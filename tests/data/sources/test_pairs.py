@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from normalgan.data.datamodule import MeshDataModule
+from normalgan.data.loading.items import collate_decoded
 from normalgan.data.settings import Split, Storage
 from normalgan.data.sources import Pair, Pairs, SplitSettings
 from normalgan.data.sources.pair import PairRecipe
@@ -88,12 +89,12 @@ def test_samples_are_made_as_drawings_are_shown_when_predicting(tmp_path: Path) 
     write_pairs(tmp_path, 3)
     module = data(tmp_path, tmp_path / "cache")
     module.prepare_data()
-    sample = module.train_dataset[0]
-    name = sample["name"].removesuffix("/0")
+    sample = collate_decoded([module.train_dataset[0]])
+    name = sample["name"][0].removesuffix("/0")
     seen = prepare_any(tmp_path / f"{name}.png", 32).seen
-    np.testing.assert_array_equal(sample["sketch"][0].numpy(), np.rint(255 * seen).astype(np.float32) / 255)
-    length = sample["normal"].norm(dim=0)
-    torch.testing.assert_close(length, sample["mask"][0])
+    shown = sample["sketch"][0, 0].numpy()
+    np.testing.assert_array_equal(shown, np.rint(255 * seen).astype(np.float32) / 255)
+    torch.testing.assert_close(sample["normal"].norm(dim=1, keepdim=True), sample["mask"])
     assert 0.3 < sample["mask"].mean() < 0.8
     assert [len(d) for d in (module.train_dataset, module.val_dataset, module.test_dataset)] == [1, 1, 1]
 

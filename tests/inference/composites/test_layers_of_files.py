@@ -13,8 +13,8 @@ from PIL import Image
 
 from normalgan.__main__ import main
 from normalgan.decoding import DecodedLayer, DecodedLayers
-from normalgan.decoding.layered_files import KINDS as KINDS_SHOWN
-from normalgan.decoding.layered_files import TREATMENT
+from normalgan.decoding.decoders.layered_files import KINDS as KINDS_SHOWN
+from normalgan.decoding.decoders.layered_files import TREATMENT
 from normalgan.errors import InputError
 from normalgan.inference.composites.layers import encode_layers, layered_kind, picture_of, read_layers
 from pens import blob, outline

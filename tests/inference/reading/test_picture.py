@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from normalgan.decoding import worker
+from normalgan.decoding.decoders.opening import RefusedError
+from normalgan.decoding.decoders.pictures import decode
 from normalgan.errors import InputError
 from normalgan.inference.inputs import as_picture
 from normalgan.inference.reading.drawings import read_pixels
@@ -182,10 +183,8 @@ def test_avif_and_heic_are_read() -> None:
 def test_what_is_not_installed_is_told_with_a_way_out(monkeypatch: pytest.MonkeyPatch) -> None:
     head = b"\0\0\0\x18ftypheic\0\0\0\0mif1heic"
     monkeypatch.setitem(sys.modules, "pillow_heif", None)
-    with pytest.raises(
-        worker.RefusedError, match=r"is a HEIC; run `pip install 'normalgan\[heic\]'` .* as PNG"
-    ):
-        worker.decode(head, 8, 64, 64, 0, False)
+    with pytest.raises(RefusedError, match=r"is a HEIC; run `pip install 'normalgan\[heic\]'` .* as PNG"):
+        decode(head, 8, 64, 64, 0, False)
 
 
 @pytest.mark.parametrize("turn", range(1, 9))

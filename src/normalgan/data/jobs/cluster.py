@@ -2,8 +2,7 @@
 
 import time
 import warnings
-from collections import deque
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import CancelledError
 from contextlib import ExitStack, contextmanager, suppress
 from queue import Empty, SimpleQueue
@@ -14,7 +13,7 @@ from uuid import uuid4
 
 from normalgan.data.jobs.cluster_address import TIMEOUT, connect
 from normalgan.data.jobs.cluster_worker import Unfit, flaws, order
-from normalgan.data.jobs.pool import Killed, unrelated
+from normalgan.data.jobs.pool import Again, Killed, Pool
 from normalgan.errors import InputError, RunError
 
 __all__ = ["Cluster"]
@@ -22,18 +21,12 @@ __all__ = ["Cluster"]
 T = TypeVar("T")
 R = TypeVar("R")
 
-_AHEAD = 3  # tasks a worker has before it or at hand: none waits for the next, and few fall with it
 _LOOK = 1.0  # seconds between two looks at who is there
-_LOSSES = 5  # results of a task that may be lost, after which its worker is taken to be killed by it
 _SILENCE = 60.0  # seconds without a result or an answer, after which it is said what is waited for
 
 
-class _Lost:
-    """What comes of a task whose result is gone, though nothing was wrong with it."""
-
-
-class Cluster:
-    """The workers of a Dask cluster; a `Pool`.
+class Cluster(Pool):
+    """The workers of a Dask cluster.
 
     If a worker dies, the scheduler gives its tasks to others; a new worker gets its share. Each must have the
     same versions of normalgan and of the packages that the bytes depend on, and one thread.
@@ -50,7 +43,8 @@ class Cluster:
         self._workers: set[str] = set()
         self._sent_away: set[str] = set()
         self._paused: list[str] = []
-        self._looked = self._seen = 0.0
+        self._looked = self._seen = self._heard = 0.0
+        self._ended: SimpleQueue[Any] = SimpleQueue()
 
     def __enter__(self) -> Self:
         """Connect, and look at the workers.
@@ -77,62 +71,32 @@ class Cluster:
     ) -> None:
         self._stack.close()
 
-    def run(
-        self,
-        function: Callable[[T], R],
-        tasks: Iterable[T],
-        related: Callable[[T], Collection[str]] = unrelated,
-    ) -> Iterator[tuple[T, R | Killed]]:
-        """Yield every task with its result when it is finished; see `Pool`.
+    @property
+    def room(self) -> int:
+        """Three tasks a worker: none waits for the next, and few fall with it."""
+        return 3 * len(self._workers)
 
-        Raises:
-            InputError: as a task does; finished tasks are kept.
-            RunError: if all workers or the scheduler are gone.
-        """
-        todo = deque((task, 0) for task in tasks)  # with how often its result was lost
-        ended: SimpleQueue[Any] = SimpleQueue()
-        under_way: dict[str, tuple[Any, T, int]] = {}
-        suspicious: set[str] = set()
-        heard = time.monotonic()
-        try:
-            while todo or under_way:
-                while todo and len(under_way) < _AHEAD * len(self._workers):
-                    task, losses = todo.popleft()
-                    if not suspicious.isdisjoint(related(task)):
-                        yield task, Killed()
-                        continue
-                    # Never used before: of a known key the scheduler gives the old result, or the old death.
-                    key = f"normalgan-{function.__name__}-{uuid4().hex}"
-                    future = self._client.submit(eval, *order(function, task), key=key, pure=False)
-                    under_way[key] = future, task, losses
-                    future.add_done_callback(ended.put)
-                future = _next(ended)
-                self._watch()
-                if future is None:
-                    if time.monotonic() - heard > _SILENCE:
-                        heard = time.monotonic()
-                        self._tell_of_waiting(len(under_way))
-                    continue
-                heard = time.monotonic()
-                _, task, losses = under_way.pop(future.key)
-                outcome = self._outcome(future)
-                if isinstance(outcome, Unfit):
-                    todo.appendleft((task, losses))
-                    continue
-                if isinstance(outcome, _Lost):
-                    if losses < _LOSSES:
-                        todo.appendleft((task, losses + 1))
-                        continue
-                    outcome = Killed()
-                if isinstance(outcome, Killed):
-                    suspicious.update(related(task))
-                yield task, outcome
-        finally:
-            if self._client.status == "running":
-                with suppress(OSError):  # the scheduler may have gone a moment ago
-                    self._client.cancel([future for future, _, _ in under_way.values()], force=True)
+    def submit(self, function: Callable[[T], R], task: T) -> Any:
+        """Have a task done by any worker."""
+        # Never used before: of a known key the scheduler gives the old result, or the old death.
+        key = f"normalgan-{function.__name__}-{uuid4().hex}"
+        future = self._client.submit(eval, *order(function, task), key=key, pure=False)
+        future.add_done_callback(self._ended.put)
+        self._heard = time.monotonic()
+        return future
 
-    def _outcome(self, future: Any) -> Any:
+    def wait(self, under_way: Collection[Any]) -> Collection[Any]:
+        """Wait a second for a task to end; look at who is there, and say so if nothing is heard for long."""
+        future = _next(self._ended)
+        self._watch()
+        if future is not None or time.monotonic() - self._heard > _SILENCE:
+            self._heard = time.monotonic()
+            if future is None:
+                self._tell_of_waiting(len(under_way))
+        return [future] if future in under_way else []
+
+    def outcome(self, future: Any) -> Any:
+        """Return the result of a task; it is done again if it is lost, or its worker is not fit."""
         from distributed import KilledWorker
 
         if future.status == "finished":
@@ -144,19 +108,26 @@ class Cluster:
                 return self._lost_result()
             except OSError as cause:  # on the way, not of the task: that one would have ended in an error
                 raise self._lost() from cause
-            if isinstance(outcome, Unfit):
-                self._watch(at_once=True)
-            return outcome
+            if not isinstance(outcome, Unfit):
+                return outcome
+            self._watch(at_once=True)
+            return Again(lost=False)
         if future.status != "error":
             return self._lost_result()
         error = future.exception()
         if isinstance(error, KilledWorker):
             return Killed()
         if not isinstance(error, InputError) and self._watch(at_once=True):
-            return Unfit("")  # it could not even unpack what it was to do
+            return Again(lost=False)  # it could not even unpack what it was to do
         raise error
 
-    def _lost_result(self) -> _Lost:
+    def cancel(self, under_way: Collection[Any]) -> None:
+        """Tell the scheduler of tasks that nobody waits for."""
+        if self._client.status == "running":
+            with suppress(OSError):  # the scheduler may have gone a moment ago
+                self._client.cancel(list(under_way), force=True)
+
+    def _lost_result(self) -> Again:
         """Say that a result is lost: with its worker just after it was finished, or with the connection.
 
         Raises:
@@ -164,7 +135,7 @@ class Cluster:
         """
         if not self._connected():
             raise self._lost()
-        return _Lost()
+        return Again(lost=True)
 
     def _connected(self) -> bool:
         """Return whether there is a connection; Dask restores a broken one or gives up."""

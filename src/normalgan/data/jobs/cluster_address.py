@@ -11,7 +11,7 @@ from typing import Any
 import yaml
 
 from normalgan.data.jobs.workers import one_thread_each
-from normalgan.data.store.remote import reason
+from normalgan.data.store.storage import reason
 from normalgan.errors import InputError
 from normalgan.files.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_limit_error
 from normalgan.warning_filters import quiet_loggers

@@ -2,18 +2,23 @@
 
 import contextlib
 import pickle
+import platform
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-from normalgan.data.worker_versions import difference, worker_versions
 from normalgan.errors import InputError, brief
+from normalgan.rendering import samples
 
-__all__ = ["Unfit", "flaws", "order", "perform"]
+__all__ = ["Unfit", "flaws", "order", "perform", "worker_versions"]
 
 _DO = "__import__('normalgan.data.jobs.cluster_worker', fromlist=['perform']).perform(work, ours, folder)"
-_ASK = "__import__('normalgan.data.worker_versions', fromlist=['worker_versions']).worker_versions()"
+_ASK = "__import__('normalgan.data.jobs.cluster_worker', fromlist=['perform']).worker_versions()"
+_PACKAGES = ("normalgan", "numpy", "scipy", "scikit-image", "trimesh", "embreex", "zarr", "numcodecs")
+"""On whose versions the bytes of samples depend."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +56,7 @@ def perform(work: bytes, ours: Mapping[str, str], folder: str) -> Any:
     from distributed import get_worker
 
     address = get_worker().address
-    if difference(worker_versions(), ours):
+    if _difference(worker_versions(), ours):
         return Unfit(address)
     function, task = pickle.loads(work)
     with contextlib.chdir(folder) if Path(folder).is_dir() else contextlib.nullcontext():
@@ -80,6 +85,40 @@ def flaws(client: Any, threads: Mapping[str, int]) -> dict[str, str]:
             found[address] = f"a fault ({brief(response)})"
         elif threads[address] != 1:
             found[address] = f"{threads[address]} threads, not 1: a renderer belongs to one (--nthreads 1)"
-        elif other := difference(response, worker_versions()):
+        elif other := _difference(response, worker_versions()):
             found[address] = other
     return found
+
+
+@cache
+def worker_versions() -> dict[str, str]:
+    """Return the versions that must be equal on all machines that render a data set.
+
+    >>> sorted(worker_versions())[:3]
+    ['Python', 'embreex', 'normalgan']
+    """
+    found = {name: _version(name) for name in _PACKAGES}
+    found["Python"] = ".".join(platform.python_version_tuple()[:2])
+    found["the rendering"] = str(samples.RENDERING_VERSION)
+    return found
+
+
+def _difference(theirs: Mapping[str, str], ours: Mapping[str, str]) -> str | None:
+    """Return what differs on another machine, or None.
+
+    >>> _difference({"numpy": "2.0"}, {"numpy": "2.4", "zarr": "3.1"})
+    'numpy 2.0, not 2.4; no zarr, not 3.1'
+    """
+    other = [
+        f"{f'{name} {theirs[name]}' if name in theirs else f'no {name}'}, not {ours[name]}"
+        for name in ours
+        if theirs.get(name) != ours[name]
+    ]
+    return "; ".join(other) or None
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "none"

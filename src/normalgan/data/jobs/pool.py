@@ -1,25 +1,76 @@
-"""Pool: the interface of parallel work, on one machine or many."""
+"""Pool: tasks side by side, in processes of one machine or many."""
 
+from abc import ABC, abstractmethod
+from collections import deque
 from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Protocol, TypeVar
+from typing import Any, TypeVar
 
-__all__ = ["Killed", "Pool", "alone", "unrelated"]
+__all__ = ["Again", "Killed", "Pool", "unrelated"]
 
 T = TypeVar("T")
 R = TypeVar("R")
 
+_LOSSES = 5  # results of a task that may be lost, after which its worker is taken to be killed by it
+
 
 @dataclass(frozen=True)
 class Killed:
-    """The result of a task that killed its worker twice, or that shares a name with such a task."""
+    """The result of a task that killed its worker, or that shares a name with such a task."""
 
 
-class Pool(Protocol):
-    """Does tasks in parallel."""
+@dataclass(frozen=True)
+class Again:
+    """The result of a task that must be done once more.
+
+    Args:
+        lost: whether its result was lost, which can be its own fault.
+    """
+
+    lost: bool
+
+
+def unrelated(_: object) -> tuple[str, ...]:
+    """Return no names: every task stands for itself."""
+    return ()
+
+
+class Pool(ABC):
+    """Does tasks in processes, and goes on when one of them dies.
+
+    Those of this machine and those of a cluster are started, asked and missed in ways of their own.
+    """
+
+    @property
+    @abstractmethod
+    def room(self) -> int:
+        """How many tasks may be under way."""
+
+    @abstractmethod
+    def submit(self, function: Callable[[T], R], task: T) -> Any:
+        """Have a task done; return a future of it."""
+
+    @abstractmethod
+    def wait(self, under_way: Collection[Any]) -> Collection[Any]:
+        """Return those futures that have ended, after waiting a while for one.
+
+        Raises:
+            RunError: if no worker is left.
+        """
+
+    @abstractmethod
+    def outcome(self, future: Any) -> Any:
+        """Return the result of a task that has ended, `Killed` or `Again`; raise what the task raised."""
+
+    @abstractmethod
+    def cancel(self, under_way: Collection[Any]) -> None:
+        """Give up tasks that nobody waits for any more."""
 
     def run(
-        self, function: Callable[[T], R], tasks: Iterable[T], related: Callable[[T], Collection[str]] = ...
+        self,
+        function: Callable[[T], R],
+        tasks: Iterable[T],
+        related: Callable[[T], Collection[str]] = unrelated,
     ) -> Iterator[tuple[T, R | Killed]]:
         """Yield every task with its result when it is finished, in any order.
 
@@ -30,16 +81,34 @@ class Pool(Protocol):
                 started, and yielded as killed.
 
         Raises:
-            RunError: if no worker is left; finished tasks have been yielded or written by then.
+            InputError: as a task does; finished tasks have been yielded or written by then.
+            RunError: if no worker is left, likewise.
         """
+        todo = deque((task, 0) for task in tasks)  # with how often its result was lost
+        under_way: dict[Any, tuple[T, int]] = {}
+        suspicious: set[str] = set()
+        try:
+            while todo or under_way:
+                while todo and len(under_way) < self.room:
+                    task, losses = todo.popleft()
+                    if suspicious.isdisjoint(related(task)):
+                        under_way[self.submit(function, task)] = task, losses
+                    else:
+                        yield task, Killed()
+                for future in self.wait(under_way):
+                    task, losses = under_way.pop(future)
+                    outcome = self.outcome(future)
+                    if isinstance(outcome, Again) and losses + outcome.lost <= _LOSSES:
+                        todo.appendleft((task, losses + outcome.lost))
+                        continue
+                    if isinstance(outcome, Again | Killed):
+                        outcome = Killed()
+                        suspicious.update(related(task))
+                    yield task, outcome
+        finally:
+            self.cancel(under_way)
 
-
-def unrelated(_: object) -> tuple[str, ...]:
-    """Return no names: every task stands for itself."""
-    return ()
-
-
-def alone(pool: Pool, function: Callable[[T], R], task: T) -> R | Killed:
-    """Return the result of a task that runs alone; if its worker dies, the task is the cause."""
-    ((_, outcome),) = pool.run(function, [task])
-    return outcome
+    def alone(self, function: Callable[[T], R], task: T) -> R | Killed:
+        """Return the result of a task that runs alone; if its worker dies, the task is the cause."""
+        ((_, outcome),) = self.run(function, [task])
+        return outcome

@@ -3,7 +3,7 @@
 import dataclasses
 from collections.abc import Iterator, Sequence
 
-from normalgan.data.jobs.pool import Killed, Pool, alone
+from normalgan.data.jobs.pool import Killed, Pool
 from normalgan.data.jobs.tasks import MeshTask, ShardTask, render_shard, try_mesh, validate_source
 from normalgan.errors import RunError
 
@@ -48,7 +48,7 @@ def render_shards(pool: Pool, tasks: Sequence[ShardTask]) -> Iterator[tuple[Shar
                 if len(deadly) >= _HOPELESS and not finished:
                     raise RunError(_NOBODY)
                 continue
-            task, outcome = todo[0], alone(pool, render_shard, todo.pop(0))  # it stood beside a killer
+            task, outcome = todo[0], pool.alone(render_shard, todo.pop(0))  # it stood beside a killer
             if isinstance(outcome, Killed):
                 raise RunError(_NOBODY)
             yield task, outcome
@@ -63,7 +63,7 @@ def validate_sources(pool: Pool, tasks: Sequence[MeshTask]) -> Iterator[tuple[Me
         else:
             yield task, outcome
     for task in suspects:
-        outcome = alone(pool, validate_source, task)
+        outcome = pool.alone(validate_source, task)
         yield task, DEADLY if isinstance(outcome, Killed) else outcome
 
 
@@ -71,7 +71,7 @@ def _killer(pool: Pool, task: ShardTask) -> str | None:
     """Return the first mesh of a shard that kills a worker on its own."""
     for name in task.meshes:
         others = {mesh: "" for mesh in task.meshes if mesh != name}
-        if isinstance(alone(pool, try_mesh, _without(task, others)), Killed):
+        if isinstance(pool.alone(try_mesh, _without(task, others)), Killed):
             return name
     return None
 

@@ -10,7 +10,7 @@ from typing import Any
 
 from normalgan.data.recipe import Loadable, SampleRecipe, fingerprint
 from normalgan.data.store.layout import Shard, blank
-from normalgan.data.store.shard_files import ZARR, damaged, write_shard
+from normalgan.data.store.shards import ZARR, damaged, write_shard
 from normalgan.data.store.storage import Storage
 from normalgan.errors import InputError, brief
 from normalgan.rendering.mesh_bytes import read_once

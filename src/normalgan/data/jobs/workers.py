@@ -1,29 +1,30 @@
-"""Workers: parallel processes that end with their parent and use one core each."""
+"""Workers: processes of this machine that end with their parent and use one core each."""
 
+import ast
+import inspect
 import multiprocessing
 import os
 import signal
+import sys
 import threading
-from collections import deque
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor
 from concurrent.futures import wait as wait_for
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from multiprocessing.connection import wait
+from pathlib import Path
 from types import TracebackType
-from typing import Self, TypeVar
+from typing import Any, Self, TypeVar
 
-from normalgan.data.jobs.main_guard import check_main_guard
-from normalgan.data.jobs.pool import Killed, unrelated
+from normalgan.data.jobs.pool import Killed, Pool
 from normalgan.errors import InputError
 
-__all__ = ["Workers", "one_thread_each"]
+__all__ = ["Workers", "check_main_guard", "one_thread_each"]
 
 T = TypeVar("T")
 R = TypeVar("R")
 
-_AHEAD = 2  # tasks a worker has before it or at hand: none waits for the next, and few fall with it
 # One thread each: as many workers as cores would otherwise start cores² threads. 0 for llvmpipe, which
 # counts the threads it starts besides its caller's.
 _ONE_THREAD = {
@@ -36,7 +37,7 @@ _ONE_THREAD = {
 }
 
 
-class Workers:
+class Workers(Pool):
     """A pool of spawned processes; with none, this process does one task after another.
 
     Spawned, not forked: a process forked after an OpenGL context was made hangs when it renders.
@@ -55,6 +56,7 @@ class Workers:
             )
         self.count = count
         self._pool: ProcessPoolExecutor | None = None  # it is used up when one of its processes dies
+        self._pools: dict[Any, ProcessPoolExecutor] = {}  # by the futures of their tasks
 
     def __enter__(self) -> Self:
         return self
@@ -65,41 +67,17 @@ class Workers:
         if self._pool is not None:
             self._pool.shutdown(wait=True, cancel_futures=True)
 
-    def run(
-        self,
-        function: Callable[[T], R],
-        tasks: Iterable[T],
-        related: Callable[[T], Collection[str]] = unrelated,
-    ) -> Iterator[tuple[T, R | Killed]]:
-        """Yield every task with its result when it is finished; see `Pool`.
+    @property
+    def room(self) -> int:
+        """Two tasks a worker: none waits for the next, and few fall with it."""
+        return max(2 * self.count, 1)
 
-        When a worker dies, the tasks at hand end as killed, and new processes do the others.
-        """
+    def submit(self, function: Callable[[T], R], task: T) -> "Future[R]":
+        """Have a task done; without processes it is done when this returns."""
         if not self.count:
-            for task in tasks:
-                yield task, function(task)
-            return
-        todo, suspicious = deque(tasks), set[str]()
-        under_way: dict[Future[R], tuple[T, ProcessPoolExecutor]] = {}
-        while todo or under_way:
-            while todo and len(under_way) < _AHEAD * self.count:
-                task = todo.popleft()
-                if not suspicious.isdisjoint(related(task)):
-                    yield task, Killed()
-                    continue
-                future, pool = self._submit(function, task)
-                under_way[future] = task, pool
-            for future in wait_for(under_way, return_when=FIRST_COMPLETED).done:
-                task, pool = under_way.pop(future)
-                try:
-                    outcome: R | Killed = future.result()
-                except BrokenProcessPool:
-                    outcome = Killed()
-                    suspicious.update(related(task))
-                    self._discard(pool)
-                yield task, outcome
-
-    def _submit(self, function: Callable[[T], R], task: T) -> tuple[Future[R], ProcessPoolExecutor]:
+            done: Future[R] = Future()
+            done.set_result(function(task))
+            return done
         with one_thread_each():
             while True:
                 if self._pool is None:
@@ -107,9 +85,32 @@ class Workers:
                     context = multiprocessing.get_context("spawn")
                     self._pool = ProcessPoolExecutor(self.count, mp_context=context, initializer=_prepare)
                 try:
-                    return self._pool.submit(function, task), self._pool
+                    future = self._pool.submit(function, task)
                 except BrokenProcessPool:  # a process died a moment ago
                     self._discard(self._pool)
+                else:
+                    self._pools[future] = self._pool
+                    return future
+
+    def wait(self, under_way: Collection[Any]) -> Collection[Any]:
+        """Wait until a task has ended."""
+        return wait_for(under_way, return_when=FIRST_COMPLETED).done
+
+    def outcome(self, future: "Future[R]") -> R | Killed:
+        """Return a result; `Killed` of all that were at hand when a worker died: new ones do the others."""
+        pool = self._pools.pop(future, None)
+        try:
+            return future.result()
+        except BrokenProcessPool:
+            if pool is not None:
+                self._discard(pool)
+            return Killed()
+
+    def cancel(self, under_way: Collection[Any]) -> None:
+        """Give up the tasks that no process has begun."""
+        for future in under_way:
+            future.cancel()
+            self._pools.pop(future, None)
 
     def _discard(self, pool: ProcessPoolExecutor) -> None:
         pool.shutdown(wait=True, cancel_futures=True)
@@ -142,3 +143,40 @@ def _die_with(sentinel: int) -> None:
     # A killed parent closes no queue: its workers would wait on it for ever.
     wait([sentinel])
     os._exit(1)
+
+
+def check_main_guard() -> None:
+    """Check that the script which calls this does so under ``if __name__ == "__main__":``.
+
+    A spawned process imports the script again. Without the guard it starts processes in turn, and dies.
+
+    Raises:
+        InputError: if it does not; it names the script and its line.
+    """
+    main = sys.modules.get("__main__")
+    frame = inspect.currentframe()
+    while frame is not None:
+        again = frame.f_globals.get("__name__") == "__mp_main__"  # how a spawned process imports it
+        if frame.f_code.co_name == "<module>" and (again or frame.f_globals is vars(main or sys)):
+            script = frame.f_globals.get("__file__")  # none of an interactive session, which is not imported
+            if script is not None and (again or not _is_guarded(Path(script), frame.f_lineno)):
+                raise InputError(
+                    f"line {frame.f_lineno} of {script} starts processes, which import this script again; "
+                    'put the lines that do something under `if __name__ == "__main__":`.'
+                )
+        frame = frame.f_back
+
+
+def _is_guarded(script: Path, line: int) -> bool:
+    """Return whether a line of a script lies in an ``if`` that looks at the module's name or its parent."""
+    try:
+        tree = ast.parse(script.read_bytes())
+    except (OSError, SyntaxError, ValueError):
+        return True  # no source in Python, such as a program that was frozen
+    for node in ast.walk(tree):
+        if isinstance(node, ast.If) and node.lineno <= line <= (node.end_lineno or node.lineno):
+            names = {each.id for each in ast.walk(node.test) if isinstance(each, ast.Name)}
+            names |= {each.attr for each in ast.walk(node.test) if isinstance(each, ast.Attribute)}
+            if names & {"__name__", "parent_process", "current_process"}:
+                return True
+    return False

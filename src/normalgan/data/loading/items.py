@@ -10,7 +10,7 @@ from normalgan.batch import Batch
 from normalgan.errors import InputError
 from normalgan.metrics.functional import unit_vectors_within
 
-__all__ = ["Item", "SampleError", "decode", "decode_item", "to_item"]
+__all__ = ["Item", "SampleError", "collate_decoded", "decode", "to_item"]
 
 
 class SampleError(InputError):
@@ -25,7 +25,7 @@ class SampleError(InputError):
 
 
 class Item(TypedDict):
-    """One sample; see `Batch` for the axes and ranges."""
+    """One sample as it is stored; see `Batch` for the axes, and `decode` for the ranges."""
 
     sketch: Tensor
     """(1, H, W); stored as uint8, ink 255"""
@@ -80,11 +80,6 @@ def decode(batch: Batch) -> Batch:
     return decoded
 
 
-def decode_item(item: Item) -> Item:
-    """Decode a sample for the network."""
-    name, batch = item["name"], decode(default_collate([item]))
-    sketch, normal, mask = batch["sketch"][0], batch["normal"][0], batch["mask"][0]
-    decoded: Item = {"sketch": sketch, "normal": normal, "mask": mask, "name": name}
-    if "hints" in batch:
-        decoded["hints"] = batch["hints"][0]
-    return decoded
+def collate_decoded(items: list[Item]) -> Batch:
+    """Return samples as a batch for the network."""
+    return decode(default_collate(items))

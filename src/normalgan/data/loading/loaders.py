@@ -1,6 +1,7 @@
 """Loaders: from samples to batches, in this process or in workers."""
 
 import multiprocessing
+import signal
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -9,32 +10,14 @@ import torch
 from torch.utils.data import DataLoader, Dataset, DistributedSampler, Sampler
 
 from normalgan.data.dataset import SampleDataset
-from normalgan.data.jobs.main_guard import check_main_guard
-from normalgan.data.jobs.workers import one_thread_each
-from normalgan.data.loading.items import Item
-from normalgan.data.loading.shard_order import ShardOrder
-from normalgan.data.loading.stream import FreshViews, StreamDataset, leave_ctrl_c_to_the_parent
+from normalgan.data.jobs.workers import check_main_guard, one_thread_each
+from normalgan.data.loading.items import Item, collate_decoded
+from normalgan.data.loading.order import ShardOrder
+from normalgan.data.loading.stream import FreshViews, StreamDataset
 
-__all__ = ["AsStored", "DeferredLoader", "EqualShare", "Loaders", "Samples"]
+__all__ = ["DeferredLoader", "EqualShare", "Loaders", "Samples"]
 
 Samples = SampleDataset | StreamDataset
-
-
-class AsStored(Dataset[Item]):
-    """The samples of a dataset as stored, for decoding on the device.
-
-    Args:
-        samples: whose ``stored`` gives them.
-    """
-
-    def __init__(self, samples: Samples) -> None:
-        self.samples = samples
-
-    def __len__(self) -> int:
-        return len(self.samples)
-
-    def __getitem__(self, index: Any) -> Item:
-        return self.samples.stored(index)
 
 
 class DeferredLoader(DataLoader[Item]):
@@ -82,15 +65,15 @@ class Loaders:
         workers: processes that load or render; 0 for none besides this one.
         replicas: how many processes train.
         rank: which one this is, from 0.
-        as_stored: whether the caller decodes batches on its device; stored samples take a quarter of the
-            bytes.
+        decoded: whether batches are decoded here; a trainer decodes them on its device, as stored samples
+            take a quarter of the bytes.
     """
 
     batch_size: int
     workers: int
     replicas: int = 1
     rank: int = 0
-    as_stored: bool = False
+    decoded: bool = True
 
     def shuffled(self, dataset: Samples, seed: int) -> DataLoader[Item]:
         """Return a loader of this process's share, in an order that depends on seed and epoch alone.
@@ -109,21 +92,18 @@ class Loaders:
             # does not have.
             sampler = DistributedSampler(dataset, self.replicas, self.rank, shuffle=True, seed=seed)
         whole = len(sampler) >= self.batch_size  # a last batch of one sample would upset batch norm
-        return self._loader(self._given(dataset), sampler, isinstance(dataset, StreamDataset), whole)
+        return self._loader(dataset, sampler, isinstance(dataset, StreamDataset), whole)
 
     def in_order(self, dataset: SampleDataset) -> DataLoader[Item]:
         """Return a loader of this process's share, in order, for measuring."""
         if self.replicas == 1:
-            return self._loader(self._given(dataset))
-        share = EqualShare(self._given(dataset), self.replicas, self.rank)
+            return self._loader(dataset)
+        share = EqualShare(dataset, self.replicas, self.rank)
         return self._loader(share, share.in_order())
 
     def chosen(self, dataset: Samples, indices: Sequence[int]) -> DataLoader[Item]:
         """Return a loader of some samples, the same ones for every process."""
-        return self._loader(self._given(dataset), indices, isinstance(dataset, StreamDataset))
-
-    def _given(self, dataset: Samples) -> Dataset[Item]:
-        return AsStored(dataset) if self.as_stored else dataset
+        return self._loader(dataset, indices, isinstance(dataset, StreamDataset))
 
     def _loader(
         self,
@@ -140,8 +120,9 @@ class Loaders:
             drop_last=drop_last,
             persistent_workers=self.workers > 0,
             pin_memory=torch.cuda.is_available(),
+            collate_fn=collate_decoded if self.decoded else None,
             multiprocessing_context="spawn" if renders and self.workers else None,
-            worker_init_fn=leave_ctrl_c_to_the_parent if renders else None,
+            worker_init_fn=_leave_ctrl_c_to_the_parent if renders else None,
         )
 
 
@@ -178,3 +159,8 @@ class EqualShare(Dataset[Item]):
     def in_order(self) -> DistributedSampler[Item]:
         """Return the sampler of the whole share; of this class, or Lightning would share it out once more."""
         return DistributedSampler(self, num_replicas=1, rank=0, shuffle=False)
+
+
+def _leave_ctrl_c_to_the_parent(_: int) -> None:
+    """Let a worker, whose number is of no use here, die by its parent's word and not by Ctrl-C."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -1,19 +1,21 @@
 """Samples rendered during training: nothing on disk, and new views in every epoch."""
 
-import signal
+from collections import OrderedDict
 from collections.abc import Iterator, Sequence
 from itertools import islice
+from typing import Any
 
 import torch
 from torch.utils.data import Dataset, DistributedSampler
 
-from normalgan.data.loading.items import Item, SampleError, decode_item, to_item
-from normalgan.data.loading.mesh_cache import MeshCache
+from normalgan.data.loading.items import Item, SampleError, to_item
 from normalgan.data.loading.order import ViewIndex, order_of_epoch
 from normalgan.data.recipe import Loadable, SampleRecipe
 from normalgan.errors import InputError, brief
+from normalgan.rendering.checks import check_mesh
+from normalgan.rendering.mesh import Mesh
 
-__all__ = ["FreshViews", "StreamDataset", "leave_ctrl_c_to_the_parent"]
+__all__ = ["FreshViews", "MeshCache", "StreamDataset"]
 
 
 class StreamDataset(Dataset[Item]):
@@ -38,15 +40,7 @@ class StreamDataset(Dataset[Item]):
         return len(self.mesh_cache.sources) * self.views
 
     def __getitem__(self, index: int | ViewIndex) -> Item:
-        """Return the sample of a ticket, or by a number one of the first epoch, in the order of the shards.
-
-        Raises:
-            SampleError: if it cannot be made; the message names the mesh.
-        """
-        return decode_item(self.stored(index))
-
-    def stored(self, index: int | ViewIndex) -> Item:
-        """Return a sample as it would be stored.
+        """Return the sample of a view, or by a number one of the first epoch, in the order of the shards.
 
         Raises:
             SampleError: if it cannot be made; the message names the mesh.
@@ -100,6 +94,46 @@ class FreshViews(DistributedSampler[ViewIndex]):
         return islice(ours, len(self))
 
 
-def leave_ctrl_c_to_the_parent(_: int) -> None:
-    """Let a worker, whose number is of no use here, die by its parent's word and not by Ctrl-C."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+class MeshCache:
+    """Loads meshes, and keeps those used last; each process fills a cache of its own.
+
+    Args:
+        sources: where the meshes come from.
+        limit: bytes that their arrays may take together; the one used last stays, however large it is.
+    """
+
+    def __init__(self, sources: Sequence[Loadable], limit: int) -> None:
+        self.sources = sources
+        self.limit = limit
+        self.bytes = 0
+        self._meshes: OrderedDict[int, Mesh] = OrderedDict()
+
+    def __len__(self) -> int:
+        return len(self._meshes)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {
+            **self.__dict__,
+            "bytes": 0,
+            "_meshes": OrderedDict(),
+        }  # not what it holds: a worker starts empty
+
+    def take(self, number: int) -> Mesh:
+        """Return the mesh of this number.
+
+        Raises:
+            InputError: if it cannot be used.
+        """
+        mesh = self._meshes.pop(number, None)
+        if mesh is None:
+            mesh = check_mesh(self.sources[number].load())
+            self.bytes += _bytes(mesh)
+        self._meshes[number] = mesh
+        while self.bytes > self.limit and len(self) > 1:
+            _, oldest = self._meshes.popitem(last=False)
+            self.bytes -= _bytes(oldest)
+        return mesh
+
+
+def _bytes(mesh: Mesh) -> int:
+    return mesh.vertices.nbytes + mesh.faces.nbytes + mesh.normals.nbytes

@@ -22,25 +22,22 @@ FORMAT_VERSION = 1
 
 _NAME = "dataset.json"
 _SUM = "sha256"
-_KEYS = {"format", "samples", "recipe", "splits", "left_out", _SUM}
+_KEYS = {"format", "samples", "recipe", "splits", "left_out", _SUM}  # "left_out": of an older version
 
 
 @dataclass(frozen=True)
 class Manifest:
     """What is in a data set; for people to read, it lies beside the samples as ``dataset.json``.
 
-    The file has a SHA-256 of its own content, so that a flipped bit in it is found; one of an older version
-    has none, and is believed.
+    The file has a SHA-256 of its own content, so that a flipped bit in it is found.
 
     Args:
         recipe: how the samples were made, as `Recipe.describe` tells it.
         splits: what lies where, by split.
-        left_out: why a mesh was left out before rendering, by name; those that fail later have notes.
     """
 
     recipe: dict[str, Any]
     splits: dict[str, Layout]
-    left_out: dict[str, str]
 
     def stores(self, folder: Storage) -> dict[str, ShardedSamples]:
         """Return the samples by split, to be written."""
@@ -89,13 +86,13 @@ class Manifest:
         """Return the manifest in a folder, or None if there is none that is whole."""
         try:
             content = json.loads(folder.read(_NAME) or b"")
-            if set(content) - _KEYS or content.pop(_SUM, None) not in {None, _digest(content)}:
+            if set(content) - _KEYS or content.pop(_SUM) != _digest(content):
                 return None
             splits = {
                 split: Layout(**{**layout, "meshes": tuple(layout["meshes"])})
                 for split, layout in content["splits"].items()
             }
-            return Manifest(dict(content["recipe"]), splits, dict(content["left_out"]))
+            return Manifest(dict(content["recipe"]), splits)
         except (ValueError, TypeError, KeyError, AttributeError):
             return None
 

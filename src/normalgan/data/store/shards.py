@@ -1,8 +1,10 @@
 """Shards: rendered samples in Zarr arrays, a few dozen to an object, every byte of them checked."""
 
+import hashlib
 import json
 import os
-from collections.abc import Callable, Collection, Sequence
+import re
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
@@ -10,24 +12,19 @@ import numpy as np
 import zarr
 from numpy.typing import NDArray
 
-from normalgan.data.store import shard_files
-from normalgan.data.store.layout import Layout, Shard, array_names, metadata
+from normalgan.data.store.layout import Layout, Shard, array_names, blank, chunk_path, encode, metadata
 from normalgan.data.store.local_cache import LocalCache
 from normalgan.data.store.objects import ObjectStore
-from normalgan.data.store.shard_files import (
-    ZARR,
-    paths,
-    read_failure,
-    read_failures,
-    read_sums,
-    same_sizes,
-    write_shard,
-)
 from normalgan.data.store.storage import Storage
 from normalgan.errors import InputError
 from normalgan.rendering.samples import Sample
 
-__all__ = ["ShardedSamples"]
+__all__ = ["ZARR", "ShardedSamples", "damaged", "write_shard"]
+
+ZARR = "samples.zarr"
+"""The folder of the arrays."""
+_FAILED = "failed"
+"""The folder that says which meshes could not be rendered: ``failed/<split>/<shard>.json``."""
 
 
 class ShardedSamples:
@@ -126,12 +123,12 @@ class ShardedSamples:
         names = self._storage.names(f"{ZARR}/{self.split}")
         there = {f"{self.split}/{name}" for name in names}
         return [
-            shard for shard in self._finished() if not paths(self.split, shard, self.layout.hints) <= there
+            shard for shard in self._finished() if not _paths(self.split, shard, self.layout.hints) <= there
         ]
 
     def verify(self) -> list[int]:
         """Return the finished shards whose objects are not, byte for byte, what was once written."""
-        return shard_files.damaged(self._storage, self.split, self._finished())
+        return damaged(self._storage, self.split, self._finished())
 
     def failures(self) -> dict[int, dict[str, str]]:
         """Return why meshes could not be rendered: by shard, by name.
@@ -139,7 +136,7 @@ class ShardedSamples:
         Raises:
             InputError: if a note that says so is damaged.
         """
-        notes = read_failures(self._storage, self.split)
+        notes = _read_failures(self._storage, self.split)
         found = {number: reasons for number, reasons in notes.items() if reasons is not None}
         if lost := notes.keys() - found.keys():
             raise self._trouble(min(lost))
@@ -147,15 +144,11 @@ class ShardedSamples:
 
     def unexplained(self) -> list[int]:
         """Return the shards of which the note that says what could not be rendered is damaged."""
-        notes = read_failures(self._storage, self.split)
+        notes = _read_failures(self._storage, self.split)
         return [number for number, why in notes.items() if why is None and number < self.layout.shards]
 
     def _finished(self) -> list[int]:
         return sorted(set(range(self.layout.shards)) - set(self.missing()))
-
-    def write(self, shard: int, samples: Sequence[Sample]) -> None:
-        """Write all samples of a shard, then mark it as finished. Raises as `write_shard` does."""
-        write_shard(self._storage, self.layout.shard(self.split, shard), samples)
 
     def read(self, index: int) -> Sample:
         """Return one sample.
@@ -172,7 +165,7 @@ class ShardedSamples:
     def is_blank(self, index: int) -> bool:
         """Whether a sample that was read is a placeholder, as its mesh could not be rendered."""
         place = self._place(index)
-        failed = read_failure(self._storage, self.split, place // self.layout.per_shard)
+        failed = _read_failure(self._storage, self.split, place // self.layout.per_shard)
         return self.layout.mesh_and_view(place)[0] in (failed or {})
 
     def read_shard(self, shard: int) -> dict[str, NDArray[Any]]:
@@ -203,7 +196,7 @@ class ShardedSamples:
                 if isinstance(error, InputError):
                     raise
                 store.forget(
-                    paths(self.split, shard, self.layout.hints)
+                    _paths(self.split, shard, self.layout.hints)
                 )  # the fault may lie with the copy nearby
                 return {name: np.asarray(array[selection]) for name, array in arrays.items()}
         except InputError:
@@ -215,8 +208,8 @@ class ShardedSamples:
         """Check once that a shard is finished, its files of their lengths; a cache compares all bytes."""
         if shard in self._trusted:
             return
-        sums = read_sums(self._storage, self.split, shard)
-        if sums is None or not (store.cache is not None or same_sizes(self._storage, sums)):
+        sums = _read_sums(self._storage, self.split, shard)
+        if sums is None or not (store.cache is not None or _same_sizes(self._storage, sums)):
             raise self._trouble(shard)
         store.digests.update({path: digest for path, (_, digest) in sums.items()})
         self._trusted.add(shard)
@@ -235,6 +228,105 @@ class ShardedSamples:
             self._trusted = set()  # digests are the store's
             self._opened = os.getpid(), store, {name: group[name] for name in array_names(self.layout.hints)}
         return self._opened[1:]
+
+
+def write_shard(
+    storage: Storage, shard: Shard, samples: Sequence[Sample], failed: Mapping[str, str] | None = None
+) -> None:
+    """Write all samples of a shard, then mark it as finished; the same samples give the same bytes.
+
+    Args:
+        storage: the folder of the data set.
+        shard: which one.
+        samples: of each place; those of a mesh that failed are replaced by blank ones.
+        failed: why a mesh of the shard could not be rendered, by name.
+
+    Raises:
+        ValueError: if the samples are not as many or not as large as the shard says.
+        InputError: if the disk is full or may not be written to.
+    """
+    failed = failed or {}
+    if len(samples) != len(shard):
+        raise ValueError(f"shard {shard.number} takes {len(shard)} samples, not {len(samples)}")
+    named = zip(shard.samples, samples, strict=True)
+    kept = [blank(shard.size, shard.hints) if mesh in failed else sample for (mesh, _), sample in named]
+    objects = encode(shard, kept)
+    storage.delete(shard.marker)
+    for path, content in objects.items():
+        storage.write(f"{ZARR}/{path}", content)
+    note = f"{_FAILED}/{shard.split}/{shard.number}.json"
+    if failed:
+        storage.write(note, _json({mesh: failed[mesh] for mesh in shard.meshes if mesh in failed}))
+    else:
+        storage.delete(note)
+    sums = {path: [len(content), _digest(content)] for path, content in objects.items()}
+    storage.write(shard.marker, _json(sums))
+
+
+def _read_failures(storage: Storage, split: str) -> dict[int, dict[str, str] | None]:
+    """Return why meshes of a split could not be rendered: by shard, by name; None for a damaged note.
+
+    Files that others leave in such a folder, as file managers do, are passed over.
+    """
+    folder = f"{_FAILED}/{split}"
+    numbers = sorted(int(name[:-5]) for name in storage.names(folder) if re.fullmatch(r"\d{1,9}\.json", name))
+    notes = {number: storage.read(f"{folder}/{number}.json") for number in numbers}
+    return {number: _reasons(note) for number, note in notes.items() if note is not None}
+
+
+def _read_failure(storage: Storage, split: str, number: int) -> dict[str, str] | None:
+    """Return why meshes of one shard could not be rendered, by name; None if all could."""
+    note = storage.read(f"{_FAILED}/{split}/{number}.json")
+    return None if note is None else _reasons(note)
+
+
+def _reasons(note: bytes) -> dict[str, str] | None:
+    try:
+        found = json.loads(note)
+    except (ValueError, RecursionError):
+        return None
+    whole = isinstance(found, dict) and found and all(isinstance(why, str) for why in found.values())
+    return found if whole else None
+
+
+def _read_sums(storage: Storage, split: str, number: int) -> dict[str, tuple[int, str]] | None:
+    """Return length and SHA-256 of a shard's objects by path, or None if it is not finished."""
+    try:
+        found = json.loads(storage.read(f"done/{split}/{number}.json") or b"")
+        sums = {path: (int(size), str(digest)) for path, (size, digest) in found.items()}
+    except (ValueError, TypeError, AttributeError):
+        return None
+    return sums if set(sums) in [_paths(split, number, hints) for hints in (False, True)] else None
+
+
+def _paths(split: str, number: int, hints: bool) -> set[str]:
+    """Return where a shard's objects lie in the folder of the arrays."""
+    return {chunk_path(split, name, number) for name in array_names(hints)}
+
+
+def _same_sizes(storage: Storage, sums: Mapping[str, tuple[int, str]]) -> bool:
+    """Whether all objects of a shard are there, and as long as they were."""
+    return all(storage.size(f"{ZARR}/{path}") == size for path, (size, _) in sums.items())
+
+
+def _same_bytes(storage: Storage, sums: Mapping[str, tuple[int, str]]) -> bool:
+    """Whether all objects of a shard are, byte for byte, what was once written."""
+    found = {path: storage.read(f"{ZARR}/{path}") for path in sums}
+    return all(c is not None and (len(c), _digest(c)) == sums[p] for p, c in found.items())
+
+
+def damaged(storage: Storage, split: str, numbers: Sequence[int]) -> list[int]:
+    """Return those of some shards that are not, byte for byte, what was once written."""
+    sums = {number: _read_sums(storage, split, number) for number in numbers}
+    return [number for number, known in sums.items() if known is None or not _same_bytes(storage, known)]
+
+
+def _digest(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()
+
+
+def _json(content: Mapping[str, object]) -> bytes:
+    return (json.dumps(content, indent=1) + "\n").encode()
 
 
 def _same_json(a: bytes, b: bytes) -> bool:

@@ -1,19 +1,31 @@
 """Storage: a folder for samples on this disk or behind any URL that fsspec knows."""
 
 import contextlib
+import os
+import time
+import uuid
 from pathlib import Path
+from typing import Any
 
+import fsspec  # type: ignore[import-untyped]
+from fsspec.core import url_to_fs  # type: ignore[import-untyped]
 from fsspec.implementations.local import LocalFileSystem  # type: ignore[import-untyped]
 from fsspec.spec import AbstractFileSystem  # type: ignore[import-untyped]
 
-from normalgan.data.store.partials import abandoned, partial_name
-from normalgan.data.store.remote import connect, no_bucket, reason
 from normalgan.errors import InputError, brief, unwritable
 from normalgan.files.writing import write_bytes
 
-__all__ = ["Storage"]
+__all__ = ["Storage", "options", "reason"]
 
 _PARTIAL = ".partial"
+_LONG = 3600.0
+"""Seconds; nothing takes an hour to write."""
+_ATTEMPTS = 3
+"""Attempts of botocore at a request, the first included."""
+_ROUNDS = 2
+"""Rounds of such attempts where no answer came, and again of these where an answer broke off."""
+_SECONDS = 10
+"""Seconds without a byte after which a request is given up."""
 
 
 class Storage:
@@ -70,7 +82,7 @@ class Storage:
         try:
             return bytes(files.cat_file(f"{root}/{path}", start=start, end=stop))
         except (FileNotFoundError, NotADirectoryError) as error:
-            if no_bucket(error):
+            if _no_bucket(error):
                 raise InputError(f"there is no such bucket as in {self.url}; create it first.") from error
             return None
         except Exception as error:  # what a remote store raises need not be an OSError: botocore's is not
@@ -136,19 +148,19 @@ class Storage:
             raise InputError(f"cannot remove {self.url}/{path}: {reason(error)}.") from error
 
     def sweep(self) -> None:
-        """Remove what killed processes have left half written, if that can be done."""
+        """Remove what killed processes left half written an hour ago or more, if that can be done."""
         files, root = self._files()
         if not isinstance(files, LocalFileSystem):
             return
         with contextlib.suppress(OSError):  # a finished data set may lie on a read-only disk
             for path in (Path(root) / _PARTIAL).iterdir():
-                if abandoned(path):
+                if time.time() - path.stat().st_mtime > _LONG:
                     path.unlink(missing_ok=True)
 
     def _files(self) -> tuple[AbstractFileSystem, str]:
         # Asked for anew each time: fsspec keeps one a process, so that none is carried across a fork.
         try:
-            files, root = connect(self.url)
+            files, root = _connect(self.url)
         except (ValueError, ImportError) as error:
             raise InputError(f"no samples can be kept at {self.url}: {brief(error)}.") from error
         return files, root
@@ -156,4 +168,61 @@ class Storage:
 
 def _write_atomically(root: Path, path: str, content: bytes) -> None:
     # Not durable: what a power cut spoils its checksum finds.
-    write_bytes(root / path, content, root / _PARTIAL / partial_name(), durable=False)
+    write_bytes(root / path, content, root / _PARTIAL / uuid.uuid4().hex, durable=False)
+
+
+def options(url: str) -> dict[str, Any]:
+    """Return what the file system behind a URL is opened with.
+
+    Listings are not kept: other processes write there too. S3 gives up on an endpoint after seconds, not
+    after minutes, as botocore does by default; whoever needs other limits sets ``config_kwargs`` in fsspec's
+    configuration (FSSPEC_S3_CONFIG_KWARGS, say) or AWS_MAX_ATTEMPTS and AWS_RETRY_MODE.
+
+    >>> options("/data"), options("file:///data")
+    ({}, {})
+    """
+    protocol = fsspec.core.split_protocol(url)[0] or "file"
+    if protocol in {"file", "local"}:
+        return {}
+    found: dict[str, Any] = {"use_listings_cache": False}
+    configured = {key for name in ("s3", "s3a") for key in fsspec.config.conf.get(name, {})}
+    if protocol in {"s3", "s3a"} and "config_kwargs" not in configured:
+        # https://botocore.amazonaws.com/v1/documentation/api/latest/reference/config.html
+        limits: dict[str, Any] = {"connect_timeout": 5, "read_timeout": _SECONDS}
+        if not {"AWS_MAX_ATTEMPTS", "AWS_RETRY_MODE"} & set(os.environ):
+            limits["retries"] = {"total_max_attempts": _ATTEMPTS, "mode": "standard"}
+        found["config_kwargs"] = limits
+    return found
+
+
+def _connect(url: str) -> tuple[AbstractFileSystem, str]:
+    """Return the file system behind a URL, and what it calls the place there.
+
+    s3fs repeats what botocore has repeated already, five times, and to read an object that five times: an
+    endpoint that accepts requests and answers none would hold a command for many minutes.
+
+    Raises:
+        ValueError, ImportError: if none is known or installed.
+    """
+    files, root = url_to_fs(url, **options(url))
+    if "s3" in files.protocol:
+        files.retries = _ROUNDS
+    return files, root
+
+
+def reason(error: BaseException) -> str:
+    """Return in a few words why a file system refused.
+
+    >>> reason(OSError(28, "No space left on device"))
+    'No space left on device'
+    >>> reason(PermissionError("The access key is unknown."))
+    'The access key is unknown (are the credentials right?)'
+    """
+    text = ((error.strerror if isinstance(error, OSError) else None) or brief(error)).rstrip(".")
+    distant = isinstance(error, PermissionError) and not isinstance(error.errno, int)
+    return f"{text} (are the credentials right?)" if distant else text
+
+
+def _no_bucket(error: BaseException) -> bool:
+    """Whether the bucket is missing, not the object: S3 says both by one kind of error."""
+    return "bucket does not exist" in str(error)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from normalgan.decoding.formats import MOVING
+from normalgan.decoding.decoders.formats import MOVING
 from normalgan.errors import InputError
 from normalgan.files.limits import read_bounded
 from normalgan.inference.reading.drawings import MOST_BYTES

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from normalgan.decoding import Decoded, DecodedLayer, DecodedLayers, decode_layers
-from normalgan.decoding.layered_files import kind_of
+from normalgan.decoding.decoders.formats import format_of
 from normalgan.inference.reading.drawings import LARGEST, SMALLEST, read_content
 from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, to_picture
 
@@ -28,7 +28,7 @@ __all__ = ["LayeredKind", "cut", "encode_layers", "is_plain", "layered_kind", "p
 
 LayeredKind = Literal["psd", "ora", "aseprite"]
 """Of a layered file that can be written; what its name ends in."""
-_KINDS: dict[str | None, LayeredKind] = {"psd": "psd", "zip": "ora", "aseprite": "aseprite"}
+_KINDS: dict[str, LayeredKind] = {"PSD": "psd", "Krita": "ora", "OpenRaster": "ora", "Aseprite": "aseprite"}
 _GROUND = (128, 128, 255, 0)
 """A flat normal of which nothing is seen."""
 _THUMBNAIL = 256
@@ -43,9 +43,10 @@ def layered_kind(path: Path, content: bytes | None = None) -> LayeredKind | None
     """
     try:
         with io.BytesIO(content) if content is not None else path.open("rb") as file:
-            return _KINDS.get(kind_of(file.read(128)))
+            found = format_of(file.read(64))
     except OSError:
         return None  # reading the drawing raises the error
+    return _KINDS.get(found.name) if found is not None else None
 
 
 def read_layers(path: Path, content: bytes | None = None) -> DecodedLayers:

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import Floats
 from normalgan.decoding import Decoded, Pixels, decode
-from normalgan.decoding.formats import ENDINGS, LAYERED
-from normalgan.decoding.worker import float_white
+from normalgan.decoding.decoders.formats import ENDINGS, LAYERED
+from normalgan.decoding.decoders.levels import float_white
 from normalgan.errors import InputError
 from normalgan.files.limits import read_bounded, refuse_pointer
 from normalgan.normals import LEAST_Z, Green, flip_green, normalize, read_exr, vectors

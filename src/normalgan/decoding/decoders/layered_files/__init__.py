@@ -1,8 +1,4 @@
-"""Layered files of paint programs, decoded in the child process: one module per format.
-
-The package imports nothing of `normalgan`, as the program that it is a part of (`worker.py`) runs without it.
-Its imports are relative because that program knows it by another name, `layered_files`.
-"""
+"""Layered files of paint programs, decoded in the child process: one module per format."""
 
 from collections.abc import Callable
 
@@ -21,7 +17,6 @@ __all__ = [
     "Notes",
     "UnreadableError",
     "foreign",
-    "kind_of",
     "open_layered",
 ]
 
@@ -66,21 +61,6 @@ _FOREIGN_ZIPS = {
 """The same of ZIP files, by a file in them."""
 
 
-def kind_of(content: bytes) -> str | None:
-    """Return the kind of a layered file: psd, zip (OpenRaster or Krita) or aseprite; None of any other file.
-
-    >>> kind_of(b"8BPS..."), kind_of(b"GIF89a")
-    ('psd', None)
-    """
-    if content.startswith(b"8BPS"):
-        return "psd"
-    if content.startswith(b"PK\x03\x04"):
-        return "zip"
-    if len(content) >= 128 and content[4:6] == b"\xe0\xa5":
-        return "aseprite"
-    return None
-
-
 def foreign(content: bytes) -> str | None:
     """Return what a file of a paint program is that cannot be read, and the way out; None of any other.
 
@@ -91,24 +71,23 @@ def foreign(content: bytes) -> str | None:
     return None if found is None else f"is {found[0]}, which cannot be read; {found[1]}"
 
 
-def open_layered(content: bytes, check_size: Callable[[int, int], None]) -> LayeredFile | None:
-    """Return a layered file, of which no picture is decoded yet; None of any other file.
+def open_layered(kind: str, content: bytes, check_size: Callable[[int, int], None]) -> LayeredFile:
+    """Return a layered file, of which no picture is decoded yet.
 
     Args:
+        kind: name of its format.
         content: of the file.
         check_size: as `LayeredFile` has it.
 
     Raises:
         UnreadableError: if it is broken, of an unknown version, or of a program whose files cannot be read.
     """
-    match kind_of(content):
-        case "psd":
+    match kind:
+        case "PSD":
             return PsdFile(content, check_size)
-        case "aseprite":
+        case "Aseprite":
             return AsepriteFile(content, check_size)
-        case "zip":
-            return _zip_format(content)(content, check_size)
-    return None
+    return _zip_format(content)(content, check_size)
 
 
 def _zip_format(content: bytes) -> type[KritaFile] | type[OpenRasterFile]:

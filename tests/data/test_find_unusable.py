@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 from toys import Counted, Octahedron
 
-from normalgan.data.jobs.usable import find_unusable, leave_out
+from normalgan.data.render import find_unusable, leave_out
 from normalgan.errors import InputError
 from normalgan.rendering.mesh import Mesh
 

@@ -1,0 +1,81 @@
+"""Levels: pictures of 16 bits a channel and of floats, which Pillow would round; OpenCV decodes them."""
+
+from typing import Any
+
+from .formats import format_of
+from .opening import DTYPES, RefusedError, check_sides, first_line
+
+__all__ = ["exact_levels", "float_white", "is_tiff", "loses_levels", "viewed"]
+
+
+def loses_levels(content: bytes) -> bool:
+    r"""Return whether Pillow may round the levels of a picture: a colour PNG of 16 bits a channel, or a TIFF.
+
+    >>> loses_levels(b"II*\0 and so on"), loses_levels(b"\xff\xd8\xff a JPEG")
+    (True, False)
+    """
+    if content.startswith(b"\x89PNG"):
+        return content[24:25] == b"\x10" and content[25:26] in {b"\x02", b"\x06"}
+    return is_tiff(content)
+
+
+def is_tiff(content: bytes) -> bool:
+    """Return whether a file is a TIFF."""
+    found = format_of(content[:64])
+    return found is not None and found.name == "TIFF"
+
+
+def exact_levels(content: bytes, least: int, most: int) -> Any:
+    """Return the pixels of such a picture as an array (h, w) or (h, w, 3 or 4): red, green, blue, opacity.
+
+    Raises:
+        RefusedError: if it cannot be decoded.
+    """
+    import cv2  # late: few pictures need it
+    import numpy as np
+
+    try:
+        levels = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_UNCHANGED)
+    except cv2.error as error:
+        raise RefusedError(f"cannot be read as an image: {first_line(error)}") from None
+    if levels is None:
+        raise RefusedError(
+            "cannot be read as an image: it is damaged, or of a kind that is not known; save it as PNG"
+        )
+    if levels.dtype in {np.dtype(np.float64), np.dtype(np.float16)}:
+        levels = levels.astype(np.float32)
+    check_sides(levels.shape[1], levels.shape[0], least, most)
+    if levels.ndim == 3:
+        levels = levels[..., [2, 1, 0, 3][: levels.shape[2]]]
+    if levels.dtype.name not in DTYPES or levels.shape[2:] not in {(), (3,), (4,)}:
+        raise RefusedError(f"holds {levels.dtype.name}; levels are of 8 or 16 bits, or floats of 32")
+    return np.ascontiguousarray(levels)
+
+
+def float_white(most: float) -> float:
+    """Return the value of white in a picture of floats, whose range no standard fixes.
+
+    Args:
+        most: its largest value. Up to 16 white is 1, as in HDR pictures; above, it is that of 8 or 16 bits.
+    """
+    return 1.0 if most <= 16 else 255.0 if most <= 255 else 65535.0
+
+
+def viewed(levels: Any, longest: int, grey: bool) -> Any:
+    """Return levels (h, w) or (h, w, C), reduced and grey on white as `decode` does it."""
+    import cv2
+    import numpy as np
+
+    if longest and max(levels.shape[:2]) > longest:
+        scale = longest / max(levels.shape[:2])
+        size = (max(round(levels.shape[1] * scale), 1), max(round(levels.shape[0] * scale), 1))
+        levels = cv2.resize(levels, size, interpolation=cv2.INTER_AREA)
+    if not grey or levels.ndim == 2:
+        return np.ascontiguousarray(levels)
+    floats = levels.dtype == np.float32
+    top = float_white(float(np.nan_to_num(levels).max())) if floats else float(np.iinfo(levels.dtype).max)
+    brightness = levels[..., :3].astype(np.float32) @ np.array([0.299, 0.587, 0.114], np.float32)
+    if levels.shape[2] == 4:
+        opacity = levels[..., 3].astype(np.float32) / top
+        brightness = brightness * opacity + top * (1 - opacity)
+    return np.ascontiguousarray(brightness.astype(levels.dtype))

@@ -1,0 +1,44 @@
+"""Limits: what the system lets the child process do."""
+
+import sys
+
+__all__ = ["limit", "limit_time"]
+
+
+def limit(memory: int) -> None:
+    """Take from this process what decoding does not need: files, and memory without bound."""
+    try:
+        import resource
+    except ImportError:  # Windows has nothing like it
+        return
+    # No file, socket or pipe is opened from here on, whatever a decoder is talked into.
+    for what in (resource.RLIMIT_CORE, resource.RLIMIT_FSIZE):
+        _lower(what, 0)
+    if sys.platform == "linux":  # macOS does not heed it
+        with open("/proc/self/statm", encoding="ascii") as file:  # noqa: PTH123 -- nothing more is imported
+            mapped = int(file.read().split()[0]) * resource.getpagesize()
+        _lower(resource.RLIMIT_AS, mapped + memory)
+    _lower(resource.RLIMIT_NOFILE, 0)
+
+
+def limit_time(seconds: int) -> None:
+    """Have the system end this process if the next picture takes too much processor time."""
+    if sys.platform == "win32":
+        return
+    import resource
+
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    until = int(used.ru_utime + used.ru_stime) + 1 + seconds
+    hard = resource.getrlimit(resource.RLIMIT_CPU)[1]
+    resource.setrlimit(
+        resource.RLIMIT_CPU, (until if hard == resource.RLIM_INFINITY else min(until, hard), hard)
+    )
+
+
+def _lower(what: int, most: int) -> None:
+    """Set a limit of this process, unless a lower one holds."""
+    import resource
+
+    hard = resource.getrlimit(what)[1]
+    most = most if hard == resource.RLIM_INFINITY else min(most, hard)
+    resource.setrlimit(what, (most, most))

@@ -1,0 +1,119 @@
+"""Opening: a picture whose pixels are not decoded yet, what refuses one, and the form of what is sent."""
+
+import io
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from .formats import ENDINGS, format_of
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+__all__ = [
+    "DTYPES",
+    "KNOWN",
+    "MODES",
+    "MOST_PARTS",
+    "MOST_PIXELS",
+    "DamagedError",
+    "Message",
+    "RefusedError",
+    "UnknownTiffError",
+    "check_sides",
+    "first_line",
+    "import_plugin",
+    "opened",
+    "with_form",
+]
+
+Message = tuple[dict[str, Any], Any]
+"""What is sent: some words and numbers, and an image or an array, whose pixels follow in strips; or None."""
+MOST_PARTS, MOST_PIXELS = 1024, 2**26
+"""Frames of an animation, and pixels of all of them together: as many as the largest drawing has."""
+MODES: dict[str, tuple[str, tuple[int, ...]]] = {
+    "L": ("uint8", ()),
+    "RGB": ("uint8", (3,)),
+    "RGBA": ("uint8", (4,)),
+    "I;16": ("uint16", ()),
+    "I": ("int32", ()),
+    "F": ("float32", ()),
+}
+"""Modes of Pillow in which pixels are sent: the type of a number, and the channels."""
+DTYPES = ("uint8", "uint16", "int32", "float32")
+KNOWN = " ".join(ENDINGS)
+"""The endings that are read, in a sentence."""
+
+
+class UnknownTiffError(Exception):
+    """A TIFF that Pillow does not know, such as one of floats with colours; OpenCV may."""
+
+
+class DamagedError(OSError):
+    """A picture of a known format that its decoder does not know."""
+
+
+class RefusedError(Exception):
+    """A picture that is not decoded; its text goes after the picture's name: "is … pixels"."""
+
+
+def opened(content: bytes) -> "Image":
+    """Return a picture whose pixels are not decoded yet.
+
+    Raises:
+        UnidentifiedImageError: if it begins as no format that Pillow decodes.
+        OSError: if it begins as one, and is damaged.
+    """
+    from PIL import Image, UnidentifiedImageError
+
+    Image.MAX_IMAGE_PIXELS = None  # ours are lower
+    found = format_of(content[:64])
+    if found is None or found.plugin is None:
+        raise UnidentifiedImageError
+    try:
+        import_plugin(found.plugin)
+    except ImportError:
+        raise RefusedError(
+            f"is a {found.name}; run `pip install 'normalgan[{found.name.lower()}]'` to read it, or save it "
+            "as PNG or JPEG"
+        ) from None
+    try:
+        return Image.open(io.BytesIO(content), formats=(found.plugin,))
+    except UnidentifiedImageError:
+        raise DamagedError(f"it begins as a {found.name} and is cut short or damaged") from None
+
+
+def import_plugin(plugin: str) -> None:
+    """Import what decodes a format; Pillow brings all but one.
+
+    Raises:
+        ImportError: if it is not installed.
+    """
+    if plugin == "HEIF":
+        import_module("pillow_heif").register_heif_opener(thumbnails=False)
+        return
+    module = {"WEBP": "WebP"}.get(plugin, plugin.capitalize())
+    found = import_module(f"PIL.{module}ImagePlugin")
+    if not getattr(found, "SUPPORTED", True):
+        raise ImportError
+
+
+def check_sides(width: int, height: int, least: int, most: int) -> None:
+    """Raise `RefusedError` if a side is too short or too long."""
+    if not (least <= width <= most and least <= height <= most):
+        raise RefusedError(f"is {width} × {height} pixels; a drawing has {least} to {most} a side")
+
+
+def with_form(pixels: Any) -> dict[str, Any]:
+    """Return the type and the shape of an image or an array; that of its file is the same."""
+    if hasattr(pixels, "dtype"):
+        dtype, shape = pixels.dtype.name, pixels.shape
+    else:
+        dtype, channels = MODES[pixels.mode]
+        shape = (pixels.height, pixels.width, *channels)
+    return {"dtype": dtype, "shape": [*shape], "full": [*shape[:2]]}
+
+
+def first_line(error: BaseException) -> str:
+    """Return the first line of what an error says; its kind if it says nothing."""
+    lines = str(error).strip().splitlines()
+    return lines[0] if lines else type(error).__name__

@@ -1,0 +1,368 @@
+"""Pictures: a file of any format to pixels, whole, in frames or in layers."""
+
+import itertools
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from .formats import format_of
+from .levels import is_tiff
+from .limits import limit_time
+from .opening import (
+    KNOWN,
+    MOST_PARTS,
+    MOST_PIXELS,
+    DamagedError,
+    Message,
+    RefusedError,
+    UnknownTiffError,
+    check_sides,
+    first_line,
+    opened,
+    with_form,
+)
+from .svg import draw_svg, is_svg
+
+if TYPE_CHECKING:
+    from PIL.Image import Image
+
+__all__ = [
+    "decode",
+    "frames",
+    "layers",
+    "note_text",
+    "plain",
+    "reduced",
+    "tileset",
+    "turned_upright",
+]
+
+_SUBFILE, _NO_PAGE = 254, 1 | 4
+"""A tag of TIFF that says what a picture of it is, and its bits for a small copy and for a mask."""
+_MOST_NOTES = 4000
+"""Characters of the words that are sent about a picture."""
+_LONGEST_NAME, _DEEPEST = 255, 32
+"""Characters of a layer's name, and groups within one another, of which the parent is told."""
+_TOPS = (255, 1023, 4095, 16383, 65535, 2**24 - 1, 2**31 - 1)
+"""White of greys of 8, 10, 12, 14, 16, 24 and 31 bits, which programs store in 16 or 32."""
+
+
+def decode(
+    content: bytes,
+    least: int,
+    most: int,
+    svg_side: int,
+    longest: int,
+    grey: bool,
+    notes: list[Any] | None = None,
+) -> "tuple[Image, tuple[int, int]]":
+    """Return a picture upright, in one of `MODES`, and the (width, height) that it had before it was reduced.
+
+    Args:
+        content: its file.
+        least: pixels that either side must have.
+        most: pixels that neither side may exceed; it is held to before any pixel is decoded.
+        svg_side: longer side in pixels that an SVG is drawn with.
+        longest: longer side in pixels that a larger one is reduced to; 0 leaves it.
+        grey: whether to return only how bright it is on white paper.
+        notes: takes what is to be said of the picture.
+
+    Raises:
+        RefusedError: if it cannot be decoded.
+    """
+    from PIL import UnidentifiedImageError
+
+    if is_svg(content):
+        content = draw_svg(content, svg_side, most)
+    try:
+        if (layered := _layered(content, least, most)) is not None:
+            with _unreadable_refused():
+                upright = layered.composite()
+            if notes is not None and str(layered.notes):
+                notes.append(layered.notes)
+            check_sides(upright.width, upright.height, least, most)
+            upright.load()
+        else:
+            try:
+                image = opened(content)
+            except DamagedError:
+                if is_tiff(content):
+                    raise UnknownTiffError from None
+                raise
+            with image:
+                check_sides(image.width, image.height, least, most)
+                image.load()
+                upright = turned_upright(image)
+            del image
+        upright, full = plain(upright), upright.size
+        if longest and max(full) > longest:
+            upright = reduced(upright, longest)
+        return _grey(upright) if grey else upright, full
+    except (RefusedError, UnknownTiffError, MemoryError):
+        raise
+    except UnidentifiedImageError:
+        _refuse_foreign(content)
+        raise RefusedError(f"is not an image that can be read; give one of {KNOWN}") from None
+    except Exception as error:  # a decoder of Pillow that trips over damage raises anything
+        raise RefusedError(f"cannot be read as an image: {first_line(error)}") from None
+
+
+def frames(content: bytes, least: int, most: int, seconds: int) -> Iterator[Message]:
+    """Yield how many frames an animation has and how often they are shown, and then each frame, whole.
+
+    Raises:
+        RefusedError: if it, or a frame of it, cannot be decoded.
+    """
+    from PIL import Image
+
+    number = 0
+    try:
+        if (layered := _layered(content, least, most)) is not None:
+            yield from _layered_frames(layered)
+            return
+        with opened(content) as image:
+            if image.format == "TIFF":
+                yield from _pages(image, least, most, seconds)
+                return
+            check_sides(image.width, image.height, least, most)
+            # A PNG may begin with a picture for those who know no animations.
+            first = 1 if getattr(image, "default_image", False) else 0
+            count = getattr(image, "n_frames", 1) - first
+            _check_parts(count, count * image.width * image.height, "frames")
+            loop, size = image.info.get("loop", 1), image.size
+            # A frame can be larger than its GIF, which Pillow then enlarges; `_opened` lifts the limit again.
+            Image.MAX_IMAGE_PIXELS = MOST_PIXELS
+            yield {"count": count, "loop": loop if 0 <= loop < 2**16 else 0}, None
+            for number in range(first, first + count):
+                limit_time(seconds)
+                image.seek(number)
+                if image.size != size:
+                    raise RefusedError(
+                        f"has a frame {number + 1} that reaches beyond its {size[0]} × {size[1]} pixels"
+                    )
+                image.load()
+                shown = plain(image.copy())
+                milliseconds = min(max(int(image.info.get("duration", 0)), 0), 2**31)
+                yield {**with_form(shown), "duration": milliseconds}, shown
+    except (RefusedError, MemoryError):
+        raise
+    except Exception as error:  # as in `decode`
+        raise RefusedError(f"cannot be read from its frame {number + 1} on: {first_line(error)}") from None
+
+
+def _pages(image: Any, least: int, most: int, seconds: int) -> Iterator[Message]:
+    """Yield the pages of a TIFF, which may differ in size."""
+    pages, pixels = [], 0
+    for number in range(min(image.n_frames, MOST_PARTS + 1)):
+        image.seek(number)
+        if not image.tag_v2.get(_SUBFILE, 0) & _NO_PAGE:
+            check_sides(image.width, image.height, least, most)
+            pages.append(number)
+            pixels += image.width * image.height
+    _check_parts(len(pages), pixels, "pages")
+    yield {"count": len(pages), "loop": 0}, None
+    for place, number in enumerate(pages, 1):
+        limit_time(seconds)
+        try:
+            image.seek(number)
+            image.load()
+            shown = plain(turned_upright(image.copy()))
+        except MemoryError:
+            raise
+        except Exception as error:  # as in `decode`
+            raise RefusedError(f"cannot be read from its page {place} on: {first_line(error)}") from None
+        yield {**with_form(shown), "duration": 0}, shown
+
+
+def layers(content: bytes, least: int, most: int, seconds: int) -> Iterator[Message]:
+    """Yield what a layered file is, and then its visible layers, the lowest first.
+
+    Raises:
+        RefusedError: if it has none, or they cannot be decoded; before anything is yielded.
+    """
+    try:
+        layered = _layered(content, least, most)
+        if layered is None:
+            _refuse_foreign(content)
+            raise RefusedError(
+                "has no layers; those of .psd, .kra, .ora, .ase and .aseprite can be predicted"
+            )
+        found, pixels = [], 0
+        with _unreadable_refused():
+            for layer in layered.layers():
+                limit_time(seconds)
+                found.append(layer)
+                pixels += layer.image.width * layer.image.height
+                _check_parts(len(found), pixels, "layers")
+    except (RefusedError, MemoryError):
+        raise
+    except Exception as error:  # as in `decode`
+        raise RefusedError(f"has layers that cannot be read: {first_line(error)}") from None
+    if not found:
+        more = f": {layered.notes}" if str(layered.notes) else ""
+        raise RefusedError(f"has no visible layer that anything is drawn on{more}")
+    durations, full = [min(each, 2**31) for each in layered.durations], [*layered.size[::-1]]
+    said = {"note": note_text(layered.notes), "partial": layered.notes.partial}
+    yield {"count": len(found), "full": full, "durations": durations, **said}, None
+    for layer in found:
+        names = [each[:_LONGEST_NAME] for each in (*layer.groups[:_DEEPEST], layer.name)]
+        place = {name: getattr(layer, name) for name in ("left", "top", "number", "frame", "opacity")}
+        base = -1 if layer.base is None else layer.base.number
+        yield {**with_form(layer.image), **place, "names": names, "base": base}, layer.image
+
+
+def tileset(content: bytes, least: int, most: int) -> Iterator[Message]:
+    """Yield the size of a tile of an Aseprite file, and then all tiles, one below the other.
+
+    Raises:
+        RefusedError: if it has none, or it cannot be decoded.
+    """
+    try:
+        layered = _layered(content, least, most)
+        if layered is None:
+            raise RefusedError("has no tileset of its own; give the size of a tile, such as 16x16")
+        with _unreadable_refused():
+            image, size = layered.tileset()
+    except (RefusedError, MemoryError):
+        raise
+    except Exception as error:  # as in `decode`
+        raise RefusedError(f"has a tileset that cannot be read: {first_line(error)}") from None
+    check_sides(image.width, image.height, least, most)
+    yield {"count": 1, "tile": [*size]}, None
+    yield with_form(image), image
+
+
+def _check_parts(count: int, pixels: int, name: str) -> None:
+    if not 0 < count <= MOST_PARTS or pixels > MOST_PIXELS:
+        raise RefusedError(
+            f"has {count} {name} of {pixels} pixels together; {MOST_PARTS} of {MOST_PIXELS} can be predicted"
+        )
+
+
+def turned_upright(image: "Image") -> "Image":
+    """Return an image turned as its camera says; as it lies, if what the camera wrote is damaged."""
+    from PIL import ImageOps
+
+    try:
+        return ImageOps.exif_transpose(image)
+    except MemoryError:
+        raise
+    except Exception:  # notes about a picture, which is sound without them
+        return image
+
+
+def plain(image: "Image") -> "Image":
+    """Return an image of any mode in one of `MODES`."""
+    if image.mode.startswith("I"):
+        return _deep(image)
+    if image.mode in {"RGBA", "LA", "PA", "RGBa", "La"} or "transparency" in image.info:
+        if image.mode == "La":
+            image = image.convert("LA")
+        clear = image.info.get("transparency")
+        if isinstance(clear, tuple) and max(clear) > 255:  # of 16 bits, of which Pillow keeps 8
+            image.info["transparency"] = tuple(each >> 8 for each in clear)
+        return image.convert("RGBA")
+    if image.mode in {"1", "L"}:
+        return image.convert("L")
+    return image if image.mode == "F" else image.convert("RGB")
+
+
+def _deep(image: "Image") -> "Image":
+    """Return a grey image of 16 or 32 bits with white at 65535.
+
+    One that has no level in the upper three quarters of its bits has fewer of them than its file. If one of
+    its greys is transparent, it comes with opacity and 8 bits.
+    """
+    import numpy as np
+    from PIL import Image
+
+    levels = np.asarray(image if image.mode in {"I", "I;16"} else image.convert("I"))
+    most, clear = int(levels.max()), image.info.get("transparency")
+    top = next((each for each in _TOPS if most <= each), _TOPS[-1])
+    scaled: Any = np.clip(levels, 0, top)
+    if top != 65535:
+        scaled = np.rint(np.multiply(scaled, np.float32(65535 / top), dtype=np.float32))
+    scaled = scaled.astype(np.uint16)
+    hidden = levels == clear if isinstance(clear, int) else None
+    if hidden is None or not hidden.any():
+        return Image.fromarray(scaled)
+    grey = np.rint(scaled / np.float32(257)).astype(np.uint8)
+    opacity = np.where(hidden, np.uint8(0), np.uint8(255))
+    return Image.merge("RGBA", [Image.fromarray(each) for each in (grey, grey, grey, opacity)])
+
+
+def reduced(image: "Image", longest: int) -> "Image":
+    """Return an image with each pixel the mean of those it takes the place of."""
+    from PIL import Image
+
+    scale = longest / max(image.size)
+    size = (max(round(image.width * scale), 1), max(round(image.height * scale), 1))
+    if image.mode == "RGBA":  # colours of pixels that nobody sees must not bleed into those that are seen
+        return image.convert("RGBa").resize(size, Image.Resampling.BOX).convert("RGBA")
+    if image.mode == "I;16":
+        image = image.convert("I")
+    return image.resize(size, Image.Resampling.BOX)
+
+
+def _grey(image: "Image") -> "Image":
+    """Return how bright an image of one of `MODES` is on white paper."""
+    from PIL import Image
+
+    if image.mode == "RGBA":
+        image = Image.alpha_composite(Image.new("RGBA", image.size, "white"), image).convert("RGB")
+    return image.convert("L") if image.mode == "RGB" else image
+
+
+def _layered(content: bytes, least: int, most: int) -> Any:
+    """Return a layered file of a paint program, of which nothing is decoded yet; None of any other file.
+
+    Raises:
+        RefusedError: if it cannot be read, or is of no possible size.
+    """
+    found = format_of(content[:64])
+    if found is None or not found.layered:
+        return None
+    from .layered_files import open_layered  # late: few files need it
+
+    with _unreadable_refused():
+        return open_layered(
+            found.name, content, lambda width, height: check_sides(width, height, least, most)
+        )
+
+
+def _layered_frames(layered: Any) -> Iterator[Message]:
+    width, height = layered.size
+    count = len(layered.durations)
+    _check_parts(count, count * width * height, "frames")
+    with _unreadable_refused():
+        found = layered.frames()
+        first = next(found)
+        said = {"note": note_text(layered.notes), "partial": layered.notes.partial}
+        yield {"count": count, "loop": 0, **said}, None
+        for image, milliseconds in itertools.chain([first], found):
+            yield {**with_form(image), "duration": milliseconds}, image
+
+
+@contextmanager
+def _unreadable_refused() -> Iterator[None]:
+    """Refuse a layered file whose reader says that it cannot be read."""
+    from .layered_files import UnreadableError
+
+    try:
+        yield
+    except UnreadableError as error:
+        raise RefusedError(str(error)) from None
+
+
+def _refuse_foreign(content: bytes) -> None:
+    """Raise `RefusedError` if a file is of a paint program whose files cannot be read."""
+    from .layered_files import foreign
+
+    told = foreign(content)
+    if told is not None:
+        raise RefusedError(told)
+
+
+def note_text(notes: object) -> str:
+    """Return what is to be said of a picture, in one line of bounded length."""
+    return " ".join(str(notes).split())[:_MOST_NOTES]

@@ -1,0 +1,165 @@
+"""SVG: written anew without what leads out of it, and drawn."""
+
+import base64
+import binascii
+import io
+import re
+from collections.abc import Iterator
+from pyexpat import ErrorString, ExpatError, ParserCreate
+
+from .opening import KNOWN, RefusedError, first_line, opened
+
+__all__ = ["MOST_DEPTH", "draw_svg", "is_svg", "sanitize_svg"]
+
+MOST_DEPTH = 128
+"""Elements within one another in an SVG: the drawing library needs stack for each, and ends without."""
+_MOST_TEXT = 2**26
+"""Characters of an SVG with its entities written out."""
+_DPI = 96.0
+"""What CSS takes an inch for; without it millimetres have no size."""
+_EMBEDDED = re.compile(r"data:image/(?:png|jpe?g|gif|webp);base64,", re.IGNORECASE)
+
+
+def is_svg(content: bytes) -> bool:
+    r"""Return whether a file is XML with an SVG in it; a picture whose notes hold one is none.
+
+    >>> is_svg(b'<?xml version="1.0"?><!-- long --><svg/>'), is_svg(b"\x89PNG... <svg")
+    (True, False)
+    """
+    start = content[:64].removeprefix(b"\xef\xbb\xbf").lstrip()
+    if content[:2] in {b"\xff\xfe", b"\xfe\xff"}:
+        return "<" in content[2:64].decode("utf-16-le" if content[:1] == b"\xff" else "utf-16-be", "replace")
+    return start.startswith(b"<")
+
+
+def draw_svg(content: bytes, side: int, most: int) -> bytes:
+    """Return an SVG as PNG, transparent where it has nothing.
+
+    Args:
+        content: the file.
+        side: longer side in pixels that it is drawn with.
+        most: pixels that no side of a picture within it may exceed.
+
+    Raises:
+        RefusedError: if it cannot be drawn, or would draw another file.
+    """
+    from PIL import Image
+    from resvg_py import svg_to_bytes
+
+    text = sanitize_svg(content, most)
+    try:
+        # Without fonts: what is drawn must not depend on those that a machine has.
+        # Within a square: with a width alone, one that is very high would end the process for want of memory.
+        small = bytes(svg_to_bytes(svg_string=text, width=64, height=64, dpi=_DPI, skip_system_fonts=True))
+        with Image.open(io.BytesIO(small), formats=("PNG",)) as image:
+            wide = image.height <= image.width
+        width, height = (side, None) if wide else (None, side)
+        return bytes(
+            svg_to_bytes(svg_string=text, width=width, height=height, dpi=_DPI, skip_system_fonts=True)
+        )
+    except ValueError as error:
+        raise RefusedError(f"cannot be drawn as SVG: {first_line(error)}") from None
+    except BaseException as error:  # a panic of Rust comes as one that is no Exception
+        if isinstance(error, MemoryError):
+            raise
+        raise RefusedError(f"cannot be drawn as SVG: {first_line(error)}") from None
+
+
+def sanitize_svg(content: bytes, most: int) -> str:
+    """Return an SVG written anew, with its entities expanded and nothing in it that leads out of it.
+
+    It is written anew, not only looked at: what another parser would make of the same bytes does not matter.
+
+    Args:
+        content: the file, in any encoding that XML knows.
+        most: pixels that no side of a picture within it may exceed.
+
+    Raises:
+        RefusedError: if it is no XML, nested too deeply, too long, or would draw another file.
+    """
+    parser = ParserCreate()
+    parser.buffer_text = True
+    written: list[str] = []
+    depth = length = 0
+
+    def write(text: str) -> None:
+        nonlocal length
+        length += len(text)
+        if length > _MOST_TEXT:
+            raise RefusedError(f"stands for more than {_MOST_TEXT} characters of SVG")
+        written.append(text)
+
+    def start(name: str, attributes: dict[str, str]) -> None:
+        nonlocal depth
+        depth += 1
+        if depth > MOST_DEPTH:
+            raise RefusedError(f"is nested more than {MOST_DEPTH} deep; a drawing is not")
+        if depth == 1 and _local(name) != "svg":
+            raise RefusedError(f"is not an image that can be read; give one of {KNOWN}")
+        kept = "".join(
+            f' {key}="{_escaped(value)}"' for key, value in _allowed(_local(name), attributes, most)
+        )
+        write(f"<{name}{kept}>")
+
+    def end(name: str) -> None:
+        nonlocal depth
+        depth -= 1
+        write(f"</{name}>")
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = end
+    parser.CharacterDataHandler = lambda data: write(_escaped(data))
+    try:
+        parser.Parse(content, True)
+    except ExpatError as error:
+        told = f"cannot be drawn as SVG: line {error.lineno}: {ErrorString(error.code)}"
+        raise RefusedError(told) from None
+    except (ValueError, LookupError) as error:  # an encoding that is none
+        raise RefusedError(f"cannot be drawn as SVG: {first_line(error)}") from None
+    return "".join(written)
+
+
+def _allowed(name: str, attributes: dict[str, str], most: int) -> Iterator[tuple[str, str]]:
+    """Yield an element's attributes, without links to elsewhere.
+
+    Raises:
+        RefusedError: if it would draw what a link leads to.
+    """
+    for key, value in attributes.items():
+        if _local(key) == "href":
+            link = value.strip()
+            if name in {"image", "feImage"} and not link.startswith("#"):
+                _check_embedded(link, most)
+            elif not link.startswith("#"):
+                continue  # of a text that can be clicked, or of a part of another file
+        yield key, value
+
+
+def _check_embedded(link: str, most: int) -> None:
+    """Raise `RefusedError` if a picture in an SVG lies elsewhere, or is larger than a drawing may be."""
+    start = _EMBEDDED.match(link)
+    if start is None:
+        shown = link if len(link) <= 60 else f"{link[:57]}…"
+        raise RefusedError(
+            f"draws {shown!r}, and no file but itself is read; embed that picture as PNG, JPEG, GIF or WebP"
+        )
+    try:
+        # As the drawing library does: without what is no base64.
+        data = base64.b64decode(re.sub(r"\s+", "", link[start.end() :]) + "===", validate=False)
+        with opened(data) as image:
+            size = image.size
+    except (OSError, SyntaxError, ValueError, binascii.Error) as error:
+        raise RefusedError(f"has a picture in it that cannot be read: {first_line(error)}") from None
+    if max(size) > most:
+        raise RefusedError(f"has a picture of {size[0]} × {size[1]} pixels in it; {most} a side are read")
+
+
+def _local(name: str) -> str:
+    """Return an XML name without its prefix."""
+    return name.rpartition(":")[2]
+
+
+def _escaped(text: str) -> str:
+    if "&" in text or "<" in text or ">" in text or '"' in text:
+        text = text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;").replace('"', "&quot;")
+    return text.replace("\n", "&#10;").replace("\t", "&#9;").replace("\r", "&#13;")

@@ -1,0 +1,157 @@
+"""The program of the child process that decodes pictures; `normalgan.decoding` says what it is for.
+
+It answers requests over a `multiprocessing.connection` until that ends. Each message is JSON or pixels, and
+none is a pickle.
+"""
+
+import codecs
+import encodings
+import json
+import pkgutil
+import signal
+import sys
+from collections.abc import Iterator
+from contextlib import suppress
+from importlib import import_module
+from typing import Any
+
+from .formats import format_of
+from .levels import exact_levels, loses_levels, viewed
+from .limits import limit, limit_time
+from .opening import Message, RefusedError, UnknownTiffError, import_plugin, with_form
+from .pictures import decode, frames, layers, note_text, tileset
+
+__all__ = ["import_all", "main", "needed"]
+
+_STRIP = 2**20
+"""Pixels that are sent at a time."""
+
+
+def main(handle: int, needs: str, seconds: int, memory: int, folders: list[str]) -> None:
+    """Answer requests until the other end is closed.
+
+    Args:
+        handle: of the connection.
+        needs: what `needed` says of the pictures that will come.
+        seconds: of processor time for one picture.
+        memory: bytes of address space on top of what the libraries map.
+        folders: where the libraries lie.
+    """
+    from multiprocessing import connection as connections
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the one who asks
+    if sys.platform == "win32":
+        connection = connections.PipeConnection(handle)
+    else:
+        connection = connections.Connection(handle)
+    sys.path.extend(folders)
+    try:
+        import_all(needs)
+        limit(memory)
+    except Exception as error:
+        _send(connection, _refusal(f"{type(error).__name__}: {error}"), None)
+        return
+    _send(connection, {"ready": True}, None)
+    while True:
+        try:
+            request, content = json.loads(connection.recv_bytes()), connection.recv_bytes()
+        except (EOFError, OSError):
+            return
+        limit_time(seconds)
+        try:
+            for header, pixels in _answers(request, content, seconds):
+                _send(connection, header, pixels)
+                del pixels
+        except RefusedError as refusal:
+            _send(connection, _refusal(str(refusal)), None)
+        except MemoryError:
+            words = f"needs more than {memory >> 20} MiB of memory to be decoded"
+            _send(connection, _refusal(words), None)
+        del content
+
+
+def needed(content: bytes, exact: bool = False) -> str:
+    """Return which library a picture needs besides what all have; empty if none."""
+    found = format_of(content[:64])
+    name = found.name if found is not None else ""
+    if name in {"PSD", "HEIC"}:
+        return {"PSD": "psd_tools", "HEIC": "pillow_heif"}[name]
+    return "cv2" if name == "TIFF" or (exact and loses_levels(content)) else ""
+
+
+def import_all(needs: str) -> None:
+    """Import all that decoding needs: once the limits hold, no file can be opened, not even for that."""
+    modules = [
+        "resvg_py",
+        "xml.etree.ElementTree",
+        "PIL.ImageChops",
+        "PIL.ImageOps",
+        "numpy",
+    ]
+    modules += [f"PIL.{plugin}ImagePlugin" for plugin in ("Avif", "Mpo", "Tiff", "WebP")]
+    if needs == "psd_tools":
+        modules += ["psd_tools.composite", "PIL.ImageCms"]
+        modules += [f"scipy.{part}" for part in ("interpolate", "ndimage", "spatial")]
+    elif needs == "cv2":
+        modules += ["cv2"]
+    for module in modules:
+        import_module(module)
+    import_module(".layered_files", __package__)
+    from PIL import Image
+
+    Image.preinit()  # what it would import for the first picture
+    if needs == "pillow_heif":
+        with suppress(ImportError):  # `opened` says that it is not installed
+            import_plugin("HEIF")
+    for found in pkgutil.iter_modules(encodings.__path__):  # those of SVG and of names in ZIP
+        if found.name.startswith(("cp", "iso8859", "koi8", "mac_", "utf_")):
+            codecs.lookup(found.name)
+
+
+def _answers(request: dict[str, Any], content: bytes, seconds: int) -> Iterator[Message]:
+    """Yield what is to be said of a file, among it how many pictures come, and then each picture."""
+    least, most = request["sides"]
+    match request["what"]:
+        case "frames":
+            yield from frames(content, least, most, seconds)
+        case "layers":
+            yield from layers(content, least, most, seconds)
+        case "tileset":
+            yield from tileset(content, least, most)
+        case _:
+            yield from _picture(request, content, least, most)
+
+
+def _picture(request: dict[str, Any], content: bytes, least: int, most: int) -> Iterator[Message]:
+    notes: list[Any] = []
+    full: tuple[int, ...]
+    if request["exact"] and loses_levels(content):
+        pixels = exact_levels(content, least, most)
+        full = pixels.shape[:2]
+    else:
+        sizes = request["svg_side"], request["longest"]
+        try:
+            pixels, (width, height) = decode(content, least, most, *sizes, request["grey"], notes)
+            full = height, width
+        except UnknownTiffError:
+            pixels = viewed(exact_levels(content, least, most), request["longest"], request["grey"])
+            full = pixels.shape[:2]
+    note, partial = note_text("; ".join(map(str, notes))), any(each.partial for each in notes)
+    yield {"count": 1, "note": note, "partial": partial}, None
+    yield {**with_form(pixels), "full": [*full]}, pixels
+
+
+def _send(connection: Any, header: dict[str, Any], pixels: Any) -> None:
+    connection.send_bytes(json.dumps(header).encode())
+    if pixels is None:
+        return
+    height, width = header["shape"][:2]
+    rows = max(_STRIP // width, 1)  # in strips: a whole copy of a large one is as large again
+    for top in range(0, height, rows):
+        bottom = min(top + rows, height)
+        strip = pixels[top:bottom] if hasattr(pixels, "dtype") else pixels.crop((0, top, width, bottom))
+        connection.send_bytes(strip.tobytes())
+
+
+def _refusal(words: str) -> dict[str, str]:
+    return {"refused": " ".join(words.split())[:600]}
