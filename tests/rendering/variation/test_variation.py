@@ -29,7 +29,7 @@ def test_without_strength_it_is_the_mesh_itself() -> None:
     assert individual(blob(), replace(NOTHING, asymmetry=0.9)) is blob()
 
 
-@pytest.mark.parametrize("name", STRENGTHS.keys() - {"asymmetry"})
+@pytest.mark.parametrize("name", sorted(STRENGTHS.keys() - {"asymmetry"}))
 def test_each_strength_alone_changes_the_shape_and_not_inside_out(name: str) -> None:
     alone = replace(NOTHING, asymmetry=0.5, **{name: STRENGTHS[name]})
     one = individual(blob(), alone, 2)
