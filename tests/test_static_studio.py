@@ -166,6 +166,17 @@ def test_layers_are_composed_as_python_composes_them(studio: "Page") -> None:
     wanted = compose([predict(model, in_context(each, context)) for each in parts])
     found = decoded(studio.evaluate(ASK, encoded(*drawn)), drawn[0].shape)
     assert_near(found, wanted, share=0.98, degrees=1)
+    # What has changed can be had first: the other layer is as it was, among the other lines.
+    moved = [drawn[0], np.roll(drawn[1], 40, 0)]
+    first, then = (
+        decoded(studio.evaluate(ASK, [*encoded(*moved), {"changed_only": early}]), found.shape[:2])
+        for early in (True, False)
+    )
+    seen = np.zeros_like(drawn[0], bool)
+    seen[200:312, 100:150] = True  # of the back alone
+    assert np.array_equal(first[seen], found[seen])
+    assert (then[seen] != found[seen]).any()
+    assert np.array_equal(first[300:340, 280:320], then[300:340, 280:320])
     lines = np.full_like(drawn[0], 255)
     one = studio.evaluate(ASK, encoded(drawn[0], lines))
     assert "Layer 1: no line is seen" in unquote(one["warning"])
