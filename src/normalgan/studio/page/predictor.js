@@ -154,15 +154,15 @@ export class Predictor extends EventTarget {
   }
 
   /**
-   * Sends a request about the drawing at another size: its strokes are drawn anew, and nothing is enlarged.
+   * Sends a request about a drawing at another size: its strokes are drawn anew, and nothing is enlarged.
    * @template T
    * @param {number} longest longer side in pixels
    * @param {(request: import("./api.js").Request) => Promise<T>} send
    * @param {object} more further fields
+   * @param {import("./document.js").Doc} doc its pictures are decoded
    * @returns {Promise<T>}
    */
-  async askAt(longest, send, more) {
-    const { doc } = this.editor;
+  async askAt(longest, send, more, doc = this.editor.doc) {
     const parts = drawnLayers(doc).map(({ id, name, strokes, hints, areas, mask, source, form }) => {
       const { canvas, scale, pixels } = inkAt({ width: doc.width, height: doc.height, strokes }, longest);
       const { channels, bytes } = pixels();
