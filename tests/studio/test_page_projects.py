@@ -195,7 +195,7 @@ def test_the_maps_of_a_folder_are_seen_side_by_side(
         assert max(lit[:3]) - min(lit[:3]) < 30  # clay
         assert drawing != map_ != lit
         page.locator("#folder-list .project").first.click()
-        page.wait_for_function("document.getElementById('result').ariaBusy === 'false'")
+        page.wait_for_function("() => document.getElementById('result').ariaBusy === 'false'")
 
 
 def test_an_exported_map_is_read_back(opened: "Browser", server: Server, tmp_path: Path) -> None:
