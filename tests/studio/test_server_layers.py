@@ -116,6 +116,21 @@ def test_a_layer_is_seen_among_the_others(model: Path, tmp_path: Path) -> None:
     assert np.abs(alone[inside].astype(int) - whole[inside]).max() > 8
 
 
+def test_a_layer_whose_outline_is_open_is_said_to_be_seen_alone(model: Path, tmp_path: Path) -> None:
+    left_open = np.full_like(BACK, 255)
+    left_open[20:100, 110:112] = left_open[20:22, 110:150] = 0
+    with serving(model, tmp_path) as client:
+        found = client.post(
+            "/api/predict", json=ask(1, layer(1, "Body", BACK), layer(2, "Head", left_open, source="outline"))
+        )
+        alone = client.post("/api/predict", json=asking(2, picture=b64(png(left_open)), source="outline"))
+    words = "until it is closed, the layer is predicted without the others"
+    warning = unquote(found.headers["x-warning"])
+    assert warning.startswith("Head: its outline is not closed")
+    assert warning.endswith(words)
+    assert words not in unquote(alone.headers["x-warning"])
+
+
 def test_each_layer_says_for_itself_where_its_object_is(model: Path, tmp_path: Path) -> None:
     def mask(client: TestClient, number: int, *layers: dict[str, Any], **more: Any) -> Any:
         return pixels(client.post("/api/predict", json=ask(number, *layers, **more)))[..., 3]

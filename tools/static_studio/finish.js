@@ -94,7 +94,7 @@ export function hintsOff(hints, scale, { mask, width, height }) {
   const places = off.slice(0, FEW).map(({ x, y }) => `x ${Math.floor(x)}, y ${Math.floor(y)}`).join("; ");
   const more = off.length > FEW ? ` and ${off.length - FEW} more` : "";
   const [lie, them] = off.length === 1 ? ["lies", "it"] : ["lie", "them"];
-  return `${off.length} of ${hints.length} hints ${lie} off the object, at ${places}${more}; move ${them} onto it, or paint the object with the mask brush if the mask is wrong`;
+  return `${off.length} of ${hints.length} points ${lie} off the object, at ${places}${more}; move ${them} onto it, or paint the object with the mask brush if the mask is wrong`;
 }
 
 /** Brings a square of the network to the drawing's place and size. @param {Float32Array} square @param {Prepared} prepared @param {number} channels */

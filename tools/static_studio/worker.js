@@ -158,14 +158,15 @@ async function paint({ id, layers, longest, what, count, changedOnly }) {
   }
   const among = inContext(parts.map(({ lines }) => lines), widths);
   const all = parts.length > 1 ? digest(new TextEncoder().encode(parts.map(({ key }) => key).join())) : 0;
-  for (const [i, { layer, name, key }] of parts.entries()) {
+  for (const [i, { layer, name, key, lines }] of parts.entries()) {
     if (dropped.delete(id)) throw new Error("this is no longer wanted");
     const own = JSON.stringify([key, layer.strokes, layer.hints, layer.areas, layer.form]);
     const before = changedOnly ? [...painted.keys()].findLast((each) => each.startsWith(own)) : undefined;
     try {
       const found = await paintLayer(layer, among[i], before ?? `${own} ${all}`);
       maps.push(found);
-      if (found.warning) said.push(`${name}${found.warning}`);
+      const alone = parts.length > 1 && among[i] === lines ? "; until it is closed, the layer is predicted without the others" : "";
+      if (found.warning) said.push(`${name}${found.warning}${alone}`);
     } catch (error) {
       lacks(name, error);
     }

@@ -196,8 +196,9 @@ _OCTETS = "application/octet-stream"
 _WORDS = {
     "give --mask": "paint the object with the mask brush",
     "flip one with --hole x,y": "cut or paint it with the mask brush",
+    " hints ": " points ",
 }
-"""What the command line is told to do, and what is done on the page instead."""
+"""What the command line is told, and what the page calls it."""
 
 
 def _on_the_page(warning: str) -> str:

@@ -41,6 +41,8 @@ _LEFT = 0.9
 """The share of an outline's lines that must be left for its object to be held while it is open."""
 _CONTEXTS = 16
 """Drawings of several layers whose context, and what the network predicts of it, is kept."""
+_ALONE = "; until it is closed, the layer is predicted without the others"
+"""Added to the warning about an open outline."""
 _TABS = 32
 """Layers of tabs whose objects are held."""
 
@@ -127,10 +129,13 @@ class Predictor:
             check()
             prepared, shape = self._prepare(drawing, longest)
             check()
+            alone = prepared
             if context is not None:
                 prepared = in_context(prepared, context)
             seen = hinted(prepared, drawing.read_hints(shape), shape)
             predicted = finish(seen, *self._infer(seen), upsample)
+            if context is not None and prepared is alone and predicted.warning:
+                predicted = replace(predicted, warning=predicted.warning + _ALONE)
             predicted = replace(predicted, extended=drawing.edit(predicted.extended, predicted.mask, shape))
             key = *key[:2], self._version(drawing.tab)
             self._remember(self._predicted, (key, around), predicted, _size_of_map)

@@ -164,7 +164,7 @@ export const text = {
   sampleFish: "Fish",
   firstSteps: "First steps",
   firstSkip: "Skip",
-  firstDraw: "Draw a closed outline, or open a sample. Its normal map appears beside it.",
+  firstDraw: "Draw a closed outline, or open a sample. Its normal map appears as you draw.",
   firstLight: "Choose Lit, then drag over the result to move the light.",
   firstPoint: "Where the shape is wrong, click with the point tool, turn the ball, and press Done.",
   firstExport: "Export the map, or all files for Unity, Unreal, Godot or Blender.",

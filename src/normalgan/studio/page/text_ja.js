@@ -156,7 +156,7 @@ export const words = {
   sampleFish: "魚",
   firstSteps: "はじめに",
   firstSkip: "スキップ",
-  firstDraw: "閉じた輪郭を描くか、見本を開きます。横に法線マップが現れます。",
+  firstDraw: "閉じた輪郭を描くか、見本を開きます。描くと法線マップが現れます。",
   firstLight: "「照明」を選び、結果の上をドラッグして光を動かします。",
   firstPoint: "形が違う所を点ツールでクリックし、球を回して「完了」を押します。",
   firstExport: "マップ、またはUnity、Unreal、Godot、Blender用の全ファイルを書き出します。",
