@@ -290,22 +290,26 @@ def test_a_map_is_exported_with_16_bits(studio: "Page") -> None:
 @pytest.mark.parametrize("count", [1, 6])
 def test_points_are_suggested_where_python_suggests_them(studio: "Page", count: int) -> None:
     grey = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
+    grey[60:200, 140:143] = 0  # a crease, which points keep off
     predicted = normalgan.load(SHIPPED)(grey)
     taken = [{"x": 170, "y": 90, "normal": [0, 0, 1]}]
     assert predicted.confidence is not None
     # On the same map, the same points.
     given = [predicted.extended, predicted.confidence]
     found = studio.evaluate(
-        """async ([normals, confidence, mask, width, height, taken, count]) => {
+        """async ([normals, confidence, mask, lines, width, height, taken, count]) => {
           const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
           const floats = (text) => new Float32Array(bytes(text).buffer);
           const { suggest } = await import("./page/suggest.js");
           const map = { normals: floats(normals), mask: bytes(mask), width, height };
-          return suggest(map, floats(confidence), taken, count);
+          return suggest(map, floats(confidence), taken, count, bytes(lines));
         }""",
         [
             *(base64.b64encode(np.ascontiguousarray(each, np.float32).tobytes()).decode() for each in given),
-            base64.b64encode(predicted.mask.astype(np.uint8).tobytes()).decode(),
+            *(
+                base64.b64encode(each.astype(np.uint8).tobytes()).decode()
+                for each in (predicted.mask, grey < 128)
+            ),
             grey.shape[1],
             grey.shape[0],
             taken,
@@ -313,7 +317,7 @@ def test_points_are_suggested_where_python_suggests_them(studio: "Page", count: 
         ],
     )
     where = np.array([[170, 90]], np.float32)
-    wanted = suggest(predicted.extended, predicted.mask, predicted.confidence, where, count)
+    wanted = suggest(predicted.extended, predicted.mask, predicted.confidence, where, count, grey < 128)
     assert len(found) == len(wanted) == count
     for one, other in zip(found, wanted, strict=True):
         assert np.hypot(one["x"] - other.x, one["y"] - other.y) < 3
@@ -324,6 +328,7 @@ def test_points_are_suggested_where_python_suggests_them(studio: "Page", count: 
     points = json.loads(base64.b64decode(answer["rgba"]))["points"]
     assert len(points) == count
     assert all(predicted.mask[int(each["y"]), int(each["x"])] for each in points)
+    assert all(grey[int(each["y"]), int(each["x"])] > 127 for each in points)
     assert points[0]["gain"] == max(each["gain"] for each in points)
 
 

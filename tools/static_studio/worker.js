@@ -185,8 +185,19 @@ async function paint({ id, layers, longest, what, count, changedOnly }) {
   if (what === "doubt") {
     return { ...answer, shares: Uint8Array.from(mask, (there, i) => (there && confidence ? Math.round(255 * Math.min(doubt(confidence[i]), 1)) : 0)) };
   }
-  if (what === "points") return { ...answer, points: suggest(map, confidence, layers.flatMap(({ hints }) => hints), count) };
+  if (what === "points") return { ...answer, points: suggest(map, confidence, layers.flatMap(({ hints }) => hints), count, linesOf(layers)) };
   return answer;
+}
+
+/** Returns where there is ink: what is dark, whatever its colour. @param {Layer[]} layers of one size */
+function linesOf(layers) {
+  const lines = new Uint8Array(layers[0].ink.width * layers[0].ink.height);
+  for (const { ink: { pixels, channels } } of layers) {
+    for (let i = 0, at = 0; i < lines.length; i++, at += channels) {
+      if (channels === 1 ? pixels[at] < 128 : Math.min(pixels[at], pixels[at + 1], pixels[at + 2]) < 128 && pixels[at + 3] > 127) lines[i] = 1;
+    }
+  }
+  return lines;
 }
 
 /** Returns what the network is told: mean normals at the pins that have no reach of their own, and where they are. @param {import("./document.js").Hint[]} hints @param {number} scale @param {import("./prepare.js").Frame} frame */
