@@ -240,5 +240,6 @@ addEventListener("message", (/** @type {MessageEvent<Wish | {drop: number}>} */ 
       const message = error instanceof Error ? error.message : String(error);
       postMessage(error instanceof Unpaintable ? { id: data.id, lacks: message } : { id: data.id, failed: message });
     }
+    dropped.delete(data.id);
   });
 });
