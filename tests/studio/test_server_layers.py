@@ -131,6 +131,27 @@ def test_a_layer_whose_outline_is_open_is_said_to_be_seen_alone(model: Path, tmp
     assert words not in unquote(alone.headers["x-warning"])
 
 
+def test_an_open_outline_has_its_object_at_another_size_too(model: Path, tmp_path: Path) -> None:
+    left_open = BACK.copy()
+    left_open[50:70, 80:] = 255
+    left_open[46:48, 80:140] = 0
+    with serving(model, tmp_path) as client:
+        client.post("/api/predict", json=ask(1, layer(1, "a", BACK)))
+        own = client.post("/api/predict", json=ask(2, layer(1, "a", left_open)))
+        large = cv2.resize(left_open, None, fx=2, fy=2, interpolation=cv2.INTER_AREA)
+        tab = asking(1)["tab"]
+        held, alone = (
+            client.post(
+                "/api/predict", json=ask(3, layer(1, "a", large), tab=f"{tab} other", object_of=holder)
+            )
+            for holder in (tab, None)
+        )
+        wrong = client.post("/api/predict", json=ask(4, layer(1, "a", BACK), object_of=3))
+    kept = "the object stays as it was"
+    assert [kept in unquote(each.headers["x-warning"]) for each in (own, held, alone)] == [True, True, False]
+    assert (wrong.status_code, "object_of is 3" in wrong.json()["error"]) == (400, True)
+
+
 def test_each_layer_says_for_itself_where_its_object_is(model: Path, tmp_path: Path) -> None:
     def mask(client: TestClient, number: int, *layers: dict[str, Any], **more: Any) -> Any:
         return pixels(client.post("/api/predict", json=ask(number, *layers, **more)))[..., 3]

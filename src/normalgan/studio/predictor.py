@@ -186,7 +186,7 @@ class Predictor:
                 line_widths=self.model.line_widths,
             )
             if drawing.tab:
-                prepared = self._hold(drawing.tab, prepared, whole=longest is None)
+                prepared = self._hold(drawing.tab, prepared, whole=longest is None and drawing.remembers)
                 key = *key[:2], self._version(drawing.tab)
             # How the mask was found takes more memory than all else, and nobody asks for it again.
             found = replace(prepared, decision=None, reading=None), picture.shape

@@ -140,7 +140,7 @@ export class Folder {
         doc = withStroke(newDocument(width, height), { kind: "picture", picture: dark, x: 0, y: 0, width, height });
       }
       const longest = Math.min(LONGEST, Math.max(doc.width, doc.height));
-      const map = await this.predictor.askAt(longest, (request) => predict(request), { keep: false }, doc);
+      const map = await this.predictor.askAt(longest, (request) => predict(request), {}, doc);
       if (!map) throw new Error(text.busy);
       const pixels = lit ? this.lit(map) : new Uint8ClampedArray(map.rgba);
       const whole = make("canvas", { width: map.width, height: map.height });
