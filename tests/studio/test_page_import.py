@@ -224,8 +224,9 @@ def test_layers_of_more_than_a_request_takes_go_ahead_one_by_one(studio: Studio,
         [["a", whole]],
         [["b", whole]],
         [["a", 0], ["b", 0], ["c", whole]],
+        [["a", 0], ["b", 0], ["c", 0]],  # each among the others
     ]
-    assert [each["longest"] for each in sent] == [64, 64, None]
+    assert [each["longest"] for each in sent] == [64, 64, None, None]
     assert all(each["size"] < 20 * 2**20 and each["status"] == 200 for each in sent)
     studio.size = side, side
     for layer in layers:  # all are in the map
