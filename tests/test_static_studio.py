@@ -166,6 +166,17 @@ def test_layers_are_composed_as_python_composes_them(studio: "Page") -> None:
     wanted = compose([predict(model, in_context(each, context)) for each in parts])
     found = decoded(studio.evaluate(ASK, encoded(*drawn)), drawn[0].shape)
     assert_near(found, wanted, share=0.98, degrees=1)
+    # What has changed can be had first: the other layer is as it was, among the other lines.
+    moved = [drawn[0], np.roll(drawn[1], 40, 0)]
+    first, then = (
+        decoded(studio.evaluate(ASK, [*encoded(*moved), {"changed_only": early}]), found.shape[:2])
+        for early in (True, False)
+    )
+    seen = np.zeros_like(drawn[0], bool)
+    seen[200:312, 100:150] = True  # of the back alone
+    assert np.array_equal(first[seen], found[seen])
+    assert (then[seen] != found[seen]).any()
+    assert np.array_equal(first[300:340, 280:320], then[300:340, 280:320])
     lines = np.full_like(drawn[0], 255)
     one = studio.evaluate(ASK, encoded(drawn[0], lines))
     assert "Layer 1: no line is seen" in unquote(one["warning"])
@@ -279,22 +290,26 @@ def test_a_map_is_exported_with_16_bits(studio: "Page") -> None:
 @pytest.mark.parametrize("count", [1, 6])
 def test_points_are_suggested_where_python_suggests_them(studio: "Page", count: int) -> None:
     grey = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
+    grey[60:200, 140:143] = 0  # a crease, which points keep off
     predicted = normalgan.load(SHIPPED)(grey)
     taken = [{"x": 170, "y": 90, "normal": [0, 0, 1]}]
     assert predicted.confidence is not None
     # On the same map, the same points.
     given = [predicted.extended, predicted.confidence]
     found = studio.evaluate(
-        """async ([normals, confidence, mask, width, height, taken, count]) => {
+        """async ([normals, confidence, mask, lines, width, height, taken, count]) => {
           const bytes = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
           const floats = (text) => new Float32Array(bytes(text).buffer);
           const { suggest } = await import("./page/suggest.js");
           const map = { normals: floats(normals), mask: bytes(mask), width, height };
-          return suggest(map, floats(confidence), taken, count);
+          return suggest(map, floats(confidence), taken, count, bytes(lines));
         }""",
         [
             *(base64.b64encode(np.ascontiguousarray(each, np.float32).tobytes()).decode() for each in given),
-            base64.b64encode(predicted.mask.astype(np.uint8).tobytes()).decode(),
+            *(
+                base64.b64encode(each.astype(np.uint8).tobytes()).decode()
+                for each in (predicted.mask, grey < 128)
+            ),
             grey.shape[1],
             grey.shape[0],
             taken,
@@ -302,7 +317,7 @@ def test_points_are_suggested_where_python_suggests_them(studio: "Page", count: 
         ],
     )
     where = np.array([[170, 90]], np.float32)
-    wanted = suggest(predicted.extended, predicted.mask, predicted.confidence, where, count)
+    wanted = suggest(predicted.extended, predicted.mask, predicted.confidence, where, count, grey < 128)
     assert len(found) == len(wanted) == count
     for one, other in zip(found, wanted, strict=True):
         assert np.hypot(one["x"] - other.x, one["y"] - other.y) < 3
@@ -313,6 +328,7 @@ def test_points_are_suggested_where_python_suggests_them(studio: "Page", count: 
     points = json.loads(base64.b64decode(answer["rgba"]))["points"]
     assert len(points) == count
     assert all(predicted.mask[int(each["y"]), int(each["x"])] for each in points)
+    assert all(grey[int(each["y"]), int(each["x"])] > 127 for each in points)
     assert points[0]["gain"] == max(each["gain"] for each in points)
 
 
@@ -323,7 +339,8 @@ def test_hints_off_the_object_are_told_as_python_tells_them(studio: "Page") -> N
     wanted = normalgan.load(SHIPPED)(grey, hints=hints).warning
     assert wanted.startswith("4 of 5 hints lie off the object, at x 7, y 9; x 30, y 9; x 60, y 9 and 1 more;")
     answer = studio.evaluate(ASK, [*encoded(grey), {"hints": hints}])
-    assert unquote(answer["warning"]) == wanted.replace("give --mask", "paint the object with the mask brush")
+    wanted = wanted.replace("give --mask", "paint the object with the mask brush")
+    assert unquote(answer["warning"]) == wanted.replace(" hints ", " points ")
     answer = studio.evaluate(ASK, [*encoded(grey), {"hints": [{**each, "reach": 40} for each in hints]}])
     assert not answer["warning"]  # they are no hints, but held to by hand
 

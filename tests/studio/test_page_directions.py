@@ -155,3 +155,18 @@ def test_a_layer_and_a_region_take_a_form_by_buttons_sliders_and_keys(studio: St
     page.locator("#history summary").click()
     page.locator("#history-list li").first.wait_for()
     assert page.locator("#history-list li").all_inner_texts().count("Form changed") == 5
+
+
+def test_suggestions_go_with_what_they_lie_on(studio: Studio) -> None:
+    for x in (70, 190):
+        with studio.repainting():
+            studio.circle(x, 128, 48)
+    page = studio.page
+    page.locator("#tool-hint").click()
+    page.locator("#suggest").click()
+    offers = page.locator("#chips .offer")
+    offers.first.wait_for()
+    before = offers.count()
+    with studio.repainting():
+        page.keyboard.press("Control+z")
+    assert 0 < offers.count() < before

@@ -177,6 +177,20 @@ def test_a_file_that_the_command_line_names_asks_for_its_layers(opened: "Browser
         assert names(studio) == ["hat", "body"]
 
 
+def test_a_file_that_the_command_line_names_asks_for_its_page(opened: "Browser", tmp_path: Path) -> None:
+    first, second = Image.new("L", (64, 64), 255), Image.new("L", (80, 48), 255)
+    first.save(tmp_path / "scan.tiff", save_all=True, append_images=[second])
+    model = write_model(tmp_path / "ramp.onnx", reach=3)
+    with (
+        serving(model, tmp_path / "projects", str(tmp_path / "scan.tiff")) as server,
+        open_studio(opened, server.url) as studio,
+    ):
+        with studio.saying("Used page 2 of 2."):
+            studio.page.locator("#choose input[type=number]").fill("2")
+            studio.page.locator("#choose button[value=drawing]").click()
+        assert studio.page.locator("#pixels").inner_text() == "80 × 48"
+
+
 def test_layers_of_more_than_a_request_takes_go_ahead_one_by_one(studio: Studio, tmp_path: Path) -> None:
     # Of a picture four bytes a pixel are sent: 9 MB a layer, where a request takes 20 in all.
     side = 1536
@@ -210,8 +224,9 @@ def test_layers_of_more_than_a_request_takes_go_ahead_one_by_one(studio: Studio,
         [["a", whole]],
         [["b", whole]],
         [["a", 0], ["b", 0], ["c", whole]],
+        [["a", 0], ["b", 0], ["c", 0]],  # each among the others
     ]
-    assert [each["longest"] for each in sent] == [64, 64, None]
+    assert [each["longest"] for each in sent] == [64, 64, None, None]
     assert all(each["size"] < 20 * 2**20 and each["status"] == 200 for each in sent)
     studio.size = side, side
     for layer in layers:  # all are in the map

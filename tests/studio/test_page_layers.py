@@ -221,6 +221,14 @@ def test_beside_the_layers_every_control_has_its_room(
         for tool in ("pen", "mask", "hint"):
             page.locator(f"#tool-{tool}").click()
             assert page.evaluate(cramped) == [], tool
+        if size == (1024, 768):  # three sliders in one row
+            page.locator("#layers-close").click()
+            page.keyboard.press("r")
+            studio.size = 512, 512
+            studio.circle(256, 256, 40)
+            page.locator("#form-round").click()
+            assert page.locator("#form-soft").is_visible()
+            assert page.evaluate(cramped) == [], "a region with a form"
 
 
 def test_layers_are_named_removed_and_undone(studio: Studio) -> None:

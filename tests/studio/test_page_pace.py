@@ -32,8 +32,9 @@ def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
                   const fields = JSON.parse(new TextDecoder().decode(options.body.subarray(4, 4 + length)));
                   const bytes = options.body.length - 4 - length;
                   const [{ base }] = fields.layers;
-                  const { longest, draft, number } = fields;
-                  sent.push({ longest, draft, base, number, bytes, aborted: () => options.signal.aborted });
+                  const { longest, draft, number, changed_only: changedOnly } = fields;
+                  const aborted = () => options.signal.aborted;
+                  sent.push({ longest, draft, changedOnly, base, number, bytes, aborted });
                   const answer = await ask(path, options);
                   if (holding && draft) await new Promise((resolve) => held.push(resolve));
                   return answer;
@@ -144,6 +145,35 @@ def test_a_draft_is_waited_for_where_a_hand_would_see_no_map_for_too_long(
         else:
             page.mouse.up()
     assert page.evaluate("sent.map(({ draft }) => draft)") == [True, False]
+
+
+def test_what_a_stroke_changes_is_on_show_before_the_other_layers_follow(studio: Studio) -> None:
+    studio.new()
+    with studio.repainting():
+        studio.circle()
+    page = studio.page
+    page.locator("#layers-toggle").click()
+    page.locator("#layer-add").click()
+    with studio.repainting():
+        studio.circle(90, 90, 40)
+    with studio.repainting():
+        studio.line((80, 90), (100, 90))
+    page.evaluate("() => { sent.length = 0; holding = true; }")
+    before = studio.predicted()
+    page.keyboard.press("Control+z")
+    page.wait_for_function("() => held.length === 1")  # the other layer
+    assert studio.predicted() == before + 1
+    page.keyboard.press("Control+Shift+z")
+    page.wait_for_function("() => held.length === 2")
+    assert studio.predicted() == before + 2  # the newer change did not wait
+    assert page.locator("#result").get_attribute("aria-busy") == "true"
+    with studio.repainting(begun=True):
+        page.evaluate("() => { for (const release of held) release(); }")
+    assert studio.predicted() == before + 3
+    shown = "({ draft, changedOnly, aborted }) => [draft, changedOnly, draft && aborted()]"
+    asked = page.evaluate(f"sent.map({shown})")
+    first, others = [False, True, False], [True, False]
+    assert asked == [first, [*others, True], first, [*others, False]]
 
 
 def test_the_map_goes_when_all_is_erased(studio: Studio) -> None:

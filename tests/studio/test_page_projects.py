@@ -170,6 +170,34 @@ def test_a_folder_of_drawings_is_a_gallery_to_open_them_from(
         assert page.locator("#pixels").inner_text() == "1024 × 512"  # as large as the server draws an SVG
 
 
+def test_the_maps_of_a_folder_are_seen_side_by_side(
+    opened: "Browser", server: Server, tmp_path: Path
+) -> None:
+    (tmp_path / "1.svg").write_text(SVG)
+    (tmp_path / "2.svg").write_text("<svg xmlns='http://www.w3.org/2000/svg' width='64' height='64'/>")
+    with open_studio(opened, server.url) as studio:
+        page = studio.page
+        page.locator("#open").click()
+        page.set_input_files("#open-folder", tmp_path)
+        colour = """() => {
+          const [first] = document.querySelectorAll("#folder-list canvas");
+          return [...first.getContext("2d").getImageData(96, 96, 1, 1).data];
+        }"""
+        page.wait_for_function(PICTURED, arg="folder-list")
+        seen = [page.evaluate(colour)]
+        for shown in ("maps", "lit"):
+            page.locator("#folder-shown").select_option(shown)
+            page.locator("#folder-list span", has_text="No line is seen").wait_for()  # of the second
+            assert page.locator("#folder-list span").first.inner_text() == ""
+            seen.append(page.evaluate(colour))
+        drawing, map_, lit = seen
+        assert map_[2] > 120 > abs(map_[0] - map_[1])  # a normal, blue
+        assert max(lit[:3]) - min(lit[:3]) < 30  # clay
+        assert drawing != map_ != lit
+        page.locator("#folder-list .project").first.click()
+        page.wait_for_function("() => document.getElementById('result').ariaBusy === 'false'")
+
+
 def test_an_exported_map_is_read_back(opened: "Browser", server: Server, tmp_path: Path) -> None:
     with open_studio(opened, server.url) as studio:
         studio.new()

@@ -217,7 +217,7 @@ def test_a_failure_of_ours_is_one_sentence_too(
     def fail(*_: object) -> None:
         raise RuntimeError("/secret/path\nlong story")
 
-    monkeypatch.setattr("normalgan.studio.predictor.predict", fail)
+    monkeypatch.setattr("normalgan.studio.predictor.finish", fail)
     answer = client.post("/api/predict", json=asking(10, hints=[{"x": 3, "y": 3, "normal": [0, 0, 1]}]))
     assert answer.status_code == 500
     assert answer.json() == {"error": "the server failed: RuntimeError; the terminal says more."}

@@ -16,8 +16,6 @@ from studio_client import circle, png, serving
 
 from normalgan.decoding import DecodedLayer
 from normalgan.inference.composites.layers import LayeredKind, encode_layers
-from normalgan.studio.document_store import DocumentStore
-from normalgan.studio.opening import find_opened
 
 SHAPE = (120, 160)
 KRITA = Path(__file__).parents[1] / "inference" / "composites" / "layered"
@@ -175,15 +173,3 @@ def test_another_way_to_import_is_refused(model: Path, tmp_path: Path) -> None:
         answer = asked(client, png(circle()), "frames")
     assert answer.status_code == 400
     assert 'as is "frames"; it is to be one of "drawing", "layers"' in answer.json()["error"]
-
-
-def test_a_layered_file_is_opened_with_its_layers(tmp_path: Path) -> None:
-    store = DocumentStore(tmp_path / "projects")
-    (tmp_path / "fox.ora").write_bytes(ORA)
-    opened = find_opened(str(tmp_path / "fox.ora"), store)
-    assert (opened["kind"], opened["name"]) == ("drawing", "fox")
-    assert [each["name"] for each in opened["layers"]["layers"]] == ["body", "hat"]
-    (tmp_path / "sheet.ora").write_bytes(encode_layers("ora", SHAPE, [PAPER]))
-    assert "has no layer with lines" in find_opened(str(tmp_path / "sheet.ora"), store)["layers"]["error"]
-    (tmp_path / "cat.png").write_bytes(png(circle()))
-    assert find_opened(str(tmp_path / "cat.png"), store)["layers"] is None

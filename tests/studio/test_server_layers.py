@@ -14,7 +14,8 @@ from PIL import Image
 from starlette.testclient import TestClient
 from studio_client import HEIGHT, WIDTH, Pixels, asking, b64, png, serving
 
-from normalgan.inference.pipeline import predict
+from normalgan.inference.network.onnx_backend import OnnxBackend
+from normalgan.inference.pipeline import finish
 from normalgan.studio.layers import MOST_LAYERS
 from normalgan.studio.planes import CONTENT_TYPE
 
@@ -23,6 +24,12 @@ def ring(x: float, y: float = 60, radius: float = 34) -> Pixels:
     """A circle, black on white."""
     rows, columns = np.mgrid[:HEIGHT, :WIDTH] + 0.5
     return np.where(np.abs(np.hypot(columns - x, rows - y) - radius) < 1.3, 0, 255).astype(np.uint8)
+
+
+def inside(x: float, y: float = 60, radius: float = 34) -> Any:
+    """What a circle encloses."""
+    rows, columns = np.mgrid[:HEIGHT, :WIDTH] + 0.5
+    return np.hypot(columns - x, rows - y) < radius
 
 
 BACK, FRONT = ring(60), ring(96, 64)
@@ -109,6 +116,42 @@ def test_a_layer_is_seen_among_the_others(model: Path, tmp_path: Path) -> None:
     assert np.abs(alone[inside].astype(int) - whole[inside]).max() > 8
 
 
+def test_a_layer_whose_outline_is_open_is_said_to_be_seen_alone(model: Path, tmp_path: Path) -> None:
+    left_open = np.full_like(BACK, 255)
+    left_open[20:100, 110:112] = left_open[20:22, 110:150] = 0
+    with serving(model, tmp_path) as client:
+        found = client.post(
+            "/api/predict", json=ask(1, layer(1, "Body", BACK), layer(2, "Head", left_open, source="outline"))
+        )
+        alone = client.post("/api/predict", json=asking(2, picture=b64(png(left_open)), source="outline"))
+    words = "until it is closed, the layer is predicted without the others"
+    warning = unquote(found.headers["x-warning"])
+    assert warning.startswith("Head: its outline is not closed")
+    assert warning.endswith(words)
+    assert words not in unquote(alone.headers["x-warning"])
+
+
+def test_an_open_outline_has_its_object_at_another_size_too(model: Path, tmp_path: Path) -> None:
+    left_open = BACK.copy()
+    left_open[50:70, 80:] = 255
+    left_open[46:48, 80:140] = 0
+    with serving(model, tmp_path) as client:
+        client.post("/api/predict", json=ask(1, layer(1, "a", BACK)))
+        own = client.post("/api/predict", json=ask(2, layer(1, "a", left_open)))
+        large = np.repeat(np.repeat(left_open, 2, 0), 2, 1)
+        tab = asking(1)["tab"]
+        held, alone = (
+            client.post(
+                "/api/predict", json=ask(3, layer(1, "a", large), tab=f"{tab} other", object_of=holder)
+            )
+            for holder in (tab, None)
+        )
+        wrong = client.post("/api/predict", json=ask(4, layer(1, "a", BACK), object_of=3))
+    kept = "the object stays as it was"
+    assert [kept in unquote(each.headers["x-warning"]) for each in (own, held, alone)] == [True, True, False]
+    assert (wrong.status_code, "object_of is 3" in wrong.json()["error"]) == (400, True)
+
+
 def test_each_layer_says_for_itself_where_its_object_is(model: Path, tmp_path: Path) -> None:
     def mask(client: TestClient, number: int, *layers: dict[str, Any], **more: Any) -> Any:
         return pixels(client.post("/api/predict", json=ask(number, *layers, **more)))[..., 3]
@@ -125,35 +168,72 @@ def test_each_layer_says_for_itself_where_its_object_is(model: Path, tmp_path: P
             assert np.array_equal(both, np.maximum(back[one], front[other]))
 
 
+@pytest.fixture
+def counted(monkeypatch: pytest.MonkeyPatch) -> tuple[list[int], list[int]]:
+    """How often the network was asked, and how many maps were made of what it said."""
+    asked, made = [], []
+
+    class Counting(OnnxBackend):
+        def predict(self, *given: Any) -> Any:
+            asked.append(1)
+            return super().predict(*given)
+
+    def counting(*given: Any) -> Any:
+        made.append(1)
+        return finish(*given)
+
+    monkeypatch.setattr("normalgan.studio.predictor.OnnxBackend", Counting)
+    monkeypatch.setattr("normalgan.studio.predictor.finish", counting)
+    return asked, made
+
+
 def test_only_layers_that_look_different_are_painted_again(
-    model: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    model: Path, tmp_path: Path, counted: tuple[list[int], list[int]]
 ) -> None:
-    predicted: list[int] = []
-
-    def counted(*given: Any) -> Any:
-        predicted.append(1)
-        return predict(*given)
-
-    monkeypatch.setattr("normalgan.studio.predictor.predict", counted)
+    asked, made = counted
     with serving(model, tmp_path) as client:
+        asked.clear()  # the first is to warm up
         first = sent(client, 1, [raw(1, "a", None, BACK), raw(2, "b", None, FRONT)])
         assert first.status_code == 200, first.text
-        assert len(predicted) == 2
+        assert (len(asked), len(made)) == (1, 2)  # the network sees both among each other: once the same
         moved = ring(90, 50)
         second = sent(client, 2, [raw(1, "a", 1, None), raw(2, "b", 1, moved)])
-        assert len(predicted) == 4  # for each the drawing is another
+        assert (len(asked), len(made)) == (2, 4)  # for each the drawing is another
         hint = {"x": 90, "y": 50, "normal": [0, 0.6, 0.8]}
         pinned = sent(client, 3, [raw(1, "a", 2, None), pinned_layer(raw(2, "b", 2, None), hint)])
-        assert len(predicted) == 5
+        assert (len(asked), len(made)) == (3, 5)
         assert second.content != first.content
         assert pinned.content != second.content
         again = sent(client, 4, [raw(1, "a", 3, None), raw(2, "b", 3, None)])
-        assert len(predicted) == 5  # what was painted is remembered
+        assert (len(asked), len(made)) == (3, 5)  # what was painted is remembered
         assert again.content == second.content
         hidden = sent(client, 5, [raw(1, "a", 4, None)])
         alone = client.post("/api/predict", json=asking(6, picture=b64(png(BACK))))
         assert hidden.content == alone.content
         assert sent(client, 7, [raw(1, "a", 2, None), raw(2, "b", 3, None)]).status_code == 409
+
+
+def test_what_has_changed_can_be_had_first(
+    model: Path, tmp_path: Path, counted: tuple[list[int], list[int]]
+) -> None:
+    _, made = counted
+    with serving(model, tmp_path) as client:
+        first = sent(client, 1, [raw(1, "a", None, BACK), raw(2, "b", None, FRONT)], changed_only=True)
+        assert len(made) == 2  # nothing is known yet
+        layers = [raw(1, "a", 1, None), raw(2, "b", 1, ring(90, 50))]
+        quick = pixels(sent(client, 2, layers, changed_only=True))
+        assert len(made) == 3
+        layers = [raw(1, "a", 2, None), raw(2, "b", 2, None)]
+        whole = pixels(sent(client, 3, layers))
+        assert len(made) == 4
+        again = pixels(sent(client, 4, [raw(1, "a", 3, None), raw(2, "b", 3, None)], changed_only=True))
+    # Where the back is seen, it is as it was; in front the map is new.
+    back = inside(60, radius=28) & ~inside(96, 64, radius=40) & ~inside(90, 50, radius=40)
+    front = inside(90, 50, radius=28)
+    assert np.array_equal(quick[back], pixels(first)[back])
+    assert (quick[back] != whole[back]).any()
+    assert np.array_equal(quick[front], whole[front])
+    assert np.array_equal(again, whole)  # the newest is taken
 
 
 def test_a_layer_that_cannot_be_painted_leaves_the_others(model: Path, tmp_path: Path) -> None:

@@ -99,8 +99,8 @@ def test_what_cannot_be_used_is_told_before_it_starts(
 def test_a_drawing_of_the_command_line_is_opened(model: Path, tmp_path: Path) -> None:
     (tmp_path / "cat.png").write_bytes(png(circle()))
     with running(model, tmp_path / "p", str(tmp_path / "cat.png")) as studio:
-        opened = studio.ask("GET", "/api/open")[1]
-    assert (opened["kind"], opened["name"], opened["width"]) == ("drawing", "cat", 160)
+        assert studio.ask("GET", "/api/open")[1] == {"kind": "drawing", "name": "cat"}
+        assert studio.ask("GET", "/api/open/file")[1] == png(circle())
 
 
 def test_help_and_imports_are_light(capsys: pytest.CaptureFixture[str]) -> None:

@@ -37,8 +37,8 @@ SERVICE_WORKER = "service_worker.js"
 FOLDER = "draw"
 _ABOUT = (
     "<p>This studio runs in your browser alone; nothing you draw leaves it, and projects stay in its store. "
-    "The relief, exports but for PNG, files of paint programs, and the cleaning of photos need Python: "
-    "install normalgan and run <code>normalgan studio</code>.</p>"
+    "The relief, exports but for PNG and files of paint programs need Python, which also cleans photos and "
+    "drawings in colour better: install normalgan and run <code>normalgan studio</code>.</p>"
 )
 _LEFT_OUT = (
     "<!doctype html><html lang='en'><meta charset='utf-8'><title>normalgan studio</title>"

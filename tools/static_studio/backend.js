@@ -74,20 +74,22 @@ function take(key, fields, number, pixels) {
 
 /**
  * @param {import("./worker.js").Layer[]} layers @param {number | null} longest
- * @param {import("./worker.js").Wish["what"]} [what] @param {number} [count] of points
+ * @param {{what?: import("./worker.js").Wish["what"], count?: number, changedOnly?: boolean}} [more] count: of points
+ * @param {AbortSignal | null} [signal]
  * @returns {Promise<Painted>}
  */
-async function painted(layers, longest, what = "map", count = 0) {
+async function painted(layers, longest, { what = "map", count = 0, changedOnly = false } = {}, signal = null) {
   await size;
   const id = ++asked;
   return new Promise((resolve, reject) => {
     waiting.set(id, { resolve, reject });
-    worker.postMessage({ id, layers, longest, what, count });
+    worker.postMessage({ id, layers, longest, what, count, changedOnly });
+    signal?.addEventListener("abort", () => waiting.has(id) && worker.postMessage({ drop: id }));
   });
 }
 
-/** @param {string} path @param {Uint8Array} body */
-async function drawing(path, body) {
+/** @param {string} path @param {Uint8Array} body @param {AbortSignal | null} [signal] */
+async function drawing(path, body, signal) {
   const length = new DataView(body.buffer, body.byteOffset).getUint32(0, true);
   const fields = JSON.parse(new TextDecoder().decode(body.subarray(4, 4 + length)));
   const layers = [];
@@ -103,7 +105,7 @@ async function drawing(path, body) {
   }
   if (path === "/api/predict") {
     try {
-      const { rgba, width, height, warning } = await painted(layers, fields.longest ?? null);
+      const { rgba, width, height, warning } = await painted(layers, fields.longest ?? null, { changedOnly: fields.changed_only }, signal);
       const headers = { "X-Width": String(width), "X-Height": String(height), "X-Warning": encodeURIComponent(warning) };
       return new Response(/** @type {Uint8Array<ArrayBuffer>} */ (rgba), { headers });
     } catch (error) {
@@ -113,13 +115,13 @@ async function drawing(path, body) {
   }
   const bits = { png8: /** @type {const} */ (8), png16: /** @type {const} */ (16) }[String(fields.format)];
   if (path === "/api/export" && fields.what === "map" && bits) {
-    const file = await png(await painted(layers, fields.size ?? null, "exact"), bits, fields.y === "down", fields.alpha !== false);
+    const file = await png(await painted(layers, fields.size ?? null, { what: "exact" }), bits, fields.y === "down", fields.alpha !== false);
     const name = encodeURIComponent(`${fields.name}_normal.png`);
     return new Response(file, { headers: { "Content-Disposition": `attachment; filename*=UTF-8''${name}` } });
   }
-  if (path === "/api/suggest") return json({ points: (await painted(layers, null, "points", fields.count ?? 5)).points });
+  if (path === "/api/suggest") return json({ points: (await painted(layers, null, { what: "points", count: fields.count ?? 5 })).points });
   if (path === "/api/uncertainty") {
-    const { shares, width, height } = await painted(layers, null, "doubt");
+    const { shares, width, height } = await painted(layers, null, { what: "doubt" });
     return new Response(/** @type {Uint8Array<ArrayBuffer>} */ (shares), { headers: { "X-Width": String(width), "X-Height": String(height) } });
   }
   return refused(LACKS, 501);
@@ -154,7 +156,7 @@ async function picture(file) {
 }
 
 /** @param {string} path @param {RequestInit} options @returns {Promise<Response>} */
-async function answer(path, { method = "GET", body, headers }) {
+async function answer(path, { method = "GET", body, headers, signal }) {
   try {
     const stored = /^\/api\/(projects|autosave)(?:\/(.+))?$/.exec(path);
     if (stored) return await documents(stored[1], stored[2] && decodeURIComponent(stored[2]), method, new Headers(headers), String(body ?? ""));
@@ -163,7 +165,7 @@ async function answer(path, { method = "GET", body, headers }) {
     }
     if (path === "/api/open") return json(null);
     if (path === "/api/import" && body instanceof Blob) return await picture(body);
-    if (body instanceof Uint8Array) return await drawing(path, body);
+    if (body instanceof Uint8Array) return await drawing(path, body, signal);
     return refused(LACKS, 501);
   } catch (error) {
     return refused(error instanceof Error ? error.message : String(error), 500);

@@ -1,6 +1,6 @@
 /** Compose: maps of layers that were painted each for itself, one over the other, as normalgan.inference.composites.composition does it. */
 
-import { distance, where } from "./raster.js";
+import { distance, opposite } from "./raster.js";
 
 /** @typedef {{normals: Float32Array, mask: Uint8Array, covered: Float32Array, width: number, height: number, confidence: Float32Array | null}} LayerMap
  *   x, y, z of each pixel, the object, how much of each pixel that covers, and the model's κ */
@@ -25,7 +25,7 @@ export function compose(maps) {
       for (let c = 3 * i; c < 3 * i + 3; c++) normals[c] = front.normals[c];
     }
   }
-  const away = maps.map((each) => distance(where(each.mask, (value) => value === 0), width, height));
+  const away = maps.map((each) => distance(opposite(each.mask), width, height));
   for (let i = 0; i < mask.length; i++) {
     if (mask[i]) continue;
     let nearest = 0;

@@ -3,7 +3,7 @@
 import { snapOutline } from "./edge.js";
 import { INKED, decided, enlarged, fillOutline } from "./filling.js";
 import { lineWidth } from "./prepare.js";
-import { SQUARE, components, dilated, distance, ellipse, eroded, refitted, rint, where } from "./raster.js";
+import { SQUARE, above, both, components, dilated, distance, ellipse, eroded, labelled, opposite, refitted, rint, sumOf, where, without } from "./raster.js";
 import { presenceAt } from "./reader.js";
 
 const [HOLE, PART, EYE, ADDED, SURE, SPECK] = [0.3, 0.75, 0.004, 0.6, 0.72, 0.002];
@@ -23,7 +23,7 @@ export function decide(ink, width, height, reading) {
   const [wide, high] = decided(width, height);
   const same = wide === width && high === height;
   const small = same ? ink : refitted(ink, width, height, wide, high);
-  const inked = where(small, (value) => value > INKED);
+  const inked = above(small, INKED);
   const filled = fillOutline(inked, wide, high);
   const outline = filled.mask;
   let { closed } = filled;
@@ -31,7 +31,7 @@ export function decide(ink, width, height, reading) {
   let unsure = "";
   if (reading) {
     const presence = presenceAt(reading, wide, high);
-    const { labels, boxes } = components(where(inked, (value) => !value), wide, high, 4);
+    const { labels, boxes } = components(opposite(inked), wide, high, 4);
     const enclosed = boxes.map((box, k) => k > 0 && box.left > 0 && box.top > 0 && box.right < wide && box.bottom < high);
     mask = voted({ inked, labels, enclosed, outline, presence, wide, high });
     if (!mask.includes(1)) mask = outline;
@@ -39,7 +39,7 @@ export function decide(ink, width, height, reading) {
     unsure = doubts({ labels, boxes, enclosed, presence, wide, high }, mask, width / wide);
   }
   const covered = snapOutline(same ? mask : enlarged(mask, wide, high, width, height), ink, width, height);
-  return { mask: where(covered, (value) => value > 0.5), covered, closed, guessed: !reading && filled.guessed, unsure };
+  return { mask: above(covered, 0.5), covered, closed, guessed: !reading && filled.guessed, unsure };
 }
 
 /**
@@ -69,26 +69,32 @@ function voted({ inked, labels, enclosed, outline, presence, wide, high }) {
     kept[cell] = (within ? mean >= HOLE || (inside && size[cell] < EYE * object) : inside && mean > ADDED) ? 1 : 0;
     mixed[cell] = !inside && (!within || mean < PART) && size[cell] ? 1 : 0;
   }
-  let solid = where(labels, (label, i) => {
-    const cell = 2 * label + outline[i];
-    return !inked[i] && (mixed[cell] ? presence[i] > 0.5 : kept[cell] > 0);
-  });
+  let solid = new Uint8Array(labels.length);
+  for (let i = 0; i < solid.length; i++) {
+    if (inked[i]) continue;
+    const cell = 2 * labels[i] + outline[i];
+    solid[i] = mixed[cell] ? Number(presence[i] > 0.5) : kept[cell];
+  }
   if (mixed.includes(1)) solid = withoutGuesses(solid, outline, presence, wide, high);
   const near = dilated(solid, wide, high, ellipse(reachOf(inked, wide, high)));
-  const mask = where(solid, (value, i) => value > 0 || (inked[i] > 0 && (near[i] ? outline[i] > 0 || presence[i] > 0.15 : presence[i] > 0.4)));
+  const mask = solid.slice();
+  for (let i = 0; i < mask.length; i++) if (inked[i] && (near[i] ? outline[i] || presence[i] > 0.15 : presence[i] > 0.4)) mask[i] = 1;
   // Between a line and what it bounds there is no gap of a pixel.
   const closed = eroded(dilated(mask, wide, high, SQUARE), wide, high, SQUARE);
-  return where(mask, (value, i) => value > 0 || (closed[i] > 0 && (outline[i] > 0 || presence[i] > 0.3) && !(outline[i] && labels[i] && !kept[2 * labels[i] + 1])));
+  for (let i = 0; i < mask.length; i++) {
+    if (closed[i] && (outline[i] || presence[i] > 0.3) && !(outline[i] && labels[i] && !kept[2 * labels[i] + 1])) mask[i] = 1;
+  }
+  return mask;
 }
 
 /** Returns the object without areas off the outline that are specks, or of which the reader is unsure. @param {Uint8Array} solid @param {Uint8Array} outline @param {Float32Array} presence @param {number} wide @param {number} high */
 function withoutGuesses(solid, outline, presence, wide, high) {
-  const { labels, boxes } = components(where(solid, (value, i) => value > 0 && !outline[i]), wide, high, 4);
+  const { labels, boxes } = components(without(solid, outline), wide, high, 4);
   const sum = new Float64Array(boxes.length);
   for (let i = 0; i < labels.length; i++) sum[labels[i]] += presence[i];
-  const least = SPECK * Math.max(solid.reduce((total, value) => total + value, 0), 1);
+  const least = SPECK * Math.max(sumOf(solid), 1);
   const kept = boxes.map(({ area }, k) => k === 0 || (sum[k] >= SURE * area && area >= least));
-  return where(solid, (value, i) => value > 0 && kept[labels[i]]);
+  return both(solid, labelled(labels, kept));
 }
 
 /** Returns how wide a window about a line is that reaches what it bounds. @param {Uint8Array} inked @param {number} wide @param {number} high */
@@ -113,7 +119,7 @@ function shareAt(inked, mask, wide, high) {
 function doubts({ labels, boxes, enclosed, presence, wide, high }, mask, scale) {
   const sum = new Float64Array(boxes.length);
   for (let i = 0; i < labels.length; i++) sum[labels[i]] += presence[i];
-  const least = SHARE * Math.max(mask.reduce((total, value) => total + value, 0), 1);
+  const least = SHARE * Math.max(sumOf(mask), 1);
   const numbers = boxes.map(({ area }, k) => ({ k, area, vote: sum[k] / Math.max(area, 1) }))
     .filter(({ k, area, vote }) => enclosed[k] && vote > LOW && vote < HIGH && area > least).sort((one, other) => other.area - one.area);
   if (!numbers.length) return "";

@@ -1,12 +1,12 @@
 /** Edge: where an object ends, by the ink of its outline, as normalgan.inference.mask.edge does it in Python. */
 
 import { lineWidth } from "./prepare.js";
-import { CROSS, SQUARE, WIDE, blurred, boxOf, components, dilated, distance, eroded, extreme, opposite, part, refitted, where } from "./raster.js";
+import { CROSS, SQUARE, WIDE, above, both, blurred, boxOf, components, dilated, distance, either, eroded, extreme, labelled, opposite, part, refitted, stretched, where, without } from "./raster.js";
 
 const [PALEST, ONE_SIDED, OWN, MERGED, TIP, TOUCHING, FINER, LARGE] = [0.35, 0.97, 0.6, 1.5, 0.25, 1.3, 1.25, 1024];
 
 /** Returns a mask as opacity: its staircase becomes an edge of a pixel. @param {Uint8Array} mask @param {number} width @param {number} height */
-export const softEdge = (mask, width, height) => blurred(mask, width, height, 1).map((value) => Math.max(0, Math.min(1, 1.6 * (value - 0.5) + 0.5)));
+export const softEdge = (mask, width, height) => stretched(blurred(mask, width, height, 1), 1.6, -0.3);
 
 /** How far the edge of a mask found at 512 pixels may be off, in pixels of that size, and of the drawing. */
 const [OFF, LEAST_OFF] = [2.5, 2];
@@ -29,9 +29,10 @@ function snap(mask, ink, width, height, reach) {
   const [wide, high] = [box[2] - box[0], box[3] - box[1]];
   const lines = part(ink, width, height, box);
   const darkest = extreme(lines, wide, high, 2, 1);
-  const share = lines.map((value, i) => Math.min(value / Math.max(darkest[i], PALEST), 1));
-  const inked = where(share, (value) => value > 0.5);
-  const body = bodyOf(where(part(mask, width, height, box), Boolean), lines, inked, wide, high, reach);
+  const share = new Float32Array(lines.length);
+  for (let i = 0; i < share.length; i++) if (lines[i]) share[i] = Math.min(lines[i] / Math.max(darkest[i], PALEST), 1);
+  const inked = above(share, 0.5);
+  const body = bodyOf(above(part(mask, width, height, box), 0), lines, inked, wide, high, reach);
   const own = soft(body, inked, share, wide, high);
   for (let y = 0; y < high; y++) covered.set(own.subarray(y * wide, (y + 1) * wide), (y + box[1]) * width + box[0]);
   return covered;
@@ -46,15 +47,14 @@ function bodyOf(mask, ink, inked, width, height, reach) {
   if (Math.max(width, height) > LARGE) {
     const [wide, high] = [(width + 1) >> 1, (height + 1) >> 1];
     const small = refitted(ink, width, height, wide, high);
-    const half = where(refitted(mask, width, height, wide, high), (value) => value > 0.5);
-    const rough = bodyOf(half, small, where(small, (value) => value > PALEST), wide, high, reach / 2);
-    return finished(where(refitted(rough, wide, high, width, height), (value) => value > 0.5), inked, width, height);
+    const half = above(refitted(mask, width, height, wide, high), 0.5);
+    const rough = bodyOf(half, small, above(small, PALEST), wide, high, reach / 2);
+    return finished(above(refitted(rough, wide, high, width, height), 0.5), inked, width, height);
   }
   const { inside, narrow } = divided(mask, inked, width, height, reach);
   const outline = ownInk(mask, inside, inked, width, height);
-  const whole = where(inside, (value, i) => value > 0 || outline[i] > 0);
-  const tips = tipsOf(whole, inked, where(narrow, (value, i) => value > 0 && !inside[i]), width, height, mask);
-  return where(whole, (value, i) => value > 0 || tips[i] > 0);
+  const whole = either(inside, outline);
+  return either(whole, tipsOf(whole, inked, without(narrow, inside), width, height, mask));
 }
 
 /** Returns how many marked pixels each part has. @param {Int32Array} labels @param {number} count @param {(at: number) => boolean} marked */
@@ -67,7 +67,7 @@ function counted(labels, count, marked) {
 /** Grows two sides through free pixels until they meet. @param {Uint8Array} one @param {Uint8Array} other @param {Uint8Array} free @param {number} width @param {number} rounds */
 function meet(one, other, free, width, rounds) {
   // 1 is inside, 2 outside.
-  const side = where(one, Boolean);
+  const side = one.slice();
   for (let i = 0; i < side.length; i++) if (other[i]) side[i] = 2;
   let edge = [...side.keys()].filter((at) => side[at]);
   for (let round = 0; round < rounds && edge.length; round++) {
@@ -107,17 +107,16 @@ function divided(mask, inked, width, height, reach) {
   }
   const among = boxes.map(({ area }, k) => held[k] / Math.max(area, 1));
   const whole = boxes.map((_, k) => k > 0 && (!deep[k] || (among[k] >= ONE_SIDED && !outer[k]) || (among[k] <= 1 - ONE_SIDED && !inner[k])));
-  const inside = where(labels, (label) => whole[label] && among[label] > 0.5);
-  const mixed = where(labels, (label) => label > 0 && !whole[label]);
+  const inside = labelled(labels, whole.map((all, k) => all && among[k] > 0.5));
+  const mixed = labelled(labels, whole.map((all, k) => k > 0 && !all));
   if (mixed.includes(1)) {
     /** @param {number} i */
     const sure = (i) => mixed[i] > 0 && (within[i] > reach || beyond[i] > reach || depth[i] > reach);
-    const one = where(mixed, (_, i) => sure(i) && mask[i] > 0);
-    const other = where(mixed, (_, i) => sure(i) && !mask[i]);
-    const side = meet(one, other, mixed, width, Math.floor(2 * reach) + 2);
+    const known = where(mixed, (_, i) => sure(i));
+    const side = meet(both(known, mask), without(known, mask), mixed, width, Math.floor(2 * reach) + 2);
     for (let i = 0; i < inside.length; i++) if (mixed[i]) inside[i] = side[i] === 1 || (side[i] === 0 && mask[i] > 0) ? 1 : 0;
   }
-  return { inside, narrow: where(labels, (label) => label > 0 && !deep[label]) };
+  return { inside, narrow: labelled(labels, boxes.map((_, k) => k > 0 && !deep[k])) };
 }
 
 /** @param {Uint8Array} mask @param {Uint8Array} inside @param {Uint8Array} inked @param {number} width @param {number} height */
@@ -143,39 +142,39 @@ function ownInk(mask, inside, inked, width, height) {
     for (let i = 0; i < own.length; i++) if (inked[i] && around[i] < FINER ** (bin + 1)) own[i] = 1;
   }
   for (let round = 0; round < 2; round++) {
-    const grown = dilated(own, width, height, SQUARE);
-    own = where(inked, (value, i) => value > 0 && grown[i] > 0);
+    own = both(inked, dilated(own, width, height, SQUARE));
   }
   const { labels, boxes } = components(own, width, height, 8);
   const near = dilated(inside, width, height, SQUARE);
   const touching = counted(labels, boxes.length, (i) => near[i] > 0);
   const held = counted(labels, boxes.length, (i) => mask[i] > 0);
-  return where(labels, (label) => label > 0 && (touching[label] > 0 || held[label] > OWN * boxes[label].area));
+  return labelled(labels, boxes.map(({ area }, k) => k > 0 && (touching[k] > 0 || held[k] > OWN * area)));
 }
 
 /** @param {Uint8Array} body @param {Uint8Array} inked @param {Uint8Array} slits @param {number} width @param {number} height @param {Uint8Array} mask */
 function tipsOf(body, inked, slits, width, height, mask) {
-  const loose = where(inked, (value, i) => !body[i] && (value > 0 || slits[i] > 0));
+  const filled = either(inked, slits);
+  const loose = without(filled, body);
   const near = dilated(body, width, height, SQUARE);
   const none = new Uint8Array(body.length);
   const found = boxOf(mask, width, height);
-  if (!found || !loose.some((value, i) => value > 0 && near[i] > 0)) return none;
+  if (!found || !both(loose, near).includes(1)) return none;
   const span = Math.max(found[2] - found[0], found[3] - found[1]);
   const { labels, boxes } = components(loose, width, height, 8);
-  const depth = distance(where(inked, (value, i) => value > 0 || slits[i] > 0), width, height, true);
+  const depth = distance(filled, width, height, true);
   const line = lineWidth(inked, width, height);
   const away = distance(opposite(body), width, height);
   const merged = counted(labels, boxes.length, (i) => loose[i] > 0 && 2 * depth[i] - 1 > Math.max(MERGED * line, line + 1.5) && away[i] > line / 2);
   const touching = counted(labels, boxes.length, (i) => near[i] > 0);
   const kept = boxes.map((box, k) => k > 0 && merged[k] > 0 && touching[k] > 0 && Math.hypot(box.right - box.left, box.bottom - box.top) <= TIP * span);
-  return where(labels, (label) => kept[label]);
+  return labelled(labels, kept);
 }
 
 /** Returns an object whose edge was off by two pixels at most. @param {Uint8Array} rough @param {Uint8Array} inked @param {number} width @param {number} height */
 function finished(rough, inked, width, height) {
   const [grown, shrunk] = [dilated(rough, width, height, WIDE), eroded(rough, width, height, WIDE)];
   const free = opposite(inked);
-  const side = meet(where(shrunk, (value, i) => value > 0 && free[i] > 0), where(grown, (value, i) => !value && free[i] > 0), free, width, 6);
+  const side = meet(both(shrunk, free), without(free, grown), free, width, 6);
   return where(side, (value, i) => value === 1 || (inked[i] ? grown[i] > 0 : rough[i] > 0 && value !== 2));
 }
 
@@ -183,7 +182,7 @@ function finished(rough, inked, width, height) {
 function soft(body, inked, share, width, height) {
   const covered = softEdge(body, width, height);
   const outside = dilated(opposite(body), width, height, CROSS); // no farther: a thin line's inner edge is inside
-  const line = dilated(where(body, (value, i) => value > 0 && inked[i] > 0), width, height, WIDE);
+  const line = dilated(both(body, inked), width, height, WIDE);
   for (let i = 0; i < covered.length; i++) {
     if (body[i] ? inked[i] && outside[i] : !inked[i] && line[i]) covered[i] = share[i];
     else if (body[i] && line[i]) covered[i] = 1;

@@ -1,7 +1,7 @@
 /** Filling: what the lines of a drawing enclose, with small gaps closed, as normalgan.inference.mask.filling and outline_mask do it in Python. */
 
 import { lineWidth } from "./prepare.js";
-import { blurred, boxOf, enclosedBy, refitted, rint, thicker, where } from "./raster.js";
+import { above, blurred, both, boxOf, either, enclosedBy, refitted, rint, sumOf, thicker, without } from "./raster.js";
 
 export const SIDE = 512;
 export const INKED = 0.35;
@@ -19,7 +19,7 @@ export function decided(width, height) {
 
 /** Returns a mask that was found at another size. @param {Uint8Array} mask @param {number} wide @param {number} high @param {number} width @param {number} height */
 export function enlarged(mask, wide, high, width, height) {
-  return where(refitted(blurred(mask, wide, high, 0.8), wide, high, width, height), (value) => value > 0.5);
+  return above(refitted(blurred(mask, wide, high, 0.8), wide, high, width, height), 0.5);
 }
 
 /**
@@ -53,7 +53,7 @@ class Filling {
     this.height = height;
     this.span = span;
     this.line = lineWidth(inked, width, height);
-    this.count = inked.reduce((sum, value) => sum + value, 0);
+    this.count = sumOf(inked);
     this.inside = new Uint8Array(inked.length);
     /** @type {Uint8Array} */
     this.near = this.inside;
@@ -62,8 +62,7 @@ class Filling {
 
   /** Returns the inside with its lines. */
   mask() {
-    const whole = where(this.inside, (value, i) => value > 0 || (this.inked[i] > 0 && this.near[i] > 0));
-    return enclosedBy(whole, this.width, this.height);
+    return enclosedBy(either(this.inside, both(this.inked, this.near)), this.width, this.height);
   }
 
   /** Adds what is enclosed by lines made thicker, step by step until that is enough. @param {number[]} gaps */
@@ -74,14 +73,12 @@ class Filling {
       const gap = share * this.span;
       const thick = thicker(inked, width, height, gap);
       const enclosed = enclosedBy(thick, width, height);
-      let fresh = where(enclosed, (value, i) => value > 0 && !thick[i] && !inside[i]);
+      let fresh = without(without(enclosed, thick), inside);
       if (!fresh.includes(1)) continue;
       if (gap) fresh = this.grown(fresh, gap);
       for (let i = 0; i < fresh.length; i++) if (fresh[i]) inside[i] = 1;
       this.near = thicker(inside, width, height, this.line + 1.5);
-      let held = 0;
-      for (let i = 0; i < inked.length; i++) if (inked[i] && this.near[i]) held++;
-      this.closed = held / this.count;
+      this.closed = sumOf(both(inked, this.near)) / this.count;
     }
   }
 

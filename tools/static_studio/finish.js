@@ -2,7 +2,7 @@
 
 import { softEdge } from "./edge.js";
 import { Unpaintable, shrunk } from "./prepare.js";
-import { WIDE, boxOf, dilated, distance, part, quantile, resized, where } from "./raster.js";
+import { WIDE, above, both, boxOf, dilated, distance, either, part, quantile, resized, sumOf, where, without } from "./raster.js";
 
 /** @typedef {import("./prepare.js").Prepared} Prepared @typedef {import("./prepare.js").Frame} Frame */
 /** @typedef {(planes: Float32Array, width: number, height: number) => Promise<Float32Array>} Refiner six planes in, three out */
@@ -33,15 +33,15 @@ export async function finish(prepared, painted, refiner, hand = null) {
     normals[3 * i + 1] = y / long;
     normals[3 * i + 2] = z / long;
   }
-  const present = where(restored(length, prepared, 1), (value) => value > 0.5);
+  const present = above(restored(length, prepared, 1), 0.5);
   const { mask: found, said } = chosen(prepared, present);
   // The hand has the last word.
   const mask = hand ? found.map((value, i) => (hand[i] ? (hand[i] > 0 ? 1 : 0) : value)) : found;
-  const inside = sum(mask);
-  const share = sum(mask.map((value, i) => value & present[i])) / Math.max(inside, 1);
+  const inside = sumOf(mask);
+  const share = sumOf(both(mask, present)) / Math.max(inside, 1);
   const warnings = said && !hand ? [said] : [];
   if (share < PRESENT) warnings.push(`the model takes only ${Math.round(100 * share)}% of its mask for an object and is unsure of the rest`);
-  const needed = where(shrunk(mask, width, height, frame), (value) => value > 0);
+  const needed = above(shrunk(mask, width, height, frame), 0);
   const usual = quantile(length.filter((_, i) => needed[i] > 0), 0.95) || 0;
   const least = Math.max(0.1 * usual, LEAST);
   const known = where(length, (value, i) => value > 0.5 || (needed[i] > 0 && value > least));
@@ -62,12 +62,11 @@ export async function finish(prepared, painted, refiner, hand = null) {
 function coveredBy({ covered, width, height }, mask) {
   const soft = softEdge(mask, width, height);
   if (!covered) return soft;
-  const changed = dilated(where(mask, (value, i) => (value > 0) !== (covered[i] > 0.5)), width, height, WIDE);
-  return soft.map((value, i) => (changed[i] ? value : covered[i]));
+  const outline = above(covered, 0.5);
+  const changed = dilated(either(without(mask, outline), without(outline, mask)), width, height, WIDE);
+  for (let i = 0; i < soft.length; i++) if (!changed[i]) soft[i] = covered[i];
+  return soft;
 }
-
-/** @param {Uint8Array} values */
-const sum = (values) => values.reduce((total, value) => total + value, 0);
 
 /** Returns the mask and what is to be said of it. @param {Prepared} prepared @param {Uint8Array} present */
 function chosen({ mask, closed, guessed, unsure }, present) {
@@ -95,7 +94,7 @@ export function hintsOff(hints, scale, { mask, width, height }) {
   const places = off.slice(0, FEW).map(({ x, y }) => `x ${Math.floor(x)}, y ${Math.floor(y)}`).join("; ");
   const more = off.length > FEW ? ` and ${off.length - FEW} more` : "";
   const [lie, them] = off.length === 1 ? ["lies", "it"] : ["lie", "them"];
-  return `${off.length} of ${hints.length} hints ${lie} off the object, at ${places}${more}; move ${them} onto it, or paint the object with the mask brush if the mask is wrong`;
+  return `${off.length} of ${hints.length} points ${lie} off the object, at ${places}${more}; move ${them} onto it, or paint the object with the mask brush if the mask is wrong`;
 }
 
 /** Brings a square of the network to the drawing's place and size. @param {Float32Array} square @param {Prepared} prepared @param {number} channels */
@@ -199,7 +198,7 @@ async function refine(normals, prepared, mask, refiner) {
     const own = part(picture, width, height, box, channels);
     return factor < 1 ? resized(own, wide, high, w, h, channels) : own;
   };
-  const mended = await mend(shown(normals, 3), shown(prepared.ink), where(shown(mask), (value) => value > 0.5), w, h, refiner);
+  const mended = await mend(shown(normals, 3), shown(prepared.ink), above(shown(mask), 0.5), w, h, refiner);
   const out = factor < 1 ? resized(mended, w, h, wide, high, 3) : mended;
   for (let y = 0; y < high; y++) normals.set(out.subarray(3 * y * wide, 3 * (y + 1) * wide), 3 * ((y + box[1]) * width + box[0]));
 }

@@ -3,7 +3,7 @@
 import { decide } from "./decision.js";
 import { paintedAreas, sheetLevel } from "./painted.js";
 import { dropGround, linesAt, presenceAt, read } from "./reader.js";
-import { SQUARE, WIDE, blurred, boxOf, components, dilated, distance, enclosedBy, eroded, extreme, filtered, median, opposite, part, quantile, refitted, resized, rint, thinned, where } from "./raster.js";
+import { SQUARE, WIDE, above, blurred, boxOf, components, dilated, distance, enclosedBy, eroded, extreme, filtered, median, opposite, part, quantile, refitted, resized, rint, stretched, thinned, where } from "./raster.js";
 
 /** @typedef {{left: number, top: number, side: number, size: number}} Frame the square that the network is shown */
 /**
@@ -47,14 +47,16 @@ const SEEN = 0.01;
  * @param {number | null} longest longer side of the map; null is the drawing's
  * @param {[number, number]} widths of lines that the network is shown as they were drawn, in its pixels
  * @param {import("./reader.js").Network} reader
+ * @param {(seen: Float32Array, frame: Frame, scale: number) => void} [begin] called with what the network is shown, before the object is found
  * @returns {Promise<Prepared>}
  */
-export async function prepare(plane, size, source, longest, widths, reader) {
+export async function prepare(plane, size, source, longest, widths, reader, begin = () => {}) {
   const scale = longest ? longest / Math.max(plane.width, plane.height) : 1;
   const [width, height] = [plane.width, plane.height].map((side) => Math.max(1, rint(side * scale)));
   const { dark, alpha } = brightness(plane, width, height);
   const cut = alpha && isSilhouette(alpha, width, height) ? alpha : null;
-  const opaque = cut && where(cut, (value) => value > 0.5);
+  const opaque = cut && above(cut, 0.5);
+  const asked = source || opaque ? null : read(plane, reader);
   /** @type {Float32Array} */
   let ink = withoutSpecks(inkOnPaper(dark, width, height), width, height);
   if (opaque) {
@@ -62,11 +64,12 @@ export async function prepare(plane, size, source, longest, widths, reader) {
     ink = ink.map((value, i) => (opaque[i] ? Math.max(value, line[i]) : 0));
   }
   const blank = !ink.some((value) => value >= 0.3);
-  const reading = source || opaque || (blank && alpha) ? null : await read(plane, reader);
+  const reading = blank && alpha ? null : await asked;
   if (reading) ink = blank ? rimOf(reading, width, height) : dropGround(ink, width, height, reading);
   const frame = frameAround(ink, width, height, size);
   if (!frame || (blank && !reading)) throw new Unpaintable(NO_LINE);
   const seen = shown(ink, width, height, frame, widths);
+  begin(seen, frame, width / plane.width);
   const rest = { width, height, ink, frame, seen, closed: 1, guessed: false, unsure: "", alpha: null, covered: null };
   if (opaque && !source) return { ...rest, mask: opaque, alpha: cut };
   if (source === "model") return { ...rest, mask: null };
@@ -86,7 +89,7 @@ const NO_LINE = "no line is seen in it; a sketch needs lines that differ from th
 
 /** Returns the rim of what the reader sees, with its lines, where no line was found. @param {import("./reader.js").Reading} reading @param {number} width @param {number} height */
 function rimOf(reading, width, height) {
-  const object = where(presenceAt(reading, width, height), (value) => value > 0.5);
+  const object = above(presenceAt(reading, width, height), 0.5);
   const share = object.reduce((sum, value) => sum + value, 0) / object.length;
   if (share < SEEN || share > 1 - SEEN) throw new Unpaintable(NO_LINE);
   const [lines, rim] = [linesAt(reading, width, height), contour(object, width, height)];
@@ -142,9 +145,9 @@ function inkOnPaper(dark, width, height) {
   const level = sheetLevel(lightest);
   const { painted, paper, step } = paintedAreas(small, lightest, wide, high, level);
   const beside = scale < 1 ? resized(paper, wide, high, width, height) : paper;
-  let ink = dark.map((value, i) => (beside[i] - value) / Math.max(beside[i], 0.25 * level));
-  const most = quantile(ink);
-  ink = withoutGrain(ink.map((value) => Math.max(0, Math.min(1, value - most))));
+  const darker = new Float32Array(dark.length);
+  for (let i = 0; i < darker.length; i++) darker[i] = (beside[i] - dark[i]) / Math.max(beside[i], 0.25 * level);
+  const ink = withoutGrain(stretched(darker, 1, -quantile(darker)));
   if (!painted.includes(1)) return ink;
   const within = eroded(painted, wide, high, WIDE);
   const rim = where(painted, (value, i) => value > 0 && !within[i] && step[i] > 0);
@@ -154,30 +157,41 @@ function inkOnPaper(dark, width, height) {
 
 /** Returns ink with the paper's grain at 0 and the lines brought to 1. @param {Float32Array} ink */
 function withoutGrain(ink) {
-  const pale = ink.filter((value) => value < 0.3);
+  const pale = between(ink, -Infinity, 0.3);
   const usual = quantile(pale);
-  const grain = pale.length ? 1.4826 * quantile(pale.map((value) => Math.abs(value - usual))) : 0;
+  for (let i = 0; i < pale.length; i++) pale[i] = Math.abs(pale[i] - usual);
+  const grain = pale.length ? 1.4826 * quantile(pale) : 0;
   const least = Math.max(4 * grain, 0.06);
-  const darker = ink.filter((value) => value > 2 * least);
-  const inked = darker.length ? darker : ink.filter((value) => value > least);
+  const darker = between(ink, 2 * least, Infinity);
+  const inked = darker.length ? darker : between(ink, least, Infinity);
   if (!inked.length) return new Float32Array(ink.length);
   const most = Math.max(quantile(inked, 0.7), 2 * least);
-  return ink.map((value) => Math.max(0, Math.min(1, (value - least) / (most - least))));
+  return stretched(ink, 1 / (most - least), -least / (most - least));
+}
+
+/** Returns the values between two limits, and neither. @param {Float32Array} values @param {number} low @param {number} high */
+function between(values, low, high) {
+  const found = new Float32Array(values.length);
+  let count = 0;
+  for (let i = 0; i < values.length; i++) if (values[i] > low && values[i] < high) found[count++] = values[i];
+  return found.slice(0, count);
 }
 
 /** Returns ink without dust. @param {Float32Array} ink @param {number} width @param {number} height */
 function withoutSpecks(ink, width, height) {
-  const { labels, boxes } = components(where(ink, (value) => value > 0.1), width, height, 8);
+  const { labels, boxes } = components(above(ink, 0.1), width, height, 8);
   const dark = new Uint8Array(boxes.length);
-  ink.forEach((value, i) => { if (value > 0.5) dark[labels[i]] = 1; });
+  for (let i = 0; i < ink.length; i++) if (ink[i] > 0.5) dark[labels[i]] = 1;
   const least = Math.max(width, height) / 150;
   const kept = boxes.map((box, i) => i === 0 || (dark[i] && Math.max(box.right - box.left, box.bottom - box.top) >= least));
-  return ink.map((value, i) => (kept[labels[i]] ? value : 0));
+  const out = new Float32Array(ink.length);
+  for (let i = 0; i < out.length; i++) if (kept[labels[i]]) out[i] = ink[i];
+  return out;
 }
 
 /** Returns whether what is opaque is an object and not just its lines. @param {Float32Array} alpha @param {number} width @param {number} height */
 function isSilhouette(alpha, width, height) {
-  const opaque = where(alpha, (value) => value > 0.5);
+  const opaque = above(alpha, 0.5);
   const count = opaque.reduce((sum, value) => sum + value, 0);
   const box = boxOf(opaque, width, height);
   if (!box || count > 0.995 * opaque.length) return false;
@@ -201,10 +215,8 @@ export function shrunk(picture, width, height, { left, top, side, size }) {
 /** Returns ink in a frame, its lines as dark as they were. @param {Float32Array} ink @param {number} width @param {number} height @param {Frame} frame */
 function cut(ink, width, height, frame) {
   const small = shrunk(ink, width, height, frame);
-  const lines = small.filter((value) => value > 0.1);
-  if (!lines.length) return small;
-  const dark = Math.max(median(lines), 0.1);
-  return small.map((value) => Math.min(value / dark, 1));
+  const lines = between(small, 0.1, Infinity);
+  return lines.length ? stretched(small, 1 / Math.max(median(lines), 0.1), 0) : small;
 }
 
 /** Returns how wide most lines are in pixels. @param {Uint8Array} inked @param {number} width @param {number} height @param {Float32Array} [depth] */
@@ -222,7 +234,7 @@ export function lineWidth(inked, width, height, depth = distance(inked, width, h
 export function shown(ink, width, height, frame, widths) {
   if (isKnown(ink, width, height, frame, widths)) return cut(ink, width, height, frame);
   const fine = frame.size * FINER;
-  const whole = where(cut(ink, width, height, { ...frame, size: fine }), (value) => value > 0.5);
+  const whole = above(cut(ink, width, height, { ...frame, size: fine }), 0.5);
   const found = boxOf(whole, fine, fine);
   if (!found) return cut(ink, width, height, frame);
   const room = 2 * FINER;
@@ -254,7 +266,7 @@ export function shown(ink, width, height, frame, widths) {
 /** Returns whether all lines surely have a known width and none is an area; false where that is to be looked at. @param {Float32Array} ink @param {number} width @param {number} height @param {Frame} frame @param {[number, number]} widths */
 function isKnown(ink, width, height, frame, widths) {
   const side = frame.size * ROUGH;
-  const inked = where(cut(ink, width, height, { ...frame, size: side }), (value) => value > 0.5);
+  const inked = above(cut(ink, width, height, { ...frame, size: side }), 0.5);
   const depth = distance(inked, side, side, true);
   const lines = lineWidth(inked, side, side, depth);
   return lines >= widths[0] * ROUGH + 1 && lines <= widths[1] * ROUGH - 1 && depth.every((value) => value + 1 <= THIN * side);
@@ -281,7 +293,7 @@ function areas(inked, width, height, lines, depth, side) {
  */
 function middle(inked, width, height, lines, thick) {
   const blur = Math.max(lines / 4, 0.5);
-  let smooth = where(blurred(inked, width, height, blur), (value) => value > 0.5);
+  let smooth = above(blurred(inked, width, height, blur), 0.5);
   // It loses lines that are thin beside the others, such as the eyes of a face with a thick outline.
   const away = distance(opposite(smooth), width, height);
   const lost = where(inked, (value, i) => value > 0 && away[i] > blur);

@@ -1,9 +1,11 @@
 /** Suggest: where a point would help most, and how unsure the model is, as normalgan.inference.suggestion has it. */
 
-import { blurred, boxOf, distance, resized, where } from "./raster.js";
+import { above, blurred, both, boxOf, distance, resized, where } from "./raster.js";
 
 const SIDE = 256;
 const RIM = 0.02;
+/** Share of ink in a pixel of the small map from which on a line runs through it. */
+const INKED = 0.1;
 
 /** @typedef {{x: number, y: number, normal: [number, number, number], gain: number}} Point in pixels of the map; gain: 0 to 1 */
 
@@ -24,9 +26,10 @@ export function doubt(confidence) {
  * @param {Float32Array | null} confidence κ of each pixel; null leaves it to the bends
  * @param {{x: number, y: number}[]} taken points that are there already
  * @param {number} count
+ * @param {Uint8Array | null} [lines] the ink: on a line nobody can tell the normal, so points keep off it as far as there is room
  * @returns {Point[]}
  */
-export function suggest({ normals, mask, width, height }, confidence, taken, count) {
+export function suggest({ normals, mask, width, height }, confidence, taken, count, lines = null) {
   if (!mask.some(Boolean)) return [];
   const scale = Math.min(SIDE / Math.max(width, height), 1);
   const [wide, high] = scale < 1 ? [width, height].map((side) => Math.max(1, Math.round(side * scale))) : [width, height];
@@ -46,7 +49,12 @@ export function suggest({ normals, mask, width, height }, confidence, taken, cou
     for (let i = 0; i < gain.length; i++) gain[i] = 0.7 * doubts[i] + 0.3 * gain[i];
   }
   const deepest = depth.reduce((most, value) => Math.max(most, value), 0);
-  const free = where(depth, (value) => value > Math.min(1, 0.8 * deepest));
+  let free = above(depth, Math.min(1, 0.8 * deepest));
+  if (lines) {
+    const off = above(depthOf(where(resized(lines, width, height, wide, high), (value) => value < INKED), wide, high), 1);
+    const beside = both(free, off);
+    if (beside.includes(1)) free = beside;
+  }
   /** @param {number} x @param {number} y */
   const take = (x, y) => {
     for (let row = 0, i = 0; row < high; row++) {

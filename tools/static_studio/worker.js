@@ -1,17 +1,11 @@
-/** Worker: the network and what is about it, beside the page, so that the pen never waits for them. */
+/** Worker: all that is about the networks, beside the page, so that the pen never waits for it. */
 
-import * as ort from "./ort.wasm.min.mjs";
 import { compose } from "./compose.js";
 import { inContext } from "./context.js";
 import { finish, hintsOff, restored } from "./finish.js";
 import { byHand, hold } from "./hold.js";
 import { Unpaintable, prepare } from "./prepare.js";
 import { doubt, suggest } from "./suggest.js";
-
-// How many threads it takes is the runtime's choice: half the cores, up to four, where the page is isolated, and else one. The
-// service worker sends the headers for that, from the second visit on.
-ort.env.wasm.wasmPaths = new URL("./", import.meta.url).href;
-const RUNTIME = "ort-wasm-simd-threaded.wasm.packed"; // by gzip
 
 /** @typedef {{pixels: Uint8Array, width: number, height: number, channels: number}} Plane */
 /**
@@ -25,8 +19,9 @@ const RUNTIME = "ort-wasm-simd-threaded.wasm.packed"; // by gzip
  * @property {import("./document.js").Form | null} form
  */
 /**
- * @typedef {{id: number, layers: Layer[], longest: number | null, what: "map" | "exact" | "doubt" | "points", count: number}} Wish
- *   layers: the hindmost first; what is to be answered; count: of points
+ * @typedef {{id: number, layers: Layer[], longest: number | null, what: "map" | "exact" | "doubt" | "points", count: number, changedOnly: boolean}} Wish
+ *   layers: the hindmost first; what is to be answered; count: of points; changedOnly: whether layers that have not changed are
+ *   shown as they were, though each is seen among all
  * @typedef {import("./compose.js").LayerMap & {warning: string, certainty: () => Float32Array}} Painted certainty: the model's κ
  * @typedef {{rgba: Uint8Array, width: number, height: number, warning: string, normals?: Float32Array, mask?: Uint8Array, covered?: Float32Array,
  *   shares?: Uint8Array, points?: import("./suggest.js").Point[]}} Answer
@@ -34,49 +29,66 @@ const RUNTIME = "ort-wasm-simd-threaded.wasm.packed"; // by gzip
 
 /** Pixels of what is kept: of several layers only one is painted again. */
 const KEPT = 2 ** 23;
-const runtime = unpack();
+/** What the network says of drawings that is kept: layers without hints that are seen among each other share it. */
+const INFERRED = 4;
+const networks = new Worker(new URL("networks.js", import.meta.url), { type: "module" });
+/** @type {Map<number, {resolve: (found: Record<string, Float32Array>) => void, reject: (error: Error) => void}>} */
+const running = new Map();
+let runs = 0;
 const ready = load();
+/** @type {Map<string, Promise<Record<string, Float32Array>>>} */
+const inferred = new Map();
 /** @type {Map<string, import("./prepare.js").Prepared>} while a pin is turned, nothing but the hints changes */
 const prepared = new Map();
 /** @type {Map<string, Painted>} */
 const painted = new Map();
 /** @type {Promise<unknown>} one at a time */
 let turn = Promise.resolve();
+/** @type {Set<number>} wishes that are no longer wanted */
+const dropped = new Set();
 
 async function load() {
-  const [session, second, third, notes] = await Promise.all([network("ours.onnx"), network("refiner.onnx"), network("reader.onnx"), file("model.json")]);
+  /** @type {Promise<number>} side of the model's pictures */
+  const side = new Promise((resolve, reject) => {
+    networks.addEventListener("message", ({ data }) => {
+      const waiting = running.get(data.id);
+      running.delete(data.id);
+      if (data.size) resolve(data.size);
+      else if (data.found) waiting?.resolve(data.found);
+      else (waiting?.reject ?? reject)(new Error(data.failed));
+    });
+    networks.addEventListener("error", () => reject(new Error("this browser runs no modules in workers, or has no WebAssembly")));
+  });
+  const notes = await fetch(new URL("model.json", import.meta.url));
+  if (!notes.ok) throw new Error("the model cannot be fetched");
   /** @type {{line_widths: [number, number]}} */
   const { line_widths: widths } = await notes.json();
-  /** @type {import("./finish.js").Refiner} */
-  const refiner = async (planes, width, height) => {
-    const { normal } = await second.run({ planes: new ort.Tensor("float32", planes, [1, 6, height, width]) });
-    return normal.data;
-  };
-  /** @type {import("./reader.js").Network} */
-  const reader = async (picture, width, height) => {
-    const { read } = await third.run({ picture: new ort.Tensor("float32", picture, [1, 3, height, width]) });
-    return read.data;
-  };
-  return { session, refiner, reader, widths, size: Number(session.inputMetadata[0].shape[3]) };
+  return { widths, size: await side };
 }
 
-/** @param {string} name */
-async function file(name) {
-  const answer = await fetch(new URL(name, import.meta.url));
-  if (!answer.ok) throw new Error("the model cannot be fetched");
-  return answer;
+/** Runs a network. @param {string} name @param {import("./networks.js").Run["planes"]} planes @returns {Promise<Record<string, Float32Array>>} */
+function run(name, planes) {
+  const id = ++runs;
+  return new Promise((resolve, reject) => {
+    running.set(id, { resolve, reject });
+    networks.postMessage({ id, name, planes });
+  });
 }
 
-async function unpack() {
-  const { body } = await file(RUNTIME);
-  if (!body) throw new Error(`${RUNTIME} is empty`);
-  ort.env.wasm.wasmBinary = await new Response(body.pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
-}
+/** @type {import("./finish.js").Refiner} */
+const refiner = async (data, width, height) => (await run("refiner", { planes: { data, shape: [1, 6, height, width] } })).normal;
+/** @type {import("./reader.js").Network} */
+const reader = async (data, width, height) => (await run("reader", { picture: { data, shape: [1, 3, height, width] } })).read;
 
-/** @param {string} name */
-async function network(name) {
-  const [answer] = await Promise.all([file(name), runtime]);
-  return ort.InferenceSession.create(new Uint8Array(await answer.arrayBuffer()), { executionProviders: ["wasm"] });
+/** Returns what the network predicts. @param {Float32Array} seen @param {Float32Array} hints as planes @param {number} size */
+function infer(seen, hints, size) {
+  const key = `${digest(new Uint8Array(seen.buffer))} ${digest(new Uint8Array(hints.buffer))}`;
+  const found = inferred.get(key) ?? run("ours", { sketch: { data: seen, shape: [1, 1, size, size] }, hints: { data: hints, shape: [1, 4, size, size] } });
+  inferred.delete(key);
+  inferred.set(key, found);
+  found.catch(() => inferred.delete(key));
+  for (const oldest of inferred.keys()) if (inferred.size > INFERRED) inferred.delete(oldest);
+  return found;
 }
 
 /**
@@ -98,32 +110,32 @@ async function recalled(kept, key, make) {
   return found;
 }
 
-/** @param {Layer} layer @param {number | null} longest */
-async function prepareLayer({ ink, source }, longest) {
-  const { reader, widths, size } = await ready;
+/** @param {Layer} layer @param {number | null} longest @param {boolean} alone whether the network sees it alone: it begins at once then */
+async function prepareLayer({ ink, source, hints }, longest, alone) {
+  const { widths, size } = await ready;
   const key = JSON.stringify([digest(ink.pixels), ink.width, ink.height, ink.channels, source, longest]);
-  return { key, lines: await recalled(prepared, key, () => prepare(ink, size, source, longest, widths, reader)) };
+  /** @param {Float32Array} seen @param {import("./prepare.js").Frame} frame @param {number} scale */
+  const begin = (seen, frame, scale) => { if (alone) void infer(seen, hintPlanes(hints, scale, frame), size); };
+  return { key, lines: await recalled(prepared, key, () => prepare(ink, size, source, longest, widths, reader, begin)) };
 }
 
 /** @param {Layer} layer @param {import("./prepare.js").Prepared} lines as they are seen among others @param {string} key what that depends on @returns {Promise<Painted>} */
 async function paintLayer({ ink, strokes, hints, areas, form }, lines, key) {
-  const { session, refiner, size } = await ready;
-  return recalled(painted, JSON.stringify([key, strokes, hints, areas, form]), async () => {
+  const { size } = await ready;
+  return recalled(painted, key, async () => {
     const { width, height, frame } = lines;
     const scale = width / ink.width;
-    const given = hintPlanes(hints.filter((hint) => hint.reach === undefined), scale, frame);
-    const feeds = { sketch: new ort.Tensor("float32", lines.seen, [1, 1, size, size]), hints: new ort.Tensor("float32", given, [1, 4, size, size]) };
-    const { normal, confidence } = await session.run(feeds);
-    const { normals, mask, covered, warning: said } = await finish(lines, normal.data, refiner, byHand(strokes, width, height, scale, lines.ink));
+    const { normal, confidence } = await infer(lines.seen, hintPlanes(hints, scale, frame), size);
+    const { normals, mask, covered, warning: said } = await finish(lines, normal, refiner, byHand(strokes, width, height, scale, lines.ink));
     const warning = [said, hintsOff(hints.filter((hint) => hint.reach === undefined), scale, { mask, width, height })].filter(Boolean).join("; ");
     hold({ normals, mask, width, height }, hints, areas, form, scale);
     // Only few ask for it, and it is as large as the map.
-    return { normals, mask, covered, width, height, warning, confidence: null, certainty: () => restored(confidence.data, lines, 1) };
+    return { normals, mask, covered, width, height, warning, confidence: null, certainty: () => restored(confidence, lines, 1) };
   });
 }
 
 /** @param {Wish} wish @returns {Promise<Answer>} */
-async function paint({ layers, longest, what, count }) {
+async function paint({ id, layers, longest, what, count, changedOnly }) {
   const { widths } = await ready;
   /** @type {Painted[]} */
   const maps = [];
@@ -142,15 +154,19 @@ async function paint({ layers, longest, what, count }) {
   for (const layer of layers) {
     // Of one layer it is clear which is meant.
     const name = layers.length > 1 ? `${layer.name}: ` : "";
-    await prepareLayer(layer, longest).then((found) => parts.push({ layer, name, ...found }), (error) => lacks(name, error));
+    await prepareLayer(layer, longest, layers.length === 1).then((found) => parts.push({ layer, name, ...found }), (error) => lacks(name, error));
   }
   const among = inContext(parts.map(({ lines }) => lines), widths);
   const all = parts.length > 1 ? digest(new TextEncoder().encode(parts.map(({ key }) => key).join())) : 0;
-  for (const [i, { layer, name, key }] of parts.entries()) {
+  for (const [i, { layer, name, key, lines }] of parts.entries()) {
+    if (dropped.delete(id)) throw new Error("this is no longer wanted");
+    const own = JSON.stringify([key, layer.strokes, layer.hints, layer.areas, layer.form]);
+    const before = changedOnly ? [...painted.keys()].findLast((each) => each.startsWith(own)) : undefined;
     try {
-      const found = await paintLayer(layer, among[i], `${key} ${all}`);
+      const found = await paintLayer(layer, among[i], before ?? `${own} ${all}`);
       maps.push(found);
-      if (found.warning) said.push(`${name}${found.warning}`);
+      const alone = parts.length > 1 && among[i] === lines ? "; until it is closed, the layer is predicted without the others" : "";
+      if (found.warning) said.push(`${name}${found.warning}${alone}`);
     } catch (error) {
       lacks(name, error);
     }
@@ -169,15 +185,27 @@ async function paint({ layers, longest, what, count }) {
   if (what === "doubt") {
     return { ...answer, shares: Uint8Array.from(mask, (there, i) => (there && confidence ? Math.round(255 * Math.min(doubt(confidence[i]), 1)) : 0)) };
   }
-  if (what === "points") return { ...answer, points: suggest(map, confidence, layers.flatMap(({ hints }) => hints), count) };
+  if (what === "points") return { ...answer, points: suggest(map, confidence, layers.flatMap(({ hints }) => hints), count, linesOf(layers)) };
   return answer;
 }
 
-/** Returns what the network is told: mean normals at the pins, and where they are. @param {import("./document.js").Hint[]} hints @param {number} scale @param {import("./prepare.js").Frame} frame */
+/** Returns where there is ink: what is dark, whatever its colour. @param {Layer[]} layers of one size */
+function linesOf(layers) {
+  const lines = new Uint8Array(layers[0].ink.width * layers[0].ink.height);
+  for (const { ink: { pixels, channels } } of layers) {
+    for (let i = 0, at = 0; i < lines.length; i++, at += channels) {
+      if (channels === 1 ? pixels[at] < 128 : Math.min(pixels[at], pixels[at + 1], pixels[at + 2]) < 128 && pixels[at + 3] > 127) lines[i] = 1;
+    }
+  }
+  return lines;
+}
+
+/** Returns what the network is told: mean normals at the pins that have no reach of their own, and where they are. @param {import("./document.js").Hint[]} hints @param {number} scale @param {import("./prepare.js").Frame} frame */
 function hintPlanes(hints, scale, { left, top, side, size }) {
   const area = size * size;
   const planes = new Float32Array(4 * area);
-  for (const { x, y, normal } of hints) {
+  for (const { x, y, normal, reach } of hints) {
+    if (reach !== undefined) continue;
     const column = Math.floor(((x * scale - left) * size) / side);
     const row = Math.floor(((y * scale - top) * size) / side);
     if (column < 0 || row < 0 || column >= size || row >= size) continue;
@@ -200,7 +228,11 @@ function digest(bytes) {
 }
 
 ready.then(({ size }) => postMessage({ size }), (error) => postMessage({ failed: String(error.message ?? error) }));
-addEventListener("message", (/** @type {MessageEvent<Wish>} */ { data }) => {
+addEventListener("message", (/** @type {MessageEvent<Wish | {drop: number}>} */ { data }) => {
+  if ("drop" in data) {
+    dropped.add(data.drop);
+    return;
+  }
   turn = turn.then(async () => {
     try {
       postMessage({ id: data.id, painted: await paint(data) });
@@ -208,5 +240,6 @@ addEventListener("message", (/** @type {MessageEvent<Wish>} */ { data }) => {
       const message = error instanceof Error ? error.message : String(error);
       postMessage(error instanceof Unpaintable ? { id: data.id, lacks: message } : { id: data.id, failed: message });
     }
+    dropped.delete(data.id);
   });
 });

@@ -76,7 +76,13 @@ def build_app(
         )
 
     async def first(_: Request) -> Response:
-        return JSONResponse(opened)
+        told = opened and {name: value for name, value in opened.items() if name != "content"}
+        return JSONResponse(told)
+
+    async def first_file(_: Request) -> Response:
+        if opened is None or "content" not in opened:
+            raise HTTPException(404)
+        return Response(opened["content"], media_type="application/octet-stream")
 
     async def import_(request: Request) -> Response:
         check_type(request, "image/", "application/octet-stream")
@@ -110,6 +116,7 @@ def build_app(
             Route("/", index),
             Route("/api/about", about),
             Route("/api/open", first),
+            Route("/api/open/file", first_file),
             Route("/api/import", import_, methods=["POST"]),
             *predictions.routes(),
             *DocumentRoutes("/api/projects", projects, guarded=True).routes(),

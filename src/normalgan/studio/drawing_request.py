@@ -77,6 +77,7 @@ class DrawingRequest:
         mask_strokes: list of strokes that add to the object or cut from it, as `read_mask` takes them.
         form: of the whole drawing, as `read_form` takes it; None leaves it as predicted.
         tab: who draws; while its outline is open, the object stays as it was. Empty for nobody.
+        remembers: whether its object is held for later.
     """
 
     picture: bytes | NDArray[np.uint8]
@@ -86,6 +87,7 @@ class DrawingRequest:
     mask_strokes: Any = ()
     form: Any = None
     tab: str = ""
+    remembers: bool = True
 
     @property
     def shape(self) -> tuple[int, ...] | None:

@@ -9,7 +9,7 @@ from normalgan.studio.bodies import MOST_BYTES
 from normalgan.studio.document_store import SUFFIX, DocumentStore
 from normalgan.studio.documents import check_document
 from normalgan.studio.names import check_name, to_name
-from normalgan.studio.pictures import Imported, import_layers, import_picture
+from normalgan.studio.pictures import import_picture
 from normalgan.studio.refusals import MissingError
 
 __all__ = ["Opened", "find_opened"]
@@ -20,8 +20,7 @@ Opened = dict[str, Any]
 def find_opened(given: str, store: DocumentStore) -> Opened:
     """Return what the page is to open: ``kind`` (project, document or drawing), ``name``, and the rest of it.
 
-    A drawing comes as `import_picture` gives it, and with its ``layers`` as `import_layers` gives them: with
-    an ``error`` where they cannot be read, and None if the file has none.
+    A drawing's ``content`` is its file's, which the page imports as any other.
 
     Args:
         given: name of a project, a ``.normalgan`` file, or a drawing's file.
@@ -51,20 +50,10 @@ def _of_file(path: Path) -> Opened:
         content = read_bounded(path, MOST_BYTES)
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror}.") from None
-    name = to_name(path.stem)
     if path.suffix.lower() != SUFFIX:
-        drawing = import_picture(content, str(path))
-        layers = _layers(content, str(path)) if drawing["layered"] else None
-        return {"kind": "drawing", "name": name, **drawing, "layers": layers}
+        import_picture(content, str(path))  # or it is refused here
+        return {"kind": "drawing", "name": to_name(path.stem), "content": content}
     try:
-        return {"kind": "document", "name": name, "document": check_document(content)}
+        return {"kind": "document", "name": to_name(path.stem), "document": check_document(content)}
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
-
-
-def _layers(content: bytes, name: str) -> Imported:
-    """Return the layers of a file; where they cannot be read ``error`` says why: it may be one drawing."""
-    try:
-        return import_layers(content, name)
-    except InputError as error:
-        return {"error": str(error)}

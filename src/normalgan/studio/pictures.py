@@ -60,7 +60,7 @@ def import_picture(content: bytes, name: str = "the picture", part: int = 1) -> 
     }
 
 
-def import_layers(content: bytes, name: str = "the file") -> Imported:
+def import_layers(content: bytes) -> Imported:
     """Return the visible layers of a layered file, of its first frame, each cut to what is opaque in it.
 
     Returns:
@@ -71,11 +71,11 @@ def import_layers(content: bytes, name: str = "the file") -> Imported:
 
     Args:
         content: a file as `normalgan.inference.composites.layers.read_layers` reads it.
-        name: what to call it in an error.
 
     Raises:
         InputError: if it cannot be read, is too narrow, or has no layer to draw on, or too many.
     """
+    name = "the file"
     found = read_layers(Path(name), content)
     shape = found.shape if max(found.shape) <= MOST_SIDE else fitted(found.shape, MOST_SIDE)
     check_sides("file", *shape)

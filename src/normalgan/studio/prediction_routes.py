@@ -65,14 +65,19 @@ class PredictionRoutes:
         self._slow.close()
 
     async def predict(self, request: Request) -> Response:
-        """Answer with the colours of the normals, and the object's soft edge as alpha, W × H × 4 bytes."""
+        """Answer with the colours of the normals, and the object's soft edge as alpha, W × H × 4 bytes.
+
+        With ``changed_only`` only layers are predicted that have changed; the others are as they were, though
+        each is seen among all.
+        """
         start = time.perf_counter()
         fields, layers = await self._asked(request)
         longest = None
         if fields.get("longest") is not None:
             longest = take_integer(fields, "longest", LEAST_SIDE, MOST_SIDE)
         stop = Stop() if take_choice(fields, "draft", (False, True), False) else None
-        work = partial(self._map, layers, longest, stop)
+        changed_only = take_choice(fields, "changed_only", (False, True), False)
+        work = partial(self._map, layers, longest, stop, any_context=changed_only)
         try:
             map_ = await self._ordered(self._quick, request, fields, work, stop=stop)
         except InputError as error:
@@ -141,15 +146,21 @@ class PredictionRoutes:
         return await queue.do(tab, number, work, partial(wait_disconnect, request), stop)
 
     def _predict(
-        self, layers: Sequence[Layer], longest: int | None = None, stop: Stop | None = None
+        self,
+        layers: Sequence[Layer],
+        longest: int | None = None,
+        stop: Stop | None = None,
+        *,
+        any_context: bool = False,
     ) -> NormalMap:
         check = (stop or Stop()).check
-        return predict_layers(layers, partial(self._predictor.predict, longest=longest, check=check))
+        predict = partial(self._predictor.predict, longest=longest, check=check, any_context=any_context)
+        return predict_layers(layers, predict)
 
     def _map(
-        self, layers: Sequence[Layer], longest: int | None, stop: Stop | None
+        self, layers: Sequence[Layer], longest: int | None, stop: Stop | None, *, any_context: bool
     ) -> tuple[bytes, NormalMap]:
-        predicted = self._predict(layers, longest, stop)
+        predicted = self._predict(layers, longest, stop, any_context=any_context)
         return pixels_of(predicted.extended, alpha=predicted.alpha).tobytes(), predicted
 
     def _points(self, layers: Sequence[Layer], count: int) -> list[dict[str, object]]:
@@ -185,8 +196,9 @@ _OCTETS = "application/octet-stream"
 _WORDS = {
     "give --mask": "paint the object with the mask brush",
     "flip one with --hole x,y": "cut or paint it with the mask brush",
+    " hints ": " points ",
 }
-"""What the command line is told to do, and what is done on the page instead."""
+"""What the command line is told, and what the page calls it."""
 
 
 def _on_the_page(warning: str) -> str:

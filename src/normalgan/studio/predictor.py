@@ -18,7 +18,7 @@ from normalgan.inference.mask.reader import read
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.network.upsampling import Coarse
 from normalgan.inference.normal_map import NormalMap
-from normalgan.inference.pipeline import predict
+from normalgan.inference.pipeline import finish
 from normalgan.inference.preparation import Prepared, hinted, prepare
 from normalgan.inference.reading.picture import Picture, resize
 from normalgan.studio.drawing_request import DrawingRequest
@@ -36,10 +36,13 @@ several layers only one is predicted again. So many have four of the largest dra
 As many drawings are kept prepared: while a pin is turned, nothing but the hints changes.
 """
 _Key = tuple[bytes, int | None, int]
+"""What is drawn, the map's longer side, and which object an open outline is given."""
 _LEFT = 0.9
 """The share of an outline's lines that must be left for its object to be held while it is open."""
 _CONTEXTS = 16
-"""Drawings of several layers whose context is kept."""
+"""Drawings of several layers whose context, and what the network predicts of it, is kept."""
+_ALONE = "; until it is closed, the layer is predicted without the others"
+"""Added to the warning about an open outline."""
 _TABS = 32
 """Layers of tabs whose objects are held."""
 
@@ -78,8 +81,9 @@ class Predictor:
         self.confident = confidence is not None
         """Whether the model says how sure it is."""
         self._lock = Lock()
-        self._predicted: OrderedDict[_Key, NormalMap] = OrderedDict()
+        self._predicted: OrderedDict[tuple[_Key, bytes], NormalMap] = OrderedDict()
         self._prepared: OrderedDict[_Key, tuple[Prepared, tuple[int, int]]] = OrderedDict()
+        self._inferred: OrderedDict[bytes, tuple[Floats, Floats | None]] = OrderedDict()
         self._contexts: OrderedDict[tuple[_Key, ...], Context] = OrderedDict()
         self._closed: OrderedDict[str, _Closed] = OrderedDict()
         self._count = 0
@@ -90,6 +94,8 @@ class Predictor:
         parts: Sequence[DrawingRequest],
         longest: int | None,
         check: Callable[[], None],
+        *,
+        any_context: bool = False,
     ) -> NormalMap:
         """Return the normal map of a drawing; it may be called by several threads.
 
@@ -99,14 +105,21 @@ class Predictor:
                 if it is alone.
             longest: longer side of the map in pixels; None is the drawing's own.
             check: called between the steps; what it raises ends the prediction.
+            any_context: whether a map will do that was predicted while the other parts looked different.
 
         Raises:
             InputError: if the drawing cannot be used.
         """
+        key = drawing.digest(), longest, self._version(drawing.tab)
+        if any_context:
+            with self._lock:
+                around = next((around for each, around in reversed(self._predicted) if each == key), None)
+            earlier = None if around is None else self._recalled(self._predicted, (key, around))
+            if earlier is not None:
+                return earlier
         context = self._context(parts, longest)
         around = sha256(b"" if context is None else context.seen.tobytes()).digest()
-        key = drawing.digest() + around, longest, self._version(drawing.tab)
-        predicted = self._recalled(self._predicted, key)
+        predicted = self._recalled(self._predicted, (key, around))
         if predicted is None:
 
             def upsample(coarse: Coarse, prepared: Prepared, mask: BoolMask) -> Floats:
@@ -116,13 +129,29 @@ class Predictor:
             check()
             prepared, shape = self._prepare(drawing, longest)
             check()
+            alone = prepared
             if context is not None:
                 prepared = in_context(prepared, context)
-            predicted = predict(self.model, hinted(prepared, drawing.read_hints(shape), shape), upsample)
+            seen = hinted(prepared, drawing.read_hints(shape), shape)
+            predicted = finish(seen, *self._infer(seen), upsample)
+            if context is not None and prepared is alone and predicted.warning:
+                predicted = replace(predicted, warning=predicted.warning + _ALONE)
             predicted = replace(predicted, extended=drawing.edit(predicted.extended, predicted.mask, shape))
             key = *key[:2], self._version(drawing.tab)
-            self._remember(self._predicted, key, predicted, _size_of_map)
+            self._remember(self._predicted, (key, around), predicted, _size_of_map)
         return predicted
+
+    def _infer(self, prepared: Prepared) -> tuple[Floats, Floats | None]:
+        """Return what the network predicts; layers without hints that are seen among each other share it."""
+        shown = sha256(prepared.seen.tobytes())
+        if prepared.hints is not None:
+            shown.update(prepared.hints.tobytes())
+        key = shown.digest()
+        found = self._recalled(self._inferred, key)
+        if found is None:
+            found = self.model.predict(prepared.seen, prepared.hints)
+            self._remember(self._inferred, key, found, lambda _: _REMEMBERED // _CONTEXTS)
+        return found
 
     def _context(self, parts: Sequence[DrawingRequest], longest: int | None) -> Context | None:
         """Return what the network sees of the parts of a drawing; None if only one can be seen."""
@@ -157,7 +186,7 @@ class Predictor:
                 line_widths=self.model.line_widths,
             )
             if drawing.tab:
-                prepared = self._hold(drawing.tab, prepared, whole=longest is None)
+                prepared = self._hold(drawing.tab, prepared, whole=longest is None and drawing.remembers)
                 key = *key[:2], self._version(drawing.tab)
             # How the mask was found takes more memory than all else, and nobody asks for it again.
             found = replace(prepared, decision=None, reading=None), picture.shape

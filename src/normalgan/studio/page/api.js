@@ -69,6 +69,9 @@ export const about = async () => (await ask("/api/about")).json();
 /** Returns what the command line named. @returns {Promise<{kind: string, name: string, [more: string]: any} | null>} */
 export const named = async () => (await ask("/api/open", inTime())).json();
 
+/** Returns the drawing's file that the command line named. @param {string} name @returns {Promise<File>} */
+export const namedFile = async (name) => new File([await (await ask("/api/open/file", inTime())).blob()], name);
+
 /**
  * Returns a painted map, or null if a newer request came in between.
  * @param {Request} request @param {AbortSignal} [signal]

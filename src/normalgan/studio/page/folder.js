@@ -1,11 +1,19 @@
-/** Folder: drawings that lie side by side on the disk, as a gallery to open them from. */
+/** Folder: drawings that lie side by side on the disk, or their maps, as a gallery to open them from. */
 
-import { imported } from "./api.js";
-import { $ } from "./dom.js";
-import { drawDocument, drawFitted, showTiles } from "./gallery.js";
-import { say, text } from "./text.js";
+import { Away, imported, predict } from "./api.js";
+import { context2d } from "./canvas.js";
+import { newDocument, parseDocument, picturesOf, withStroke } from "./document.js";
+import { $, make } from "./dom.js";
+import { SIDE, drawDocument, drawFitted, showTiles } from "./gallery.js";
+import { darkOnLight, decodeAll, free } from "./pictures.js";
+import { recalled, remember } from "./settings.js";
+import { say, sentence, text } from "./text.js";
 
 const PROJECT = ".normalgan";
+const KEY = "normalgan-folder";
+/** Longer side of the maps: sharp where a pixel of the page is two of the screen. */
+const LONGEST = 2 * SIDE;
+/** @typedef {"drawings" | "maps" | "lit"} Shown what the tiles show */
 
 /** Returns the files that lie in a dropped folder, not those of folders within it. @param {FileSystemDirectoryEntry} folder @returns {Promise<File[]>} */
 async function filesIn(folder) {
@@ -21,10 +29,26 @@ async function filesIn(folder) {
 }
 
 export class Folder {
-  /** @param {import("./importing.js").Importing} importing @param {import("./projects.js").Projects} projects */
-  constructor(importing, projects) {
+  /**
+   * @param {import("./importing.js").Importing} importing
+   * @param {import("./projects.js").Projects} projects
+   * @param {import("./predictor.js").Predictor} predictor
+   * @param {(map: import("./predictor.js").Painted) => Uint8ClampedArray<ArrayBuffer>} lit RGBA of a map under the user's lights
+   */
+  constructor(importing, projects, predictor, lit) {
     this.importing = importing;
     this.projects = projects;
+    this.predictor = predictor;
+    this.lit = lit;
+    /** @type {File[]} */
+    this.drawings = [];
+    /** @type {HTMLSelectElement} */
+    const shown = $("folder-shown");
+    shown.value = ["drawings", "maps", "lit"].includes(recalled(KEY)) ? recalled(KEY) : "drawings";
+    shown.addEventListener("change", () => {
+      remember(KEY, shown.value);
+      this.#fill();
+    });
     this.endings = /** @type {HTMLInputElement} */ ($("import-file")).accept.split(",").filter((each) => each.startsWith("."));
     /** @type {HTMLInputElement} */
     const chosen = $("open-folder");
@@ -51,18 +75,24 @@ export class Folder {
 
   /** @param {File[]} files @param {string} name of the folder, "" if they are of none */
   show(files, name) {
-    const drawings = files.filter((file) => this.#kind(file)).sort((a, b) => a.name.localeCompare(b.name, undefined, { numeric: true }));
-    const title = $("folder-title");
-    title.hidden = false;
-    title.textContent = !name ? text.drawings : say(drawings.length ? "folderOf" : "folderNone", { name });
-    showTiles($("folder-list"), drawings.map((file) => ({
-      name: file.name, key: `${file.name} ${file.lastModified} ${file.size}`,
-      draw: (canvas) => this.#draw(file, canvas), open: () => this.#open(file),
-    })));
+    this.drawings = files.filter((file) => this.#kind(file)).sort((a, b) => a.name.localeCompare(b.name, undefined, { numeric: true }));
+    $("folder-title").textContent = !name ? text.drawings : say(this.drawings.length ? "folderOf" : "folderNone", { name });
+    $("folder").hidden = false;
+    $("folder-shown").hidden = !this.drawings.length;
     /** @type {HTMLDialogElement} */
     const dialog = $("open-dialog");
     if (!dialog.open) this.projects.choose();
-    title.scrollIntoView({ block: "start" });
+    this.#fill();
+    $("folder").scrollIntoView({ block: "start" });
+  }
+
+  #fill() {
+    const shown = /** @type {Shown} */ (/** @type {HTMLSelectElement} */ ($("folder-shown")).value);
+    showTiles($("folder-list"), this.drawings.map((file) => ({
+      name: file.name, key: `${shown} ${file.name} ${file.lastModified} ${file.size}`,
+      draw: (canvas, note) => (shown === "drawings" ? this.#draw(file, canvas) : this.#drawMap(file, canvas, shown === "lit", note)),
+      open: () => this.#open(file),
+    })));
   }
 
   /** @param {File} file @returns {"project" | "picture" | ""} */
@@ -89,6 +119,42 @@ export class Folder {
     image.src = `data:image/png;base64,${(await imported(file)).picture}`;
     await image.decode();
     drawFitted(canvas, image);
+  }
+
+  /** Draws the map that a file gets when it is opened. @param {File} file @param {HTMLCanvasElement} canvas @param {boolean} lit @param {(words: string) => void} note */
+  async #drawMap(file, canvas, lit, note) {
+    note(text.predicting);
+    /** @type {string[]} */
+    let fresh = [];
+    try {
+      let doc;
+      if (this.#kind(file) === "project") {
+        doc = parseDocument(JSON.parse(await file.text()));
+        fresh = await decodeAll(picturesOf(doc));
+      } else {
+        const { picture, width, height } = await imported(file);
+        const url = `data:image/png;base64,${picture}`;
+        fresh = await decodeAll([url]);
+        const dark = await darkOnLight(url);
+        fresh.push(dark);
+        doc = withStroke(newDocument(width, height), { kind: "picture", picture: dark, x: 0, y: 0, width, height });
+      }
+      const longest = Math.min(LONGEST, Math.max(doc.width, doc.height));
+      const map = await this.predictor.askAt(longest, (request) => predict(request), {}, doc);
+      if (!map) throw new Error(text.busy);
+      const pixels = lit ? this.lit(map) : new Uint8ClampedArray(map.rgba);
+      const whole = make("canvas", { width: map.width, height: map.height });
+      context2d(whole).putImageData(new ImageData(pixels, map.width), 0, 0);
+      drawFitted(canvas, whole);
+      note(sentence(map.warning));
+    } catch (error) {
+      note(error instanceof Away || !(error instanceof Error) ? "" : sentence(error.message));
+      if (error instanceof Away) this.projects.status.fail(error);
+      throw error;
+    } finally {
+      // A drawing that is being opened by now needs them.
+      if (canvas.closest("dialog[open]")) free(fresh);
+    }
   }
 
   /** @param {File} file */

@@ -7,19 +7,19 @@ import { icon } from "./icons.js";
 import { linesAt } from "./ink.js";
 import { decodeAll, free } from "./pictures.js";
 
-const SIDE = 192;
+export const SIDE = 192;
 
 /**
  * @typedef {object} Tile
  * @property {string} name
  * @property {string} [note] below the name
  * @property {string} key changes where the picture does
- * @property {(canvas: HTMLCanvasElement) => Promise<void>} draw
+ * @property {(canvas: HTMLCanvasElement, note: (words: string) => void) => Promise<void>} draw may say something below the name
  * @property {() => void} open
  * @property {{words: string, act: () => void}} [remove]
  */
 
-/** @type {Map<string, HTMLCanvasElement>} pictures that are drawn, by their tiles' keys */
+/** @type {Map<string, {canvas: HTMLCanvasElement, words: string}>} pictures that are drawn and what is said of them, by their tiles' keys */
 const drawn = new Map();
 /** One after the other: a folder may hold hundreds. */
 let queue = Promise.resolve();
@@ -31,17 +31,23 @@ export function showTiles(list, tiles) {
       if (!isIntersecting) continue;
       seen.unobserve(target);
       const tile = tiles[[...list.children].indexOf(target)];
-      const canvas = target.querySelector("canvas");
-      if (!tile || !canvas) continue;
-      // What cannot be read stays a blank sheet; opening it says why.
-      queue = queue.then(async () => { if (target.isConnected) await tile.draw(canvas).then(() => drawn.set(tile.key, canvas), () => {}); });
+      const [canvas, below] = [target.querySelector("canvas"), target.querySelector("span")];
+      if (!tile || !canvas || !below) continue;
+      queue = queue.then(async () => {
+        if (!target.isConnected) return;
+        // Nothing is drawn behind a closed dialog: it waits until it is in sight again.
+        if (!list.closest("dialog[open]")) { seen.observe(target); return; }
+        // What cannot be read stays a blank sheet; opening it says why.
+        await tile.draw(canvas, (words) => { below.textContent = below.title = words; })
+          .then(() => drawn.set(tile.key, { canvas, words: below.textContent }), () => {});
+      });
     }
   });
   list.replaceChildren(...tiles.map(({ name, note, key, open, remove }) => {
     const before = drawn.get(key);
-    const canvas = before ?? make("canvas", { width: SIDE, height: SIDE, "aria-hidden": "true" });
-    const button = make("button", { type: "button", class: "project", title: name }, canvas, make("strong", { text: name }));
-    if (note) button.append(make("span", { text: note }));
+    const canvas = before?.canvas ?? make("canvas", { width: SIDE, height: SIDE, "aria-hidden": "true" });
+    const below = make("span", { text: note ?? before?.words ?? "" });
+    const button = make("button", { type: "button", class: "project", title: name }, canvas, make("strong", { text: name }), below);
     button.addEventListener("click", open);
     const item = make("li", {}, button);
     if (remove) {

@@ -66,13 +66,22 @@ export class Importing {
   /** Imports a file. @param {File} file @param {Way} as */
   async take(file, as) {
     try {
-      const { layered, ...picture } = await imported(file);
-      const layers = layered ? () => importedLayers(file) : null;
-      const found = await this.#chosen({ ...picture, layers }, as, file);
-      if (found) await this.place(found.picture, found.way, file.name, found.part);
+      await this.put(await this.read(file), as, file);
     } catch (error) {
       this.#failed(error, file.name);
     }
+  }
+
+  /** @param {File} file @returns {Promise<Found>} its first page or frame */
+  async read(file) {
+    const { layered, ...picture } = await imported(file);
+    return { ...picture, layers: layered ? () => importedLayers(file) : null };
+  }
+
+  /** Puts what a file holds into the document; asks what is not said. @param {Found} first its first page or frame @param {Way} as @param {File} file */
+  async put(first, as, file) {
+    const found = await this.#chosen(first, as, file);
+    if (found) await this.#place(found.picture, found.way, file.name, found.part);
   }
 
   /**
@@ -104,10 +113,10 @@ export class Importing {
   /** Opens a picture as a drawing of its own. @param {File} file */
   async open(file) {
     try {
-      const { layered: _, ...picture } = await imported(file);
+      const picture = await this.read(file);
       if (!(await this.projects.mayLeave())) return;
       this.projects.create(picture.width, picture.height);
-      await this.place({ ...picture, layers: null }, "drawing", file.name);
+      await this.#place(picture, "drawing", file.name);
     } catch (error) {
       this.#failed(error, file.name);
     }
@@ -117,7 +126,7 @@ export class Importing {
    * Puts a picture, or the layers of its file, into the document, and says so.
    * @param {Found} found @param {Way} as @param {string} name @param {number} [part] which of its pages or frames it is
    */
-  async place(found, as, name, part = 1) {
+  async #place(found, as, name, part = 1) {
     const { width, height, given, parts, pages, layers } = found;
     const url = urlOf(found);
     await decodeAll([url]);

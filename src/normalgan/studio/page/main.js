@@ -65,7 +65,7 @@ overlay.onMoved = () => {
 const autosave = new Autosave(editor, connection, tab);
 const projects = new Projects(editor, autosave, status);
 const importing = new Importing(editor, view, status, projects);
-const folder = new Folder(importing, projects);
+const folder = new Folder(importing, projects, predictor, (map) => result.viewer.shaded(map, null));
 importing.onSeveral = (/** @type {DataTransfer} */ dropped) => folder.take(dropped);
 const exporting = new Exporting(editor, predictor, status, (map) =>
   result.viewer.shaded(map, materials.colours(Math.max(map.width, map.height))));

@@ -51,8 +51,18 @@ export class Points {
     this.editor.addEventListener("change", () => this.#show());
     this.editor.addEventListener("state", () => this.#show());
     predictor.addEventListener("empty", () => this.editor.suggestions.length && this.editor.set({ suggestions: [] }));
+    predictor.addEventListener("painted", () => this.#keepOnObject());
     for (const board of boards) board.onDrawn = () => board === this.board && this.#place();
     this.#show();
+  }
+
+  /** Drops suggestions that lie off the object by now. */
+  #keepOnObject() {
+    const { editor: { doc, suggestions }, predictor: { painted, whole } } = this;
+    if (!suggestions.length || !painted || !whole) return;
+    const { rgba, width, height } = painted;
+    const kept = suggestions.filter(({ x, y }) => rgba[4 * (Math.floor((y * height) / doc.height) * width + Math.floor((x * width) / doc.width)) + 3] > 127);
+    if (kept.length < suggestions.length) this.editor.set({ suggestions: kept });
   }
 
   /** Brings the card to another pane. @param {import("./board.js").Board} board */

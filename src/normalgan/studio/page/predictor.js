@@ -30,6 +30,9 @@ const FALL = 0.5;
 /** The server has another drawing than the one that a change was made to. */
 const BEHIND = 409;
 
+/** @param {unknown} error */
+const isBrokenOff = (error) => error instanceof Error && error.name === "AbortError";
+
 /** Events: `painting`, `painted` (detail: ms, whole), `raising`, `height`, `doubt`, `empty`, `failed` (detail: the error). */
 export class Predictor extends EventTarget {
   /**
@@ -59,6 +62,10 @@ export class Predictor extends EventTarget {
     this.took = 0;
     /** Whether something changed since the last request. */
     this.stale = false;
+    /** Whether layers are on show as they were seen before others changed. */
+    this.behind = false;
+    /** Whether those are being painted: the next change breaks that off. */
+    this.catchingUp = false;
     /** @type {"pen" | "pin" | null} the gesture that goes on */
     this.gesture = null;
     /** @type {import("./document.js").Doc | null} the document as it was painted last, or is being painted */
@@ -137,7 +144,8 @@ export class Predictor extends EventTarget {
     try {
       return await this.#send(send, layers.map((layer) => this.#part(layer)), more);
     } catch (error) {
-      if (error instanceof Lacking) throw error;
+      // What was broken off may have come; where it has not, the server says that it is behind.
+      if (error instanceof Lacking || isBrokenOff(error)) throw error;
       // Nothing is known of what the server has now.
       this.sent.clear();
       if (!(error instanceof Refused) || error.status !== BEHIND) throw error;
@@ -146,15 +154,15 @@ export class Predictor extends EventTarget {
   }
 
   /**
-   * Sends a request about the drawing at another size: its strokes are drawn anew, and nothing is enlarged.
+   * Sends a request about a drawing at another size: its strokes are drawn anew, and nothing is enlarged.
    * @template T
    * @param {number} longest longer side in pixels
    * @param {(request: import("./api.js").Request) => Promise<T>} send
    * @param {object} more further fields
+   * @param {import("./document.js").Doc} doc its pictures are decoded
    * @returns {Promise<T>}
    */
-  async askAt(longest, send, more) {
-    const { doc } = this.editor;
+  async askAt(longest, send, more, doc = this.editor.doc) {
     const parts = drawnLayers(doc).map(({ id, name, strokes, hints, areas, mask, source, form }) => {
       const { canvas, scale, pixels } = inkAt({ width: doc.width, height: doc.height, strokes }, longest);
       const { channels, bytes } = pixels();
@@ -170,8 +178,8 @@ export class Predictor extends EventTarget {
       };
       return { fields, pixels: bytes };
     });
-    // Apart from what the server keeps of the drawing at its own size.
-    return this.#send(send, parts, { ...more, tab: `${this.tab} other` });
+    // Apart from what the server keeps of the drawing at its own size; but an open outline has the object that is on show.
+    return this.#send(send, parts, { ...more, tab: `${this.tab} other`, object_of: doc === this.editor.doc ? this.tab : null });
   }
 
   /** Returns what is sent of a layer: of its pixels those that have changed since. @param {Layer} layer @returns {Part} */
@@ -237,6 +245,10 @@ export class Predictor extends EventTarget {
     this.gesture = gesture;
     this.stale = true;
     this.whole = false;
+    if (this.catchingUp) {
+      this.running?.abort();
+      this.running = null;
+    }
     // The server gives a draft up for what is none, and the hand sees no map until that is there: it goes on to draw, maybe.
     const affordable = performance.now() + this.took - this.since <= GAP - LATE;
     if (!gesture && this.draft && affordable) this.running = null;
@@ -247,7 +259,8 @@ export class Predictor extends EventTarget {
     this.running?.abort();
     this.climbing?.abort();
     this.running = this.climbing = null;
-    [this.asked, this.painted, this.heights, this.stale, this.whole] = [this.editor.doc, null, null, false, false];
+    [this.asked, this.painted, this.heights] = [this.editor.doc, null, null];
+    this.stale = this.behind = this.catchingUp = this.whole = false;
     this.doubt = null;
     this.dispatchEvent(new Event("doubt"));
     this.dispatchEvent(new Event("empty"));
@@ -262,7 +275,7 @@ export class Predictor extends EventTarget {
     this.running = running;
     this.climbing?.abort();
     // A stroke that is becoming a shape may be all that there is.
-    while (this.stale && this.running === running && this.#drawn().length) {
+    while ((this.stale || (this.behind && !this.gesture)) && this.running === running && this.#drawn().length) {
       try {
         await this.#paint(running);
       } catch (error) {
@@ -271,6 +284,7 @@ export class Predictor extends EventTarget {
     }
     if (this.running !== running) return;
     this.running = null;
+    this.catchingUp = false;
     this.#raise();
     this.#doubt();
   }
@@ -282,11 +296,15 @@ export class Predictor extends EventTarget {
     const coarse = this.gesture && COARSE[this.gesture];
     const longest = coarse && coarse < Math.max(doc.width, doc.height) ? coarse : null;
     const draft = this.gesture === "pen" || longest !== null;
-    this.draft = draft;
+    const catchingUp = !this.stale;
+    // What has changed is on show first; the other layers, which are seen among all, follow.
+    const first = !catchingUp && !draft && this.#drawn().length > 1;
+    [this.draft, this.catchingUp] = [draft, catchingUp];
     this.asked = doc;
-    this.stale = false;
+    this.stale = this.behind = false;
     this.dispatchEvent(new Event("painting"));
-    const painted = await this.ask((request) => predict(request, running.signal), { longest, draft });
+    const asked = { longest, draft: draft || catchingUp, changed_only: first };
+    const painted = await this.ask((request) => predict(request, running.signal), asked);
     if (this.running !== running) return;
     if (!painted) {
       this.stale = true; // another page of this tab's name has asked for something newer
@@ -296,12 +314,13 @@ export class Predictor extends EventTarget {
     this.heights = null;
     // A gesture that has ended since is refined, whether or not it changed more.
     if (longest && !this.gesture) this.stale = true;
-    this.whole = !longest && !this.stale;
+    this.behind = first;
+    this.whole = !longest && !this.stale && !first;
     const ms = Math.round(performance.now() - start);
     this.dispatchEvent(new CustomEvent("painted", { detail: { ms, whole: this.whole } }));
     this.since = performance.now();
     const took = this.since - start;
-    if (!draft) this.took = Math.max(took, this.took + FALL * (took - this.took));
+    if (!draft && !catchingUp) this.took = Math.max(took, this.took + FALL * (took - this.took));
   }
 
   /** Asks for the heights of the map, once. */
@@ -316,7 +335,7 @@ export class Predictor extends EventTarget {
       this.heights = heights;
       this.dispatchEvent(new Event("height"));
     } catch (error) {
-      if (!(error instanceof Error && error.name === "AbortError")) this.#failed(error, false);
+      if (!isBrokenOff(error)) this.#failed(error, false);
     } finally {
       if (this.climbing === climbing) this.climbing = null;
     }

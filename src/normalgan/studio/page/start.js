@@ -1,6 +1,6 @@
 /** Start: what the command line named or the tab showed is opened, and unsaved work is offered. */
 
-import { named } from "./api.js";
+import { named, namedFile } from "./api.js";
 import { unsaved } from "./autosave.js";
 import { choose } from "./dialogs.js";
 import { isEmpty, parseDocument, picturesOf } from "./document.js";
@@ -36,15 +36,12 @@ export async function begin(parts) {
     if (first?.kind === "project") await projects.open(first.name);
     if (first?.kind === "document") await projects.load(first.document, null, false);
     if (first?.kind === "drawing") {
-      const { picture, width, height, given, parts: count, pages, layers } = first;
-      const read = layers && (async () => {
-        if (layers.error) throw new Error(layers.error);
-        return layers;
-      });
-      const found = { picture, width, height, given, parts: count, pages, layers: read };
-      const placed = importing.place(found, read ? "" : "drawing", first.name);
-      // A file with layers asks as what it is to come in, and the page is ready meanwhile.
-      if (read) placed.catch((error) => status.fail(error));
+      const file = await namedFile(first.name);
+      const found = await importing.read(file);
+      // A file with layers or pages asks as what it is to come in, and the page is ready meanwhile.
+      const asks = found.layers !== null || found.parts > 1;
+      const placed = importing.put(found, asks ? "" : "drawing", file);
+      if (asks) placed.catch((error) => status.fail(error));
       else await placed;
     }
   } catch (error) {

@@ -1,0 +1,51 @@
+/** Networks: the model's networks in a worker of their own, so that the object is found while they run. */
+
+import * as ort from "./ort.wasm.min.mjs";
+
+// How many threads they take is the runtime's choice: half the cores, up to four, where the page is isolated, and else one. The
+// service worker sends the headers for that, from the second visit on.
+ort.env.wasm.wasmPaths = new URL("./", import.meta.url).href;
+const RUNTIME = "ort-wasm-simd-threaded.wasm.packed"; // by gzip
+
+/** @typedef {{id: number, name: string, planes: Record<string, {data: Float32Array, shape: number[]}>}} Run of one network, with its inputs */
+
+const runtime = unpack();
+/** @type {Record<string, Promise<import("./ort.wasm.min.mjs").InferenceSession>>} */
+const sessions = Object.fromEntries(["ours", "refiner", "reader"].map((name) => [name, network(`${name}.onnx`)]));
+
+/** @param {string} name */
+async function file(name) {
+  const answer = await fetch(new URL(name, import.meta.url));
+  if (!answer.ok) throw new Error("the model cannot be fetched");
+  return answer;
+}
+
+async function unpack() {
+  const { body } = await file(RUNTIME);
+  if (!body) throw new Error(`${RUNTIME} is empty`);
+  ort.env.wasm.wasmBinary = await new Response(body.pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
+}
+
+/** @param {string} name */
+async function network(name) {
+  const [answer] = await Promise.all([file(name), runtime]);
+  return ort.InferenceSession.create(new Uint8Array(await answer.arrayBuffer()), { executionProviders: ["wasm"] });
+}
+
+/** @param {Run} run @returns {Promise<Record<string, Float32Array>>} */
+async function run({ name, planes }) {
+  const feeds = Object.fromEntries(Object.entries(planes).map(([key, { data, shape }]) => [key, new ort.Tensor("float32", data, shape)]));
+  const found = await (await sessions[name]).run(feeds);
+  // Copied: what a network returns lies in the runtime's memory.
+  return Object.fromEntries(Object.entries(found).map(([key, { data }]) => [key, data.slice()]));
+}
+
+const failed = (/** @type {unknown} */ error) => String(error instanceof Error ? error.message : error);
+Promise.all(Object.values(sessions)).then(([ours]) => postMessage({ size: Number(ours.inputMetadata[0].shape[3]) }), (error) => postMessage({ failed: failed(error) }));
+/** @type {Promise<void>} one at a time */
+let turn = Promise.resolve();
+addEventListener("message", (/** @type {MessageEvent<Run>} */ { data }) => {
+  turn = turn.then(() => run(data)).then(
+    (found) => postMessage({ id: data.id, found }, { transfer: Object.values(found).map(({ buffer }) => buffer) }),
+    (error) => postMessage({ id: data.id, failed: failed(error) }));
+});
