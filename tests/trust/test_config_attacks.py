@@ -32,7 +32,7 @@ def _imports_allowed_again(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     """A working directory and home, with files to name and a module that tells that it was imported."""
     (tmp_path / f"{EVIL}.py").write_text(
         "from lightning.pytorch import Callback\nclass Foo(Callback): ...\ndef run(x): ...\n"
@@ -40,11 +40,11 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for name, content in NESTED.items():
         (tmp_path / name).write_text(content)
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.delitem(sys.modules, EVIL, raising=False)
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.setenv("USERPROFILE", str(tmp_path))
     monkeypatch.chdir(tmp_path)
-    return tmp_path
+    yield tmp_path
+    sys.modules.pop(EVIL, None)
 
 
 def written(folder: Path, content: Any, port: int = 0) -> Path:
