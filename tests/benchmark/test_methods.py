@@ -74,6 +74,6 @@ def test_models_of_another_size_or_kind(tmp_path: Path) -> None:
     for name in ("gone.onnx", "gone.safetensors", "gone.ckpt"):
         with pytest.raises(InputError, match=f"there (is|are) no .* {name}"):
             saved_method(name, 64, CPU)
-    with pytest.raises(InputError, match="does not say what hints it was trained for; export it anew"):
+    with pytest.raises(InputError, match="does not say which hints it was trained with; export it again"):
         saved_method(str(write_model(tmp_path / "ramp.onnx")), 64, CPU)
     assert read_weights(SHIPPED).notes.size == 256

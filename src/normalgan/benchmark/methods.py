@@ -141,7 +141,7 @@ def _onnx_method(path: Path, size: int) -> Method:
     model = OnnxBackend(path, torch.get_num_threads())
     check_size(path, model.size, size)
     if "hint_sampler" not in model.notes:
-        raise InputError(f"{path} does not say what hints it was trained for; export it anew.")
+        raise InputError(f"{path} does not say which hints it was trained with; export it again.")
     sampler = ClassSpec.from_json(model.notes["hint_sampler"]).build(HINT_SAMPLERS)
 
     def predict(batch: Batch, hints: Tensor | None) -> Tensor:

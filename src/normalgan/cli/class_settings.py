@@ -14,9 +14,10 @@ __all__ = ["OwnDefaultsParser"]
 class OwnDefaultsParser(ArgumentParser):
     """Keeps the settings of one class from becoming those of another that is named in its place.
 
-    jsonargparse takes each setting of the former class over that the new one has too, be it a default; see
-    https://github.com/mauvilsa/jsonargparse/issues/460. So a brush was drawn with the default line width of
-    another style. What options said of the former class is still taken over by a class that an option names.
+    When another class is named, jsonargparse keeps every setting that both classes have, even one that was
+    only the first class's default (https://github.com/mauvilsa/jsonargparse/issues/460). A brush, for
+    example, got the default line width of another style. A setting that an option gave is still kept when
+    another option names the new class.
     """
 
     def add_argument(self, *names: Any, **how: Any) -> Any:

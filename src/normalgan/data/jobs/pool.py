@@ -31,7 +31,7 @@ class Again:
 
 
 def unrelated(_: object) -> tuple[str, ...]:
-    """Return no names: every task stands for itself."""
+    """Return nothing: no task has anything to do with another."""
     return ()
 
 

@@ -128,7 +128,7 @@ class ShardOrder(Sampler[int]):
         rng = np.random.default_rng(derive_seed("within shards", self.seed, self.epoch, self.rank))
         mine = np.resize(order, -(-len(order) // self.replicas) * self.replicas)[self.rank :: self.replicas]
         left = len(self)
-        while left:  # shards differ in length: who has had all of a short share begins anew
+        while left:  # shards differ in length, so a process with a short share goes through it again
             for start in range(0, len(mine), ABREAST):
                 parts = [list(self.store.indices(int(shard))) for shard in mine[start : start + ABREAST]]
                 for index in rng.permutation(np.concatenate(parts).astype(np.int64))[:left].tolist():

@@ -1,4 +1,4 @@
-"""SVG: written anew without what leads out of it, and drawn."""
+"""SVG: links to other files are removed, and the rest is drawn."""
 
 import base64
 import binascii
@@ -66,9 +66,9 @@ def draw_svg(content: bytes, side: int, most: int) -> bytes:
 
 
 def sanitize_svg(content: bytes, most: int) -> str:
-    """Return an SVG written anew, with its entities expanded and nothing in it that leads out of it.
+    """Return a copy of an SVG, with its entities expanded and without links to anything outside it.
 
-    It is written anew, not only looked at: what another parser would make of the same bytes does not matter.
+    It is written again, not only checked, because another parser may read the same bytes differently.
 
     Args:
         content: the file, in any encoding that XML knows.

@@ -66,12 +66,11 @@ class Joint:
             axis: (3,) unit axis of the turn, through the joint's centre.
             angle: in radians.
         """
-        offset = points - self.centre
+        from scipy.spatial.transform import Rotation  # half a second: only when a mesh is varied
+
         share, slope = self.share(points)
-        cross = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
-        turn = (angle * share)[:, None, None]
-        rotation = np.eye(3) + np.sin(turn) * cross + (1 - np.cos(turn)) * (cross @ cross)
-        moved = (rotation @ offset[:, :, None])[:, :, 0]
+        rotation = Rotation.from_rotvec(np.outer(angle * share, axis)).as_matrix()
+        moved = (rotation @ (points - self.centre)[:, :, None])[:, :, 0]
         # How it turns on as one goes outward.
         speed = angle * slope[:, None] * np.cross(axis, moved)
         return moved + self.centre, rotation + speed[:, :, None] * self.outward
@@ -111,10 +110,10 @@ def find_joints(points: Doubles, faces: NDArray[np.integer], rng: np.random.Gene
     joints: list[Joint] = []
     for distance in reached:
         length = distance[middle]
-        found = [_joint(places, distance, place * length) for place in _PLACES]
-        thin = [joint for joint in found if joint is not None]
         if length < _SHORTEST_LIMB * longest:
             continue
+        found = [_joint(places, distance, place * length) for place in _PLACES]
+        thin = [joint for joint in found if joint is not None]
         chosen: list[Joint] = []
         for index in rng.permutation(len(thin)):
             joint = thin[index]
@@ -159,9 +158,8 @@ def _graph(places: Doubles, faces: NDArray[np.integer]) -> tuple["csr_array", Bo
     count = (len(places), len(places))
     _, part = connected_components(coo_array((np.ones(len(edges)), edges.T), shape=count), directed=False)
     pairs = cKDTree(places).query_pairs(_CLOTH, output_type="ndarray")
-    edges = np.unique(
-        np.sort(np.concatenate([edges, pairs[part[pairs[:, 0]] != part[pairs[:, 1]]]]), axis=1), axis=0
-    )
+    links = pairs[part[pairs[:, 0]] != part[pairs[:, 1]]]
+    edges = np.unique(np.sort(np.concatenate([edges, links]), axis=1), axis=0)
     lengths = np.linalg.norm(places[edges[:, 0]] - places[edges[:, 1]], axis=1)
     both = np.concatenate([edges, edges[:, ::-1]])
     graph = coo_array((np.tile(lengths, 2) + 1e-9, both.T), shape=count).tocsr()

@@ -44,9 +44,7 @@ def vary(mesh: Mesh, variation: Variation, rng: np.random.Generator) -> Mesh:
     while True:
         moved, jacobian = in_turn(points, steps(thing, variation.times(amount), draws))
         turned = cofactors(jacobian)
-        # A row times its cofactors is the determinant.
-        volume = np.einsum("vc,vc->v", jacobian[:, 0], turned[:, 0])
-        if volume.min() >= LEAST_VOLUME:
+        if _holds(jacobian, turned):
             break
         amount /= 2  # ends: without strength the Jacobian is the identity
     turned_normals = np.einsum("vij,vj->vi", turned, normals) @ frame.axes
@@ -69,10 +67,16 @@ def _bend_limbs(mesh: Mesh, most: float, rng: np.random.Generator) -> Mesh:
         angle = float(rng.uniform(-most, most))
         moved, jacobian = joint.bend(points, axis, angle)
         turned = cofactors(jacobian)
-        if np.einsum("vc,vc->v", jacobian[:, 0], turned[:, 0]).min() >= LEAST_VOLUME:
+        if _holds(jacobian, turned):
             points, normals = moved, np.einsum("vij,vj->vi", turned, normals)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     return replace(mesh, vertices=points.astype(np.float32), normals=normals.astype(np.float32))
+
+
+def _holds(jacobian: Doubles, turned: Doubles) -> bool:
+    """Return whether a deformation leaves enough space about each vertex; ``turned`` has its cofactors."""
+    volume = np.einsum("vc,vc->v", jacobian[:, 0], turned[:, 0])  # a row times its cofactors: the determinant
+    return bool(volume.min() >= LEAST_VOLUME)
 
 
 def _lean(most: float, rng: np.random.Generator) -> Doubles:
@@ -81,9 +85,8 @@ def _lean(most: float, rng: np.random.Generator) -> Doubles:
 
     heading = rng.uniform(0.0, 2 * np.pi)
     angle = most * rng.uniform() ** 3
-    return np.asarray(
-        Rotation.from_rotvec(angle * np.array([np.cos(heading), 0.0, np.sin(heading)])).as_matrix()
-    )
+    axis = np.array([np.cos(heading), 0.0, np.sin(heading)])
+    return np.asarray(Rotation.from_rotvec(angle * axis).as_matrix())
 
 
 def cofactors(matrices: Doubles) -> Doubles:
