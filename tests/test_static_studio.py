@@ -22,11 +22,11 @@ from chromium import browser, storage
 from chromium import page as open_page
 from needs import NPM
 from normalgan.inference.composites.composition import compose
-from normalgan.inference.composites.context import context_of, in_context
+from normalgan.inference.composites.context import context_of, surest, ways_to_see
 from normalgan.inference.mask.masks import MODEL
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.normal_map import NormalMap
-from normalgan.inference.pipeline import predict
+from normalgan.inference.pipeline import finish
 from normalgan.inference.preparation import prepare
 from normalgan.inference.reading.picture import Picture, read_picture
 from normalgan.inference.suggestion import suggest, uncertainty
@@ -155,15 +155,18 @@ def test_the_mask_brush_cuts_and_adds(studio: "Page") -> None:
 
 
 def test_layers_are_composed_as_python_composes_them(studio: "Page") -> None:
-    drawn = [
-        np.rint(255 * (1 - outline(blob((SIDE, SIDE), middle, 120)))).astype(np.uint8)
-        for middle in ((200, 256), (300, 280))
-    ]
+    drawn = [np.full((SIDE, SIDE), 255, np.uint8) for _ in range(2)]
+    cv2.ellipse(drawn[0], (230, 280), (165, 90), 0, 0, 360, (0,), 3, cv2.LINE_AA)
+    cv2.ellipse(drawn[1], (384, 192), (64, 51), 0, 0, 360, (0,), 3, cv2.LINE_AA)
     model = OnnxBackend(SHIPPED)
     pictures = [Picture(np.dstack([each / np.float32(255)] * 3), None) for each in drawn]
     parts = [prepare(each, model.size, line_widths=model.line_widths) for each in pictures]
     context = context_of(parts)
-    wanted = compose([predict(model, in_context(each, context)) for each in parts])
+    chosen = [
+        surest(ways_to_see(each, context), lambda way: model.predict(way.seen, way.hints)) for each in parts
+    ]
+    assert [each[0].seen is context.seen for each in chosen] == [True, False]
+    wanted = compose([finish(*each, model.upsample) for each in chosen])
     found = decoded(studio.evaluate(ASK, encoded(*drawn)), drawn[0].shape)
     assert_near(found, wanted, share=0.98, degrees=1)
     # What has changed can be had first: the other layer is as it was, among the other lines.
@@ -173,10 +176,10 @@ def test_layers_are_composed_as_python_composes_them(studio: "Page") -> None:
         for early in (True, False)
     )
     seen = np.zeros_like(drawn[0], bool)
-    seen[200:312, 100:150] = True  # of the back alone
+    seen[240:320, 100:150] = True  # of the back alone
     assert np.array_equal(first[seen], found[seen])
     assert (then[seen] != found[seen]).any()
-    assert np.array_equal(first[300:340, 280:320], then[300:340, 280:320])
+    assert np.array_equal(first[215:245, 370:400], then[215:245, 370:400])
     lines = np.full_like(drawn[0], 255)
     one = studio.evaluate(ASK, encoded(drawn[0], lines))
     assert "Layer 1: no line is seen" in unquote(one["warning"])

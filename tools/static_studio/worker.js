@@ -1,7 +1,7 @@
 /** Worker: all that is about the networks, beside the page, so that the pen never waits for it. */
 
 import { compose } from "./compose.js";
-import { inContext } from "./context.js";
+import { expectedError, waysToSee } from "./context.js";
 import { finish, hintsOff, restored } from "./finish.js";
 import { byHand, hold } from "./hold.js";
 import { Unpaintable, prepare } from "./prepare.js";
@@ -29,8 +29,8 @@ import { doubt, suggest } from "./suggest.js";
 
 /** Pixels of what is kept: of several layers only one is painted again. */
 const KEPT = 2 ** 23;
-/** What the network says of drawings that is kept: layers without hints that are seen among each other share it. */
-const INFERRED = 4;
+/** What the network says of drawings that is kept: layers seen alone, and one for all that are seen among each other. */
+const INFERRED = 16;
 const networks = new Worker(new URL("networks.js", import.meta.url), { type: "module" });
 /** @type {Map<number, {resolve: (found: Record<string, Float32Array>) => void, reject: (error: Error) => void}>} */
 const running = new Map();
@@ -119,13 +119,18 @@ async function prepareLayer({ ink, source, hints }, longest, alone) {
   return { key, lines: await recalled(prepared, key, () => prepare(ink, size, source, longest, widths, reader, begin)) };
 }
 
-/** @param {Layer} layer @param {import("./prepare.js").Prepared} lines as they are seen among others @param {string} key what that depends on @returns {Promise<Painted>} */
-async function paintLayer({ ink, strokes, hints, areas, form }, lines, key) {
+/** @param {Layer} layer @param {import("./prepare.js").Prepared[]} ways to see it @param {string} key what that depends on @returns {Promise<Painted>} */
+async function paintLayer({ ink, strokes, hints, areas, form }, ways, key) {
   const { size } = await ready;
   return recalled(painted, key, async () => {
-    const { width, height, frame } = lines;
+    const { width, height } = ways[0];
     const scale = width / ink.width;
-    const { normal, confidence } = await infer(lines.seen, hintPlanes(hints, scale, frame), size);
+    const tried = [];
+    for (const lines of ways) {
+      const { normal, confidence } = await infer(lines.seen, hintPlanes(hints, scale, lines.frame), size);
+      tried.push({ lines, normal, confidence });
+    }
+    const [{ lines, normal, confidence }] = ways.length > 1 ? byError(tried) : tried;
     const { normals, mask, covered, warning: said } = await finish(lines, normal, refiner, byHand(strokes, width, height, scale, lines.ink));
     const warning = [said, hintsOff(hints.filter((hint) => hint.reach === undefined), scale, { mask, width, height })].filter(Boolean).join("; ");
     hold({ normals, mask, width, height }, hints, areas, form, scale);
@@ -133,6 +138,9 @@ async function paintLayer({ ink, strokes, hints, areas, form }, lines, key) {
     return { normals, mask, covered, width, height, warning, confidence: null, certainty: () => restored(confidence, lines, 1) };
   });
 }
+
+/** Returns what was tried, the least expected error first. @template {{lines: import("./prepare.js").Prepared, confidence: Float32Array}} T @param {T[]} tried */
+const byError = (tried) => tried.map((each) => ({ each, error: expectedError(each.lines, each.confidence) })).sort((a, b) => a.error - b.error).map(({ each }) => each);
 
 /** @param {Wish} wish @returns {Promise<Answer>} */
 async function paint({ id, layers, longest, what, count, changedOnly }) {
@@ -156,16 +164,16 @@ async function paint({ id, layers, longest, what, count, changedOnly }) {
     const name = layers.length > 1 ? `${layer.name}: ` : "";
     await prepareLayer(layer, longest, layers.length === 1).then((found) => parts.push({ layer, name, ...found }), (error) => lacks(name, error));
   }
-  const among = inContext(parts.map(({ lines }) => lines), widths);
+  const ways = waysToSee(parts.map(({ lines }) => lines), widths);
   const all = parts.length > 1 ? digest(new TextEncoder().encode(parts.map(({ key }) => key).join())) : 0;
-  for (const [i, { layer, name, key, lines }] of parts.entries()) {
+  for (const [i, { layer, name, key }] of parts.entries()) {
     if (dropped.delete(id)) throw new Error("this is no longer wanted");
     const own = JSON.stringify([key, layer.strokes, layer.hints, layer.areas, layer.form]);
     const before = changedOnly ? [...painted.keys()].findLast((each) => each.startsWith(own)) : undefined;
     try {
-      const found = await paintLayer(layer, among[i], before ?? `${own} ${all}`);
+      const found = await paintLayer(layer, ways[i], before ?? `${own} ${all}`);
       maps.push(found);
-      const alone = parts.length > 1 && among[i] === lines ? "; until it is closed, the layer is predicted without the others" : "";
+      const alone = parts.length > 1 && ways[i].length === 1 ? "; until it is closed, the layer is predicted without the others" : "";
       if (found.warning) said.push(`${name}${found.warning}${alone}`);
     } catch (error) {
       lacks(name, error);

@@ -13,7 +13,7 @@ import numpy as np
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError, RunError
-from normalgan.inference.composites.context import Context, context_of, in_context
+from normalgan.inference.composites.context import Context, Inferred, context_of, surest, ways_to_see
 from normalgan.inference.mask.reader import read
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.network.upsampling import Coarse
@@ -83,7 +83,7 @@ class Predictor:
         self._lock = Lock()
         self._predicted: OrderedDict[tuple[_Key, bytes], NormalMap] = OrderedDict()
         self._prepared: OrderedDict[_Key, tuple[Prepared, tuple[int, int]]] = OrderedDict()
-        self._inferred: OrderedDict[bytes, tuple[Floats, Floats | None]] = OrderedDict()
+        self._inferred: OrderedDict[bytes, Inferred] = OrderedDict()
         self._contexts: OrderedDict[tuple[_Key, ...], Context] = OrderedDict()
         self._closed: OrderedDict[str, _Closed] = OrderedDict()
         self._count = 0
@@ -129,19 +129,18 @@ class Predictor:
             check()
             prepared, shape = self._prepare(drawing, longest)
             check()
-            alone = prepared
-            if context is not None:
-                prepared = in_context(prepared, context)
-            seen = hinted(prepared, drawing.read_hints(shape), shape)
-            predicted = finish(seen, *self._infer(seen), upsample)
-            if context is not None and prepared is alone and predicted.warning:
+            ways = ways_to_see(prepared, context)
+            hints = drawing.read_hints(shape)
+            seen, *inferred = surest([hinted(each, hints, shape) for each in ways], self._infer)
+            predicted = finish(seen, *inferred, upsample)
+            if context is not None and len(ways) == 1 and predicted.warning:
                 predicted = replace(predicted, warning=predicted.warning + _ALONE)
             predicted = replace(predicted, extended=drawing.edit(predicted.extended, predicted.mask, shape))
             key = *key[:2], self._version(drawing.tab)
             self._remember(self._predicted, (key, around), predicted, _size_of_map)
         return predicted
 
-    def _infer(self, prepared: Prepared) -> tuple[Floats, Floats | None]:
+    def _infer(self, prepared: Prepared) -> Inferred:
         """Return what the network predicts; layers without hints that are seen among each other share it."""
         shown = sha256(prepared.seen.tobytes())
         if prepared.hints is not None:

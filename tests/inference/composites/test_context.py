@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import cv2
 import numpy as np
+import pytest
 
 from normalgan.arrays import Floats
-from normalgan.inference.composites.context import context_of, in_context
+from normalgan.inference.composites.context import context_of, surest, ways_to_see
 from normalgan.inference.preparation import Prepared, prepare
 from normalgan.inference.reading.picture import Picture
 
@@ -22,7 +23,8 @@ def part(x: int, radius: int) -> Prepared:
 def test_a_part_hides_the_lines_behind_it_and_is_seen_with_the_others() -> None:
     back, front = part(120, 70), part(200, 50)
     context = context_of([back, front])
-    found = in_context(back, context)
+    seen_alone, found = ways_to_see(back, context)
+    assert seen_alone is back
     assert found.seen is context.seen
     assert found.mask is back.mask
     scale = context.frame.size / context.frame.side
@@ -42,6 +44,29 @@ def test_where_the_network_tells_the_object_a_part_is_seen_alone() -> None:
     back, front = part(120, 70), part(200, 50)
     context = context_of([back, front])
     for alone in (replace(back, mask=None), replace(back, closed=0.5)):
-        assert in_context(alone, context) is alone
+        assert ways_to_see(alone, context) == [alone]
     held = replace(back, closed=0.5, held=True)
-    assert in_context(held, context).seen is context.seen
+    assert ways_to_see(held, context)[1].seen is context.seen
+    assert ways_to_see(back, None) == [back]
+
+
+@pytest.mark.parametrize("sure", [True, False], ids=["alone", "among"])
+def test_a_part_is_seen_as_the_network_is_surer_of_it(sure: bool) -> None:
+    back, front = part(120, 70), part(200, 50)
+    alone, among = ways_to_see(back, context_of([back, front]))
+
+    def infer(way: Prepared) -> tuple[Floats, Floats]:
+        confidence = np.full(way.seen.shape, 9 if (way is alone) == sure else 3, np.float32)
+        # What it thinks of the paper does not count.
+        confidence[way.frame.shrink(back.mask.astype(np.float32)) == 0] = 0 if way is alone else 100
+        return np.full((*way.seen.shape, 3), confidence.max(), np.float32), confidence
+
+    chosen, normals, confidence = surest([alone, among], infer)
+    assert chosen is (alone if sure else among)
+    assert normals.max() == confidence.max()
+
+
+def test_a_network_that_does_not_say_how_sure_it_is_sees_a_part_alone() -> None:
+    back, front = part(120, 70), part(200, 50)
+    ways = ways_to_see(back, context_of([back, front]))
+    assert surest(ways, lambda way: (np.zeros((*way.seen.shape, 3), np.float32), None))[0] is back

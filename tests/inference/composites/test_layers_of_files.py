@@ -1,11 +1,13 @@
-"""Layers: each is painted for itself, and goes back to its place in a file of the same kind."""
+"""Layers: each has a map of its own, and goes back to its place in a file of the same kind."""
 
 import io
 import zipfile
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -16,6 +18,7 @@ from normalgan.decoding import DecodedLayer, DecodedLayers
 from normalgan.decoding.decoders.layered_files import KINDS as KINDS_SHOWN
 from normalgan.decoding.decoders.layered_files import TREATMENT
 from normalgan.errors import InputError
+from normalgan.inference.composites import layered_job
 from normalgan.inference.composites.layers import encode_layers, layered_kind, picture_of, read_layers
 from pens import blob, outline
 
@@ -85,7 +88,10 @@ def test_files_that_krita_saved_are_read(name: str) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_each_layer_is_painted_as_if_it_were_alone(here: Path, kind: str) -> None:
+def test_a_layer_that_is_seen_alone_is_predicted_as_a_drawing_of_its_own(
+    here: Path, kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(layered_job, "surest", lambda ways, infer: (ways[0], *infer(ways[0])))
     Path(f"fox.{kind}").write_bytes(encode_layers(kind, SHAPE, STACK))  # type: ignore[arg-type]
     assert generate(f"fox.{kind}", "--layers") == 0
     assert [each.name for each in Path("normals").iterdir()] == [f"fox_normal.{kind}"]
@@ -106,6 +112,25 @@ def test_each_layer_is_painted_as_if_it_were_alone(here: Path, kind: str) -> Non
         inside = np.s_[predicted.top : predicted.top + rows, predicted.left : predicted.left + columns]
         assert np.array_equal(predicted.pixels, expected[inside])
         assert not np.delete(expected[..., 3], np.arange(inside[0].start, inside[0].stop), 0).any()
+
+
+def test_a_body_is_seen_with_its_head_and_the_head_alone(here: Path) -> None:
+    body, head = (np.zeros((320, 320, 4), np.uint8) for _ in range(2))
+    for pixels, middle, axes in ((body, (144, 176), (104, 56)), (head, (240, 120), (40, 32))):
+        cv2.ellipse(pixels, middle, axes, 0, 0, 360, (255, 255, 255, 255), -1)
+        cv2.ellipse(pixels, middle, axes, 0, 0, 360, (0, 0, 0, 255), 3)
+    stack = [layer("body", body, 0), layer("head", head, 1)]
+    Path("fox.ora").write_bytes(encode_layers("ora", (320, 320), stack))
+    assert main(["generate", "fox.ora", "--layers"]) == 0
+    together = read_layers(Path("normals/fox_normal.ora")).layers
+    for each in stack:
+        Path(f"{each.name}.ora").write_bytes(encode_layers("ora", (320, 320), [each]))
+        assert main(["generate", f"{each.name}.ora", "--layers"]) == 0
+    alone = [read_layers(Path(f"normals/{each.name}_normal.ora")).layers[0] for each in stack]
+    as_alone = [
+        same(one, replace(other, number=one.number)) for one, other in zip(together, alone, strict=True)
+    ]
+    assert as_alone == [False, True]
 
 
 def test_of_a_krita_file_an_openraster_file_is_made(here: Path) -> None:

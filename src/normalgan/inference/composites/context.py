@@ -1,6 +1,6 @@
-"""Context: the parts of a drawing as the network sees them among the others."""
+"""Context: the parts of a drawing, each seen alone or among the others, as the network knows it better."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,8 +10,12 @@ from normalgan.inference.mask.decision import CLOSED
 from normalgan.inference.network.framing import Frame
 from normalgan.inference.network.line_width import render_model_input
 from normalgan.inference.preparation import Prepared
+from normalgan.inference.suggestion import uncertainty
 
-__all__ = ["Context", "context_of", "in_context"]
+__all__ = ["Context", "Inferred", "context_of", "expected_error", "surest", "ways_to_see"]
+
+Inferred = tuple[Floats, Floats | None]
+"""What the network predicts, (S, S, 3), and its confidence κ, (S, S), if it has one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,29 +31,57 @@ class Context:
     seen: Floats
 
 
-def context_of(parts: Sequence[Prepared]) -> Context:
+def context_of(parts: Iterable[Prepared]) -> Context:
     """Return the lines of all parts of a drawing; the object of a part hides the lines behind it.
 
     Args:
-        parts: of one size, the hindmost first.
+        parts: of one size, the hindmost first; one at least. Each is asked for once, and none is kept.
     """
-    ink = parts[0].ink
-    for front in parts[1:]:
+    parts = iter(parts)
+    first = next(parts)
+    ink = first.ink
+    for front in parts:
         behind = ink if front.mask is None else np.where(front.mask, np.float32(0), ink)
         ink = np.maximum(behind, front.ink)
-    frame = Frame.around(ink, parts[0].frame.size)
-    return Context(frame, render_model_input(ink, frame, parts[0].line_widths))
+    frame = Frame.around(ink, first.frame.size)
+    return Context(frame, render_model_input(ink, frame, first.line_widths))
 
 
-def in_context(part: Prepared, context: Context) -> Prepared:
-    """Return a part that is seen among the others; add hints afterwards.
+def ways_to_see(part: Prepared, context: Context | None) -> list[Prepared]:
+    """Return a part as it is seen alone, and then among the others; add hints afterwards.
 
     Where the network has a say in what is object, the part is seen alone, or all others were object too.
 
     Args:
         part: as `prepare` gives it.
-        context: of the drawing that it is a part of.
+        context: of the drawing that it is a part of; None if there are no others.
     """
-    if part.mask is None or (part.closed < CLOSED and not part.held):
-        return part
-    return replace(part, frame=context.frame, seen=context.seen, hints=None, pins=None, given=None)
+    if context is None or part.mask is None or (part.closed < CLOSED and not part.held):
+        return [part]
+    return [part, replace(part, frame=context.frame, seen=context.seen, hints=None, pins=None, given=None)]
+
+
+def surest(
+    ways: Sequence[Prepared], infer: Callable[[Prepared], Inferred]
+) -> tuple[Prepared, Floats, Floats | None]:
+    """Return the way to see a part in which the network expects the least error, and what it predicts then.
+
+    A head without its body is a wedge, so a part of a body is best seen among the others. A figure before
+    scenery is whole, and lines about it mislead. The network's confidence tells them apart.
+
+    Args:
+        ways: the part as the network can be shown it; of a network without confidence, the first is used.
+        infer: asks the network.
+    """
+    inferred = [infer(each) for each in ways]
+    errors = [expected_error(way, confidence) for way, (_, confidence) in zip(ways, inferred, strict=True)]
+    best = int(np.argmin(errors))
+    return ways[best], *inferred[best]
+
+
+def expected_error(part: Prepared, confidence: Floats | None) -> float:
+    """Return the mean error that the network expects on the object, as a share of a right angle, or 0."""
+    if confidence is None or part.mask is None:
+        return 0.0
+    inside = part.frame.shrink(part.mask.astype(np.float32)) > 0.5
+    return float(uncertainty(confidence)[inside].mean()) if inside.any() else 0.0

@@ -1,25 +1,25 @@
-"""Layered job: predict each visible layer of a file by itself, and write them all."""
+"""Layered job: predict each visible layer of a file, alone or among the others, and write them all."""
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 
 from normalgan.decoding import DecodedLayer, DecodedLayers
 from normalgan.errors import InputError
-from normalgan.inference.composites.layers import (
-    cut,
-    encode_layers,
-    is_plain,
-    picture_of,
-)
-from normalgan.inference.composites.series import Member, predict_series
+from normalgan.inference.composites.context import Context, context_of, surest, ways_to_see
+from normalgan.inference.composites.layers import cut, encode_layers, is_plain, picture_of
+from normalgan.inference.composites.series import Member, predict_series, prepare_member
 from normalgan.inference.drawing import Drawing
 from normalgan.inference.jobs.plan import Job
 from normalgan.inference.jobs.writing import Held, Writer
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.outputs import Outputs
 from normalgan.inference.parallel import stream
+from normalgan.inference.pipeline import finish
 from normalgan.inference.predictor import Predictor
+from normalgan.inference.preparation import Prepared
 from normalgan.inference.reading.picture import fitted
 from normalgan.inference.sprites import Sprite
 
@@ -72,7 +72,8 @@ class LayeredJob:
         said = [found.note] if found.note else []
         held: list[Held] = []
         failed: list[InputError] = []
-        for number, got in stream(numbers, lambda number: self._predict(job, found, number)):
+        context = self._context(job, found, drawn)
+        for number, got in stream(numbers, lambda number: self._predict(job, found, number, context)):
             name = next(layer.name for layer in drawn if layer.number == number)
             if isinstance(got, InputError):
                 failed.append(got)
@@ -91,20 +92,36 @@ class LayeredJob:
             self.writer.sink(target, encode_layers(drawing.layered, shape, predicted, found.durations))
         return "; ".join(said), held, found.partial or bool(failed)
 
+    def _context(self, job: Job, found: DecodedLayers, drawn: list[DecodedLayer]) -> Context | None:
+        """Return what the network sees of all layers; None of a single one, and of an animation's."""
+        if len(found.durations) > 1:
+            return None
+
+        def prepared(layer: DecodedLayer) -> Prepared:
+            return prepare_member(self.predictor, _member(job, layer, found.shape), self.size)
+
+        # Each is prepared again when it is predicted: all of a large file at once would fill the memory.
+        parts = (each for _, each in stream(drawn, prepared) if isinstance(each, Prepared))
+        first, second = next(parts, None), next(parts, None)
+        return None if first is None or second is None else context_of(chain((first, second), parts))
+
     def _predict(
-        self, job: Job, found: DecodedLayers, number: int
+        self, job: Job, found: DecodedLayers, number: int, context: Context | None
     ) -> tuple[list[DecodedLayer], str, list[Held]]:
         """Return a layer's predictions frame by frame, the warning, and what waits for other drawings."""
         outputs = self.writer.outputs
         own = [layer for layer in found.layers if layer.number == number]
-        where = job.files.mask if isinstance(job.files.mask, str) else None
-        members = [Member(picture_of(layer, found.shape), None, where) for layer in own]
+        members = [_member(job, layer, found.shape) for layer in own]
         several = self.shared and len(own) > 1
         predicted: list[DecodedLayer] = []
         said: list[str] = []
         held: list[Held] = []
         failed: list[InputError] = []
-        series = predict_series(self.predictor, members, several, several, self.size)
+        series: Iterable[NormalMap | InputError]
+        if context is None:
+            series = predict_series(self.predictor, members, several, several, self.size)
+        else:
+            series = [self._among(member, context) for member in members]
         for layer, member, preds in zip(own, members, series, strict=True):
             if not isinstance(preds, NormalMap):
                 failed.append(preds)
@@ -121,6 +138,21 @@ class LayeredJob:
         if len(failed) == len(own):
             raise failed[0]
         return predicted, said[0] if said else "", held
+
+    def _among(self, member: Member, context: Context) -> NormalMap | InputError:
+        """Return the map of a layer, seen alone or among the others, or what is wrong with the layer."""
+        backend = self.predictor.backend
+        try:
+            ways = ways_to_see(prepare_member(self.predictor, member, self.size), context)
+            seen, *inferred = surest(ways, lambda way: backend.predict(way.seen, way.hints))
+            return finish(seen, *inferred, self.predictor.upsample)
+        except InputError as error:
+            return error
+
+
+def _member(job: Job, layer: DecodedLayer, shape: tuple[int, int]) -> Member:
+    where = job.files.mask if isinstance(job.files.mask, str) else None
+    return Member(picture_of(layer, shape), None, where)
 
 
 def goes_in_one(outputs: Outputs) -> bool:

@@ -1,0 +1,141 @@
+"""Measures how layers are best seen: the mean angular error of parts and of whole objects.
+
+layers.py MESH…
+
+Each mesh is drawn at 512 pixels. Its *parts* are cut from the top and from one side (8 to 40 % of it), before
+what is left. As a *whole* object it stands, 15 to 60 % as large, before another of the meshes. The layer in
+front is predicted alone, among the others, and as `generate --layers` and the studio choose.
+"""
+
+import argparse
+import itertools
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+from PIL import Image
+
+from normalgan.__main__ import main as normalgan
+from normalgan.arrays import BoolMask, Floats
+from normalgan.errors import InputError
+from normalgan.inference.composites.context import context_of, surest, ways_to_see
+from normalgan.inference.network.onnx_backend import SHIPPED, OnnxBackend
+from normalgan.inference.pipeline import finish
+from normalgan.inference.preparation import Prepared, prepare
+from normalgan.inference.reading.picture import Picture
+from normalgan.normals import normalize
+
+SIDE, OVERLAP = 512, 6
+PARTS, WHOLES = (0.08, 0.15, 0.25, 0.4), (0.15, 0.25, 0.4, 0.6)
+LEAST = 300
+"""Pixels of the smallest part that is measured."""
+
+
+@dataclass(frozen=True)
+class View:
+    """Lines (H, W), object (H, W) and true normals (H, W, 3) of a mesh."""
+
+    ink: Floats
+    mask: BoolMask
+    normals: Floats
+
+
+def view(mesh: Path, folder: Path, azimuth: int) -> View:
+    """Draw a mesh."""
+    lines, normals = folder / "lines.png", folder / "normals.png"
+    given = [
+        str(mesh),
+        "-o",
+        str(lines),
+        "--normal",
+        str(normals),
+        "--azimuth",
+        str(azimuth),
+        "--size",
+        str(SIDE),
+    ]
+    if normalgan(["sketch", *given]):
+        raise InputError(f"{mesh} cannot be drawn")
+    rgba = np.asarray(Image.open(normals).convert("RGBA"), np.float32)
+    ink = 1 - np.asarray(Image.open(lines).convert("L"), np.float32) / 255
+    return View(ink, rgba[..., 3] > 127, normalize(rgba[..., :3] / np.float32(127.5) - 1))
+
+
+def parts_of(seen: View):
+    """Yield layers: what is left of an object, and the part that was cut from it, in front."""
+    rows, columns = np.mgrid[: seen.ink.shape[0], : seen.ink.shape[1]]
+    for share, along in itertools.product(PARTS, (rows, columns)):
+        reach = along[seen.mask]
+        at = reach.min() + share * np.ptp(reach)
+        part, rest = seen.mask & (along < at), seen.mask & (along >= at - OVERLAP)
+        if np.count_nonzero(part) >= LEAST:
+            yield [_cut(seen.ink, rest, along - at + OVERLAP), _cut(seen.ink, part, along - at)]
+
+
+def _cut(ink: Floats, mask: BoolMask, away: Floats) -> tuple[Floats, BoolMask]:
+    """Return the lines of a part, with one where it was cut."""
+    rim = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8)) > 0
+    near = cv2.dilate(mask.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
+    return np.maximum(np.where(near, ink, 0), rim & (np.abs(away) < 3)).astype(np.float32), mask
+
+
+def before(seen: View, other: View, share: float) -> tuple[list[tuple[Floats, BoolMask]], View]:
+    """Return another object with this one before it, at a share of its size; and a view of this one there."""
+    side, canvas = round(2 * SIDE * share), (2 * SIDE, 2 * SIDE)
+    top, left = min(SIDE, 2 * SIDE - side), min(SIDE - SIDE // 8, 2 * SIDE - side)
+    place = np.s_[top : top + side, left : left + side]
+    ink, normals, mask = (
+        np.zeros(canvas, np.float32),
+        np.zeros((*canvas, 3), np.float32),
+        np.zeros(canvas, bool),
+    )
+    ink[place] = np.minimum(1.5 * cv2.resize(seen.ink, (side, side), interpolation=cv2.INTER_AREA), 1)
+    normals[place] = normalize(cv2.resize(seen.normals, (side, side)))
+    mask[place] = cv2.resize(seen.mask.astype(np.uint8), (side, side)) > 0
+    back = cv2.resize(other.ink, canvas), cv2.resize(other.mask.astype(np.uint8), canvas) > 0
+    return [back, (ink, mask)], View(ink, mask, normals)
+
+
+def errors(backend: OnnxBackend, layers: list[tuple[Floats, BoolMask]], normals: Floats) -> list[float]:
+    """Return the mean angular error in degrees of the layer in front, alone, among the others, as chosen."""
+    prepared = [
+        prepare(Picture(np.dstack([1 - ink] * 3), None), backend.size, mask, line_widths=backend.line_widths)
+        for ink, mask in layers
+    ]
+
+    def infer(way: Prepared):
+        return backend.predict(way.seen, way.hints)
+
+    ways = ways_to_see(prepared[-1], context_of(prepared))
+    maps = [finish(way, *infer(way), backend.upsample) for way in ways]
+    maps.append(finish(*surest(ways, infer), backend.upsample))
+    inside = layers[-1][1]
+    cosines = [(each.extended * normals).sum(-1)[inside] for each in maps]
+    return [float(np.degrees(np.arccos(np.clip(each, -1, 1))).mean()) for each in cosines]
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("meshes", nargs="+", type=Path)
+    meshes = parser.parse_args().meshes
+    backend = OnnxBackend(SHIPPED)
+    with tempfile.TemporaryDirectory() as folder:
+        views = [view(mesh, Path(folder), 35 if k % 2 else 80) for k, mesh in enumerate(meshes)]
+    found = {"parts": [], "whole objects": []}
+    for k, seen in enumerate(views):
+        found["parts"] += [errors(backend, layers, seen.normals) for layers in parts_of(seen)]
+        for share in WHOLES:
+            layers, placed = before(seen, views[(k + 3) % len(views)], share)
+            found["whole objects"].append(errors(backend, layers, placed.normals))
+    print("layer in front   count   alone   among   chosen")
+    for kind, rows in found.items():
+        print(f"{kind:16} {len(rows):5}  ", "   ".join(f"{each:5.2f}°" for each in np.mean(rows, 0)))
+
+
+if __name__ == "__main__":
+    main()
