@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from urllib.parse import unquote
 
 import cv2
 import numpy as np
@@ -59,7 +58,8 @@ ASK = """async ([grey, width, height, more, path = "/api/predict"]) => {
   const answer = await fetch(path, { method: "POST", body });
   let text = "";
   for (const byte of new Uint8Array(await answer.arrayBuffer())) text += String.fromCharCode(byte);
-  return { status: answer.status, warning: answer.headers.get("X-Warning"), rgba: btoa(text) };
+  const said = JSON.parse(decodeURIComponent(answer.headers.get("X-Findings") ?? "[]"));
+  return { status: answer.status, findings: said, rgba: btoa(text) };
 }"""
 
 
@@ -182,7 +182,7 @@ def test_layers_are_composed_as_python_composes_them(studio: "Page") -> None:
     assert np.array_equal(first[215:245, 370:400], then[215:245, 370:400])
     lines = np.full_like(drawn[0], 255)
     one = studio.evaluate(ASK, encoded(drawn[0], lines))
-    assert "Layer 1: no line is seen" in unquote(one["warning"])
+    assert {"code": "no_lines", "layer": "Layer 1"} in one["findings"]
     assert np.array_equal(
         decoded(one, lines.shape), decoded(studio.evaluate(ASK, encoded(drawn[0])), lines.shape)
     )
@@ -243,7 +243,7 @@ def test_an_exported_png_of_16_bits_has_the_levels_that_python_writes(studio: "P
     normals[0, :2] = [[0, 0, 1], [1, 0, 0]]
     mask = chance.random((40, 56)) > 0.3
     alpha = np.rint(255 * np.where(mask, chance.random((40, 56)), 0)).astype(np.float32) / np.float32(255)
-    predicted = NormalMap(normals, mask, alpha, np.zeros((8, 8), np.float32), None, "")
+    predicted = NormalMap(normals, mask, alpha, np.zeros((8, 8), np.float32), None, ())
     depths: tuple[Bits, Bits] = (8, 16)
     for bits, down, transparent in itertools.product(depths, (False, True), (False, True)):
         answer = studio.evaluate(
@@ -339,13 +339,12 @@ def test_hints_off_the_object_are_told_as_python_tells_them(studio: "Page") -> N
     grey = np.rint(255 * (1 - outline(blob((SIDE, SIDE), (250, 260), 120), 3))).astype(np.uint8)
     on = {"x": 250, "y": 260, "normal": [0, 0, 1]}
     hints = [on, *({**on, "x": x, "y": 9} for x in (7, 30, 60, 90))]
-    wanted = normalgan.load(SHIPPED)(grey, hints=hints).warning
-    assert wanted.startswith("4 of 5 hints lie off the object, at x 7, y 9; x 30, y 9; x 60, y 9 and 1 more;")
-    answer = studio.evaluate(ASK, [*encoded(grey), {"hints": hints}])
-    wanted = wanted.replace("give --mask", "paint the object with the mask brush")
-    assert unquote(answer["warning"]) == wanted.replace(" hints ", " points ")
+    (wanted,) = normalgan.load(SHIPPED)(grey, hints=hints).findings
+    (said,) = studio.evaluate(ASK, [*encoded(grey), {"hints": hints}])["findings"]
+    assert (said["code"], said["count"], said["total"]) == (wanted.code, wanted.count, wanted.total)
+    assert [tuple(place) for place in said["places"]] == list(wanted.places)
     answer = studio.evaluate(ASK, [*encoded(grey), {"hints": [{**each, "reach": 40} for each in hints]}])
-    assert not answer["warning"]  # they are no hints, but held to by hand
+    assert not answer["findings"]  # they are no hints, but held to by hand
 
 
 def test_where_the_model_is_unsure_is_told(studio: "Page") -> None:
@@ -424,7 +423,7 @@ def levels(file: bytes) -> NDArray[Any]:
 
 def decoded(answer: dict[str, Any], shape: tuple[int, ...]) -> NDArray[np.uint8]:
     """Return the map (H, W, 4) in an answer."""
-    assert answer["status"] == 200, answer["warning"]
+    assert answer["status"] == 200, answer["findings"]
     return np.frombuffer(base64.b64decode(answer["rgba"]), np.uint8).reshape(*shape, 4)
 
 

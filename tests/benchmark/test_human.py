@@ -145,7 +145,7 @@ def truth(picture: Any, hints: Any) -> NormalMap:
     z = np.sqrt(np.clip(1 - x**2 - y**2, 0, 1))
     normal = np.stack([x, y, z], axis=-1).astype(np.float32)
     normal[~inside] = [0, 0, 1]
-    return NormalMap(normal, inside, inside.astype(np.float32), picture, None, "")
+    return NormalMap(normal, inside, inside.astype(np.float32), picture, None, ())
 
 
 def test_the_true_normals_have_no_error(tmp_path: Path) -> None:

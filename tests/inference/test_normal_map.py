@@ -20,7 +20,7 @@ def tilted() -> NormalMap:
     mask = np.zeros((64, 64), bool)
     mask[10:50, 20:60] = True
     normals = np.ascontiguousarray(ramp(64).transpose(1, 2, 0))
-    return NormalMap(normals, mask, mask.astype(np.float32), np.zeros((32, 32), np.float32), None, "")
+    return NormalMap(normals, mask, mask.astype(np.float32), np.zeros((32, 32), np.float32), None, ())
 
 
 def test_normals_are_unit_on_the_object_and_zero_off_it() -> None:

@@ -30,7 +30,7 @@ def ball(side: int = SIDE) -> NormalMap:
         *(normals.astype(np.float32), inside, inside.astype(np.float32)),
         np.zeros((8, 8), np.float32),
         None,
-        "",
+        (),
     )
 
 
@@ -150,7 +150,7 @@ def test_each_sprite_of_a_sheet_is_alone_and_turned_ones_are_upright() -> None:
             sheet(form.alpha),
             form.seen,
             None,
-            "",
+            (),
         ),
         cells=cells,
     )

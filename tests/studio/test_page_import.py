@@ -1,5 +1,7 @@
 """Files of paint programs in the studio's page: their layers become the drawing's, or are one drawing."""
 
+import io
+import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -125,6 +127,25 @@ def test_a_page_of_a_tiff_can_be_chosen(studio: Studio, tmp_path: Path) -> None:
     assert studio.shown(150, 90)[2] > 0.5
 
 
+def test_layers_that_are_left_out_are_named_with_the_reason(studio: Studio, tmp_path: Path) -> None:
+    file = tmp_path / "fox.ora"
+    lost = b'<layer name="lost" src="data/none.png"/><layer name="hat" src="data/none.png"/>'
+    with (
+        zipfile.ZipFile(io.BytesIO(encode_layers("ora", SHAPE, STACK[1:3]))) as whole,
+        zipfile.ZipFile(file, "w") as torn,
+    ):
+        for name in whole.namelist():
+            content = whole.read(name)
+            if name == "stack.xml":
+                content = content.replace(b"<layer", lost + b"<layer", 1)
+            torn.writestr(name, content)
+    with studio.repainting():
+        give(studio, file, "layers")
+    assert names(studio) == ["hat", "body"]
+    said = "Imported “fox.ora”: 2 layers. Skipped damaged layers: “hat”, “lost”."
+    assert studio.page.locator("#problem-words").inner_text() == said
+
+
 def test_layers_come_in_front_of_what_is_drawn(studio: Studio, tmp_path: Path) -> None:
     file = tmp_path / "fox.ora"
     file.write_bytes(encode_layers("ora", SHAPE, STACK[1:3]))
@@ -161,7 +182,7 @@ def test_what_cannot_come_in_layers_is_said_and_nothing_changes(studio: Studio, 
     (tmp_path / "blank.ora").write_bytes(encode_layers("ora", SHAPE, [STACK[1], white]))
     with studio.repainting():
         give(studio, tmp_path / "blank.ora", "layers")
-    assert "Blank: no line is seen" in studio.page.locator("#warning").inner_text()
+    assert "blank: No lines found" in studio.page.locator("#warning").inner_text()
 
 
 def test_a_file_that_the_command_line_names_asks_for_its_layers(opened: "Browser", tmp_path: Path) -> None:

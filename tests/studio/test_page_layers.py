@@ -115,6 +115,24 @@ def test_marks_and_erasing_belong_to_the_layer_that_is_worked_on(studio: Studio)
     assert studio.inked(MIDDLE - 40, MIDDLE)
 
 
+def test_a_point_goes_to_the_layer_that_is_seen_under_it(studio: Studio) -> None:
+    page = studio.page
+    two(studio)
+    current = page.locator("#layer-list [aria-current] .name")
+    with studio.repainting():
+        studio.pin(MIDDLE - 60, MIDDLE)
+    assert current.inner_text() == "Layer 1"
+    page.keyboard.press("Escape")
+    with studio.repainting():
+        page.mouse.click(*studio.on_board(MIDDLE, MIDDLE))  # Layer 2 hides Layer 1 here
+    assert current.inner_text() == "Layer 2"
+    page.keyboard.press("Escape")
+    # The other layer's point is chosen, though it is not drawn now.
+    page.mouse.click(*studio.on_board(MIDDLE - 60, MIDDLE))
+    assert current.inner_text() == "Layer 1"
+    assert page.locator("#chips .chip").count() == 1
+
+
 def grip(studio: Studio, name: str) -> Point:
     """Return where a layer is taken to be dragged."""
     box = studio.page.locator("#layer-list li", has_text=name).locator(".grip").bounding_box()

@@ -4,12 +4,11 @@ import json
 import struct
 from pathlib import Path
 from typing import Any
-from urllib.parse import unquote
 
 import numpy as np
 import pytest
 from starlette.testclient import TestClient
-from studio_client import HEIGHT, WIDTH, Pixels, asking, circle, serving
+from studio_client import HEIGHT, WIDTH, Pixels, asking, circle, codes, serving
 
 from normalgan.errors import InputError
 from normalgan.studio.planes import CONTENT_TYPE, KeptPlanes, split_body
@@ -65,7 +64,7 @@ def test_a_drawing_that_cannot_be_painted_yet_is_no_error(model: Path, tmp_path:
     with serving(model, tmp_path) as client:
         answer = sent(client, fields(1, None, ALL), blank)
         assert (answer.status_code, answer.content) == (204, b"")
-        assert "no line is seen" in unquote(answer.headers["x-warning"])
+        assert codes(answer) == [("", "no_lines")]
         assert sent(client, fields(2, 1, ALL), circle()).status_code == 200
 
 

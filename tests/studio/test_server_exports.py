@@ -161,7 +161,7 @@ def test_an_output_of_several_files_is_encoded_once() -> None:
     normals = np.zeros((16, 16, 3), np.float32)
     normals[..., 2] = 1
     everywhere = np.ones((16, 16), bool)
-    preds = NormalMap(normals, everywhere, everywhere.astype(np.float32), normals[..., 0], None, "")
+    preds = NormalMap(normals, everywhere, everywhere.astype(np.float32), normals[..., 0], None, ())
     name, content = ExportRequest("fox", Halves(), None).encode(preds)
     assert name == "fox_halves.zip"
     assert unzipped(content) == {"fox_left.txt": b"half", "fox_right.txt": b"half"}

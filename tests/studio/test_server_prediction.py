@@ -12,7 +12,21 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 from starlette.testclient import TestClient
-from studio_client import CENTRE, HEIGHT, RADIUS, WIDTH, Pixels, asking, away, b64, circle, png, serving
+from studio_client import (
+    CENTRE,
+    HEIGHT,
+    RADIUS,
+    WIDTH,
+    Pixels,
+    asking,
+    away,
+    b64,
+    circle,
+    codes,
+    findings,
+    png,
+    serving,
+)
 
 from normalgan.__main__ import main
 from normalgan.inference.heights.height import integrate
@@ -104,7 +118,7 @@ def test_a_dab_of_the_mask_brush_closes_a_gap_in_the_outline(model: Path, tmp_pa
     dab = {"adds": True, "size": 36, "points": [CENTRE[0] + RADIUS, CENTRE[1]]}
     with serving(model, tmp_path) as client:
         answer = client.post("/api/predict", json=asking(picture=b64(png(arc)), mask_strokes=[dab]))
-        assert answer.headers["x-warning"] == ""
+        assert findings(answer) == []
         mask = np.frombuffer(answer.content, np.uint8).reshape(HEIGHT, WIDTH, 4)[..., 3] > 127
     inside = away() < RADIUS - 2
     assert mask[inside].mean() > 0.99
@@ -125,11 +139,11 @@ def test_the_object_stays_as_it_was_while_the_outline_is_open(model: Path, tmp_p
         other = client.post("/api/predict", json=asking(1, tab="other", picture=b64(png(opened))))
         alone = np.frombuffer(other.content, np.uint8).reshape(HEIGHT, WIDTH, 4)[..., 3] > 127
         # Nobody has drawn it closed in this tab: nothing is held there.
-        assert not np.array_equal(alone, held) or "stays" not in unquote(other.headers["x-warning"])
+        assert not np.array_equal(alone, held) or ("", "held") not in codes(other)
         apart = np.full_like(opened, 255)
         apart[20:22, 20:140] = 0
         anew = client.post("/api/predict", json=asking(3, picture=b64(png(apart))))
-        assert "stays as it was" not in unquote(anew.headers["x-warning"])  # its lines are gone
+        assert ("", "held") not in codes(anew)  # its lines are gone
 
 
 def test_a_draft_is_given_up_for_the_map_of_the_whole_stroke(
@@ -161,17 +175,18 @@ def test_a_draft_is_given_up_for_the_map_of_the_whole_stroke(
         assert predicted(client, number=3, draft=True).tobytes() == whole.result().content
 
 
-def test_a_warning_can_be_read_from_its_header(model: Path, tmp_path: Path) -> None:
+def test_what_is_said_about_a_map_can_be_read_from_its_header(model: Path, tmp_path: Path) -> None:
     arc = circle()
     arc[:, 90:] = 255
     with serving(model, tmp_path) as client:
         request = asking(picture=b64(png(arc)), source="outline")
-        warning = client.post("/api/predict", json=request).headers["x-warning"]
-        assert client.post("/api/predict", json=asking(2)).headers["x-warning"] == ""
-    assert "its outline is not closed" in unquote(warning)
-    assert "mask brush" in unquote(warning)  # the page has no --mask
-    assert "--" not in unquote(warning)
-    assert " " not in warning
+        answer = client.post("/api/predict", json=request)
+        assert findings(client.post("/api/predict", json=asking(2))) == []
+    said, *_ = findings(answer)
+    assert said["code"] == "open"
+    assert 0 <= said["share"] < 0.8
+    assert said["words"].startswith("its outline is not closed")
+    assert " " not in answer.headers["x-findings"]
 
 
 def test_heights_belong_to_the_map(model: Path, tmp_path: Path) -> None:

@@ -36,7 +36,16 @@ const size = new Promise((resolve, reject) => {
 });
 size.catch(() => {}); // said when something is asked for
 
-class Lacking extends Error {}
+class Lacking extends Error {
+  /** @param {import("./findings.js").Finding[]} findings */
+  constructor(findings) {
+    super();
+    this.findings = findings;
+  }
+}
+
+/** @param {import("./findings.js").Finding[]} findings */
+const findingsHeader = (findings) => ({ "X-Findings": encodeURIComponent(JSON.stringify(findings)) });
 
 /** @param {unknown} value @param {number} [status] @param {Record<string, string>} [headers] */
 const json = (value, status = 200, headers = {}) =>
@@ -105,11 +114,11 @@ async function drawing(path, body, signal) {
   }
   if (path === "/api/predict") {
     try {
-      const { rgba, width, height, warning } = await painted(layers, fields.longest ?? null, { changedOnly: fields.changed_only }, signal);
-      const headers = { "X-Width": String(width), "X-Height": String(height), "X-Warning": encodeURIComponent(warning) };
+      const { rgba, width, height, findings } = await painted(layers, fields.longest ?? null, { changedOnly: fields.changed_only }, signal);
+      const headers = { "X-Width": String(width), "X-Height": String(height), ...findingsHeader(findings) };
       return new Response(/** @type {Uint8Array<ArrayBuffer>} */ (rgba), { headers });
     } catch (error) {
-      if (error instanceof Lacking) return new Response(null, { status: 204, headers: { "X-Warning": encodeURIComponent(error.message) } });
+      if (error instanceof Lacking) return new Response(null, { status: 204, headers: findingsHeader(error.findings) });
       throw error;
     }
   }

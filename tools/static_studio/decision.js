@@ -10,7 +10,7 @@ const [HOLE, PART, EYE, ADDED, SURE, SPECK] = [0.3, 0.75, 0.004, 0.6, 0.72, 0.00
 /** Mean presence between which the reader is unsure of a region, and the least share of the object to warn. */
 const [LOW, HIGH, SHARE] = [0.15, 0.7, 0.02];
 
-/** @typedef {{mask: Uint8Array, covered: Float32Array, closed: number, guessed: boolean, unsure: string}} Decision
+/** @typedef {{mask: Uint8Array, covered: Float32Array, closed: number, guessed: boolean, unsure: import("./findings.js").Finding[]}} Decision
  *   the object, how much of each pixel it covers, the share of the lines in it or at it, whether a wide gap was closed, and what is to be said */
 
 /**
@@ -28,7 +28,8 @@ export function decide(ink, width, height, reading) {
   const outline = filled.mask;
   let { closed } = filled;
   let mask = outline;
-  let unsure = "";
+  /** @type {import("./findings.js").Finding[]} */
+  let unsure = [];
   if (reading) {
     const presence = presenceAt(reading, wide, high);
     const { labels, boxes } = components(opposite(inked), wide, high, 4);
@@ -115,6 +116,7 @@ function shareAt(inked, mask, wide, high) {
 /**
  * Returns what is to be said of regions of which the reader is unsure.
  * @param {Regions & {boxes: {area: number}[]}} regions @param {Uint8Array} mask @param {number} scale pixels of the drawing for one of these
+ * @returns {import("./findings.js").Finding[]}
  */
 function doubts({ labels, boxes, enclosed, presence, wide, high }, mask, scale) {
   const sum = new Float64Array(boxes.length);
@@ -122,12 +124,11 @@ function doubts({ labels, boxes, enclosed, presence, wide, high }, mask, scale) 
   const least = SHARE * Math.max(sumOf(mask), 1);
   const numbers = boxes.map(({ area }, k) => ({ k, area, vote: sum[k] / Math.max(area, 1) }))
     .filter(({ k, area, vote }) => enclosed[k] && vote > LOW && vote < HIGH && area > least).sort((one, other) => other.area - one.area);
-  if (!numbers.length) return "";
-  const places = numbers.slice(0, 3).map(({ k }) => {
+  if (!numbers.length) return [];
+  const places = numbers.map(({ k }) => {
     const depth = distance(where(labels, (label) => label === k), wide, high, true, 3);
     const at = depth.indexOf(depth.reduce((most, value) => Math.max(most, value), 0));
-    return `x ${rint((at % wide) * scale)}, y ${rint(Math.floor(at / wide) * scale)}`;
+    return /** @type {[number, number]} */ ([(at % wide) * scale, Math.floor(at / wide) * scale]);
   });
-  const what = numbers.length === 1 ? "a region" : `${numbers.length} regions`;
-  return `${what} may be object or hole, at ${places.join("; ")}; cut or paint it with the mask brush if it is wrong`;
+  return [{ code: "regions", places, count: numbers.length }];
 }

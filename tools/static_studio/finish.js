@@ -4,14 +4,15 @@ import { softEdge } from "./edge.js";
 import { Unpaintable, shrunk } from "./prepare.js";
 import { WIDE, above, both, boxOf, dilated, distance, either, part, quantile, resized, sumOf, where, without } from "./raster.js";
 
-/** @typedef {import("./prepare.js").Prepared} Prepared @typedef {import("./prepare.js").Frame} Frame */
+/** @typedef {import("./prepare.js").Prepared} Prepared @typedef {import("./prepare.js").Frame} Frame
+ * @typedef {import("./findings.js").Finding} Finding */
 /** @typedef {(planes: Float32Array, width: number, height: number) => Promise<Float32Array>} Refiner six planes in, three out */
 
 const [PRESENT, LEAST, CLOSED] = [0.6, 0.02, 0.8];
 const [CELL, RIM, ENLARGED, LARGEST] = [4, 16, 1.2, 4];
 const SWEEPS = 6;
-/** How far beside the mask a hint may lie, as a share of the longer side; and of how many it is said where they are. */
-const [BESIDE, FEW] = [0.005, 3];
+/** How far beside the mask a hint may lie, as a share of the longer side; */
+const BESIDE = 0.005;
 
 /**
  * Returns normals, x, y, z for each pixel, the mask, and what is to be said of it.
@@ -34,19 +35,19 @@ export async function finish(prepared, painted, refiner, hand = null) {
     normals[3 * i + 2] = z / long;
   }
   const present = above(restored(length, prepared, 1), 0.5);
-  const { mask: found, said } = chosen(prepared, present);
+  const { mask: found, findings: said } = chosen(prepared, present);
   // The hand has the last word.
   const mask = hand ? found.map((value, i) => (hand[i] ? (hand[i] > 0 ? 1 : 0) : value)) : found;
   const inside = sumOf(mask);
   const share = sumOf(both(mask, present)) / Math.max(inside, 1);
-  const warnings = said && !hand ? [said] : [];
-  if (share < PRESENT) warnings.push(`the model takes only ${Math.round(100 * share)}% of its mask for an object and is unsure of the rest`);
+  const findings = hand ? [] : [...said];
+  if (share < PRESENT) findings.push({ code: "unseen", share });
   const needed = above(shrunk(mask, width, height, frame), 0);
   const usual = quantile(length.filter((_, i) => needed[i] > 0), 0.95) || 0;
   const least = Math.max(0.1 * usual, LEAST);
   const known = where(length, (value, i) => value > 0.5 || (needed[i] > 0 && value > least));
-  if (!known.some(Boolean)) throw new Unpaintable("the model sees no object in it; draw its outline, or crop other things away.");
-  if (!inside) throw new Unpaintable("its mask is empty; draw the outline of an object.");
+  if (!known.some(Boolean)) throw new Unpaintable("no_object");
+  if (!inside) throw new Unpaintable("empty_mask");
   const coarse = known.every(Boolean) ? normals : extended(normals, known, needed, frame.size);
   const out = restored(coarse, prepared, 3);
   if (frame.side > ENLARGED * frame.size) await refine(out, prepared, mask, refiner);
@@ -55,7 +56,7 @@ export async function finish(prepared, painted, refiner, hand = null) {
     if (size > 1e-8) for (let c = 0; c < 3; c++) out[i + c] /= size;
     else out.set([0, 0, 1], i);
   }
-  return { normals: out, mask, covered: coveredBy(prepared, mask), warning: warnings.join("; ") };
+  return { normals: out, mask, covered: coveredBy(prepared, mask), findings };
 }
 
 /** Returns how much of each pixel the object covers: what is no longer the outline's has an edge of a pixel. @param {Prepared} prepared @param {Uint8Array} mask */
@@ -68,33 +69,28 @@ function coveredBy({ covered, width, height }, mask) {
   return soft;
 }
 
-/** Returns the mask and what is to be said of it. @param {Prepared} prepared @param {Uint8Array} present */
+/** Returns the mask and what is to be said of it. @param {Prepared} prepared @param {Uint8Array} present @returns {{mask: Uint8Array, findings: Finding[]}} */
 function chosen({ mask, closed, guessed, unsure }, present) {
-  if (!mask) return { mask: present, said: "" };
-  if (closed >= CLOSED) return { mask, said: guessed ? "its outline has a wide gap, which was closed by a straight line; draw on there, or choose another Object, if the object goes on" : unsure };
-  return {
-    mask: mask.map((value, i) => value | present[i]),
-    said: `its outline is not closed, only ${Math.round(100 * closed)}% of its lines enclose anything; where they do not, the mask is the model's guess (close the gaps, or choose another Object)`,
-  };
+  if (!mask) return { mask: present, findings: [] };
+  if (closed >= CLOSED) return { mask, findings: guessed ? [{ code: "gap" }] : unsure };
+  return { mask: mask.map((value, i) => value | present[i]), findings: [{ code: "open", share: closed }] };
 }
 
 /**
- * Returns what is to be said of hints that lie off the object; empty if none does.
+ * Returns what is to be said of hints that lie off the object, if any does.
  * @param {{x: number, y: number}[]} hints in pixels of the drawing @param {number} scale pixels of the mask to one of these
  * @param {{mask: Uint8Array, width: number, height: number}} map
+ * @returns {Finding[]}
  */
 export function hintsOff(hints, scale, { mask, width, height }) {
-  if (!hints.length) return "";
+  if (!hints.length) return [];
   const beside = Math.max(Math.round(BESIDE * Math.max(width, height)), 1);
   const near = dilated(mask, width, height, Array.from({ length: 2 * beside + 1 }, () => beside));
   /** @param {number} value @param {number} most */
   const held = (value, most) => Math.min(Math.max(Math.floor((Math.floor(value) + 0.5) * scale), 0), most - 1);
   const off = hints.filter(({ x, y }) => !near[held(y, height) * width + held(x, width)]);
-  if (!off.length) return "";
-  const places = off.slice(0, FEW).map(({ x, y }) => `x ${Math.floor(x)}, y ${Math.floor(y)}`).join("; ");
-  const more = off.length > FEW ? ` and ${off.length - FEW} more` : "";
-  const [lie, them] = off.length === 1 ? ["lies", "it"] : ["lie", "them"];
-  return `${off.length} of ${hints.length} points ${lie} off the object, at ${places}${more}; move ${them} onto it, or paint the object with the mask brush if the mask is wrong`;
+  if (!off.length) return [];
+  return [{ code: "hints", places: off.map(({ x, y }) => [x, y]), count: off.length, total: hints.length }];
 }
 
 /** Brings a square of the network to the drawing's place and size. @param {Float32Array} square @param {Prepared} prepared @param {number} channels */

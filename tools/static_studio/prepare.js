@@ -18,7 +18,7 @@ import { SQUARE, WIDE, above, blurred, boxOf, components, dilated, distance, enc
  * @property {Float32Array} seen what the network is shown
  * @property {number} closed share of the ink that encloses something
  * @property {boolean} guessed whether a wide gap was closed
- * @property {string} unsure what is to be said of regions of which the reader is unsure
+ * @property {import("./findings.js").Finding[]} unsure what is to be said of regions of which the reader is unsure
  */
 
 /** Pixels of the network that lines are wide where they are drawn anew. */
@@ -34,7 +34,14 @@ const PAPER = 512;
 const WINDOW = 0.07;
 
 /** The drawing cannot be painted. */
-export class Unpaintable extends Error {}
+export class Unpaintable extends Error {
+  /** @param {string} code of the finding about it @param {string} [layer] its name, where there are several */
+  constructor(code, layer = "") {
+    super(code);
+    this.code = code;
+    this.layer = layer;
+  }
+}
 
 /** A share of the picture that an object takes at least, and its ground, if no line tells it. */
 const SEEN = 0.01;
@@ -67,10 +74,10 @@ export async function prepare(plane, size, source, longest, widths, reader, begi
   const reading = blank && alpha ? null : await asked;
   if (reading) ink = blank ? rimOf(reading, width, height) : dropGround(ink, width, height, reading);
   const frame = frameAround(ink, width, height, size);
-  if (!frame || (blank && !reading)) throw new Unpaintable(NO_LINE);
+  if (!frame || (blank && !reading)) throw new Unpaintable("no_lines");
   const seen = shown(ink, width, height, frame, widths);
   begin(seen, frame, width / plane.width);
-  const rest = { width, height, ink, frame, seen, closed: 1, guessed: false, unsure: "", alpha: null, covered: null };
+  const rest = { width, height, ink, frame, seen, closed: 1, guessed: false, unsure: [], alpha: null, covered: null };
   if (opaque && !source) return { ...rest, mask: opaque, alpha: cut };
   if (source === "model") return { ...rest, mask: null };
   return { ...rest, ...decide(ink, width, height, reading) };
@@ -85,13 +92,11 @@ export function frameAround(ink, width, height, size) {
   return { left: rint((left + right - side) / 2), top: rint((top + bottom - side) / 2), side: rint(side), size };
 }
 
-const NO_LINE = "no line is seen in it; a sketch needs lines that differ from their paper.";
-
 /** Returns the rim of what the reader sees, with its lines, where no line was found. @param {import("./reader.js").Reading} reading @param {number} width @param {number} height */
 function rimOf(reading, width, height) {
   const object = above(presenceAt(reading, width, height), 0.5);
   const share = object.reduce((sum, value) => sum + value, 0) / object.length;
-  if (share < SEEN || share > 1 - SEEN) throw new Unpaintable(NO_LINE);
+  if (share < SEEN || share > 1 - SEEN) throw new Unpaintable("no_lines");
   const [lines, rim] = [linesAt(reading, width, height), contour(object, width, height)];
   return rim.map((value, i) => (object[i] ? Math.max(value, lines[i]) : 0));
 }

@@ -19,11 +19,12 @@ import { doubt, suggest } from "./suggest.js";
  * @property {import("./document.js").Form | null} form
  */
 /**
+ * @typedef {import("./findings.js").Finding} Finding
  * @typedef {{id: number, layers: Layer[], longest: number | null, what: "map" | "exact" | "doubt" | "points", count: number, changedOnly: boolean}} Wish
  *   layers: the hindmost first; what is to be answered; count: of points; changedOnly: whether layers that have not changed are
  *   shown as they were, though each is seen among all
- * @typedef {import("./compose.js").LayerMap & {warning: string, certainty: () => Float32Array}} Painted certainty: the model's κ
- * @typedef {{rgba: Uint8Array, width: number, height: number, warning: string, normals?: Float32Array, mask?: Uint8Array, covered?: Float32Array,
+ * @typedef {import("./compose.js").LayerMap & {findings: Finding[], certainty: () => Float32Array}} Painted certainty: the model's κ
+ * @typedef {{rgba: Uint8Array, width: number, height: number, findings: Finding[], normals?: Float32Array, mask?: Uint8Array, covered?: Float32Array,
  *   shares?: Uint8Array, points?: import("./suggest.js").Point[]}} Answer
  */
 
@@ -131,11 +132,11 @@ async function paintLayer({ ink, strokes, hints, areas, form }, ways, key) {
       tried.push({ lines, normal, confidence });
     }
     const [{ lines, normal, confidence }] = ways.length > 1 ? byError(tried) : tried;
-    const { normals, mask, covered, warning: said } = await finish(lines, normal, refiner, byHand(strokes, width, height, scale, lines.ink));
-    const warning = [said, hintsOff(hints.filter((hint) => hint.reach === undefined), scale, { mask, width, height })].filter(Boolean).join("; ");
+    const { normals, mask, covered, findings: said } = await finish(lines, normal, refiner, byHand(strokes, width, height, scale, lines.ink));
+    const findings = [...said, ...hintsOff(hints.filter((hint) => hint.reach === undefined), scale, { mask, width, height })];
     hold({ normals, mask, width, height }, hints, areas, form, scale);
     // Only few ask for it, and it is as large as the map.
-    return { normals, mask, covered, width, height, warning, confidence: null, certainty: () => restored(confidence, lines, 1) };
+    return { normals, mask, covered, width, height, findings, confidence: null, certainty: () => restored(confidence, lines, 1) };
   });
 }
 
@@ -149,20 +150,19 @@ async function paint({ id, layers, longest, what, count, changedOnly }) {
   const maps = [];
   /** @type {{layer: Layer, name: string, key: string, lines: import("./prepare.js").Prepared}[]} */
   const parts = [];
-  /** @type {string[]} */
+  /** @type {Finding[]} */
   const said = [];
-  /** @type {Unpaintable | null} */
-  let first = null;
+  /** @type {Finding[]} */
+  const lacks = [];
   /** @param {string} name @param {unknown} error */
-  const lacks = (name, error) => {
+  const without = (name, error) => {
     if (!(error instanceof Unpaintable)) throw error;
-    first ??= new Unpaintable(`${name}${error.message}`);
-    said.push(`${name}${error.message.replace(/\.$/, "")}`);
+    lacks.push({ code: error.code, layer: name });
   };
   for (const layer of layers) {
     // Of one layer it is clear which is meant.
-    const name = layers.length > 1 ? `${layer.name}: ` : "";
-    await prepareLayer(layer, longest, layers.length === 1).then((found) => parts.push({ layer, name, ...found }), (error) => lacks(name, error));
+    const name = layers.length > 1 ? layer.name : "";
+    await prepareLayer(layer, longest, layers.length === 1).then((found) => parts.push({ layer, name, ...found }), (error) => without(name, error));
   }
   const ways = waysToSee(parts.map(({ lines }) => lines), widths);
   const all = parts.length > 1 ? digest(new TextEncoder().encode(parts.map(({ key }) => key).join())) : 0;
@@ -173,13 +173,13 @@ async function paint({ id, layers, longest, what, count, changedOnly }) {
     try {
       const found = await paintLayer(layer, ways[i], before ?? `${own} ${all}`);
       maps.push(found);
-      const alone = parts.length > 1 && ways[i].length === 1 ? "; until it is closed, the layer is predicted without the others" : "";
-      if (found.warning) said.push(`${name}${found.warning}${alone}`);
+      said.push(...found.findings.map((each) => ({ ...each, layer: name })));
+      if (found.findings.length && parts.length > 1 && ways[i].length === 1) said.push({ code: "alone", layer: name });
     } catch (error) {
-      lacks(name, error);
+      without(name, error);
     }
   }
-  if (!maps.length) throw first ?? new Unpaintable("there is nothing to be painted.");
+  if (!maps.length) throw new Unpaintable(lacks[0]?.code ?? "no_lines", lacks[0]?.layer);
   const unsure = what === "doubt" || what === "points";
   const map = compose(maps.map((each) => ({ ...each, confidence: unsure ? each.certainty() : null })));
   const { normals, mask, covered, width, height, confidence } = map;
@@ -188,7 +188,7 @@ async function paint({ id, layers, longest, what, count, changedOnly }) {
     for (let c = 0; c < 3; c++) rgba[4 * i + c] = Math.round((normals[3 * i + c] + 1) * 127.5);
     rgba[4 * i + 3] = Math.round(255 * covered[i]);
   }
-  const answer = { rgba, width, height, warning: said.join("; ") };
+  const answer = { rgba, width, height, findings: [...said, ...lacks] };
   if (what === "exact") return { ...answer, normals: normals.slice(), mask: mask.slice(), covered: covered.slice() };
   if (what === "doubt") {
     return { ...answer, shares: Uint8Array.from(mask, (there, i) => (there && confidence ? Math.round(255 * Math.min(doubt(confidence[i]), 1)) : 0)) };
@@ -246,7 +246,7 @@ addEventListener("message", (/** @type {MessageEvent<Wish | {drop: number}>} */ 
       postMessage({ id: data.id, painted: await paint(data) });
     } catch (error) {
       const message = error instanceof Error ? error.message : String(error);
-      postMessage(error instanceof Unpaintable ? { id: data.id, lacks: message } : { id: data.id, failed: message });
+      postMessage(error instanceof Unpaintable ? { id: data.id, lacks: [{ code: error.code, layer: error.layer }] } : { id: data.id, failed: message });
     }
     dropped.delete(data.id);
   });

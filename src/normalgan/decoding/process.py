@@ -131,6 +131,20 @@ class DecodedLayer:
 
 
 @dataclass(frozen=True)
+class LayerNote:
+    """A layer that is left out, or not shown as its program shows it.
+
+    Args:
+        name: as the file has it; empty for the whole file.
+        reason: of a layer that is left out ``damaged``, ``no_pixels`` of its own, or ``foreign``, which only
+            its program can draw; else ``effect``, or ``frame`` if one frame of an animation is used.
+    """
+
+    name: str
+    reason: str
+
+
+@dataclass(frozen=True)
 class DecodedLayers:
     """The visible layers of a layered file.
 
@@ -140,6 +154,7 @@ class DecodedLayers:
         layers: frame by frame, in each the lowest first; those that nothing is drawn on are not among them.
         note: as `Decoded` has it.
         partial: as `Decoded` has it.
+        notes: the same as ``note``, layer by layer.
     """
 
     shape: tuple[int, int]
@@ -147,6 +162,7 @@ class DecodedLayers:
     layers: list[DecodedLayer]
     note: str = ""
     partial: bool = False
+    notes: tuple[LayerNote, ...] = ()
 
 
 def decode(
@@ -255,7 +271,8 @@ def _layers(answer: _Answer, most: int) -> DecodedLayers:
         )
         opacity, base = _whole(header["opacity"], 0, 255), _whole(header["base"], -1, 2**16)
         layers.append(DecodedLayer(own, tuple(groups), opacity, *place, pixels, base))
-    return DecodedLayers((height, width), durations, layers, _note(said), _partial(said))
+    notes = tuple(LayerNote(_printable(name), _printable(reason)) for name, reason in said["notes"])
+    return DecodedLayers((height, width), durations, layers, _note(said), _partial(said), notes)
 
 
 def _tileset(answer: _Answer, most: int) -> tuple[Decoded, tuple[int, int]]:

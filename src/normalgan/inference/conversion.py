@@ -58,7 +58,7 @@ def with_detail(base: NormalMap, detail: NormalMap) -> NormalMap:
     rows, columns = (-(-a // b) for a, b in zip((height, width), detail.mask.shape, strict=True))
     repeated = np.tile(detail.extended, (rows, columns, 1))[:height, :width]
     return NormalMap(
-        reoriented(base.extended, repeated), base.mask, base.alpha, base.seen, base.confidence, base.warning
+        reoriented(base.extended, repeated), base.mask, base.alpha, base.seen, base.confidence, base.findings
     )
 
 
@@ -85,4 +85,4 @@ def reoriented(base: Floats, detail: Floats) -> Floats:
 def _map(normals: Floats, alpha: Floats | None) -> NormalMap:
     shape = normals.shape[:2]
     opacity = np.ones(shape, np.float32) if alpha is None else alpha
-    return NormalMap(normals, opacity > 0.5, opacity, np.zeros((8, 8), np.float32), None, "")
+    return NormalMap(normals, opacity > 0.5, opacity, np.zeros((8, 8), np.float32), None, ())

@@ -13,6 +13,7 @@ from normalgan.arrays import Floats
 from normalgan.errors import InputError
 from normalgan.files.writing import write_bytes
 from normalgan.inference.composites.cells import Cell
+from normalgan.inference.findings import Finding, join
 from normalgan.inference.network.framing import box_of
 from normalgan.inference.network.tile import Tile
 from normalgan.inference.vectors import unit
@@ -50,11 +51,11 @@ class NormalMap:
             soft edge.
         seen: (S, S), what the network was shown.
         confidence: (H, W), the network's confidence κ ≥ 0, if it has one.
-        warning: what went wrong, a part of a sentence; empty if nothing did.
+        findings: what is to be said about it; `warning` says it.
         tile: the ways in which the map goes on past its edges with what lies at the opposite ones, or None.
         cells: of a sheet the drawings in it, each a surface of its own; none of another map. The normals of
             one that is turned are those of the upright drawing.
-        partial: whether something that is drawn could not be predicted, as the warning says.
+        partial: whether something that is drawn could not be predicted, as the findings say.
     """
 
     extended: Floats
@@ -62,7 +63,7 @@ class NormalMap:
     alpha: Floats
     seen: Floats
     confidence: Floats | None
-    warning: str
+    findings: tuple[Finding, ...]
     tile: Tile | None = None
     cells: tuple[Cell, ...] = ()
     partial: bool = False
@@ -71,6 +72,11 @@ class NormalMap:
         height, width = self.mask.shape
         said = f", warning={self.warning!r}" if self.warning else ""
         return f"<NormalMap of {width} × {height} pixels, {self.mask.mean():.0%} of them the object{said}>"
+
+    @property
+    def warning(self) -> str:
+        """What went wrong, a part of a sentence; empty if nothing did."""
+        return join(self.findings)
 
     @cached_property
     def normal(self) -> Floats:
@@ -218,7 +224,7 @@ def part_of(sheet: NormalMap, cell: Cell) -> NormalMap:
         cell.upright(sheet.alpha[cell.box]),
         sheet.seen,
         confidence,
-        sheet.warning,
+        sheet.findings,
         cell.tile,
     )
 

@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 
 from normalgan.arrays import BoolMask, Floats
-from normalgan.errors import InputError
 from normalgan.inference.edits import MOST_PINS, REACH, enforce_pins
+from normalgan.inference.findings import Finding, LackingError
 from normalgan.inference.histogram import ranked
 from normalgan.inference.mask.decision import CLOSED
 from normalgan.inference.mask.edge import soft_edge
@@ -30,15 +30,6 @@ _LEAST = 0.02
 
 _BESIDE = 0.005
 """How far beside the mask a hint may lie, as a share of the longer side: its edge is a guess."""
-_FEW = 3
-"""Of so many hints it is said where they are."""
-
-_STRAIGHT = (
-    "its outline has a wide gap, which was closed by a straight line; "
-    "draw on there, or give --mask, if the object goes on"
-)
-
-_HELD = "its outline is open, so the object stays as it was before; close the gaps, or give --mask"
 
 
 def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsample: Upsampler) -> NormalMap:
@@ -51,23 +42,22 @@ def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsampl
         upsample: the step to the drawing's size.
 
     Raises:
-        InputError: if the model sees no object.
+        LackingError: if the model sees no object, or nothing is left of it.
     """
     frame = prepared.frame
     length = lengths(preds)
     present = frame.restore(length[..., None]).reshape(prepared.ink.shape) > 0.5
-    mask, warning = _choose(prepared, present)
+    mask, findings = _choose(prepared, present)
     painted_share = int(np.count_nonzero(mask & present)) / max(int(np.count_nonzero(mask)), 1)
     if painted_share < _PRESENT:
-        warning += "; " if warning else ""
-        warning += (
-            f"the model takes only {painted_share:.0%} of its mask for an object and is unsure of the rest"
-        )
+        findings += (Finding("unseen", share=painted_share),)
     coarse = coarse_of(prepared, preds, mask, length)
     if not coarse.known.any():
-        raise InputError("the model sees no object in it; draw its outline, or crop other things away.")
+        raise LackingError(
+            "the model sees no object in it; draw its outline, or crop other things away.", "no_object"
+        )
     if not mask.any():
-        raise InputError("its mask is empty; paint the object white.")
+        raise LackingError("its mask is empty; paint the object white.", "empty_mask")
     normals = upsample(coarse, prepared, mask)
     covered = _covered(prepared, mask)
     shown = None
@@ -86,8 +76,7 @@ def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsampl
         reaches = np.full(len(pins.points), REACH * max(prepared.shape), np.float32)
         normals = enforce_pins(normals, pins.points, pins.normals, reaches)
     if pins is not None and prepared.given is not None:
-        off = hints_off(prepared.given.points, pins.points, mask)
-        warning = "; ".join(filter(None, [warning, off]))
+        findings += hints_off(prepared.given.points, pins.points, mask)
     edge = (np.rint(covered * 255) / 255).astype(np.float32)
     alpha: Floats = edge
     if prepared.alpha is not None:
@@ -95,11 +84,11 @@ def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsampl
     if prepared.alpha is not None and prepared.painted is not None:
         by_hand = cv2.resize(prepared.painted, prepared.shape[::-1], interpolation=cv2.INTER_NEAREST)
         alpha = np.where(by_hand == 0, alpha, edge).astype(np.float32)
-    return NormalMap(normals, mask, alpha, prepared.seen, shown, warning)
+    return NormalMap(normals, mask, alpha, prepared.seen, shown, findings)
 
 
-def hints_off(drawn: Floats, points: Floats, mask: BoolMask) -> str:
-    """Return the warning about hints off the object, a part of a sentence; empty if there are none.
+def hints_off(drawn: Floats, points: Floats, mask: BoolMask) -> tuple[Finding, ...]:
+    """Return the finding about hints off the object, if there are any.
 
     Args:
         drawn: (K, 2), where the hints are, in pixels of the drawing.
@@ -112,14 +101,8 @@ def hints_off(drawn: Floats, points: Floats, mask: BoolMask) -> str:
     inside = near[np.clip(rows, 0, mask.shape[0] - 1), np.clip(columns, 0, mask.shape[1] - 1)]
     off = np.floor(drawn[inside == 0]).astype(int)
     if not len(off):
-        return ""
-    more = f" and {len(off) - _FEW} more" if len(off) > _FEW else ""
-    places = "; ".join(f"x {x}, y {y}" for x, y in off[:_FEW])
-    lie, them = ("lies", "it") if len(off) == 1 else ("lie", "them")
-    return (
-        f"{len(off)} of {len(drawn)} hints {lie} off the object, at {places}{more}; move {them} onto it, or "
-        "give --mask if the mask is wrong"
-    )
+        return ()
+    return (Finding("hints", tuple((float(x), float(y)) for x, y in off), len(off), len(drawn)),)
 
 
 def _covered(prepared: Prepared, mask: BoolMask) -> Floats:
@@ -176,29 +159,26 @@ def predict(backend: Backend, prepared: Prepared, upsample: Upsampler | None = N
     """Predict the normal map of a prepared drawing; ``upsample`` replaces the network's own step to its size.
 
     Raises:
-        InputError: if the network sees no object.
+        LackingError: if the network sees no object.
     """
     return finish(prepared, *backend.predict(prepared.seen, prepared.hints), upsample or backend.upsample)
 
 
-def _choose(prepared: Prepared, present: BoolMask) -> tuple[BoolMask, str]:
-    """Return the object's mask, and the warning about it."""
-    mask, warning = _found(prepared, present)
+def _choose(prepared: Prepared, present: BoolMask) -> tuple[BoolMask, tuple[Finding, ...]]:
+    """Return the object's mask, and what is to be said about it."""
+    mask, findings = _found(prepared, present)
     if prepared.painted is None:
-        return mask, warning
-    # Edits by hand have the last word, so warnings about them are dropped.
-    return (mask | (prepared.painted > 0)) & (prepared.painted >= 0), ""
+        return mask, findings
+    # Edits by hand have the last word, so nothing is said about them.
+    return (mask | (prepared.painted > 0)) & (prepared.painted >= 0), ()
 
 
-def _found(prepared: Prepared, present: BoolMask) -> tuple[BoolMask, str]:
-    """Return the object's mask before edits by hand, and the warning about it."""
+def _found(prepared: Prepared, present: BoolMask) -> tuple[BoolMask, tuple[Finding, ...]]:
+    """Return the object's mask before edits by hand, and what is to be said about it."""
     if prepared.mask is None:
-        return present, ""
+        return present, ()
     if prepared.held:
-        return prepared.mask, _HELD
+        return prepared.mask, (Finding("held"),)
     if prepared.closed >= CLOSED:
-        return prepared.mask, _STRAIGHT if prepared.guessed else prepared.unsure
-    return prepared.mask | present, (
-        f"its outline is not closed, only {prepared.closed:.0%} of its lines enclose anything; where they do "
-        "not, the mask is the model's guess (close the gaps, or give --mask)"
-    )
+        return prepared.mask, (Finding("gap"),) if prepared.guessed else prepared.unsure
+    return prepared.mask | present, (Finding("open", share=prepared.closed),)

@@ -23,6 +23,7 @@ from normalgan.inference.composites.sheets import drawings_in, predict_sheet
 from normalgan.inference.composites.tile_grid import TileGrid
 from normalgan.inference.composites.tilesets import predict_tileset
 from normalgan.inference.drawing import Drawing
+from normalgan.inference.findings import Finding
 from normalgan.inference.inputs import as_hints
 from normalgan.inference.jobs.plan import DrawingFiles, Job
 from normalgan.inference.jobs.writing import Held, Writer
@@ -362,8 +363,8 @@ def _for_sheet(files: DrawingFiles, sheet: Decoded) -> tuple[Hints | None, MaskO
 
 def _noted(preds: NormalMap, picture: Picture) -> NormalMap:
     """Return a map with the warning about its drawing's file added."""
-    warning = "; ".join(filter(None, [picture.note, preds.warning]))
-    return replace(preds, warning=warning, partial=preds.partial or picture.partial)
+    noted = (Finding("note", words=picture.note),) if picture.note else ()
+    return replace(preds, findings=noted + preds.findings, partial=preds.partial or picture.partial)
 
 
 def _blank(picture: Picture) -> bool:

@@ -11,6 +11,7 @@ from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
 from normalgan.inference.cleaning.cleaning import Cleaned, clean
 from normalgan.inference.cleaning.silhouette import contour
+from normalgan.inference.findings import Finding, LackingError
 from normalgan.inference.mask.decision import Decision, decide
 from normalgan.inference.mask.masks import MODEL, READER, MaskOrSource
 from normalgan.inference.mask.reader import Reading, drop_ground, lines_of, read
@@ -45,7 +46,7 @@ class Prepared:
         held: whether the outline is open and the mask is the one before it was.
         line_widths: of the lines that the model is shown as they were drawn.
         given: the hints in pixels of the drawing, if they are to be looked for on the object; or None.
-        unsure: the warning about regions of which the reader is unsure, a part of a sentence; or empty.
+        unsure: what is to be said about the mask; places are in pixels of the drawing.
         decision: how the mask was found in the lines, if it was.
         reading: what the reader sees in the drawing, if it was asked.
         coverage: (h, w) in [0, 1], how much of each pixel the mask covers, if it comes from the outline.
@@ -65,7 +66,7 @@ class Prepared:
     held: bool = False
     line_widths: LineWidths = USUAL_WIDTHS
     given: Hints | None = None
-    unsure: str = ""
+    unsure: tuple[Finding, ...] = ()
     decision: Decision | None = None
     reading: Reading | None = None
     coverage: Floats | None = None
@@ -98,7 +99,8 @@ def prepare(
             if it is a hole.
 
     Raises:
-        InputError: if there is no line in it, or no region where one is to be flipped.
+        LackingError: if there is no line in it.
+        InputError: if there is no region where one is to be flipped.
     """
     shape = picture.shape if longest is None else fitted(picture.shape, longest)
     worked = shape if max(shape) <= MOST_WORKED else fitted(shape, MOST_WORKED)
@@ -106,6 +108,7 @@ def prepare(
     asked = mask is None or source == READER
     cleaned, reading = _clean_and_read(picture, picture.resized(worked), asked, source == READER)
     found, alpha, decision = None, None, None
+    unsure: tuple[Finding, ...] = ()
     if painted is not None:
         shown = cv2.resize(painted, worked[::-1], interpolation=cv2.INTER_NEAREST)
         painted = np.asarray(shown, np.int8)
@@ -119,6 +122,10 @@ def prepare(
         scale = worked[1] / picture.shape[1]
         decision = decide(walls, reading, [(x * scale, y * scale) for x, y in flips])
         found = decision.mask
+        unsure = tuple(
+            replace(each, places=tuple((x / scale, y / scale) for x, y in each.places))
+            for each in decision.unsure
+        )
     if flips and decision is None:
         raise InputError("a hole is cut in what lines enclose, but its mask does not come from its lines.")
     prepared = Prepared(
@@ -133,7 +140,7 @@ def prepare(
         guessed=decision is not None and decision.guessed,
         painted=painted,
         line_widths=line_widths,
-        unsure="" if decision is None else decision.unsure,
+        unsure=unsure,
         decision=decision,
         reading=reading,
         coverage=None if decision is None else decision.coverage,
@@ -155,17 +162,18 @@ def _clean_and_read(
         always: whether it is asked also where the opacity tells the object.
 
     Raises:
-        InputError: if neither finds anything.
+        LackingError: if neither finds anything.
     """
     try:
         cleaned = clean(shown)
-    except InputError:
+    except InputError as error:
+        lacking = LackingError(str(error), "no_lines")
         if not asked or picture.alpha is not None:
-            raise
+            raise lacking from error
         reading = read(picture)
         silhouette = reading.presence_at(shown.size) > 0.5
         if not _LEAST <= silhouette.mean() <= 1 - _LEAST:
-            raise
+            raise lacking from error
         lines = np.where(silhouette, lines_of(reading, shown.size), 0)
         return Cleaned(np.maximum(lines, contour(silhouette)).astype(np.float32), None), reading
     if not asked or (cleaned.silhouette is not None and not always):

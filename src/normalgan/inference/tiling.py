@@ -120,7 +120,7 @@ def predict_tile(
     )
     if given is not None and hints is not None:
         off = hints_off(given.points, hints.points, whole.mask)
-        whole = replace(whole, warning="; ".join(filter(None, [whole.warning, off])))
+        whole = replace(whole, findings=whole.findings + off)
     return whole if worked == shape else _enlarged(whole, shape, tile)
 
 

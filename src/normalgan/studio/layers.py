@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 from normalgan.errors import InputError, RunError
 from normalgan.inference.composites.composition import compose
+from normalgan.inference.findings import Finding, LackingError, finding_of
 from normalgan.inference.normal_map import NormalMap
 from normalgan.studio.bodies import MOST_BYTES
 from normalgan.studio.drawing_request import DrawingRequest, take_drawing
@@ -25,7 +26,7 @@ class Layer:
     """A part of a drawing.
 
     Args:
-        name: by which a warning tells of it; empty if it is the only one.
+        name: by which a finding tells of it; empty if it is the only one.
         drawing: what is drawn on it.
     """
 
@@ -87,32 +88,32 @@ def take_layers(fields: Fields, kept: KeptPlanes, pixels: memoryview | None) -> 
 def predict_layers(
     layers: Sequence[Layer], predict: Callable[[DrawingRequest, Sequence[DrawingRequest]], NormalMap]
 ) -> NormalMap:
-    """Return the map of all layers; what one of several lacks to be predicted is in its warning.
+    """Return the map of all layers; what one of several lacks to be predicted is in its findings.
 
     Args:
         layers: the hindmost first.
         predict: predicts one among all of them.
 
     Raises:
-        InputError: if none can be predicted.
+        LackingError: if none can be predicted.
     """
     if len(layers) == 1:
         return predict(layers[0].drawing, [])
     drawings = [layer.drawing for layer in layers]
-    predicted, lacks, first = [], [], None
+    predicted, lacks = [], list[Finding]()
     for layer in layers:
         try:
             found = predict(layer.drawing, drawings)
         except InputError as error:
             if isinstance(error, RunError | RefusedError):
                 raise
-            first = first or InputError(f"{layer.name}: {error}")
-            lacks.append(f"{layer.name}: {str(error).removesuffix('.')}")
+            lacks.append(replace(finding_of(error), layer=layer.name))
             continue
-        predicted.append(replace(found, warning=f"{layer.name}: {found.warning}") if found.warning else found)
-    if first is not None and not predicted:
-        raise first
+        said = tuple(replace(each, layer=layer.name) for each in found.findings)
+        predicted.append(replace(found, findings=said))
+    if not predicted:
+        raise LackingError(lacks[0].words, lacks[0].code, lacks[0].layer)
     if len({each.mask.shape for each in predicted}) > 1:
         raise InputError("the layers are of different sizes; they are to have the drawing's.")
     whole = compose(predicted)
-    return replace(whole, warning="; ".join([*filter(None, [whole.warning]), *lacks])) if lacks else whole
+    return replace(whole, findings=(*whole.findings, *lacks))

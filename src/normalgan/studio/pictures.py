@@ -2,6 +2,7 @@
 
 import base64
 import io
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -65,7 +66,8 @@ def import_layers(content: bytes) -> Imported:
 
     Returns:
         ``width``, ``height`` and those ``given``; ``frames``, how many there are; ``plain``, the names of
-        layers in one colour, such as paper, which are left out; ``layers``, the lowest first, each with a
+        layers in one colour, such as paper, which are left out; ``notes``, the ``name`` and ``reason`` of
+        layers that are not shown as their program shows them; ``layers``, the lowest first, each with a
         ``name``, the names of its ``groups``, its ``opacity`` in [0, 1], a ``picture`` as base64 of a PNG
         with alpha, and where it lies: ``x``, ``y``, ``width`` and ``height`` in pixels of the drawing.
 
@@ -111,6 +113,7 @@ def import_layers(content: bytes) -> Imported:
     return {
         "layers": layers,
         "plain": plain,
+        "notes": [asdict(each) for each in found.notes],
         "frames": len(found.durations),
         "width": shape[1],
         "height": shape[0],

@@ -1,8 +1,9 @@
 """Prediction routes: take a drawing in layers; return its map, heights, files or suggested hints."""
 
+import json
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from functools import partial
 from typing import TypeVar
 from urllib.parse import quote
@@ -14,6 +15,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
 from normalgan.errors import InputError, RunError
+from normalgan.inference.findings import Finding, finding_of, words_of
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.reading.hint_files import parse_hints
 from normalgan.inference.suggestion import suggest, uncertainty
@@ -84,7 +86,7 @@ class PredictionRoutes:
             if not _is_raw(request) or isinstance(error, RunError | RefusedError):
                 raise
             # Of a drawing that has just been begun that is no error, which a browser would log as one.
-            return _dropped(str(error))
+            return _dropped(finding_of(error))
         return _dropped() if map_ is None else _pixels(*map_, start)
 
     async def suggest(self, request: Request) -> Response:
@@ -193,18 +195,6 @@ class PredictionRoutes:
 
 
 _OCTETS = "application/octet-stream"
-_WORDS = {
-    "give --mask": "paint the object with the mask brush",
-    "flip one with --hole x,y": "cut or paint it with the mask brush",
-    " hints ": " points ",
-}
-"""What the command line is told, and what the page calls it."""
-
-
-def _on_the_page(warning: str) -> str:
-    for option, brush in _WORDS.items():
-        warning = warning.replace(option, brush)
-    return warning
 
 
 def _is_raw(request: Request) -> bool:
@@ -217,7 +207,7 @@ def _pixels(content: bytes, predicted: NormalMap, start: float) -> Response:
     headers = {
         "X-Width": str(width),
         "X-Height": str(height),
-        "X-Warning": quote(_on_the_page(predicted.warning)),
+        "X-Findings": _header(predicted.findings),
         "X-Seconds": f"{time.perf_counter() - start:.4f}",
     }
     return Response(content, headers=headers, media_type=_OCTETS)
@@ -233,5 +223,10 @@ def _lines(layers: Sequence[Layer], mask: NDArray[np.bool_]) -> NDArray[np.bool_
     return inked
 
 
-def _dropped(warning: str = "") -> Response:
-    return Response(status_code=204, headers={"X-Warning": quote(warning)})
+def _dropped(*lacks: Finding) -> Response:
+    return Response(status_code=204, headers={"X-Findings": _header(lacks)})
+
+
+def _header(findings: Sequence[Finding]) -> str:
+    """Return findings as percent-encoded JSON: their fields, with the command line's words."""
+    return quote(json.dumps([{**asdict(each), "words": words_of(each)} for each in findings]))

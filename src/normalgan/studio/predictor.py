@@ -14,6 +14,7 @@ import numpy as np
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError, RunError
 from normalgan.inference.composites.context import Context, Inferred, context_of, surest, ways_to_see
+from normalgan.inference.findings import Finding
 from normalgan.inference.mask.reader import read
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.network.upsampling import Coarse
@@ -41,8 +42,6 @@ _LEFT = 0.9
 """The share of an outline's lines that must be left for its object to be held while it is open."""
 _CONTEXTS = 16
 """Drawings of several layers whose context, and what the network predicts of it, is kept."""
-_ALONE = "; until it is closed, the layer is predicted without the others"
-"""Added to the warning about an open outline."""
 _TABS = 32
 """Layers of tabs whose objects are held."""
 
@@ -133,8 +132,8 @@ class Predictor:
             hints = drawing.read_hints(shape)
             seen, *inferred = surest([hinted(each, hints, shape) for each in ways], self._infer)
             predicted = finish(seen, *inferred, upsample)
-            if context is not None and len(ways) == 1 and predicted.warning:
-                predicted = replace(predicted, warning=predicted.warning + _ALONE)
+            if context is not None and len(ways) == 1 and predicted.findings:
+                predicted = replace(predicted, findings=(*predicted.findings, Finding("alone")))
             predicted = replace(predicted, extended=drawing.edit(predicted.extended, predicted.mask, shape))
             key = *key[:2], self._version(drawing.tab)
             self._remember(self._predicted, (key, around), predicted, _size_of_map)

@@ -5,6 +5,7 @@ import pytest
 
 from normalgan.arrays import Floats
 from normalgan.inference.composites.composition import compose
+from normalgan.inference.findings import Finding
 from normalgan.inference.normal_map import NormalMap
 
 RIGHT, LEFT, UP = (0.6, 0.0, 0.8), (-0.6, 0.0, 0.8), (0.0, 0.6, 0.8)
@@ -16,7 +17,8 @@ def part(
     """A part with one normal everywhere."""
     normals = np.broadcast_to(np.array(normal, np.float32), (*alpha.shape, 3)).copy()
     sure = None if confidence is None else np.full(alpha.shape, confidence, np.float32)
-    return NormalMap(normals, alpha >= 0.5, alpha, np.zeros((4, 4), np.float32), sure, warning)
+    said = (Finding("note", words=warning),) if warning else ()
+    return NormalMap(normals, alpha >= 0.5, alpha, np.zeros((4, 4), np.float32), sure, said)
 
 
 def box(left: int, right: int) -> Floats:

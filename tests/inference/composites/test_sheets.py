@@ -308,7 +308,7 @@ def test_a_turned_sprite_is_lit_as_it_lies() -> None:
     normals = np.tile(np.array([0.6, 0, 0.8], np.float32), (8, 16, 1))
     there, seen = np.ones((8, 16), np.bool_), np.zeros((8, 8), np.float32)
     cells = Cell("upright", 0, 0, 8, 8), Cell("turned", 8, 0, 8, 8, turned=True)
-    sheet = NormalMap(normals, there, there.astype(np.float32), seen, None, "", cells=cells)
+    sheet = NormalMap(normals, there, there.astype(np.float32), seen, None, (), cells=cells)
     assert as_it_lies(sheet)[0, 0].tolist() == pytest.approx([0.6, 0, 0.8])
     assert as_it_lies(sheet)[0, 8].tolist() == pytest.approx([0, -0.6, 0.8])  # what looked right looks down
     assert sheet.extended[0, 8].tolist() == pytest.approx([0.6, 0, 0.8])

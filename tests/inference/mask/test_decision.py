@@ -75,8 +75,10 @@ def test_a_large_region_of_which_the_reader_is_unsure_is_told_until_it_is_flippe
     presence = np.where(disc, 0.95, 0.02).astype(np.float32)
     presence[hole] = 0.5
     found = decide(ink, reading(presence))
-    assert found.unsure.startswith("a region may be object or hole, at x 1")
-    assert "--hole x,y" in found.unsure
+    (said,) = found.unsure
+    assert (said.code, said.count) == ("regions", 1)
+    ((x, y),) = said.places
+    assert hole[round(y), round(x)]
     assert not decide(ink, reading(presence), [(128, 100)]).unsure
     presence[hole] = 0.9
     assert not decide(ink, reading(presence)).unsure
@@ -88,8 +90,10 @@ def test_an_edge_without_a_line_is_told_with_its_place(gap: int, told: bool) -> 
     large = np.asarray(cv2.resize(ink, (1024, 1024), interpolation=cv2.INTER_LINEAR), np.float32)
     large[800:, 512 - 4 * gap : 512 + 4 * gap] = 0
     found = decide(large, reading(np.where(disc, 0.95, 0.02).astype(np.float32))).unsure
-    assert found.startswith("no line bounds the object about x 5") == told
-    assert (", y 9" in found) == told
+    assert [each.code for each in found] == ["edge"] * told
+    for ((x, y),) in (each.places for each in found):
+        assert 500 <= x < 600
+        assert 900 <= y < 1000
 
 
 def test_what_the_pictures_border_cuts_off_needs_no_line_there() -> None:

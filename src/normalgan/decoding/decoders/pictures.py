@@ -42,6 +42,8 @@ _SUBFILE, _NO_PAGE = 254, 1 | 4
 _MOST_NOTES = 4000
 """Characters of the words that are sent about a picture."""
 _LONGEST_NAME, _DEEPEST = 255, 32
+_MOST_NOTED = 64
+"""Notes on layers that are handed on."""
 """Characters of a layer's name, and groups within one another, of which the parent is told."""
 _TOPS = (255, 1023, 4095, 16383, 65535, 2**24 - 1, 2**31 - 1)
 """White of greys of 8, 10, 12, 14, 16, 24 and 31 bits, which programs store in 16 or 32."""
@@ -202,7 +204,8 @@ def layers(content: bytes, least: int, most: int, seconds: int) -> Iterator[Mess
         more = f": {layered.notes}" if str(layered.notes) else ""
         raise RefusedError(f"has no visible layer that anything is drawn on{more}")
     durations, full = [min(each, 2**31) for each in layered.durations], [*layered.size[::-1]]
-    said = {"note": note_text(layered.notes), "partial": layered.notes.partial}
+    notes = [[name[:_LONGEST_NAME], reason] for name, reason in layered.notes.parts[:_MOST_NOTED]]
+    said = {"note": note_text(layered.notes), "partial": layered.notes.partial, "notes": notes}
     yield {"count": len(found), "full": full, "durations": durations, **said}, None
     for layer in found:
         names = [each[:_LONGEST_NAME] for each in (*layer.groups[:_DEEPEST], layer.name)]

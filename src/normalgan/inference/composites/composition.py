@@ -57,8 +57,8 @@ def compose(maps: Sequence[NormalMap]) -> NormalMap:
         nearest = np.argmin([_distance(each) for each in maps], axis=0)
         for i, each in enumerate(maps):
             np.copyto(normals, each.extended, where=(off & (nearest == i))[..., None])
-    warning = "; ".join(dict.fromkeys(each.warning for each in maps if each.warning))
-    return NormalMap(normals, mask, alpha, tiled([each.seen for each in maps]), confidence, warning)
+    findings = tuple(dict.fromkeys(finding for each in maps for finding in each.findings))
+    return NormalMap(normals, mask, alpha, tiled([each.seen for each in maps]), confidence, findings)
 
 
 def tiled(pictures: Sequence[Floats]) -> Floats:

@@ -14,6 +14,7 @@ from normalgan.errors import InputError
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.composites.composition import tiled
 from normalgan.inference.composites.series import Member, left_flat, predict_series
+from normalgan.inference.findings import Finding
 from normalgan.inference.mask.masks import MaskOrSource
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.parallel import stream
@@ -110,7 +111,7 @@ def predict_sheet(
     if not fine:
         cell, error = done[0]
         raise InputError(f"{cell.name}: {error}")
-    return replace(_assembled(sheet.shape, fine, _warning(done, said)), partial=len(fine) < len(done))
+    return replace(_assembled(sheet.shape, fine, _findings(done, said)), partial=len(fine) < len(done))
 
 
 def drawings_in(
@@ -173,7 +174,7 @@ def _ground(part: Pixels, own: BoolMask) -> NDArray[np.generic]:
 
 
 def _assembled(
-    shape: tuple[int, int], predicted: Sequence[tuple[Cell, NormalMap]], warning: str
+    shape: tuple[int, int], predicted: Sequence[tuple[Cell, NormalMap]], findings: tuple[Finding, ...]
 ) -> NormalMap:
     """Return the map of a sheet (H, W) from those of its cells."""
     normals = np.zeros((*shape, 3), np.float32)
@@ -190,12 +191,14 @@ def _assembled(
         if confidence is not None and preds.confidence is not None:
             confidence[cell.box][there] = cell.turn(preds.confidence)[there]
     seen, cells = tiled([each.seen for _, each in predicted]), tuple(cell for cell, _ in predicted)
-    return NormalMap(normals, mask, alpha, seen, confidence, warning, cells=cells)
+    return NormalMap(normals, mask, alpha, seen, confidence, findings, cells=cells)
 
 
-def _warning(done: Sequence[tuple[Cell, NormalMap | InputError]], others: Sequence[str]) -> str:
-    """Return a warning about the cells, which is part of a sentence; empty if all is well."""
+def _findings(
+    done: Sequence[tuple[Cell, NormalMap | InputError]], others: Sequence[str]
+) -> tuple[Finding, ...]:
+    """Return what is to be said about the cells, if anything is."""
     said = [(cell, left_flat(each) if isinstance(each, InputError) else each.warning) for cell, each in done]
     named = [*others, *(f"{cell.name}: {words}" for cell, words in said if words)]
     more = f"; and so on, {len(named)} in all" if len(named) > _NAMED else ""
-    return "; ".join(named[:_NAMED]) + more
+    return (Finding("note", words="; ".join(named[:_NAMED]) + more),) if named else ()

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
+from normalgan.inference.findings import Finding
 from normalgan.inference.mask.edge import snap
 from normalgan.inference.mask.outline_mask import fill_outline
 from normalgan.inference.mask.reader import Reading
@@ -60,8 +61,8 @@ class Decision:
         closed: share of the lines that lie in or at the object.
         guessed: whether a wide gap was closed although the reader was not asked.
         by_lines: whether lines alone enclose most of what is drawn, without a wide gap.
-        unsure: the warning about regions that may or may not be object, and about edges without a line; a
-            part of a sentence, empty if none.
+        unsure: regions that may or may not be object, and edges without a line; places are in pixels of the
+            ink as it was given.
     """
 
     ink: Floats
@@ -76,7 +77,7 @@ class Decision:
     closed: float
     guessed: bool
     by_lines: bool
-    unsure: str
+    unsure: tuple[Finding, ...]
 
     def explain(self) -> dict[str, NDArray[np.uint8]]:
         """Return each stage as a picture (h, w) or (h, w, 3) of uint8, RGB, by the stage's name."""
@@ -151,10 +152,10 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
         own = regions == number
         small = small & ~own if small[own].mean() > 0.5 else small | own
         settled[number] = True
-    warnings = []
+    unsure: list[Finding] = []
     if presence is not None:
-        warnings.append(_unsure(regions, votes, sizes, enclosed & ~settled, total, shape))
-        warnings.append(_open(small, small_ink > _INKED / 2, shape))
+        unsure += _unsure(regions, votes, sizes, enclosed & ~settled, total, shape)
+        unsure += _open(small, small_ink > _INKED / 2, shape)
     rough: BoolMask = small if size == shape else resize(_smooth(small), shape) > 0.5
     coverage = snap(rough, ink, max(_OFF * max(shape) / _SIDE, _LEAST_OFF))
     return Decision(
@@ -170,7 +171,7 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
         closed=filled.closed if presence is None else _closed(inked, small),
         guessed=presence is None and filled.guessed,
         by_lines=filled.closed >= CLOSED and not filled.guessed,
-        unsure="; ".join(filter(None, warnings)),
+        unsure=tuple(unsure),
     )
 
 
@@ -261,22 +262,20 @@ def _unsure(
     asked: BoolMask,
     total: int,
     shape: tuple[int, int],
-) -> str:
-    """Return the warning about regions of which the reader is unsure; places are in pixels of the drawing."""
+) -> list[Finding]:
+    """Return the finding about regions of which the reader is unsure, the largest first, if there are any."""
     low, high, share = _UNSURE
     doubtful = asked & (votes > low) & (votes < high) & (sizes > share * max(total, 1))
     numbers = np.flatnonzero(doubtful)
     if not len(numbers):
-        return ""
+        return []
     scale = shape[1] / regions.shape[1]
-    points = [_deepest(regions == number) for number in numbers[np.argsort(-sizes[numbers])][:3]]
-    places = "; ".join(f"x {round(x * scale)}, y {round(y * scale)}" for x, y in points)
-    what = "a region" if len(numbers) == 1 else f"{len(numbers)} regions"
-    return f"{what} may be object or hole, at {places}; flip one with --hole x,y if it is wrong"
+    points = [_deepest(regions == number) for number in numbers[np.argsort(-sizes[numbers])]]
+    return [Finding("regions", tuple((x * scale, y * scale) for x, y in points), len(numbers))]
 
 
-def _open(small: BoolMask, inked: BoolMask, shape: tuple[int, int]) -> str:
-    """Return the warning about the longest stretch of an object's edge that no line bounds."""
+def _open(small: BoolMask, inked: BoolMask, shape: tuple[int, int]) -> list[Finding]:
+    """Return the finding about the longest stretch of an object's edge that no line bounds, if it is long."""
     reach = np.ones((2 * _REACH + 1, 2 * _REACH + 1), np.uint8)
     # What the picture's border cuts off needs no line there.
     bounded = cv2.dilate(inked.astype(np.uint8), reach, borderValue=1)
@@ -287,12 +286,11 @@ def _open(small: BoolMask, inked: BoolMask, shape: tuple[int, int]) -> str:
     count, labels, stats, _ = cv2.connectedComponentsWithStats(free, connectivity=8)
     rows, columns = np.nonzero(small)
     if count < 2 or stats[1:, cv2.CC_STAT_AREA].max() < _OPEN * (max(np.ptp(rows), np.ptp(columns)) + 1):
-        return ""
+        return []
     rows, columns = np.nonzero(labels == 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax()))
     middle = int(np.hypot(rows - rows.mean(), columns - columns.mean()).argmin())
     scale = shape[1] / small.shape[1]
-    x, y = round(columns[middle] * scale), round(rows[middle] * scale)
-    return f"no line bounds the object about x {x}, y {y}, so its edge is a guess; close it if it is wrong"
+    return [Finding("edge", ((float(columns[middle] * scale), float(rows[middle] * scale)),))]
 
 
 def _deepest(region: BoolMask) -> tuple[int, int]:

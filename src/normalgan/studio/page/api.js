@@ -1,6 +1,7 @@
 /** The server, as functions; each fails with `Refused` (it said why) or `Away` (it does not answer). */
 
 /**
+ * @typedef {import("./findings.js").Finding} Finding
  * @typedef {{fields: Record<string, unknown>, pixels: Uint8Array[]}} Request
  *   about a drawing: what is asked, and the bytes of its planes, or of the boxes that have changed
  */
@@ -15,7 +16,13 @@ export class Refused extends Error {
 }
 
 /** The drawing is not yet, or no longer, one that can be painted. */
-export class Lacking extends Error {}
+export class Lacking extends Error {
+  /** @param {Finding[]} findings what it lacks */
+  constructor(findings) {
+    super();
+    this.findings = findings;
+  }
+}
 
 /** The server does not answer. */
 export class Away extends Error {}
@@ -53,8 +60,8 @@ function post(path, { fields, pixels }, signal) {
 
 /** @param {Response} response @param {string} name */
 const number = (response, name) => Number(response.headers.get(name));
-/** @param {Response} response @param {string} name */
-const words = (response, name) => decodeURIComponent(response.headers.get(name) ?? "");
+/** @param {Response} response @returns {Finding[]} */
+const findingsOf = (response) => JSON.parse(decodeURIComponent(response.headers.get("X-Findings") || "[]"));
 
 /** Milliseconds after which a server that says nothing is taken to be away, where the page waits for it to begin. */
 const PATIENCE = 10_000;
@@ -80,13 +87,13 @@ export const namedFile = async (name) => new File([await (await ask("/api/open/f
 export async function predict(request, signal) {
   const response = await post("/api/predict", request, signal);
   if (response.status === 204) {
-    const lacks = words(response, "X-Warning");
-    if (lacks) throw new Lacking(lacks);
+    const lacks = findingsOf(response);
+    if (lacks.length) throw new Lacking(lacks);
     return null;
   }
   const rgba = new Uint8Array(await response.arrayBuffer());
   const [width, height] = [number(response, "X-Width"), number(response, "X-Height")];
-  return { rgba, width, height, warning: words(response, "X-Warning") };
+  return { rgba, width, height, findings: findingsOf(response) };
 }
 
 /**
@@ -129,8 +136,9 @@ export async function exported(request) {
  *   have layers; parts: how many pages or frames it has; pages: whether they are pages
  * @typedef {{name: string, opacity: number, picture: string, x: number, y: number, width: number, height: number}} ImportedLayer
  *   opacity: 0 to 1, which the picture does not have; x, y, width, height: where it lies in the whole
- * @typedef {{layers: ImportedLayer[], plain: string[], frames: number, width: number, height: number, given: [number, number]}} ImportedLayers
- *   layers: the hindmost first; plain: names of those that are all paper, and left out
+ * @typedef {{layers: ImportedLayer[], plain: string[], notes: {name: string, reason: string}[], frames: number, width: number, height: number, given: [number, number]}} ImportedLayers
+ *   layers: the hindmost first; plain: names of those that are all paper, and left out;
+ *   notes: those that are not shown as their program shows them, and why
  */
 
 /** @param {Blob} file @param {string} path */

@@ -68,6 +68,14 @@ export class Areas {
   }
 }
 
+/**
+ * Returns the front layer whose lines enclose a point; null if none does.
+ * @param {import("./document.js").Doc} doc @param {{x: number, y: number}} at
+ */
+export function layerAt(doc, { x, y }) {
+  return doc.layers.findLast((layer) => layer.visible && new Areas().at(doc, layer, x, y)?.open === false) ?? null;
+}
+
 /** @param {Uint8Array} area @param {number} width @param {number} height @param {number[]} colour */
 function pictureOf(area, width, height, colour) {
   const canvas = document.createElement("canvas");

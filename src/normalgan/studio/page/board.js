@@ -2,7 +2,7 @@
 
 import { clear, context2d } from "./canvas.js";
 import { Camera } from "./camera.js";
-import { drawAreas, drawGuides, drawHints, drawMaskStroke, drawSuggestions, drawVote } from "./marks.js";
+import { drawAreas, drawGuides, drawHints, drawMaskStroke, drawRings, drawSuggestions, drawVote } from "./marks.js";
 import { drawSelection } from "./selecting.js";
 import { Sheet } from "./sheet.js";
 
@@ -112,6 +112,7 @@ export class Board {
     drawSuggestions(context, camera, editor);
     if (this.marked()) drawHints(context, camera, editor);
     drawSelection(context, camera, editor);
+    drawRings(context, camera, editor);
     this.#nib();
     this.onDrawn();
   }

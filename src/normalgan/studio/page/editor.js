@@ -53,6 +53,8 @@ export class Editor extends EventTarget {
     this.chosen = -1;
     /** Index of the chosen area, -1 is none; no hint is chosen then. */
     this.area = -1;
+    /** @type {[number, number][]} places that are shown, of what is said about the map */
+    this.ringed = [];
     /** @type {import("./document.js").Area | null} what is being drawn */
     this.outline = null;
     /** @type {{x: number, y: number, normal: import("./document.js").Normal, gain: number}[]} */

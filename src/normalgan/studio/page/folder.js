@@ -1,9 +1,10 @@
 /** Folder: drawings that lie side by side on the disk, or their maps, as a gallery to open them from. */
 
-import { Away, imported, predict } from "./api.js";
+import { Away, Lacking, imported, predict } from "./api.js";
 import { context2d } from "./canvas.js";
 import { newDocument, parseDocument, picturesOf, withStroke } from "./document.js";
 import { $, make } from "./dom.js";
+import { wordsOfFindings } from "./findings.js";
 import { SIDE, drawDocument, drawFitted, showTiles } from "./gallery.js";
 import { darkOnLight, decodeAll, free } from "./pictures.js";
 import { recalled, remember } from "./settings.js";
@@ -146,9 +147,10 @@ export class Folder {
       const whole = make("canvas", { width: map.width, height: map.height });
       context2d(whole).putImageData(new ImageData(pixels, map.width), 0, 0);
       drawFitted(canvas, whole);
-      note(sentence(map.warning));
+      note(wordsOfFindings(map.findings));
     } catch (error) {
-      note(error instanceof Away || !(error instanceof Error) ? "" : sentence(error.message));
+      if (error instanceof Lacking) note(wordsOfFindings(error.findings));
+      else note(error instanceof Away || !(error instanceof Error) ? "" : sentence(error.message));
       if (error instanceof Away) this.projects.status.fail(error);
       throw error;
     } finally {

@@ -134,8 +134,12 @@ export class Importing {
     if (!way) return;
     const fresh = isEmpty(this.editor.doc);
     let said = say("imported", { name });
+    /** @type {string[]} */
+    let lost = [];
     if (way === "layers" && layers) {
-      said = await this.#placeLayers(await layers(), fresh, name);
+      const read = await layers();
+      said = await this.#placeLayers(read, fresh, name);
+      lost = notesOf(read.notes);
     } else {
       if (parts > 1) said = `${said} ${say(pages ? "importedPage" : "importedFrame", { number: part, count: parts })}`;
       const doc = fresh ? { ...this.editor.doc, width, height } : this.editor.doc;
@@ -150,7 +154,7 @@ export class Importing {
     if (fresh) this.view.fit();
     const smaller = given[0] !== width || given[1] !== height;
     const [from, to] = [given, [width, height]].map(([x, y]) => say("pixels", { width: x, height: y }));
-    this.status.say(smaller ? `${said} ${say("importedSmaller", { from, to })}` : said);
+    this.status.say([said, ...(smaller ? [say("importedSmaller", { from, to })] : []), ...lost].join(" "), lost.length ? "warning" : "");
   }
 
   /**
@@ -175,7 +179,7 @@ export class Importing {
     this.editor.commit(withLayers(doc, drawn, fresh));
     return [
       say(layers.length === 1 ? "importedLayer" : "importedLayers", { name, count: layers.length }),
-      ...(plain.length ? [say("importedPlain", { names: plain.map((each) => `“${each}”`).join(", ") })] : []),
+      ...(plain.length ? [say("importedPlain", { names: quoted(plain) })] : []),
       ...(frames > 1 ? [say("importedFrame", { number: 1, count: frames })] : []),
     ].join(" ");
   }
@@ -195,6 +199,19 @@ export class Importing {
     ];
     return choose(text.importAs, layered ? `${text.importHelp} ${text.layersHelp}` : text.importHelp, ways, preview);
   }
+}
+
+/** @param {string[]} names */
+const quoted = (names) => [...new Set(names)].map((each) => `“${each}”`).join(", ");
+
+/** Says which layers are not shown as their program shows them. @param {import("./api.js").ImportedLayers["notes"]} notes @returns {string[]} */
+function notesOf(notes) {
+  /** @type {Record<string, keyof typeof text>} */
+  const words = { damaged: "importedDamaged", no_pixels: "importedNoPixels", foreign: "importedForeign", effect: "importedEffect", frame: "importedStill" };
+  return Object.entries(words).flatMap(([reason, key]) => {
+    const names = notes.filter((each) => each.reason === reason).map(({ name }) => name);
+    return names.length ? [say(key, { names: quoted(names) })] : [];
+  });
 }
 
 /**

@@ -9,6 +9,7 @@ import { text } from "./text.js";
 
 const RADIUS = 9;
 const NEEDLE = 22;
+const RING = 18;
 const ACCENT = "#5b62e0";
 const ADDED = "#189a5a";
 const PALE = "rgb(255 255 255 / 90%)";
@@ -194,6 +195,19 @@ export function drawVote(context, camera, vote, at) {
   context.fill();
   [context.fillStyle, context.textBaseline] = ["#fff", "middle"];
   context.fillText(words, left + 8, top + 13);
+}
+
+/** Rings the places of what is said about the map. @param {CanvasRenderingContext2D} context @param {Camera} camera @param {Editor} editor */
+export function drawRings(context, camera, editor) {
+  for (const [left, top] of editor.ringed) {
+    const { x, y } = camera.toPane(left, top);
+    for (const { colour, width } of [{ colour: PALE, width: 7 }, { colour: CUT, width: 3 }]) {
+      [context.strokeStyle, context.lineWidth] = [colour, width];
+      context.beginPath();
+      context.arc(x, y, RING, 0, 2 * Math.PI);
+      context.stroke();
+    }
+  }
 }
 
 /** @param {CanvasRenderingContext2D} context @param {Camera} camera @param {Editor} editor */

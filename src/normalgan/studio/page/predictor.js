@@ -4,7 +4,7 @@ import { Away, Lacking, Refused, doubt, height, predict } from "./api.js";
 import { drawnLayers, paintsAlike } from "./document.js";
 import { inkAt } from "./ink.js";
 
-/** @typedef {{rgba: Uint8Array, width: number, height: number, warning: string}} Painted */
+/** @typedef {{rgba: Uint8Array, width: number, height: number, findings: import("./findings.js").Finding[]}} Painted */
 
 /** @typedef {import("./document.js").Layer} Layer */
 /**

@@ -2,8 +2,9 @@
 
 import { Lacking, Refused } from "./api.js";
 import { $ } from "./dom.js";
+import { followFindings } from "./findings.js";
 import { recalled, remember } from "./settings.js";
-import { say, sentence, text } from "./text.js";
+import { say, text } from "./text.js";
 import { createViewer } from "./viewer.js";
 
 /** @typedef {"map" | "lit" | "matcap" | "flat" | "relief"} View */
@@ -22,6 +23,7 @@ export class Result {
     /** What is on show. @type {View} */
     this.view = "map";
     this.predictor = predictor;
+    this.tell = followFindings($("warning"), predictor.editor);
     this.status = status;
     /** How the flat views show the map. */
     this.look = { tiled: false, pixelated: false };
@@ -92,7 +94,7 @@ export class Result {
   /** @param {{ms: number, whole: boolean}} detail */
   #painted({ ms, whole }) {
     if (!this.predictor.painted) return;
-    const { rgba, width, height, warning } = this.predictor.painted;
+    const { rgba, width, height, findings } = this.predictor.painted;
     this.viewer.setMap(rgba, width, height);
     $("empty-result").hidden = true;
     $("result").setAttribute("aria-busy", String(!whole));
@@ -100,7 +102,7 @@ export class Result {
     $("result").dataset.painted = String(Number($("result").dataset.painted ?? 0) + 1);
     // Of a stroke that goes on there is nothing to be said yet.
     if (!whole) return;
-    this.#warn(warning);
+    this.tell(findings);
     this.status.note(say("painted", { ms }));
   }
 
@@ -108,7 +110,7 @@ export class Result {
   #failed(error) {
     $("result").setAttribute("aria-busy", "false");
     this.status.note(""); // heights that were asked for do not come
-    if (error instanceof Lacking) this.#warn(error.message);
+    if (error instanceof Lacking) this.tell(error.findings);
     else if (error instanceof Refused && error.status === 429) this.status.say(text.busy, "warning");
     else this.status.fail(error);
   }
@@ -125,14 +127,8 @@ export class Result {
     this.viewer.setHeight(null);
     $("empty-result").hidden = false;
     $("result").setAttribute("aria-busy", "false");
-    this.#warn("");
+    this.tell([]);
     this.status.note("");
-  }
-
-  /** @param {string} words */
-  #warn(words) {
-    $("warning").textContent = sentence(words);
-    $("warning").hidden = !words;
   }
 
   /** @param {string | null} words what the viewer cannot do */

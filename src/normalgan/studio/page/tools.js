@@ -1,12 +1,12 @@
 /** Tools: what a gesture does, whether it comes from a pointer or from the keyboard. */
 
-import { Areas } from "./areas.js";
+import { Areas, layerAt } from "./areas.js";
 import { MOST_AREAS, MOST_HINTS, MOST_MASK_STROKES, activeLayer, anchorOf, changedHint, knobOf, mostReach, withArea, withHint, withMaskStroke, withStroke } from "./document.js";
 import { nearest } from "./marks.js";
 import { meanNormal, normalAt } from "./normal.js";
 import { quickShape } from "./quick_shape.js";
 import { Smoother } from "./smoothing.js";
-import { text } from "./text.js";
+import { say, text } from "./text.js";
 
 /**
  * @typedef {{x: number, y: number, pressure: number, reach: number, scale: number,
@@ -190,16 +190,35 @@ export class HintTool {
     const { doc, layer } = editor;
     const chosen = layer.hints[editor.chosen];
     const ring = chosen !== undefined && nearest([knobOf(chosen, doc, touch.scale)], touch, touch.reach) === 0;
-    const index = ring ? editor.chosen : nearest(layer.hints, touch, touch.reach);
-    if (index >= 0) {
-      const { x, y } = layer.hints[index];
-      this.held = { index, dx: x - touch.x, dy: y - touch.y, from: touch, moved: false, ring };
-      editor.set({ chosen: index });
+    if (this.#hold(touch, ring)) return;
+    const suggestion = nearest(editor.suggestions, touch, touch.reach);
+    if (suggestion >= 0) {
+      this.accept(suggestion);
       return;
     }
-    const suggestion = nearest(editor.suggestions, touch, touch.reach);
-    if (suggestion >= 0) this.accept(suggestion);
-    else this.add(touch, normalAt(this.map(), touch.x / doc.width, touch.y / doc.height));
+    // A direction is of the part that is seen there, whichever layer is worked on.
+    const front = layerAt(doc, touch);
+    if (front && front.id !== layer.id) {
+      editor.work(front.id);
+      this.announce(say("layerWorked", { name: front.name }));
+    }
+    if (!this.#hold(touch)) this.add(touch, normalAt(this.map(), touch.x / doc.width, touch.y / doc.height));
+  }
+
+  /**
+   * Chooses the point at a touch, to be moved.
+   * @param {Touch} touch @param {boolean} [ring] whether the reach of the chosen one is touched
+   * @returns {boolean} whether there is one
+   */
+  #hold(touch, ring = false) {
+    const { editor } = this;
+    const { hints } = editor.layer;
+    const index = ring ? editor.chosen : nearest(hints, touch, touch.reach);
+    if (index < 0) return false;
+    const { x, y } = hints[index];
+    this.held = { index, dx: x - touch.x, dy: y - touch.y, from: touch, moved: false, ring };
+    editor.set({ chosen: index });
+    return true;
   }
 
   /** @param {Touch} touch */

@@ -153,7 +153,9 @@ class AsepriteFile(LayeredFile):
                 shown = self._cel(number, frame)
                 (raised,) = struct.unpack_from("<h", self._cels[frame][number], 9)
             except (struct.error, ValueError, zlib.error, KeyError, IndexError) as error:
-                self.notes.leave_out(layer.name, f"cannot be read in frame {frame + 1}: {error}; left out")
+                self.notes.leave_out(
+                    layer.name, f"cannot be read in frame {frame + 1}: {error}; left out", "damaged"
+                )
                 self._broken = self._broken or f"has a broken layer {layer.name!r}: {error}"
                 continue
             if shown is None:
@@ -283,7 +285,9 @@ class AsepriteFile(LayeredFile):
         layer = self._layers[number]
         tileset = self._tilesets.get(-1 if layer.tileset is None else layer.tileset)
         if tileset is None or tileset.pixels is None:
-            self.notes.leave_out(layer.name, "tileset in another file left out; convert it to a layer")
+            self.notes.leave_out(
+                layer.name, "tileset in another file left out; convert it to a layer", "foreign"
+            )
             return None
         width, height = tileset.size
         if bits not in {8, 16, 32} or not 0 < columns * width * rows * height <= 2**26:

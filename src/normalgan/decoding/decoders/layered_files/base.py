@@ -22,18 +22,18 @@ class Notes:
     """What of a layered file is not shown as its own program shows it."""
 
     def __init__(self) -> None:
-        self._said: dict[str, None] = {}
+        self._said: dict[str, list[str]] = {}
         self.partial = False
         """Whether a layer is missing, and not only a part of how it is shown."""
 
-    def leave_out(self, name: str, words: str) -> None:
-        """Note a layer that is missing."""
+    def leave_out(self, name: str, words: str, reason: str) -> None:
+        """Note a layer that is missing: it is ``damaged``, has ``no_pixels``, or is ``foreign``."""
         self.partial = True
-        self.add(name, words)
+        self.add(name, words, reason)
 
-    def add(self, name: str, words: str) -> None:
+    def add(self, name: str, words: str, reason: str = "effect") -> None:
         """Note something of a layer."""
-        self._said[f"{name!r}: {words}"] = None
+        self._said[f"{name!r}: {words}"] = [name, reason]
 
     def add_blend(self, name: str, mode: str) -> None:
         """Note a blend mode that is not shown."""
@@ -41,7 +41,12 @@ class Notes:
 
     def add_file(self, words: str) -> None:
         """Note something of the whole file."""
-        self._said[words] = None
+        self._said[words] = ["", "frame"]
+
+    @property
+    def parts(self) -> list[list[str]]:
+        """The name of the layer, empty for the whole file, and the reason of each note."""
+        return list(self._said.values())
 
     def __str__(self) -> str:
         said = list(self._said)

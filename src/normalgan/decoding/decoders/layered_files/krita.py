@@ -79,8 +79,11 @@ class KritaFile(LayeredZip):
             if each.get("visible", "1") == "0":
                 continue
             if kind not in {"grouplayer", "paintlayer"}:
-                note = self.notes.add if kind == "adjustmentlayer" else self.notes.leave_out
-                note(name, f"{_LAYERS.get(kind, f'layer of the kind {kind}')} left out")
+                words = f"{_LAYERS.get(kind, f'layer of the kind {kind}')} left out"
+                if kind == "adjustmentlayer":
+                    self.notes.add(name, words)
+                else:
+                    self.notes.leave_out(name, words, "foreign")
                 continue
             self._note(each, name)
             try:
@@ -91,7 +94,7 @@ class KritaFile(LayeredZip):
                     continue
                 image = self._paint(each)
             except (ValueError, IndexError, UnreadableError) as error:
-                self.notes.leave_out(name, f"cannot be read: {error}; left out")
+                self.notes.leave_out(name, f"cannot be read: {error}; left out", "damaged")
                 continue
             for mask in inside:
                 image.putalpha(ImageChops.multiply(image.getchannel("A"), mask))

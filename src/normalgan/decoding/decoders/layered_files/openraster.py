@@ -37,7 +37,7 @@ class OpenRasterFile(LayeredZip):
                 if image is not None:
                     image.load()
             except (ValueError, OSError, SyntaxError, UnreadableError) as error:
-                self.notes.leave_out(name, f"cannot be read: {error}; left out")
+                self.notes.leave_out(name, f"cannot be read: {error}; left out", "damaged")
                 continue
             if each.tag == "stack":
                 yield from self._stack(each, (*path, name), own)

@@ -93,7 +93,7 @@ def _layer(psd: Any, layer: Any, chain: tuple[Any, ...], opacity: int, notes: No
     if not fills and not layer.has_pixels():
         if kind in {"type", "smartobject"}:
             noun = "text" if kind == "type" else "smart object"
-            notes.leave_out(name, f"{noun} without pixels left out; rasterize it")
+            notes.leave_out(name, f"{noun} without pixels left out; rasterize it", "no_pixels")
         elif kind != "pixel":
             notes.add(name, f"adjustment layer ({kind}) left out")
         return None
@@ -123,7 +123,7 @@ def _layer(psd: Any, layer: Any, chain: tuple[Any, ...], opacity: int, notes: No
     except MemoryError:
         raise
     except Exception as error:  # a library that trips over damage raises anything
-        notes.leave_out(name, f"cannot be read: {error}; left out")
+        notes.leave_out(name, f"cannot be read: {error}; left out", "damaged")
         return None
     return None if image is None else Layer(name, groups, opacity, layer.left, layer.top, image)
 

@@ -1,0 +1,126 @@
+"""Findings: what is to be said about a map, as data; `words_of` makes the command line's sentence of it."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+from normalgan.errors import InputError
+
+__all__ = ["Code", "Finding", "LackingError", "finding_of", "join", "words_of"]
+
+Code = Literal[
+    "alone",
+    "edge",
+    "empty_mask",
+    "gap",
+    "held",
+    "hints",
+    "no_lines",
+    "no_object",
+    "note",
+    "open",
+    "regions",
+    "unseen",
+]
+_FEW = 3
+"""Places that a sentence names."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something to be said about a map or its drawing.
+
+    Args:
+        code: what it is about; see `words_of`.
+        places: x and y of what it is about, in pixels of the drawing, the most important first.
+        count: of how many it is true.
+        total: how many there are.
+        share: in [0, 1], of what the code is about.
+        layer: name of the layer; empty if there is only one.
+        words: a part of a sentence, or one, where the code has none of its own.
+    """
+
+    code: Code
+    places: tuple[tuple[float, float], ...] = ()
+    count: int = 0
+    total: int = 0
+    share: float = 0.0
+    layer: str = ""
+    words: str = ""
+
+
+class LackingError(InputError):
+    """A drawing lacks something to be predicted.
+
+    Args:
+        words: what it lacks, in one sentence.
+        code: of the finding about it.
+        layer: name of the layer; empty if there is only one.
+    """
+
+    def __init__(self, words: str, code: Code = "note", layer: str = "") -> None:
+        self.finding = Finding(code, layer=layer, words=words)
+        super().__init__(words_of(self.finding))
+
+
+def words_of(finding: Finding) -> str:
+    """Return what a finding says, a part of a sentence.
+
+    >>> words_of(Finding("edge", ((3.2, 8),), layer="Arm"))
+    'Arm: no line bounds the object about x 3, y 8, so its edge is a guess; close it if it is wrong'
+    """
+    own = _WORDS.get(finding.code)
+    words = finding.words if own is None else own(finding)
+    return f"{finding.layer}: {words}" if finding.layer else words
+
+
+def finding_of(error: InputError) -> Finding:
+    """Return what an error says about a drawing."""
+    return error.finding if isinstance(error, LackingError) else Finding("note", words=str(error))
+
+
+def join(findings: Iterable[Finding]) -> str:
+    """Return what findings say, each once, as a part of a sentence; empty if there are none."""
+    return "; ".join(dict.fromkeys(words_of(each).removesuffix(".") for each in findings))
+
+
+def _hints(finding: Finding) -> str:
+    more = f" and {finding.count - _FEW} more" if finding.count > _FEW else ""
+    lie, them = ("lies", "it") if finding.count == 1 else ("lie", "them")
+    return (
+        f"{finding.count} of {finding.total} hints {lie} off the object, at {_places(finding)}{more}; "
+        f"move {them} onto it, or give --mask if the mask is wrong"
+    )
+
+
+def _regions(finding: Finding) -> str:
+    what = "a region" if finding.count == 1 else f"{finding.count} regions"
+    return f"{what} may be object or hole, at {_places(finding)}; flip one with --hole x,y if it is wrong"
+
+
+def _places(finding: Finding) -> str:
+    return "; ".join(f"x {x:.0f}, y {y:.0f}" for x, y in finding.places[:_FEW])
+
+
+_WORDS: dict[Code, Callable[[Finding], str]] = {
+    "alone": lambda _: "until its outline is closed, it is predicted without the other layers",
+    "edge": lambda finding: (
+        f"no line bounds the object about {_places(finding)}, so its edge is a guess; close it if it is wrong"
+    ),
+    "gap": lambda _: (
+        "its outline has a wide gap, which was closed by a straight line; "
+        "draw on there, or give --mask, if the object goes on"
+    ),
+    "held": lambda _: (
+        "its outline is open, so the object stays as it was before; close the gaps, or give --mask"
+    ),
+    "hints": _hints,
+    "open": lambda finding: (
+        f"its outline is not closed, only {finding.share:.0%} of its lines enclose anything; where they do "
+        "not, the mask is the model's guess (close the gaps, or give --mask)"
+    ),
+    "regions": _regions,
+    "unseen": lambda finding: (
+        f"the model takes only {finding.share:.0%} of its mask for an object and is unsure of the rest"
+    ),
+}

@@ -1,0 +1,63 @@
+"""The studio's page tells of a map in its own words, and shows on the drawing where that is."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+from studio_page import Hand, Point, Server, Studio, sending_nothing_late
+
+from chromium import page as open_page
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
+OFF = (30.0, 40.0)
+"""A place beside the circle."""
+
+
+def ringed(studio: Studio, at: Point) -> bool:
+    """Return whether there is something red about a point of the drawing."""
+    column, row = (round(each) for each in studio.on_board(*at))
+    red, green, blue = np.moveaxis(studio.screen()[row - 30 : row + 30, column - 30 : column + 30], -1, 0)
+    return bool(((red > 180) & (green < 100) & (blue < 100)).sum() > 40)
+
+
+@pytest.mark.parametrize(
+    ("locale", "words"),
+    [
+        ("en-US", "A point is off the object. Drag it back."),
+        ("de-DE", "Ein Punkt liegt neben dem Objekt. Zieh ihn zurück."),
+    ],
+)
+def test_a_point_off_the_object_is_told_and_shown(
+    opened: "Browser", server: Server, locale: str, words: str
+) -> None:
+    server.reset()
+    with open_page(opened, width=1200, height=700, locale=locale) as page, sending_nothing_late(page):
+        studio = Studio(page, server.url)
+        studio.new()
+        with studio.repainting():
+            studio.circle()
+        with studio.repainting():
+            studio.pin(*OFF)
+        page.keyboard.press("Escape")
+        said = page.locator("#warning button")
+        assert said.inner_text() == words
+        assert not ringed(studio, OFF)
+        said.hover()
+        assert ringed(studio, OFF)
+        page.mouse.move(2, 2)
+        assert not ringed(studio, OFF)
+        # A finger cannot hover; what it has pressed stays on show for a while.
+        box = said.bounding_box()
+        assert box is not None
+        hand = Hand(studio)
+        hand.put((box["x"] + 20, box["y"] + box["height"] / 2))
+        hand.lift()
+        page.wait_for_timeout(300)
+        assert ringed(studio, OFF)
+        with studio.repainting():
+            page.keyboard.press("Control+z")
+        assert page.locator("#warning").is_hidden()
+        assert not ringed(studio, OFF)
