@@ -20,7 +20,6 @@ from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_bytes import mesh_bytes
 from normalgan.rendering.mesh_limits import linked_buffers
 from normalgan.rendering.orientation import Orientation, Rotation, checked_rotation, read_orientations
-from normalgan.rendering.polygons import read_ply
 from normalgan.rendering.repair import shade, weld, wind
 
 __all__ = ["LOADER_VERSIONS", "MeshFile", "find_meshes", "finish", "place"]
@@ -62,7 +61,7 @@ class MeshFile:
         Raises:
             InputError: if the file cannot be read.
         """
-        version = LOADER_VERSIONS.get(Path(self.path).suffix.lower(), 1) + _has_polygons(Path(self.path))
+        version = LOADER_VERSIONS.get(Path(self.path).suffix.lower(), 1)
         settings = [version, self.name, self.rotation, self.inside_out, self.crease_angle]
         digest = hashlib.sha256(json.dumps(settings).encode())
         for path in (Path(self.path), *_buffers(Path(self.path))):
@@ -178,18 +177,6 @@ def _paths(source: str) -> list[Path]:
     if place.is_dir():
         raise InputError(f"the folder {source} holds no mesh; files in {' '.join(SUFFIXES)} are taken.")
     raise InputError(f"{source} is no file, no folder and no pattern that matches a mesh file.")
-
-
-def _has_polygons(path: Path) -> bool:
-    """Return whether a PLY has faces of more than three corners.
-
-    Such faces were split into triangles differently before. A PLY of triangles keeps its fingerprint, and so
-    its stored samples.
-    """
-    try:
-        return path.suffix.lower() == ".ply" and not read_ply(mesh_bytes(path)).triangular
-    except (ValueError, LookupError, OverflowError, MemoryError):
-        return False  # broken: `load` says how
 
 
 def _buffers(path: Path) -> list[Path]:

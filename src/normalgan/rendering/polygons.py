@@ -60,11 +60,6 @@ class Polygons:
     corners: Indices
     sizes: Indices
 
-    @property
-    def triangular(self) -> bool:
-        """Whether no face has more than three corners."""
-        return not (self.sizes > 3).any()
-
     def triangles(self) -> Indices:
         """Return the faces as triangles (T, 3), wound as they are; faces of fewer than 3 corners have none.
 
