@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
+from normalgan.arrays import Doubles, Indices
 from normalgan.errors import InputError
 from normalgan.ranges import Range, check_ranges
 from normalgan.rendering.gltf.file import read_gltf
@@ -80,9 +80,9 @@ class MeshFile:
 def finish(
     name: str,
     file: MeshFile,
-    vertices: NDArray[np.float64],
-    faces: NDArray[np.int64],
-    about: NDArray[np.float64] | None = None,
+    vertices: Doubles,
+    faces: Indices,
+    about: Doubles | None = None,
 ) -> Mesh:
     """Return the mesh of a file's triangles, prepared by the file's settings.
 
@@ -105,10 +105,10 @@ def finish(
 def place(
     name: str,
     file: MeshFile,
-    vertices: NDArray[np.float64],
-    faces: NDArray[np.int64],
-    about: NDArray[np.float64] | None = None,
-) -> tuple[Mesh, NDArray[np.float64]]:
+    vertices: Doubles,
+    faces: Indices,
+    about: Doubles | None = None,
+) -> tuple[Mesh, Doubles]:
     """Return a mesh as `finish` does, and the (4, 4) matrix from there back to the file's world axes."""
     # By a power of two, so that no digit changes: squares of huge or tiny lengths leave floating point.
     _, exponent = np.frexp(np.abs(vertices[np.unique(faces)]).max(initial=0))
@@ -180,7 +180,7 @@ def _paths(source: str) -> list[Path]:
 
 
 def _buffers(path: Path) -> list[Path]:
-    """Return the files that a .gltf keeps its numbers in."""
+    """Return the buffer files of a .gltf."""
     if path.suffix.lower() != ".gltf":
         return []
     try:

@@ -13,20 +13,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.arrays import BoolMask, Doubles
+from normalgan.arrays import BoolMask, Doubles, Indices
 
 __all__ = [
     "MOST_CORNERS",
     "READERS",
     "BrokenMeshError",
-    "Indices",
     "Polygons",
     "read_obj",
     "read_off",
     "read_ply",
 ]
-
-Indices = NDArray[np.int64]
 
 MOST_CORNERS = 2**14
 """More corners of a concave face are refused: cutting one takes up to the square of their number."""
