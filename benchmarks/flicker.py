@@ -25,13 +25,13 @@ from normalgan.inference.predictor import Predictor
 from normalgan.inference.reading.picture import Picture
 from normalgan.normals import angles, encode, paint_flat
 from normalgan.rendering import EmbreeRenderer, find_meshes
+from normalgan.rendering.cameras import framed, look_at_origin
 from normalgan.rendering.lines import SuggestiveContours
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh_files import MeshFile
 from normalgan.rendering.rigs import ClipMeshes
 from normalgan.rendering.strokes import rasterise
 from normalgan.rendering.view import View
-from normalgan.rendering.views import framed, look_at_origin
 
 SIDE, AZIMUTH, ELEVATION, STILL = 256, 60.0, 10.0, 1.0
 WIDEST = 1080

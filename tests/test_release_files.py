@@ -6,8 +6,6 @@ import json
 import re
 import runpy
 import shutil
-import subprocess
-import sys
 import tomllib
 import zipfile
 from pathlib import Path
@@ -166,13 +164,6 @@ def test_the_hashes_are_those_of_the_files_and_two_builds_are_the_same(dist: Pat
     for line in (dist / "SHA256SUMS").read_text().splitlines():
         digest, name = line.split("  ")
         assert hashlib.sha256((dist / name).read_bytes()).hexdigest() == digest
-
-
-def test_without_an_sdist_one_sentence_says_so(tmp_path: Path) -> None:
-    command = [sys.executable, str(ROOT / "tools" / "release_files.py"), str(tmp_path)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 1
-    assert re.fullmatch(r"there is no .*\.tar\.gz; run tools/check_packages\.sh .* first\.\n", done.stderr)
 
 
 def test_the_image_runs_the_studio_as_the_dockerfile_says(tmp_path: Path) -> None:

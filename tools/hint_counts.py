@@ -13,9 +13,9 @@ from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.settings import EmbeddedAnimals, MeshReading, Split
 from normalgan.hints import CurvatureHints
 from normalgan.hints.draw import draw_hints_by_name
+from normalgan.rendering.cameras import Views
 from normalgan.rendering.renderers.embree import EmbreeRenderer
 from normalgan.rendering.samples import sample_rng
-from normalgan.rendering.views import Views
 
 
 def main(meshes: str, size: int = 256, views: int = 10, orientation: str | None = None) -> None:

@@ -23,6 +23,7 @@ from normalgan.inference.reading.drawings import read_drawing
 from normalgan.inference.reading.picture import resize
 from normalgan.normals import encode, flip_green, paint_flat
 from normalgan.rendering import EmbreeRenderer, Maps, MeshSource
+from normalgan.rendering.cameras import framed, look_at_origin
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines import (
     Brush,
@@ -36,7 +37,6 @@ from normalgan.rendering.lines import (
 from normalgan.rendering.strokes import rasterise
 from normalgan.rendering.variation import Variation, Varied
 from normalgan.rendering.view import View
-from normalgan.rendering.views import framed, look_at_origin
 
 Picture = NDArray[np.floating]
 DPI = 100

@@ -21,8 +21,8 @@ from normalgan.inference.heights.height import integrate
 from normalgan.inference.outputs.preview import lit
 from normalgan.normals import decode, encode, flip_green, paint_flat
 from normalgan.rendering import EmbreeRenderer, Maps, MeshFile
+from normalgan.rendering.cameras import framed, look_at_origin
 from normalgan.rendering.lines import SuggestiveContours
-from normalgan.rendering.views import framed, look_at_origin
 
 FOX, SIZE, TURN = Animal("fox", 4), 256, 40.0
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["BoolMask", "Doubles", "Floats"]
+__all__ = ["BoolMask", "Doubles", "Floats", "Indices"]
 
 Floats = NDArray[np.float32]
 """Pictures, normals and other values in single precision."""
@@ -11,3 +11,5 @@ Doubles = NDArray[np.float64]
 """Geometry in double precision."""
 BoolMask = NDArray[np.bool_]
 """Which pixels, or which elements, belong to something."""
+Indices = NDArray[np.int64]
+"""Numbers of vertices, faces or other elements."""

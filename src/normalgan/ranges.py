@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 from normalgan.errors import InputError
@@ -75,7 +76,8 @@ def check_ranges(settings: Any, values: Mapping[str, Any] | None = None) -> None
         Traceback (most recent call last):
         normalgan.errors.InputError: radius of Blur is 0; it must be more than 0.
     """
-    for name, hint in _hints(type(settings)).items():
+    kind: Any = type(settings)  # to mypy, a type is not hashable
+    for name, hint in _hints(kind).items():
         value = getattr(settings, name) if values is None else values[name]
         for given, allowed in _given(hint, value):
             pair = isinstance(given, list | tuple)
@@ -83,10 +85,11 @@ def check_ranges(settings: Any, values: Mapping[str, Any] | None = None) -> None
             if any(number not in allowed for number in numbers) or (pair and not _rising(numbers)):
                 right = "it must be" if given is value else "each number must be"
                 right += " two numbers, low then high," if pair else ""
-                raise InputError(f"{name} of {type(settings).__name__} is {value}; {right} {allowed}.")
+                raise InputError(f"{name} of {kind.__name__} is {value}; {right} {allowed}.")
 
 
-def _hints(kind: type[Any]) -> dict[str, Any]:
+@cache
+def _hints(kind: Any) -> dict[str, Any]:
     found = get_type_hints(kind.__init__, include_extras=True)
     return {name: hint for name, hint in found.items() if _ranged(hint)}
 
@@ -106,6 +109,8 @@ def _given(hint: Any, value: Any) -> list[tuple[Any, Range]]:
     if get_origin(hint) is Annotated:
         return [(value, each) for each in hint.__metadata__ if isinstance(each, Range)]
     inner = [each for each in get_args(hint) if each not in (type(None), ...)]
+    if isinstance(value, Mapping):
+        return [pair for item in value.values() for pair in _given(inner[-1], item)]
     if isinstance(value, list | tuple) and get_origin(hint) in (list, tuple):
         return [pair for item in value for pair in _given(inner[0], item)]
     return [pair for each in inner for pair in _given(each, value)]

@@ -7,17 +7,14 @@ choices in ``--help`` and checks ``init_args``. A registry adds the rest.
 import hashlib
 import inspect
 import os
-import signal
 import sys
-import threading
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.metadata import EntryPoint, EntryPoints, PackageNotFoundError, entry_points, version
 from pathlib import Path
-from types import FrameType
 from typing import Any, Generic, TypeVar
 
 from normalgan.errors import brief, did_you_mean
@@ -142,13 +139,10 @@ class Registry(Generic[T]):
     def _adopt(self, entry: EntryPoint) -> str:
         """Import and register a class; return the reason if that fails."""
         try:
-            with _noting_ctrl_c() as pressed:
-                cls = entry.load()
-        except (KeyboardInterrupt, SystemExit):
-            if pressed():
-                raise
+            cls = entry.load()
+        except SystemExit:
             return "it ends the program while it is imported"
-        except BaseException as error:  # anything that a foreign package raises on import
+        except Exception as error:  # anything that a foreign package raises on import
             return f"{type(error).__name__}: {brief(error)}".rstrip(".")
         try:
             self.register(cls)
@@ -197,25 +191,6 @@ class Registry(Generic[T]):
         """Return the sentence for a name that is not registered, with the nearest one that is."""
         hint = did_you_mean(name, self.names(), 0.5)
         return f"no {self.base.__name__} named {name!r}.{hint} Known: {', '.join(self.names())}."
-
-
-@contextmanager
-def _noting_ctrl_c() -> Iterator[Callable[[], bool]]:
-    """Give a function that tells whether Ctrl-C was pressed: a module may raise KeyboardInterrupt itself."""
-    pressed = []
-
-    def note(number: int, frame: FrameType | None) -> None:
-        pressed.append(number)
-        signal.default_int_handler(number, frame)
-
-    ours = signal.getsignal(signal.SIGINT) is signal.default_int_handler
-    if ours and threading.current_thread() is threading.main_thread():
-        signal.signal(signal.SIGINT, note)
-    try:
-        yield lambda: bool(pressed)
-    finally:
-        if signal.getsignal(signal.SIGINT) is note:
-            signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def find_imported(name: str, base: type[T]) -> type[T] | None:

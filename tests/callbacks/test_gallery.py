@@ -8,10 +8,18 @@ import torch
 from numpy.typing import NDArray
 from PIL import Image
 
-from normalgan.callbacks.gallery import COLUMNS, MAX_ERROR, Row, colours, draw_gallery, write_gallery
+from normalgan.callbacks.gallery import (
+    COLUMNS,
+    MAX_ERROR,
+    Row,
+    batch_row,
+    colours,
+    draw_gallery,
+    write_gallery,
+)
 from normalgan.errors import InputError
 from normalgan.metrics import angular_error
-from spheres import sphere
+from spheres import batch, sphere
 
 Picture = NDArray[np.uint8]
 
@@ -150,3 +158,36 @@ def test_file_is_written_whole(tmp_path: Path) -> None:
 def test_no_rows_are_refused() -> None:
     with pytest.raises(InputError, match="needs at least one row"):
         draw_gallery([])
+
+
+def test_row_is_one_sample_in_numpy() -> None:
+    given = batch(3)
+    given["name"] = ["cow-0001/0", "cow-0001/1", "sub/horse/17"]
+    hints = torch.zeros(3, 4, 32, 32)
+    hints[2, :, 16, 16] = torch.tensor([0.0, 0.0, 1.0, 1.0])
+    preds = given["normal"].bfloat16().requires_grad_()
+    row = batch_row(given, 2, hints, preds)
+    assert row.title == "sub/horse, view 17"
+    for name in ("sketch", "hints", "preds", "target", "mask"):
+        assert isinstance(getattr(row, name), np.ndarray)
+    np.testing.assert_array_equal(row.target, given["normal"][2].numpy())
+    np.testing.assert_array_equal(row.sketch, given["sketch"][2, 0].numpy())
+    np.testing.assert_array_equal(row.mask, given["mask"][2, 0].numpy() == 1)
+    assert row.preds.dtype == np.float32
+    assert np.argwhere(row.hints[3]).tolist() == [[16, 16]]
+    assert np.nanmean(row.error()) < 0.5
+
+
+def test_row_of_a_pair_is_called_as_its_file() -> None:
+    given = batch(1)
+    given["name"] = ["castle/gate/0"]
+    row = batch_row(given, 0, torch.zeros(1, 4, 32, 32), given["normal"], of_pairs=True)
+    assert row.title == "castle/gate"
+
+
+@pytest.mark.parametrize(("name", "title"), [(["ring"], "ring"), (None, "")])
+def test_row_without_a_view_or_a_name(name: list[str] | None, title: str) -> None:
+    given = batch(1)
+    if name is not None:
+        given["name"] = name
+    assert batch_row(given, 0, torch.zeros(1, 4, 32, 32), given["normal"]).title == title

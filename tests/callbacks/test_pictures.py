@@ -10,8 +10,7 @@ from PIL import Image
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator  # type: ignore[import-untyped]
 
 from normalgan.callbacks import PictureLogger
-from normalgan.callbacks.gallery import draw_gallery
-from normalgan.callbacks.rows import batch_row
+from normalgan.callbacks.gallery import batch_row, draw_gallery
 from normalgan.errors import InputError
 from small import QUIET, data, gan, trainer
 

@@ -19,9 +19,3 @@ def test_the_finder_of_learning_rates_is_refused(bench: Bench, tmp_path: Path) -
 def test_so_is_the_tuner_of_lightning(meshes: Path, cache: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="LearningRateFinder cannot be used"):
         Tuner(trainer(tmp_path)).lr_find(gan(), data(meshes, cache))
-
-
-def test_clipping_by_the_trainer_is_refused_also_with_one_optimiser(bench: Bench, tmp_path: Path) -> None:
-    given = ("--model.discriminator", "null", "--trainer.gradient_clip_val", 1)
-    done = bench.run("fit", tmp_path / "run", *given)
-    done.refused("because optimisers are stepped by hand; use model.gradient_clip")

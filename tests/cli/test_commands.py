@@ -1,21 +1,15 @@
-import inspect
 import json
-import pickle
 import re
 import signal
 from pathlib import Path
 
 import numpy as np
 import pytest
-import torch
 import yaml
 from command import CONF, Bench, left_in, run
-from lightning.pytorch import Trainer
 from PIL import Image
 
-from normalgan.cli.training import RenderingTrainer, SaveConfig
 from normalgan.cli.training_help import SECTIONS
-from normalgan.gan import NormalGAN
 from normalgan.normals import encode, read_png
 from reported import figures_of
 
@@ -162,26 +156,6 @@ def test_help_of_a_section_lists_its_settings_alone_and_its_plugins() -> None:
     assert "UniformHints" in outcome.out
     assert "EmbreeRenderer" not in outcome.out
     run("fit", "--help", "modle").refused("no section 'modle'. Did you mean model?", "checkpoint", "all")
-
-
-def test_what_is_trained_can_be_given_to_another_process(
-    bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """As ddp_spawn does: an optimiser's settings held the whole command line."""
-    sent: list[bytes] = []
-
-    def fit(trainer: Trainer, model: NormalGAN, datamodule: object, **_: object) -> None:
-        sent.append(pickle.dumps((trainer, model, datamodule)))
-
-    fit.__signature__ = inspect.signature(Trainer.fit)  # type: ignore[attr-defined]  # the parser reads it
-    monkeypatch.setattr(RenderingTrainer, "fit", fit)
-    outcome = bench.run("fit", tmp_path / "run", "--trainer.strategy", "ddp_spawn", "--trainer.devices", 2)
-    assert outcome.code == 0, outcome.err
-    trainer, model, _ = pickle.loads(sent[0])
-    assert isinstance(model.configure_optimizers()[0][0], torch.optim.Optimizer)
-    (keeps,) = (callback for callback in trainer.callbacks if isinstance(callback, SaveConfig))
-    keeps.parser.save(keeps.config, str(tmp_path / "config.yaml"), skip_none=False)
-    assert yaml.safe_load((tmp_path / "config.yaml").read_text())["data"]["size"] == 32
 
 
 def test_help_of_a_plugin_lists_its_settings() -> None:

@@ -1,5 +1,4 @@
 import json
-import signal
 import subprocess
 import sys
 import warnings
@@ -24,8 +23,6 @@ BROKEN = {
     "unknown_import": ("import no_such_library", "ModuleNotFoundError: No module named 'no_such_library'"),
     "bad_syntax": ("def (:", "SyntaxError: invalid syntax (bad_syntax.py, line 1)"),
     "leaves": ("import sys; sys.exit(3)", "it ends the program while it is imported"),
-    "leaves_at_once": ("raise SystemExit", "it ends the program while it is imported"),
-    "raises": ("class Stop(BaseException): ...\nraise Stop('no licence')", "Stop: no licence"),
     "warns": (
         "import warnings\nwith warnings.catch_warnings():\n"
         "    warnings.simplefilter('error')\n    warnings.warn('old', DeprecationWarning)",
@@ -73,20 +70,6 @@ def test_a_package_that_is_installed_later_is_found(site: Path) -> None:
     install(site, "foreign", {"late": late}, {GROUP: {"LateHints": "late:LateHints"}})
     HINT_SAMPLERS.discover()
     assert "LateHints" in HINT_SAMPLERS.names()
-
-
-def test_ctrl_c_while_plugins_are_imported_is_not_swallowed(site: Path) -> None:
-    pressed = "import signal\nsignal.raise_signal(signal.SIGINT)"
-    install(site, "foreign", {"stops": pressed}, {GROUP: {"A": "stops:A"}})
-    with pytest.raises(KeyboardInterrupt):
-        HINT_SAMPLERS.discover()
-    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
-
-
-def test_a_plugin_that_raises_what_ctrl_c_raises_is_left_out(site: Path) -> None:
-    install(site, "foreign", {"stops": "raise KeyboardInterrupt"}, {GROUP: {"A": "stops:A"}})
-    HINT_SAMPLERS.discover()
-    assert [left.reason for left in HINT_SAMPLERS.left_out] == ["it ends the program while it is imported"]
 
 
 def test_what_is_left_out_is_warned_of_even_where_warnings_are_errors(site: Path) -> None:

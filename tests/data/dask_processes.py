@@ -15,10 +15,10 @@ from distributed import Client
 from toys import BallRenderer, Octahedron, recipe
 
 from normalgan.data.render import render_samples
+from normalgan.rendering.cameras import Camera
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.samples import Recipe
-from normalgan.rendering.views import Camera
 
 HERE = Path(__file__).parent
 

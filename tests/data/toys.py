@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from normalgan.errors import InputError
+from normalgan.rendering.cameras import Camera, Views
 from normalgan.rendering.lines.base import LineDrawing
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
@@ -17,7 +18,6 @@ from normalgan.rendering.renderers.base import Renderer
 from normalgan.rendering.samples import Recipe, Sample
 from normalgan.rendering.strokes import Stroke
 from normalgan.rendering.view import View
-from normalgan.rendering.views import Camera, Views
 
 
 @dataclass(frozen=True)

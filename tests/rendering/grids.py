@@ -6,10 +6,10 @@ import numpy as np
 from mesh_shapes import as_mesh
 
 from normalgan.arrays import Doubles
+from normalgan.rendering.cameras import framed, look_at_origin
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers import EmbreeRenderer
 from normalgan.rendering.view import View
-from normalgan.rendering.views import framed, look_at_origin
 
 
 def height_field(height: Callable[[Doubles, Doubles], Doubles], points: int = 72, half: float = 0.7) -> Mesh:

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from skimage.measure import marching_cubes
 
 from needs import SHARED_MESHES
+from normalgan.rendering.cameras import Camera, framed, look_at_origin
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile
 from normalgan.rendering.repair import shade
-from normalgan.rendering.views import Camera, framed, look_at_origin
 
 trimesh: Any = import_module("trimesh")  # its types cover half of it
 

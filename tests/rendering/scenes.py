@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from normalgan.arrays import Doubles, Floats
+from normalgan.rendering.cameras import Camera
 from normalgan.rendering.lines import LineDrawing
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers.base import Renderer
 from normalgan.rendering.strokes import rasterise
 from normalgan.rendering.view import View
-from normalgan.rendering.views import Camera
 
 Hit = tuple[Doubles, Doubles]  # depth (H, W), inf where missed; outward normal (H, W, 3)
 Surface = Callable[[Doubles, Doubles], Hit]

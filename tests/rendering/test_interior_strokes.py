@@ -7,6 +7,7 @@ from mesh_shapes import as_mesh, ellipsoid
 
 from normalgan.arrays import Doubles
 from normalgan.errors import InputError
+from normalgan.rendering.cameras import framed, look_at_origin
 from normalgan.rendering.lines import LineDrawing, ObjectSpaceSuggestive, OccludingContours, RidgesAndValleys
 from normalgan.rendering.lines.apparent_ridges import apparent_curvature, extremes
 from normalgan.rendering.lines.object_space import radial_curvature
@@ -16,7 +17,6 @@ from normalgan.rendering.lines.surface import Surface
 from normalgan.rendering.renderers import EmbreeRenderer
 from normalgan.rendering.strokes import Stroke
 from normalgan.rendering.view import View
-from normalgan.rendering.views import framed, look_at_origin
 
 STYLES = [ObjectSpaceSuggestive(theta=0), RidgesAndValleys()]
 both_styles = pytest.mark.parametrize("style", STYLES, ids=lambda s: type(s).__name__)

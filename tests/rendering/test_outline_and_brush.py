@@ -8,6 +8,7 @@ from scenes import ink, plane, sphere, view
 
 from normalgan.arrays import Doubles
 from normalgan.errors import InputError
+from normalgan.rendering.cameras import Views, framed, look_at_origin
 from normalgan.rendering.lines import LINE_DRAWINGS, Brush, LineDrawing, Mixture, Silhouette
 from normalgan.rendering.lines.silhouette import borders
 from normalgan.rendering.lines.thinning import thin
@@ -15,7 +16,6 @@ from normalgan.rendering.renderers import EmbreeRenderer
 from normalgan.rendering.samples import Recipe
 from normalgan.rendering.strokes import Stroke
 from normalgan.rendering.view import View
-from normalgan.rendering.views import Views, framed, look_at_origin
 
 RNG = np.random.default_rng(0)
 

@@ -4,9 +4,9 @@ from mesh_shapes import angles, blob, bowl, camera_at, ellipsoid
 from numpy.typing import NDArray
 from opengl_here import needs_opengl
 
+from normalgan.rendering.cameras import Camera
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers import EmbreeRenderer, PyrenderRenderer, Renderer
-from normalgan.rendering.views import Camera
 from normalgan.testing.solids import exact_ellipsoid
 
 both = pytest.mark.parametrize(

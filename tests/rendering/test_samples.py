@@ -11,6 +11,7 @@ import pytest
 
 from normalgan.errors import InputError
 from normalgan.registry import source_hash
+from normalgan.rendering.cameras import Camera, Views
 from normalgan.rendering.lines.base import LineDrawing
 from normalgan.rendering.lines.occluding import OccludingContours
 from normalgan.rendering.lines.silhouette import Silhouette
@@ -21,7 +22,6 @@ from normalgan.rendering.renderers.embree import EmbreeRenderer
 from normalgan.rendering.samples import Recipe, sample_rng
 from normalgan.rendering.strokes import Stroke
 from normalgan.rendering.view import View
-from normalgan.rendering.views import Camera, Views
 
 
 @dataclass(frozen=True)

@@ -125,6 +125,6 @@ CLUSTERS: dict[str, tuple[str | bytes, str]] = {
 }
 
 ORIENTATIONS: dict[str, tuple[str | bytes, str]] = {
-    "deep.json": ("[" * 200_000 + "]" * 200_000, "cannot be read as JSON"),
-    "digits.json": ("1" * 100_000, "cannot be read as JSON"),
+    "deep.json": ("[" * 200_000 + "]" * 200_000, "is not JSON"),
+    "digits.json": ("1" * 100_000, "is not JSON"),
 }

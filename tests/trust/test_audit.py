@@ -2,12 +2,9 @@
 
 import importlib.util
 import re
-import subprocess
 import tomllib
-from email.message import Message
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
-from typing import Any
+from types import ModuleType
 
 import pytest
 from packaging.requirements import Requirement
@@ -49,62 +46,3 @@ def test_actions_are_pinned_by_hash() -> None:
         used = re.findall(r"uses: (.+)", path.read_text(encoding="utf-8"))
         assert used
         assert [each for each in used if not re.fullmatch(r"[\w/-]+@[0-9a-f]{40} # v[\d.]+", each)] == []
-
-
-@pytest.mark.parametrize(
-    ("field", "text", "good"),
-    [
-        ("License-Expression", "MIT", True),
-        ("License-Expression", "Apache-2.0 AND MIT", True),
-        ("License-Expression", "GPL-3.0-only", False),
-        ("License-Expression", "MIT AND LGPL-2.1-or-later", False),
-        ("Classifier", "License :: OSI Approved :: GNU General Public License v3 (GPLv3)", False),
-        ("Classifier", "Topic :: MIT", False),
-        ("License", "Proprietary", False),
-        (
-            "License",
-            "Permission is hereby granted, free of charge, to any person obtaining a copy" + " " * 99,
-            True,
-        ),
-        ("Name", "silent", False),
-    ],
-)
-def test_a_licence_is_read_where_packages_say_it(
-    audit: ModuleType, field: str, text: str, good: bool
-) -> None:
-    metadata = Message()
-    metadata[field] = text
-    assert audit.permissive(SimpleNamespace(metadata=metadata, files=[])) is good
-
-
-@pytest.mark.parametrize(
-    ("code", "said", "error", "sound", "words"),
-    [
-        (0, "", "No known vulnerabilities found", True, "advisories: none is known."),
-        (
-            0,
-            "numpy Dependency not found on PyPI and could not be audited: numpy (2.4.6)",
-            "No known vulnerabilities found",
-            True,
-            "none is known; 1 packages not checked",
-        ),
-        (1, "idna 3.6 PYSEC-2024-60", "Found 1 known vulnerability in 1 package", False, "PYSEC-2024-60"),
-        (1, "", "urllib3: Name or service not known", True, "not checked; their data cannot be reached"),
-        (1, "", "python: No module named pip_audit", True, "not checked; pip-audit is not installed"),
-    ],
-)
-def test_advisories_that_cannot_be_reached_are_said_to_be_unchecked(
-    audit: ModuleType,
-    monkeypatch: pytest.MonkeyPatch,
-    code: int,
-    said: str,
-    error: str,
-    sound: bool,
-    words: str,
-) -> None:
-    def run(*_: Any, **__: Any) -> "subprocess.CompletedProcess[str]":
-        return subprocess.CompletedProcess([], code, said, error)
-
-    monkeypatch.setattr(subprocess, "run", run)
-    assert audit.advisories()[0] is sound
-    assert words in audit.advisories()[1]

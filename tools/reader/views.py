@@ -19,12 +19,12 @@ import numpy as np
 from normalgan.animals import herd
 from normalgan.errors import InputError
 from normalgan.rendering import find_meshes
+from normalgan.rendering.cameras import Views
 from normalgan.rendering.lines.occluding import OccludingContours
 from normalgan.rendering.lines.suggestive import SuggestiveContours
 from normalgan.rendering.renderers.embree import EmbreeRenderer
 from normalgan.rendering.rigs import find_poses
 from normalgan.rendering.view import View
-from normalgan.rendering.views import Views
 
 POINT = 32
 """Points are stored as whole numbers of so many parts of a pixel."""

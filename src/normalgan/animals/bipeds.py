@@ -11,9 +11,10 @@ from normalgan.animals.bipeds_heads import HEADS
 from normalgan.animals.bipeds_heads import robot as robot_head
 from normalgan.animals.frames import Frame, bend, pitch, roll, spanned, unit, yaw
 from normalgan.animals.parts import Part, Ripple, ball, block, both, carried, fuse, on_side, tube
-from normalgan.animals.plan import BONE, Between, PosedPlan, Rng, around
+from normalgan.animals.plan import Bone, PosedPlan, Rng, around
 from normalgan.animals.shapes import Shape, Sweep
 from normalgan.arrays import Doubles
+from normalgan.ranges import Range
 
 __all__ = ["STANCES", "Biped", "Flesh", "Girth", "Measures", "Robot", "Skeleton", "Stance", "skeleton"]
 
@@ -59,11 +60,11 @@ class Measures:
         crouch: degrees by which its knees are bent at rest.
     """
 
-    leg: Annotated[float, BONE] = 0.47
+    leg: Bone = 0.47
     torso: float = 0.30
     neck: float = 0.055
     head: float = 0.140
-    arm: Annotated[float, BONE] = 0.33
+    arm: Bone = 0.33
     hand: float = 0.095
     foot: float = 0.15
     hips: float = 0.055
@@ -355,7 +356,7 @@ class Biped(PosedPlan):
     habits: tuple[Annotated[str, tuple(STANCES)], ...]
     body: Annotated[Flesh | Robot, {"flesh": Flesh, "robot": Robot}]
     measures: Measures = field(default_factory=Measures)
-    spread: Annotated[float, Between(0.0, 0.5)] = 0.09
+    spread: Annotated[float, Range(0, 0.5)] = 0.09
 
     @property
     def poses(self) -> tuple[str, ...]:

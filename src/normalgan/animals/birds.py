@@ -12,11 +12,12 @@ import numpy as np
 
 from normalgan.animals.frames import Frame, about, bend, hinge, pitch, roll, yaw
 from normalgan.animals.parts import Part, Ripple, ball, both, by, carried, fuse, in_space, pair, tube
-from normalgan.animals.plan import BONE, Between, Eyeball, Point, PosedPlan, Range, Rng, proportions
+from normalgan.animals.plan import Bone, Eyeball, Point, PosedPlan, Rng, Span, proportions
 from normalgan.animals.shapes import Plate, Shape, Sweep, rounded
 from normalgan.animals.stations import Profile, Stations
 from normalgan.arrays import Doubles
 from normalgan.errors import InputError
+from normalgan.ranges import Range
 
 __all__ = ["Bird", "Legs", "Tail", "Wing"]
 
@@ -42,7 +43,7 @@ class Wing:
 
     span: float
     chord: float
-    primaries: Annotated[int, Between(2, 30)] = 9
+    primaries: Annotated[int, Range(2, 30)] = 9
     width: float = 0.85
     pointed: float = 0.4
     folded: float = 0.3
@@ -63,7 +64,7 @@ class Tail:
     """
 
     length: float
-    feathers: Annotated[int, Between(2, 30)]
+    feathers: Annotated[int, Range(2, 30)]
     half_width: float
     closed: float
     raised: float
@@ -86,8 +87,8 @@ class Legs:
     """
 
     hip: Point
-    thigh: Annotated[float, BONE]
-    shank: Annotated[float, BONE]
+    thigh: Bone
+    shank: Bone
     thick: float
     meat: float
     toe: float
@@ -191,7 +192,7 @@ _FACES: Mapping[str, Callable[[Rng], list[Part]]] = {
 }  # fmt: skip
 _POSES = ("stand", "walk", "feed", "perch", "one_leg", "swim", "spread", "soar", "land")
 _YOUNG_SHARE = 0.15
-_RANGES: Mapping[str, Range] = {
+_RANGES: Mapping[str, Span] = {
     "girth": (0.88, 1.15), "neck": (0.9, 1.12), "head": (0.92, 1.12), "beak": (0.85, 1.18),
     "tail": (0.8, 1.2), "legs": (0.88, 1.12), "wing": (0.9, 1.12),
 }  # fmt: skip
@@ -230,7 +231,7 @@ class Bird(PosedPlan):
 
     habits: tuple[Annotated[str, tuple(_POSES)], ...]
     body: Profile
-    pitch: Range
+    pitch: Span
     neck: Stations
     low: Stations
     skull_size: float
@@ -245,7 +246,7 @@ class Bird(PosedPlan):
     train: Annotated[str, ("sickles",)] | None = None
     turn: float = 35.0
     chick: bool = False
-    ranges: Mapping[Annotated[str, tuple(_RANGES)], Range] = field(default_factory=dict)
+    ranges: Mapping[Annotated[str, tuple(_RANGES)], Span] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check the neck, which is drawn between the two."""

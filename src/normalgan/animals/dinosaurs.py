@@ -12,15 +12,16 @@ import numpy as np
 from normalgan.animals.birds import Legs
 from normalgan.animals.frames import Frame, about, bend, pitch, spanned, unit, way_along, yaw
 from normalgan.animals.parts import Part, ball, carried, fuse, on_side, pair, tube
-from normalgan.animals.plan import Between, Eyeball, Point, PosedPlan, Range, Rng, proportions
+from normalgan.animals.plan import Eyeball, Point, PosedPlan, Rng, Span, proportions
 from normalgan.animals.shapes import Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine, Stations
 from normalgan.arrays import Doubles
 from normalgan.errors import InputError
+from normalgan.ranges import Range
 
 __all__ = ["Arm", "Armour", "Theropod"]
 
-_RANGES: Mapping[str, Range] = {
+_RANGES: Mapping[str, Span] = {
     "girth": (0.88, 1.15), "tail": (0.85, 1.12), "neck": (0.88, 1.12), "head": (0.88, 1.15),
     "arm": (0.85, 1.2), "legs": (0.9, 1.08), "sail": (0.75, 1.2),
 }  # fmt: skip
@@ -78,8 +79,8 @@ class Theropod(PosedPlan):
     arm: Arm
     leg: Legs
     sail: float = 0.0
-    pitch: Range = (-4.0, 16.0)
-    ranges: Mapping[Annotated[str, tuple(_RANGES)], Range] = field(default_factory=dict)
+    pitch: Span = (-4.0, 16.0)
+    ranges: Mapping[Annotated[str, tuple(_RANGES)], Span] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check the tail."""
@@ -183,9 +184,9 @@ class Armour:
         frill: reach of a shield behind the head in units of the length of the head; 0 for none.
     """
 
-    plates: Annotated[int, Between(0, 100)] = 0
+    plates: Annotated[int, Range(0, 100)] = 0
     height: float = 0.0
-    spikes: Annotated[int, Between(0, 8)] = 0
+    spikes: Annotated[int, Range(0, 8)] = 0
     frill: float = 0.0
 
     def grow(self, neck: Sweep, skull: Sweep, torso: Sweep, tail: Sweep, rng: Rng) -> list[Part]:

@@ -8,15 +8,16 @@ import numpy as np
 
 from normalgan.animals.frames import spanned, unit
 from normalgan.animals.parts import Part, ball, fuse, tube
-from normalgan.animals.plan import Between, Eyeball, Point, PosedPlan, Range, Rng, proportions
+from normalgan.animals.plan import Eyeball, Point, PosedPlan, Rng, Span, proportions
 from normalgan.animals.shapes import MIRROR, Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine
 from normalgan.arrays import Doubles
 from normalgan.errors import InputError
+from normalgan.ranges import Range
 
 __all__ = ["Fin", "Fish", "Gills"]
 
-_RANGES: Mapping[str, Range] = {
+_RANGES: Mapping[str, Span] = {
     "depth": (0.85, 1.18), "girth": (0.85, 1.2), "fins": (0.8, 1.25), "tail": (0.85, 1.2),
     "eye": (0.85, 1.25),
 }  # fmt: skip
@@ -89,7 +90,7 @@ class Gills:
     y: float
     z: float
     height: float
-    slits: Annotated[int, Between(0, 20)] = 0
+    slits: Annotated[int, Range(0, 20)] = 0
     lid: bool = False
 
 
@@ -120,9 +121,9 @@ class Fish(PosedPlan):
     mouth: tuple[Point, ...]
     gills: Gills
     tail: Fin | None = None
-    spines: Annotated[int, Between(0, 500)] = 0
+    spines: Annotated[int, Range(0, 500)] = 0
     wave: float = 26.0
-    ranges: Mapping[Annotated[str, tuple(_RANGES)], Range] = field(default_factory=dict)
+    ranges: Mapping[Annotated[str, tuple(_RANGES)], Span] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check the mouth."""

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from normalgan.animals.frames import Frame, hinge, pitch, ray, roll, yaw
 from normalgan.animals.parts import Part, Ripple, ball, both, by, carried, fuse, in_space, on_side, pair, tube
-from normalgan.animals.plan import BodyPlan, Form, Range, Rng, around
+from normalgan.animals.plan import BodyPlan, Form, Rng, Span, around
 from normalgan.animals.shapes import Plate, Shape, Sweep
 from normalgan.arrays import Doubles
 
@@ -157,7 +157,7 @@ def wing(
     return both(Plate(frame, smooth, thick, bow=(-bow, -bow)))
 
 
-def _held(rng: Rng, raised: Range, back: Range) -> tuple[float, float]:
+def _held(rng: Rng, raised: Span, back: Span) -> tuple[float, float]:
     """Draw how high and how far back wings are held, in degrees."""
     return rng.uniform(*raised), rng.uniform(*back)
 

@@ -3,44 +3,38 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple, Protocol
+from typing import Annotated, Protocol
 
 import numpy as np
 
 from normalgan.animals.parts import Part
+from normalgan.ranges import Range
 
 __all__ = [
-    "BONE",
-    "RISING",
-    "Between",
+    "GREATEST",
     "BodyPlan",
+    "Bone",
     "Eyeball",
     "Form",
     "Point",
     "PosedPlan",
-    "Range",
     "Rng",
+    "Span",
     "around",
     "drawn_pose",
     "proportions",
 ]
 
 Rng = np.random.Generator
-RISING = ("low", "high")  # marks pairs of which the first may not be greater than the second
-Range = Annotated[tuple[float, float], RISING]
+GREATEST = 10_000
+"""Sizes are about 1, angles in degrees: numbers that are greater would only overflow."""
+Span = Annotated[tuple[float, float], Range(-GREATEST, GREATEST)]
 """The least and the greatest of what is drawn evenly."""
 Point = tuple[float, float, float]
 
 
-class Between(NamedTuple):
-    """Marks a number that may not be less or greater."""
-
-    low: float
-    high: float
-
-
-BONE = Between(0.01, 100.0)
-"""Marks the length of a bone: one of no length has no direction in which to grow."""
+Bone = Annotated[float, Range(0.01, 100)]
+"""The length of a bone: one of no length has no direction in which to grow."""
 
 
 @dataclass(frozen=True)
@@ -119,7 +113,7 @@ def drawn_pose(habits: Sequence[str], pose: str | None, rng: Rng) -> str:
 
 
 def proportions(
-    general: Mapping[str, Range], own: Mapping[str, Range], rng: Rng, young: Mapping[str, float] | None = None
+    general: Mapping[str, Span], own: Mapping[str, Span], rng: Rng, young: Mapping[str, float] | None = None
 ) -> dict[str, float]:
     """Draw by which factors an individual differs from the drawing of its species.
 

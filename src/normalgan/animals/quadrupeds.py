@@ -9,7 +9,7 @@ import numpy as np
 from normalgan.animals.dinosaurs import Armour
 from normalgan.animals.frames import Frame, bend, fold, pitch, unit, yaw
 from normalgan.animals.parts import Part, Ripple, both, fuse, on_side, pair, tube
-from normalgan.animals.plan import Point, Range, Rng, drawn_pose, proportions
+from normalgan.animals.plan import Point, Rng, Span, drawn_pose, proportions
 from normalgan.animals.quadrupeds_poses import POSES, POSTURES, Pose
 from normalgan.animals.shapes import Cut, Shape, Sweep
 from normalgan.animals.stations import Profile, Stations
@@ -27,7 +27,7 @@ _PROUD = 0.007  # how far its middle lies outside the skull, so that it does not
 
 _Build = Mapping[str, float]
 """The factors of `_RANGES` by which an individual differs from the drawing of its species."""
-_RANGES: Mapping[str, Range] = {
+_RANGES: Mapping[str, Span] = {
     "length": (0.93, 1.07),  # of the torso
     "depth": (0.92, 1.08),  # of the belly, measured down from the back
     "girth": (0.9, 1.15),  # width of the torso
@@ -268,12 +268,12 @@ class Quadruped:
     ornaments: tuple[Ornament, ...] = ()
     mane: Mane | None = None
     armour: Armour | None = None
-    ranges: Mapping[Annotated[str, tuple(_RANGES)], Range] = field(default_factory=dict)
-    tail_lift: Range = (-10.0, 25.0)
+    ranges: Mapping[Annotated[str, tuple(_RANGES)], Span] = field(default_factory=dict)
+    tail_lift: Span = (-10.0, 25.0)
     tail_ripple: Ripple | None = None
     coat: Ripple | None = None
     ruff: Ripple | None = None
-    neck_pitch: Range = (-15.0, 12.0)
+    neck_pitch: Span = (-15.0, 12.0)
 
     @property
     def poses(self) -> tuple[str, ...]:

@@ -8,14 +8,15 @@ import numpy as np
 
 from normalgan.animals.frames import Frame, about, bend, pitch, spanned, way_along, yaw
 from normalgan.animals.parts import Part, ball, by, carried, fuse, in_space, on_side, pair, tube
-from normalgan.animals.plan import Between, Eyeball, Point, PosedPlan, Range, Rng, around, proportions
+from normalgan.animals.plan import Eyeball, Point, PosedPlan, Rng, Span, around, proportions
 from normalgan.animals.shapes import Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine
 from normalgan.arrays import Doubles
+from normalgan.ranges import Range
 
 __all__ = ["Crawler", "Snake", "Turtle"]
 
-_RANGES: Mapping[str, Range] = {
+_RANGES: Mapping[str, Span] = {
     "girth": (0.88, 1.18), "tail": (0.8, 1.15), "head": (0.9, 1.18), "legs": (0.88, 1.15),
     "crest": (0.7, 1.3),
 }  # fmt: skip
@@ -59,8 +60,8 @@ class Crawler(PosedPlan):
     reach: float
     thick: float
     crest: float = 0.0
-    scutes: Annotated[int, Between(0, 10)] = 0
-    ranges: Mapping[Annotated[str, tuple(_RANGES)], Range] = field(default_factory=dict)
+    scutes: Annotated[int, Range(0, 10)] = 0
+    ranges: Mapping[Annotated[str, tuple(_RANGES)], Span] = field(default_factory=dict)
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
         """Return the parts of one individual in a pose."""

@@ -16,10 +16,11 @@ import numpy as np
 
 from normalgan.animals.insects import INSECTS
 from normalgan.animals.objects import BLOBS
-from normalgan.animals.plan import RISING, Between, BodyPlan
+from normalgan.animals.plan import GREATEST, BodyPlan
 from normalgan.animals.plush import PLUSH
 from normalgan.errors import InputError, brief, did_you_mean
 from normalgan.files.limits import read_bounded
+from normalgan.ranges import check_ranges
 
 __all__ = ["FOLDER", "GROUPS", "PLANS", "SHARED", "SPECIES", "read_species"]
 
@@ -36,7 +37,6 @@ PLANS = {
     "turtle": "normalgan.animals.reptiles.Turtle",
 }
 """What a file may name as its ``plan``, and where that is; imported when a species of it is read."""
-_GREATEST = 10_000  # sizes are about 1, angles in degrees: what is greater would only overflow
 _WORDS = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}
 # What a herd of a given seed holds follows from the order: new names go last.
 _FILES: Mapping[str, tuple[str, ...]] = {
@@ -145,8 +145,10 @@ def _value(given: object, hint: Any, where: str) -> Any:
         if isinstance(mark, dict):  # what makes a thing of each kind
             return _of_kind(given, mark, where)
         value = _value(given, base, where)
-        _check(value, mark, where)
-        return value
+        if isinstance(mark, tuple) and value not in mark:
+            known = ", ".join(sorted(mark))
+            raise InputError(f"{where} is {_shown(value)}.{did_you_mean(value, mark)} Known: {known}.")
+        return value  # a number's range is checked with the object that it is of
     if get_origin(hint) is None:
         return _plain(given, hint, where) if hint in _WORDS else _record(given, hint, where)
     if get_origin(hint) is np.ndarray:
@@ -162,24 +164,12 @@ def _value(given: object, hint: Any, where: str) -> Any:
     return _value(given, needed, where)
 
 
-def _check(value: Any, allowed: tuple[str, ...] | Between, where: str) -> None:
-    if allowed == RISING:
-        if value[0] > value[1]:
-            raise InputError(f"{where} is {_shown(list(value))}; the least comes first, then the greatest.")
-    elif isinstance(allowed, Between):
-        if not allowed.low <= value <= allowed.high:
-            raise InputError(f"{where} is {allowed.low:g} to {allowed.high:g}, not {value}.")
-    elif value not in allowed:
-        known = ", ".join(sorted(allowed))
-        raise InputError(f"{where} is {_shown(value)}.{did_you_mean(value, allowed)} Known: {known}.")
-
-
 def _plain(given: object, kind: type, where: str) -> Any:
     right = isinstance(given, int | float if kind is float else kind)
     if not right or (isinstance(given, bool) and kind is not bool):
         raise InputError(f"{where} is {_WORDS[kind]}, not {_shown(given)}.")
-    if isinstance(given, int | float) and not abs(given) <= _GREATEST:
-        raise InputError(f"{where} is a number from -{_GREATEST} to {_GREATEST}, not {_shown(given)}.")
+    if isinstance(given, int | float) and not abs(given) <= GREATEST:
+        raise InputError(f"{where} is a number from -{GREATEST} to {GREATEST}, not {_shown(given)}.")
     return kind(given)
 
 
@@ -227,9 +217,11 @@ def _record(given: object, cls: Any, where: str) -> Any:
         raise InputError(f"{dot}{missing[0]} is missing.")
     values = {name: _value(value, hints[name], f"{dot}{name}") for name, value in given.items()}
     try:
-        return cls(**values)
+        made = cls(**values)
+        check_ranges(made)
     except InputError as error:
         raise InputError(f"{where}: {error}" if where else str(error)) from error
+    return made
 
 
 @cache

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torchmetrics import MetricCollection
 
+from normalgan.arrays import BoolMask, Doubles
 from normalgan.metrics import MapMetric, angular_error, normal_map_metrics, without_hints
 from normalgan.metrics.calibration import Calibration, expected_angle
 from normalgan.metrics.presence import Coverage, MaskIoU
@@ -27,7 +28,7 @@ EDGES = (0, 1, 2, 3, 4, 6, 8, 10, 16, 24, math.inf)
 _LAST = len(EDGES) - 2  # number of the last bin
 
 Figure = dict[str, float | None]
-Sums = dict[str, NDArray[np.float64]]
+Sums = dict[str, Doubles]
 
 
 class Accumulator:
@@ -55,7 +56,7 @@ class Accumulator:
         self._by_mesh: dict[str, MetricCollection] = {}
         self._calibration: Calibration | None = None
         self.names: list[str] = []
-        self._sums: dict[str, list[NDArray[np.float64]]] = {}
+        self._sums: dict[str, list[Doubles]] = {}
 
     def update(
         self,
@@ -134,7 +135,7 @@ class Accumulator:
     def _joined(self) -> Sums:
         return {name: np.concatenate(parts) for name, parts in self._sums.items()}
 
-    def _pixels(self, chosen: NDArray[np.bool_]) -> int:
+    def _pixels(self, chosen: BoolMask) -> int:
         return int(self._joined()["pixels"][chosen].sum())
 
     def _of(self, metrics: MetricCollection, views: NDArray[np.intp]) -> Figure:
@@ -203,11 +204,11 @@ def _profile(sums: Sums, unit: str) -> list[Figure]:
     ]
 
 
-def _divided(sums: NDArray[np.float64], counts: NDArray[np.float64]) -> NDArray[np.float64]:
+def _divided(sums: Doubles, counts: Doubles) -> Doubles:
     return np.divide(sums, counts, out=np.full_like(sums, np.nan), where=counts > 0)
 
 
-def _ratio(sums: NDArray[np.float64], counts: NDArray[np.float64]) -> float:
+def _ratio(sums: Doubles, counts: Doubles) -> float:
     return float(sums / counts) if counts > 0 else math.nan
 
 

@@ -16,24 +16,15 @@ from normalgan.benchmark.measure import moved, true_float32
 from normalgan.benchmark.methods import Method
 from normalgan.version import __version__
 
-__all__ = ["describe_machine", "describe_versions", "flops", "images_per_second", "parameters"]
+__all__ = ["describe_machine", "describe_versions", "flops", "images_per_second"]
 
 _PACKAGES = ("torch", "lightning", "numpy", "kornia", "torchmetrics")
-
-
-def parameters(network: nn.Module) -> int:
-    """Return the number of trainable parameters.
-
-    >>> parameters(nn.Linear(3, 2))
-    8
-    """
-    return sum(parameter.numel() for parameter in network.parameters())
 
 
 def flops(network: nn.Module, size: int, device: torch.device) -> int:
     """Return the floating-point operations for one map; a multiplication and an addition count as two.
 
-    Only convolutions and matrix products are counted, which are nearly all.
+    Only convolutions and matrix products are counted; they are nearly all of the operations.
 
     Args:
         network: a generator, which takes (N, 4, size, size).

@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from normalgan.arrays import Doubles
 from normalgan.benchmark.plan import Plan
 from normalgan.benchmark.table import Results
 from normalgan.benchmark.training import Result
@@ -114,11 +114,9 @@ def draw_calibration(plan: Plan, results: Results, caption: str) -> bytes | None
     return png.getvalue()
 
 
-def calibration_curve(
-    runs: Iterable[Result], given: str
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def calibration_curve(runs: Iterable[Result], given: str) -> tuple[Doubles, Doubles, Doubles]:
     """Return predicted and observed degrees and the share of pixels, each (K,), over all runs."""
-    bins: dict[int, NDArray[np.float64]] = {}
+    bins: dict[int, Doubles] = {}
     for run in runs:
         for one in run["calibration"][given] or ():
             sums = one["pixels"] * np.array([1.0, one["predicted"], one["observed"]])
@@ -133,7 +131,7 @@ def _promises(run: Result) -> bool:
     return any(run.get("calibration", {}).values())
 
 
-def learning_curve(runs: Iterable[Result]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def learning_curve(runs: Iterable[Result]) -> tuple[Doubles, Doubles]:
     """Return images (K,) and errors (seeds, K), interpolated at the images of the longest run.
 
     Under a time budget runs differ in length; after its end a run has nan.
@@ -146,9 +144,7 @@ def learning_curve(runs: Iterable[Result]) -> tuple[NDArray[np.float64], NDArray
     return longest, np.array(errors)
 
 
-def hint_curve(
-    runs: Iterable[Result], counts: Sequence[int]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def hint_curve(runs: Iterable[Result], counts: Sequence[int]) -> tuple[Doubles, Doubles]:
     """Return numbers of hints (K,) and errors (seeds, K)."""
     errors = [[run["figures"][str(count)]["angular_mean"] for count in counts] for run in runs]
     return np.array(counts, float), np.array(errors, float)
@@ -156,8 +152,8 @@ def hint_curve(
 
 def _draw(
     axes: Axes,
-    x: NDArray[np.float64],
-    errors: NDArray[np.float64],
+    x: Doubles,
+    errors: Doubles,
     colour: object,
     style: str,
     label: str,

@@ -13,7 +13,7 @@ import torch
 
 from normalgan.arrays import Floats
 from normalgan.batch import Batch
-from normalgan.benchmark.cost import describe_machine, describe_versions, flops, images_per_second, parameters
+from normalgan.benchmark.cost import describe_machine, describe_versions, flops, images_per_second
 from normalgan.benchmark.hints import hint_points, placements
 from normalgan.benchmark.measure import HintTests, measure, more_metrics, moved, true_float32
 from normalgan.benchmark.methods import (
@@ -29,6 +29,7 @@ from normalgan.benchmark.runs import Run, build_data
 from normalgan.benchmark.settings import digest
 from normalgan.benchmark.specification import Specification, specify
 from normalgan.benchmark.training import Result, measured_checkpoint
+from normalgan.callbacks.display import count_parameters
 from normalgan.commit import commit
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.loading.items import collate_decoded, decode
@@ -120,7 +121,7 @@ class Evaluation:
             measured["pins"] = {strategy: self._pins(method, strategy) for strategy in STRATEGIES}
         network, size = method.generator, self.data.recipe.size
         cost = {
-            "parameters": parameters(network) if network else 0,
+            "parameters": count_parameters(network) if network else 0,
             "flops": flops(network, size, device) if network else 0,
             "images_per_second": images_per_second(method, next(self.batches()), device)
             if method.timed

@@ -4,9 +4,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
+from normalgan.arrays import BoolMask, Doubles, Indices
 from normalgan.hints import (
     CurvatureHints,
     FarthestPointHints,
@@ -110,7 +110,7 @@ def noisy_hints(
     return hints.to(normal.device)
 
 
-def turn(normals: NDArray[np.float64], degrees: float, azimuths: NDArray[np.float64]) -> NDArray[np.float64]:
+def turn(normals: Doubles, degrees: float, azimuths: Doubles) -> Doubles:
     """Turn unit normals (K, 3), z to the viewer, by an angle in degrees, each in its own direction.
 
     The azimuths (K,) around the normals, in radians, are the directions. A normal that would face away is
@@ -131,9 +131,7 @@ def turn(normals: NDArray[np.float64], degrees: float, azimuths: NDArray[np.floa
     return np.asarray(np.where(turned[:, 2:] < np.minimum(0, other[:, 2:]), other, turned))
 
 
-def _moved(
-    point: NDArray[np.int64], pixels: float, inside: NDArray[np.bool_], rng: np.random.Generator
-) -> tuple[int, int]:
+def _moved(point: Indices, pixels: float, inside: BoolMask, rng: np.random.Generator) -> tuple[int, int]:
     start = rng.uniform(0, 2 * np.pi)
     for azimuth in start + np.arange(_TRIES) * 2 * np.pi / _TRIES:
         row, column = np.rint(point + pixels * np.array([np.sin(azimuth), np.cos(azimuth)])).astype(int)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.linalg import spsolve
 
-from normalgan.arrays import BoolMask, Floats
+from normalgan.arrays import BoolMask, Doubles, Floats
 from normalgan.normals import normalize
 
 __all__ = ["inflate", "inflated_normals"]
@@ -15,7 +15,7 @@ __all__ = ["inflate", "inflated_normals"]
 _SIDES = ((0, 1), (0, -1), (1, 0), (-1, 0))  # (rows, columns) to the four neighbours
 
 
-def inflate(mask: BoolMask) -> NDArray[np.float64]:
+def inflate(mask: BoolMask) -> Doubles:
     """Return the squared height of an inflated silhouette, in pixels², (H, W), 0 off it.
 
     It solves Δh = -4 on the object with h = 0 on its outline, which runs between pixels. Of a disc of

@@ -5,9 +5,9 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import stdtrit
 
+from normalgan.arrays import Doubles, Indices
 from normalgan.benchmark.training import Result
 
 __all__ = [
@@ -25,7 +25,7 @@ __all__ = [
 DRAWS = 10_000
 LEVEL = 0.95
 
-Table = NDArray[np.float64]
+Table = Doubles
 
 
 class Interval(NamedTuple):
@@ -117,7 +117,7 @@ def total_interval(
     return Interval(value, value - reach, value + reach)
 
 
-def draws_of(count: int, most: int = DRAWS, seed: int = 0) -> NDArray[np.int64]:
+def draws_of(count: int, most: int = DRAWS, seed: int = 0) -> Indices:
     """Return the meshes of each bootstrap draw, (draws, count), with replacement.
 
     All possible draws if they are at most ``most``, otherwise ``most`` random ones.
@@ -132,7 +132,7 @@ def draws_of(count: int, most: int = DRAWS, seed: int = 0) -> NDArray[np.int64]:
     return np.random.default_rng(seed).integers(0, count, (most, count))
 
 
-def pooled(values: Table, pixels: Table, draws: NDArray[np.int64]) -> Table:
+def pooled(values: Table, pixels: Table, draws: Indices) -> Table:
     """Return the mean over the pixels of the drawn meshes, averaged over the runs, (draws,).
 
     Args:
@@ -160,7 +160,7 @@ def _parts(values: Table, pixels: Table) -> tuple[Table, Table]:
     return figures, weights * (values - figures)
 
 
-def _all(pixels: Table) -> NDArray[np.int64]:
+def _all(pixels: Table) -> Indices:
     return np.arange(len(pixels))[None]
 
 

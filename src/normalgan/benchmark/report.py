@@ -16,7 +16,7 @@ from normalgan.benchmark.runs import Run
 from normalgan.benchmark.scale import Scale
 from normalgan.benchmark.table import markdown
 from normalgan.benchmark.training import Result, read_result, write_json
-from normalgan.callbacks.rows import batch_row
+from normalgan.callbacks.gallery import batch_row
 from normalgan.commit import commit
 from normalgan.errors import InputError
 from normalgan.files.writing import write_bytes

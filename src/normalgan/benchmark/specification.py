@@ -1,13 +1,13 @@
 """Specification: hashes of a benchmark's test data, which tell whether two reports are comparable."""
 
-import json
 from pathlib import Path
 from typing import Any
 
 from normalgan.benchmark.measure import HintTests
 from normalgan.benchmark.settings import digest
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.errors import InputError, brief
+from normalgan.errors import InputError
+from normalgan.files.json_files import read_json
 
 __all__ = ["Specification", "check_specification", "specify"]
 
@@ -54,7 +54,7 @@ def check_specification(found: Specification, path: Path) -> str:
     """Make sure that a benchmark measures on what a file has frozen, and return the name of its track.
 
     Args:
-        found: what it measures on.
+        found: the specification of its data.
         path: JSON file: a specification by its version, for each track and size of picture.
 
     Raises:
@@ -84,14 +84,7 @@ def check_specification(found: Specification, path: Path) -> str:
 
 def _read(path: Path) -> dict[str, Any]:
     right = 'it must be like {"version": "v3", "sizes": [{"size": 128, "meshes": "…", "views": "…"}]}.'
-    try:
-        content: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(
-            f"the specification {path} cannot be read: {error.strerror or brief(error)}."
-        ) from error
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"the specification {path} is not JSON ({brief(error)}); {right}") from error
+    content: dict[str, Any] = read_json(path, "the specification", right)
     sizes = content.get("sizes") if isinstance(content, dict) else None
     good = (
         isinstance(sizes, list)

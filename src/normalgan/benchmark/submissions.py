@@ -19,7 +19,8 @@ from normalgan.batch import Batch
 from normalgan.benchmark.hints import hint_order
 from normalgan.benchmark.methods import Method
 from normalgan.data.sources.pair import looks_flipped, outwardness
-from normalgan.errors import InputError, brief
+from normalgan.errors import InputError
+from normalgan.files.json_files import read_json
 from normalgan.files.writing import write_bytes
 from normalgan.hints import NoHints, UniformHints
 from normalgan.inference.reading.drawings import read_pixels, to_unit
@@ -101,17 +102,10 @@ def read_submission(folder: Path) -> Submission:
     Raises:
         InputError: if it has no readable ``submission.json`` with a name, or no maps without hints.
     """
-    path = folder / SUBMISSION
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror or brief(error)}.") from error
-    except (ValueError, RecursionError) as error:
-        raise InputError(
-            f'{path} is not JSON ({brief(error)}); it must be like {{"name": "theirs"}}.'
-        ) from error
+    path, like = folder / SUBMISSION, 'it must be like {"name": "theirs"}.'
+    content = read_json(path, like=like)
     if not isinstance(content, dict) or not isinstance(content.get("name"), str):
-        raise InputError(f'{path} has no name; it must be like {{"name": "theirs"}}.')
+        raise InputError(f"{path} has no name; {like}")
     counts = sorted(int(one.name) for one in folder.iterdir() if one.is_dir() and one.name.isdecimal())
     if 0 not in counts:
         raise InputError(f"{folder} has no folder 0 with the maps painted without hints.")
@@ -127,7 +121,7 @@ def write_inputs(folder: Path, batch: Batch, counts: Sequence[int], seed: int) -
     Args:
         folder: where to.
         batch: N samples.
-        counts: numbers of hints, of which the most are written.
+        counts: numbers of hints; the largest number is written.
         seed: of the hints.
     """
     import cv2

@@ -2,11 +2,10 @@
 
 from normalgan.callbacks.learning_curve import LearningCurve
 from normalgan.callbacks.pictures import PictureLogger
+from normalgan.callbacks.rate_schedules import StableSchedule, WallClockSchedule
 from normalgan.callbacks.report import TestReport
-from normalgan.callbacks.stable_schedule import StableSchedule
 from normalgan.callbacks.start_from import StartFrom
 from normalgan.callbacks.stopped import StoppedCheckpoint
-from normalgan.callbacks.wall_clock import WallClockSchedule
 from normalgan.callbacks.warm_average import WarmAverage
 
 __all__ = [

@@ -4,20 +4,35 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import torch
 from matplotlib import colormaps
 from matplotlib.axes import Axes
+from matplotlib.colors import Colormap
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from numpy.typing import NDArray
+from torch import Tensor
 
-from normalgan.arrays import Floats
+from normalgan.arrays import BoolMask, Floats
+from normalgan.batch import Batch
 from normalgan.errors import InputError
 from normalgan.files.writing import write_bytes
 from normalgan.normals import angles, encode, normalize, paint_flat
 
-__all__ = ["COLUMNS", "MAX_ERROR", "Row", "colours", "draw_gallery", "write_gallery"]
+__all__ = [
+    "COLUMNS",
+    "MAX_ERROR",
+    "Row",
+    "Sheet",
+    "batch_row",
+    "colours",
+    "draw_gallery",
+    "error_colours",
+    "write_gallery",
+]
 
 COLUMNS = ("sketch", "hints", "generated", "ground truth", "angular error")
 MAX_ERROR = 60.0
@@ -46,7 +61,7 @@ class Row:
     hints: Floats
     preds: Floats
     target: Floats
-    mask: NDArray[np.bool_]
+    mask: BoolMask
 
     def error(self) -> Floats:
         """Return the angular error in degrees, (H, W), nan off the object; 90° where nothing is predicted."""
@@ -56,7 +71,7 @@ class Row:
         return np.where(self.mask, angle, np.nan).astype(np.float32)
 
 
-def colours(normal: Floats, mask: NDArray[np.bool_] | None = None) -> NDArray[np.uint8]:
+def colours(normal: Floats, mask: BoolMask | None = None) -> NDArray[np.uint8]:
     """Return the picture (H, W, 3) of a map (3, H, W); flat off the object.
 
     Without a mask, vectors shorter than half a unit count as background.
@@ -65,6 +80,75 @@ def colours(normal: Floats, mask: NDArray[np.bool_] | None = None) -> NDArray[np
     if mask is None:
         mask = np.linalg.norm(vectors, axis=-1) > 0.5
     return encode(paint_flat(normalize(vectors), mask)).astype(np.uint8)
+
+
+def batch_row(batch: Batch, index: int, hints: Tensor, preds: Tensor, of_pairs: bool = False) -> Row:
+    """Return the gallery row of one sample of a batch.
+
+    Args:
+        batch: N samples.
+        index: which of them.
+        hints: (N, 4, H, W), the generator's hints.
+        preds: (N, 3, H, W), its predictions.
+        of_pairs: whether samples are pairs on disk, which have a name but no view number.
+    """
+
+    def array(tensor: Tensor) -> Tensor:
+        return tensor[index].detach().to("cpu", torch.float32)
+
+    mesh, _, view = batch.get("name", [""] * len(preds))[index].rpartition("/")
+    return Row(
+        title=(mesh if of_pairs else f"{mesh}, view {view}") if mesh else view,
+        sketch=array(batch["sketch"])[0].numpy(),
+        hints=array(hints).numpy(),
+        preds=array(preds).numpy(),
+        target=array(batch["normal"]).numpy(),
+        mask=array(batch["mask"])[0].numpy() > 0.5,
+    )
+
+
+class Sheet:
+    """A picture on which everything is placed in pixels from the upper left.
+
+    Args:
+        width: of it.
+        height: of it.
+    """
+
+    def __init__(self, width: int, height: int) -> None:
+        self.width, self.height = width, height
+        self.figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI)
+
+    def box(self, x: float, y: float, w: float, h: float) -> Axes:
+        """Return axes at a place, with neither ticks nor a frame."""
+        place = (x / self.width, 1 - (y + h) / self.height, w / self.width, h / self.height)
+        axes = self.figure.add_axes(place)
+        axes.set(xticks=[], yticks=[])
+        axes.spines[:].set_visible(False)
+        return axes
+
+    def text(self, x: float, y: float, text: str, **how: Any) -> None:
+        """Write a text at a place, as `matplotlib.figure.Figure.text` does."""
+        self.figure.text(x / self.width, 1 - y / self.height, text, **how)
+
+    def error_scale(self, shown: AxesImage, x: float, y: float, w: float, h: float) -> Axes:
+        """Draw the scale of an error map at a place, and return its axes."""
+        scale = self.figure.colorbar(shown, cax=self.box(x, y, w, h), orientation="horizontal")
+        scale.outline.set_visible(False)
+        scale.set_ticks([0, 15, 30, 45, MAX_ERROR], labels=["0°", "15°", "30°", "45°", f"≥{MAX_ERROR:.0f}°"])
+        scale.ax.tick_params(labelsize=8, length=0, pad=2)
+        return scale.ax
+
+    def png(self) -> bytes:
+        """Return the picture as a PNG."""
+        png = BytesIO()
+        self.figure.savefig(png, format="png")
+        return png.getvalue()
+
+
+def error_colours() -> Colormap:
+    """Return the colours of an error map, grey off the object."""
+    return colormaps["magma"].with_extremes(bad=_NEUTRAL)
 
 
 def draw_gallery(rows: Sequence[Row], caption: str = "") -> bytes:
@@ -86,34 +170,21 @@ def draw_gallery(rows: Sequence[Row], caption: str = "") -> bytes:
     top = _EDGE + _HEAD + (_LINE if caption else 0)
     width = 2 * _EDGE + len(COLUMNS) * cell + (len(COLUMNS) - 1) * _GAP
     height = top + len(rows) * (cell + _LINE) + _EDGE
-    figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI)
-
-    def box(x: float, y: float, w: float, h: float) -> Axes:
-        """Return axes with the given place, in pixels from the upper left."""
-        axes = figure.add_axes((x / width, 1 - (y + h) / height, w / width, h / height))
-        axes.set(xticks=[], yticks=[])
-        axes.spines[:].set_visible(False)
-        return axes
-
+    sheet = Sheet(width, height)
     if caption:
-        figure.text(_EDGE / width, 1 - _EDGE / height, caption, fontsize=10, va="top")
+        sheet.text(_EDGE, _EDGE, caption, fontsize=10, va="top")
     lefts = [_EDGE + i * (cell + _GAP) for i in range(len(COLUMNS))]
     for i, row in enumerate(rows):
-        shown = _draw_row(row, [box(x, top + i * (cell + _LINE), cell, cell) for x in lefts])
+        shown = _draw_row(row, [sheet.box(x, top + i * (cell + _LINE), cell, cell) for x in lefts])
     for name, x in zip(COLUMNS, lefts, strict=True):
         # The scale goes between the last heading and its column.
         y = top - (_HEAD if name == COLUMNS[-1] else 20)
-        figure.text((x + cell / 2) / width, 1 - y / height, name, fontsize=11, ha="center", va="top")
-    scale = figure.colorbar(shown, cax=box(lefts[-1], top - 29, cell, 9), orientation="horizontal")
-    scale.outline.set_visible(False)
-    scale.set_ticks([0, 15, 30, 45, MAX_ERROR], labels=["0°", "15°", "30°", "45°", f"≥{MAX_ERROR:.0f}°"])
-    scale.ax.tick_params(labelsize=8, length=0, pad=2)
-    labels = scale.ax.get_xticklabels()  # the outer ones must not stand out
+        sheet.text(x + cell / 2, y, name, fontsize=11, ha="center", va="top")
+    scale = sheet.error_scale(shown, lefts[-1], top - 29, cell, 9)
+    labels = scale.get_xticklabels()  # the outer ones must not stand out
     labels[0].set_horizontalalignment("left")
     labels[-1].set_horizontalalignment("right")
-    png = BytesIO()
-    figure.savefig(png, format="png")
-    return png.getvalue()
+    return sheet.png()
 
 
 def write_gallery(path: str | Path, rows: Sequence[Row], caption: str = "") -> None:
@@ -130,8 +201,7 @@ def _draw_row(row: Row, axes: Sequence[Axes]) -> AxesImage:
     axes[1].imshow(1 - row.sketch * 0.22, cmap="gray", vmin=0, vmax=1, interpolation=how)
     axes[2].imshow(colours(row.preds), interpolation=how)
     axes[3].imshow(colours(row.target, row.mask), interpolation=how)
-    magma = colormaps["magma"].with_extremes(bad=_NEUTRAL)
-    shown = axes[4].imshow(error, cmap=magma, vmin=0, vmax=MAX_ERROR, interpolation=how)
+    shown = axes[4].imshow(error, cmap=error_colours(), vmin=0, vmax=MAX_ERROR, interpolation=how)
     y, x = np.nonzero(row.hints[3] > 0.5)
     dot = 42 if len(x) <= 40 else 18
     axes[1].scatter(

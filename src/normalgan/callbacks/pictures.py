@@ -9,8 +9,7 @@ from lightning.pytorch.utilities import rank_zero_only
 from PIL import Image
 
 from normalgan.batch import Batch
-from normalgan.callbacks.gallery import draw_gallery
-from normalgan.callbacks.rows import batch_row
+from normalgan.callbacks.gallery import batch_row, draw_gallery
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.gan import NormalGAN
 from normalgan.ranges import PositiveInt, check_ranges

@@ -11,8 +11,7 @@ from lightning.pytorch import Callback, LightningModule, Trainer
 from torch import Tensor
 
 from normalgan.batch import Batch
-from normalgan.callbacks.gallery import Row, write_gallery
-from normalgan.callbacks.rows import batch_row
+from normalgan.callbacks.gallery import Row, batch_row, write_gallery
 from normalgan.callbacks.table import results_table
 from normalgan.commit import commit
 from normalgan.data.datamodule import MeshDataModule

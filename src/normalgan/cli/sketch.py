@@ -20,6 +20,7 @@ from normalgan.files.writing import write_bytes
 from normalgan.normals import encode_png, paint_flat
 from normalgan.registry import Registry
 from normalgan.rendering import EmbreeRenderer, MeshSource, Renderer, find_meshes
+from normalgan.rendering.cameras import framed, look_at_origin
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines import LINE_DRAWINGS, LineDrawing, SuggestiveContours
 from normalgan.rendering.loading import SUFFIXES
@@ -30,7 +31,6 @@ from normalgan.rendering.renderers import RENDERERS
 from normalgan.rendering.samples import draw_ink, draw_strokes, no_lines
 from normalgan.rendering.strokes.svg import to_svg
 from normalgan.rendering.view import View
-from normalgan.rendering.views import framed, look_at_origin
 
 __all__ = ["PLUGINS", "build_parser", "draw", "find_source", "run"]
 

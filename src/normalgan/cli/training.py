@@ -6,7 +6,6 @@ import sys
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
 from inspect import getdoc
 from pathlib import Path
 from textwrap import shorten
@@ -14,7 +13,6 @@ from typing import Any
 
 import yaml
 from jsonargparse import Namespace, get_loader, set_loader, set_parsing_settings
-from lightning.fabric.utilities.cloud_io import get_filesystem
 from lightning.fabric.utilities.exceptions import MisconfigurationException
 from lightning.pytorch import LightningModule, Trainer
 from lightning.pytorch.callbacks import (
@@ -140,25 +138,6 @@ class SaveConfig(SaveConfigCallback):
         self.already_saved = False
         super().setup(trainer, pl_module, "fit")
 
-    def __getstate__(self) -> dict[str, Any]:
-        """Return what another process needs of it (``ddp_spawn``): the text, for a parser is not pickled."""
-        if isinstance(self.parser, _Settings):
-            return vars(self)
-        text = self.parser.dump(self.config, skip_unset=False)
-        return {**vars(self), "config": None, "parser": _Settings(text)}
-
-
-@dataclass(frozen=True)
-class _Settings:
-    """What a parser would save, as text."""
-
-    text: str
-
-    def save(self, config: object, path: str, **_: Any) -> None:
-        """Write it, as a parser does."""
-        with get_filesystem(path).open(path, "w") as file:
-            file.write(self.text)
-
 
 class NormalGANCLI(LightningCLI):
     """fit, validate, test, predict, and render.
@@ -206,10 +185,6 @@ class NormalGANCLI(LightningCLI):
             args=arguments,
             run=False,
         )
-
-    def __getstate__(self) -> dict[str, Any]:
-        """Return nothing: jsonargparse lets an optimiser's settings hold it, which ``ddp_spawn`` pickles."""
-        return {}
 
     def run_command(self) -> None:
         """Do what the command is for."""

@@ -229,6 +229,7 @@ def change_width(sketch: Tensor, strength: float) -> Tensor:
 
 
 @AUGMENTATIONS.register
+@dataclasses.dataclass(frozen=True)
 class Augmentation(BatchAugmentation):
     """Random changes of training samples, batched on their device.
 
@@ -251,43 +252,22 @@ class Augmentation(BatchAugmentation):
         width: how much lines grow thicker or fainter, from 0 to 1.
     """
 
-    def __init__(
-        self,
-        flip: Share = 0.5,
-        rotation: NonNegative = 10.0,
-        scale: Annotated[tuple[float, float], Range(0, above=True)] = (0.9, 1.1),
-        translation: Share = 0.03,
-        jitter: NonNegative = 0.7,
-        dropout: Share = 0.05,
-        width: Share = 0.4,
-        stretch: bool = False,
-        shear: Annotated[float, Range(0, 45)] = 0.0,
-        distractor_strokes: Share = 0.0,
-        fills: Share = 0.0,
-        decals: Share = 0.0,
-        hatching: Share = 0.0,
-    ) -> None:
-        self.settings: dict[str, Any] = {
-            "flip": flip,
-            "rotation": rotation,
-            "scale": scale,
-            "translation": translation,
-            "jitter": jitter,
-            "dropout": dropout,
-            "width": width,
-            "stretch": stretch,
-            "shear": shear,
-            "distractor_strokes": distractor_strokes,
-            "fills": fills,
-            "decals": decals,
-            "hatching": hatching,
-        }
-        check_ranges(self, self.settings)
-        self.jitter = jitter
-        self.dropout = dropout
-        self.width = width
-        self.distractor_strokes = distractor_strokes
-        self.marks = (fills, decals, hatching)
+    flip: Share = 0.5
+    rotation: NonNegative = 10.0
+    scale: Annotated[tuple[float, float], Range(0, above=True)] = (0.9, 1.1)
+    translation: Share = 0.03
+    jitter: NonNegative = 0.7
+    dropout: Share = 0.05
+    width: Share = 0.4
+    stretch: bool = False
+    shear: Annotated[float, Range(0, 45)] = 0.0
+    distractor_strokes: Share = 0.0
+    fills: Share = 0.0
+    decals: Share = 0.0
+    hatching: Share = 0.0
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
 
     def __call__(self, batch: Batch, seed: int) -> Batch:
         """Return an augmented batch; equal for equal seeds.
@@ -311,8 +291,8 @@ class Augmentation(BatchAugmentation):
                 sketch = add_distractor_strokes(sketch, mask, self.distractor_strokes)
         # Interpolation with the empty background shortens normals at the silhouette but does not turn them.
         normal = unit_vectors_within(turn_normals(moved[:, :3], transform), mask)
-        if any(self.marks):
-            sketch = mark_surfaces(sketch, normal, mask, seed, *self.marks)
+        if self.fills or self.decals or self.hatching:
+            sketch = mark_surfaces(sketch, normal, mask, seed, self.fills, self.decals, self.hatching)
         augmented: Batch = {**batch, "sketch": sketch, "normal": normal, "mask": mask}
         if "hints" in batch:
             augmented["hints"] = move_hints(batch["hints"], transform)
@@ -320,7 +300,7 @@ class Augmentation(BatchAugmentation):
 
     def describe(self) -> dict[str, Any]:
         """Return its settings."""
-        return self.settings
+        return dataclasses.asdict(self)
 
     def draw_transform(self, count: int, side: int, device: torch.device) -> Tensor:
         """Draw a transform for each of ``count`` pictures, (N, 3, 3) for (x, y) in pixels, y down.
@@ -329,19 +309,17 @@ class Augmentation(BatchAugmentation):
         """
         from kornia.geometry.transform import get_affine_matrix2d  # late, as above
 
-        flip, rotation, scale, translation, stretch, shear = (
-            self.settings[name] for name in ("flip", "rotation", "scale", "translation", "stretch", "shear")
-        )
         mirrored, turned, wide, tall, slanted, right, down = torch.rand(7, count, device=device)
-        sign = 1 - 2 * (mirrored < flip).float()
-        width = scale[0] + (scale[1] - scale[0]) * wide
-        height = scale[0] + (scale[1] - scale[0]) * tall if stretch else width
-        slant = math.radians(shear) * (2 * slanted - 1)
+        sign = 1 - 2 * (mirrored < self.flip).float()
+        least, most = self.scale
+        width = least + (most - least) * wide
+        height = least + (most - least) * tall if self.stretch else width
+        slant = math.radians(self.shear) * (2 * slanted - 1)
         return get_affine_matrix2d(
-            translations=translation * side * (2 * torch.stack([right, down], dim=1) - 1),
+            translations=self.translation * side * (2 * torch.stack([right, down], dim=1) - 1),
             center=torch.full((count, 2), (side - 1) / 2, device=device),
             scale=torch.stack([sign * width, height], dim=1),
-            angle=rotation * (2 * turned - 1),
+            angle=self.rotation * (2 * turned - 1),
             sx=slant,
             sy=torch.zeros_like(slant),
         )

@@ -49,7 +49,7 @@ class SampleRecipe(Protocol):
         """Raise `InputError` if this machine lacks what the recipe needs."""
 
     def render(self, loaded: Any, index: int, /) -> Sample:
-        """Return sample number ``index`` of something; it depends on no other.
+        """Return sample number ``index`` of a mesh or pair; it does not depend on the other samples.
 
         Raises:
             InputError: if none can be made.

@@ -76,7 +76,7 @@ class Split:
     file: str | None = None
 
     def deal(self, names: Sequence[str], noun: str = "mesh") -> dict[str, list[str]]:
-        """Return the names of each split, by the file or else by fractions.
+        """Return the names in each split: as the file lists them or, without one, by fractions.
 
         Args:
             names: of what is not to be on two sides of the split: a mesh, a pair, or a group of pairs.

@@ -1,16 +1,14 @@
 """Splits: which meshes are for training, validation and testing; by mesh, never by view."""
 
-import json
 import warnings
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from normalgan.errors import InputError, brief
-from normalgan.files.limits import read_bounded
+from normalgan.errors import InputError
+from normalgan.files.json_files import read_json
 from normalgan.files.shipped_configs import find_beside
 
 __all__ = ["SPLITS", "plural", "split_by_file", "split_by_fractions"]
@@ -100,16 +98,7 @@ def split_by_file(path: Path, names: Sequence[str], noun: str = "mesh") -> _Name
 
 def _read(path: Path) -> _Names:
     right = 'it must be like {"train": ["a", "b"], "val": ["c"], "test": ["d"]}.'
-    try:
-        content: Any = json.loads(read_bounded(path))
-    except InputError:
-        raise
-    except OSError as error:
-        raise InputError(
-            f"the split file {path} cannot be read: {error.strerror or brief(error)}."
-        ) from error
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"the split file {path} is not JSON ({brief(error)}); {right}") from error
+    content = read_json(path, "the split file", right)
     if not isinstance(content, dict) or not content or set(content) - set(SPLITS):
         raise InputError(f"the split file {path} does not map train, val and test to names; {right}")
     for part, listed in content.items():

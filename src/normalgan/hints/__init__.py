@@ -2,10 +2,10 @@
 
 from normalgan.hints.base import HINT_SAMPLERS, ErrorHintSampler, HintSampler
 from normalgan.hints.curvature import CurvatureHints
-from normalgan.hints.divergence import curvature_map
 from normalgan.hints.encode import hints_at
 from normalgan.hints.farthest import FarthestPointHints
 from normalgan.hints.none import NoHints
+from normalgan.hints.normal_curvature import curvature_map
 from normalgan.hints.uniform import UniformHints
 from normalgan.hints.worst import WorstErrorHints
 

@@ -9,7 +9,7 @@ from torch import Tensor
 
 from normalgan.errors import InputError
 from normalgan.hints.base import HINT_SAMPLERS, HintSampler
-from normalgan.hints.divergence import Estimator, curvature_map
+from normalgan.hints.normal_curvature import Estimator, curvature_map
 from normalgan.ranges import Count, NonNegative, Positive, Share, check_ranges
 
 __all__ = ["Comparison", "CurvatureHints", "Normalisation", "Rounding"]

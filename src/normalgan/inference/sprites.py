@@ -134,7 +134,7 @@ class Sprite:
 
 
 def slopes_of(colour: Floats, mask: BoolMask, tile: Tile | None = None) -> Floats:
-    """Return the slopes (H, W, 2), nx / nz and ny / nz, of a surface as high as a painting is light.
+    """Return the slopes (H, W, 2), nx / nz and ny / nz, of a surface as high as the picture is bright.
 
     Shading wider than a tenth of the object is left out, because the inferred form contains it.
 

@@ -8,7 +8,7 @@ __all__ = ["Processes", "average_statistics"]
 
 
 class Processes(Protocol):
-    """Takes means over the training processes; a Lightning strategy is one."""
+    """Averages tensors over the training processes, as a Lightning strategy does."""
 
     def reduce(self, tensor: Tensor, *, reduce_op: str) -> Any:
         """Return the mean of a tensor over the processes."""

@@ -1,10 +1,10 @@
 """From meshes to normal maps and sketches; numpy only, no torch."""
 
+from normalgan.rendering.cameras import Camera, Views
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh, MeshSource
 from normalgan.rendering.mesh_files import MeshFile, find_meshes
 from normalgan.rendering.renderers import RENDERERS, EmbreeRenderer, PyrenderRenderer, Renderer
-from normalgan.rendering.views import Camera, Views
 
 __all__ = [
     "RENDERERS",

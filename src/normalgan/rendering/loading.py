@@ -7,8 +7,8 @@ from io import BytesIO
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from normalgan.arrays import Doubles, Indices
 from normalgan.errors import InputError, brief
 from normalgan.rendering.mesh_bytes import mesh_bytes
 from normalgan.rendering.mesh_limits import check_limits
@@ -17,7 +17,7 @@ from normalgan.warning_filters import quiet_loggers
 
 __all__ = ["SUFFIXES", "Triangles", "read_triangles"]
 
-Triangles = tuple[NDArray[np.float64], NDArray[np.int64]]
+Triangles = tuple[Doubles, Indices]
 
 SUFFIXES = (".off", ".obj", ".ply", ".stl", ".glb", ".gltf")
 """The file formats taken, by suffix; upper case is as good."""

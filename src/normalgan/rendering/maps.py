@@ -2,10 +2,7 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
-from normalgan.arrays import Floats
+from normalgan.arrays import BoolMask, Floats
 
 __all__ = ["Maps"]
 
@@ -23,4 +20,4 @@ class Maps:
 
     normal: Floats
     depth: Floats
-    mask: NDArray[np.bool_]
+    mask: BoolMask

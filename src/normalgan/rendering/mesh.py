@@ -6,6 +6,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from normalgan.arrays import Floats
+
 __all__ = ["Mesh", "MeshSource"]
 
 
@@ -21,9 +23,9 @@ class Mesh:
     """
 
     name: str
-    vertices: NDArray[np.float32]
+    vertices: Floats
     faces: NDArray[np.int32]
-    normals: NDArray[np.float32]
+    normals: Floats
 
 
 class MeshSource(Protocol):

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 
+from normalgan.arrays import Doubles, Indices
 from normalgan.errors import InputError
 from normalgan.ranges import Range, check_ranges
 from normalgan.rendering.gltf.file import read_gltf
@@ -20,7 +20,6 @@ from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_bytes import mesh_bytes
 from normalgan.rendering.mesh_limits import linked_buffers
 from normalgan.rendering.orientation import Orientation, Rotation, checked_rotation, read_orientations
-from normalgan.rendering.polygons import read_ply
 from normalgan.rendering.repair import shade, weld, wind
 
 __all__ = ["LOADER_VERSIONS", "MeshFile", "find_meshes", "finish", "place"]
@@ -62,7 +61,7 @@ class MeshFile:
         Raises:
             InputError: if the file cannot be read.
         """
-        version = LOADER_VERSIONS.get(Path(self.path).suffix.lower(), 1) + _has_polygons(Path(self.path))
+        version = LOADER_VERSIONS.get(Path(self.path).suffix.lower(), 1)
         settings = [version, self.name, self.rotation, self.inside_out, self.crease_angle]
         digest = hashlib.sha256(json.dumps(settings).encode())
         for path in (Path(self.path), *_buffers(Path(self.path))):
@@ -81,9 +80,9 @@ class MeshFile:
 def finish(
     name: str,
     file: MeshFile,
-    vertices: NDArray[np.float64],
-    faces: NDArray[np.int64],
-    about: NDArray[np.float64] | None = None,
+    vertices: Doubles,
+    faces: Indices,
+    about: Doubles | None = None,
 ) -> Mesh:
     """Return the mesh of a file's triangles, prepared by the file's settings.
 
@@ -106,10 +105,10 @@ def finish(
 def place(
     name: str,
     file: MeshFile,
-    vertices: NDArray[np.float64],
-    faces: NDArray[np.int64],
-    about: NDArray[np.float64] | None = None,
-) -> tuple[Mesh, NDArray[np.float64]]:
+    vertices: Doubles,
+    faces: Indices,
+    about: Doubles | None = None,
+) -> tuple[Mesh, Doubles]:
     """Return a mesh as `finish` does, and the (4, 4) matrix from there back to the file's world axes."""
     # By a power of two, so that no digit changes: squares of huge or tiny lengths leave floating point.
     _, exponent = np.frexp(np.abs(vertices[np.unique(faces)]).max(initial=0))
@@ -180,20 +179,8 @@ def _paths(source: str) -> list[Path]:
     raise InputError(f"{source} is no file, no folder and no pattern that matches a mesh file.")
 
 
-def _has_polygons(path: Path) -> bool:
-    """Return whether a PLY has faces of more than three corners.
-
-    Such faces were split into triangles differently before. A PLY of triangles keeps its fingerprint, and so
-    its stored samples.
-    """
-    try:
-        return path.suffix.lower() == ".ply" and not read_ply(mesh_bytes(path)).triangular
-    except (ValueError, LookupError, OverflowError, MemoryError):
-        return False  # broken: `load` says how
-
-
 def _buffers(path: Path) -> list[Path]:
-    """Return the files that a .gltf keeps its numbers in."""
+    """Return the buffer files of a .gltf."""
     if path.suffix.lower() != ".gltf":
         return []
     try:

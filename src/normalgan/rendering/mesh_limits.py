@@ -82,7 +82,7 @@ def name_in_folder(uri: str) -> str | None:
 
 
 def linked_buffers(path: Path, tree: dict[str, Any]) -> list[Path]:
-    """Return the files that a glTF keeps its numbers in, of those that are there.
+    """Return the buffer files of a glTF that exist.
 
     Raises:
         InputError: if one does not lie in the folder of the glTF, or is a pipe or a device.

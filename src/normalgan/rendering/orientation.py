@@ -1,12 +1,11 @@
 """Orientation files: the rotation of each mesh in a folder, and whether it is inside out."""
 
-import json
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from normalgan.errors import InputError, brief
-from normalgan.files.limits import read_bounded
+from normalgan.errors import InputError
+from normalgan.files.json_files import read_json
 from normalgan.files.shipped_configs import find_beside
 
 __all__ = ["Orientation", "Rotation", "checked_rotation", "read_orientations"]
@@ -29,12 +28,7 @@ def read_orientations(path: str) -> dict[str, Orientation]:
     Raises:
         InputError: if the file cannot be read, is not of that form, or a matrix is not a rotation.
     """
-    try:
-        table = json.loads(read_bounded(find_beside(path)))
-    except InputError:
-        raise
-    except (OSError, ValueError, RecursionError) as error:
-        raise InputError(f"the orientation file {path} cannot be read as JSON: {brief(error)}") from error
+    table = read_json(find_beside(path), "the orientation file")
     if not isinstance(table, dict):
         raise InputError(f"the orientation file {path} must hold an object with one entry a mesh.")
     return {name: _orientation(f"{path}, mesh {name!r}", entry) for name, entry in table.items()}

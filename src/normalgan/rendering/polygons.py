@@ -13,20 +13,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.arrays import BoolMask, Doubles
+from normalgan.arrays import BoolMask, Doubles, Indices
 
 __all__ = [
     "MOST_CORNERS",
     "READERS",
     "BrokenMeshError",
-    "Indices",
     "Polygons",
     "read_obj",
     "read_off",
     "read_ply",
 ]
-
-Indices = NDArray[np.int64]
 
 MOST_CORNERS = 2**14
 """More corners of a concave face are refused: cutting one takes up to the square of their number."""
@@ -59,11 +56,6 @@ class Polygons:
     vertices: Doubles
     corners: Indices
     sizes: Indices
-
-    @property
-    def triangular(self) -> bool:
-        """Whether no face has more than three corners."""
-        return not (self.sizes > 3).any()
 
     def triangles(self) -> Indices:
         """Return the faces as triangles (T, 3), wound as they are; faces of fewer than 3 corners have none.

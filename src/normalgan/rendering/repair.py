@@ -1,14 +1,11 @@
 """Repair triangles: weld, remove degenerate ones, wind consistently outward; then compute normals."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from normalgan.arrays import Doubles
+from normalgan.arrays import Doubles, Indices
 from normalgan.rendering.topology import bodies, neighbours, seams
 
-__all__ = ["GRID", "Indices", "face_vectors", "shade", "weld", "wind"]
-
-Indices = NDArray[np.int64]
+__all__ = ["GRID", "face_vectors", "shade", "weld", "wind"]
 
 GRID = 2**20
 """Vertices in one cell of a grid of this many cells a side are one vertex: a millionth of the size."""

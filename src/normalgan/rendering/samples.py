@@ -11,10 +11,11 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.arrays import Floats
+from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
 from normalgan.ranges import PositiveInt, check_ranges
 from normalgan.registry import source_hash
+from normalgan.rendering.cameras import Views
 from normalgan.rendering.checks import check_mesh, check_strokes
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines.base import LineDrawing
@@ -25,7 +26,6 @@ from normalgan.rendering.renderers.base import Renderer
 from normalgan.rendering.strokes import Stroke
 from normalgan.rendering.strokes.raster import rasterise
 from normalgan.rendering.view import View
-from normalgan.rendering.views import Views
 
 __all__ = ["RENDERING_VERSION", "Recipe", "Sample", "draw_ink", "draw_strokes", "no_lines", "sample_rng"]
 
@@ -47,7 +47,7 @@ class Sample:
 
     sketch: NDArray[np.uint8]
     normal: NDArray[np.float16]
-    mask: NDArray[np.bool_]
+    mask: BoolMask
     hints: NDArray[np.float16] | None = None
 
 

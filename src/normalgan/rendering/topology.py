@@ -1,14 +1,13 @@
 """The topology of a mesh, by sparse graphs: its bodies, their winding, its hard edges."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-__all__ = ["Indices", "bodies", "components", "neighbours", "seams"]
+from normalgan.arrays import BoolMask, Indices
 
-Indices = NDArray[np.int64]
+__all__ = ["bodies", "components", "neighbours", "seams"]
 
 
-def neighbours(faces: Indices) -> tuple[Indices, Indices, NDArray[np.bool_]]:
+def neighbours(faces: Indices) -> tuple[Indices, Indices, BoolMask]:
     """Return the pairs of faces that share an edge with each other and with no third face.
 
     Args:
@@ -34,7 +33,7 @@ def _shared_edges(faces: Indices) -> tuple[Indices, Indices, Indices, Indices]:
     return first, second, starts[first], ends[second]
 
 
-def bodies(faces: Indices) -> tuple[Indices, NDArray[np.bool_]]:
+def bodies(faces: Indices) -> tuple[Indices, BoolMask]:
     """Return each face's body (F,), and which faces (F,) to flip for a consistent winding.
 
     Every face stands twice in a graph, as it is and turned over. Neighbours wound alike are joined copy
@@ -55,7 +54,7 @@ def bodies(faces: Indices) -> tuple[Indices, NDArray[np.bool_]]:
     return body, (label[0] != chosen) & (label[1] == chosen)
 
 
-def seams(faces: Indices, soft: NDArray[np.bool_]) -> tuple[Indices, Indices]:
+def seams(faces: Indices, soft: BoolMask) -> tuple[Indices, Indices]:
     """Split vertices whose faces no soft edge connects.
 
     Args:

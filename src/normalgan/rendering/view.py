@@ -1,10 +1,10 @@
 """View: an object, a camera, and the maps at any size that a line style needs."""
 
+from normalgan.rendering.cameras import Camera
 from normalgan.rendering.checks import check_maps
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers.base import Renderer
-from normalgan.rendering.views import Camera
 
 __all__ = ["View"]
 

@@ -11,12 +11,12 @@ from typing import Generic, TypeVar
 import numpy as np
 import torch
 
+from normalgan.contracts import class_name
 from normalgan.errors import InputError, brief
 
 __all__ = [
     "Check",
     "ConformanceError",
-    "class_name",
     "demand",
     "device_list",
     "global_randomness_untouched",
@@ -77,11 +77,6 @@ def demand(fulfilled: object, plugin: object, did: str, asked: str) -> None:
     """
     if not fulfilled:
         raise ConformanceError(f"{class_name(plugin)} {did}; {asked}.")
-
-
-def class_name(plugin: object) -> str:
-    """Return what a plug-in is called: the name of its class."""
-    return type(plugin).__name__
 
 
 @contextmanager

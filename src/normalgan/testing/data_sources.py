@@ -4,11 +4,12 @@ import pickle
 from collections import Counter
 from collections.abc import Iterator
 
+from normalgan.contracts import class_name
 from normalgan.data.recipe import Loadable
 from normalgan.data.sources import DataSource, Pair, PairSource, SplitSettings
 from normalgan.data.splits import SPLITS
 from normalgan.rendering import Mesh
-from normalgan.testing.conformance import Check, class_name, demand
+from normalgan.testing.conformance import Check, demand
 from normalgan.testing.settings import frozen_check, settings_checks
 
 __all__ = ["data_source_checks"]

@@ -6,18 +6,13 @@ from functools import cache
 import numpy as np
 
 from normalgan.animals import Animal
+from normalgan.contracts import class_name
 from normalgan.rendering.lines import LineDrawing
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers import EmbreeRenderer
 from normalgan.rendering.strokes import Stroke, rasterise
 from normalgan.rendering.view import View
-from normalgan.testing.conformance import (
-    Check,
-    class_name,
-    demand,
-    global_randomness_untouched,
-    promised,
-)
+from normalgan.testing.conformance import Check, demand, global_randomness_untouched, promised
 from normalgan.testing.settings import frozen_check, settings_checks
 from normalgan.testing.solids import away, camera
 

@@ -2,17 +2,12 @@
 
 import numpy as np
 
+from normalgan.contracts import class_name
+from normalgan.rendering.cameras import Camera
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers import Renderer
-from normalgan.rendering.views import Camera
-from normalgan.testing.conformance import (
-    Check,
-    class_name,
-    demand,
-    global_randomness_untouched,
-    promised,
-)
+from normalgan.testing.conformance import Check, demand, global_randomness_untouched, promised
 from normalgan.testing.settings import frozen_check, settings_checks
 from normalgan.testing.solids import RADII, away, bowl, camera, degrees, ellipsoid, exact_ellipsoid
 

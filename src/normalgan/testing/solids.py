@@ -8,9 +8,9 @@ from trimesh.creation import icosphere
 
 from normalgan.arrays import Doubles
 from normalgan.normals import angles
+from normalgan.rendering.cameras import Camera, framed, look_at_origin
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
-from normalgan.rendering.views import Camera, framed, look_at_origin
 
 __all__ = ["RADII", "away", "bowl", "camera", "degrees", "ellipsoid", "exact_ellipsoid"]
 

@@ -18,13 +18,13 @@ from normalgan.data.loading.order import ViewIndex
 from normalgan.data.loading.stream import FreshViews, MeshCache, StreamDataset
 from normalgan.data.render import render_samples
 from normalgan.errors import InputError
+from normalgan.rendering.cameras import Camera, Views
 from normalgan.rendering.lines.base import LineDrawing
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.samples import Recipe
 from normalgan.rendering.strokes import Stroke
 from normalgan.rendering.view import View
-from normalgan.rendering.views import Camera, Views
 
 # Torch's loader asks for this; the machine that tests may have one core and warn of two workers.
 pytestmark = pytest.mark.filterwarnings("ignore:This DataLoader will create:UserWarning")

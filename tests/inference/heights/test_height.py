@@ -13,8 +13,8 @@ from normalgan.inference.heights.height import integrate
 from normalgan.inference.heights.height_pyramid import double, halve
 from normalgan.normals import normalize
 from normalgan.rendering import EmbreeRenderer
+from normalgan.rendering.cameras import framed, look_at_origin
 from normalgan.rendering.view import View
-from normalgan.rendering.views import framed, look_at_origin
 
 
 def ellipsoid(size: int, a: float, b: float, c: float) -> tuple[Floats, BoolMask, Floats]:

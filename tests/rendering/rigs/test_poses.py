@@ -9,9 +9,9 @@ from rig_files import RINGS, Gltf, bar, tube, write_glb, write_gltf
 
 from normalgan.arrays import Doubles
 from normalgan.errors import InputError
-from normalgan.rendering.families import family
 from normalgan.rendering.gltf.nodes import world_matrices
 from normalgan.rendering.mesh_files import MeshFile, find_meshes
+from normalgan.rendering.mesh_names import family
 from normalgan.rendering.rigs import RiggedFile, find_poses
 from normalgan.rendering.rigs.joints import SMALL, find_joints
 from normalgan.rendering.rigs.posing import draw_pose, turned

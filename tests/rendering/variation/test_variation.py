@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 from mesh_shapes import MESHES, angles, as_mesh, blob, ellipsoid, needs_meshes, solid, trimesh
 
 from normalgan.errors import InputError
-from normalgan.rendering.families import family
 from normalgan.rendering.mesh import Mesh, MeshSource
 from normalgan.rendering.mesh_files import MeshFile
+from normalgan.rendering.mesh_names import family
 from normalgan.rendering.repair import shade, weld
 from normalgan.rendering.variation import Variation, Varied, vary
 from normalgan.rendering.variation.frame import find_frame

@@ -1,6 +1,5 @@
 """drawings.json: drawings by people, each with a normal map of the object or with its mesh and camera."""
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -8,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from normalgan.arrays import Doubles
-from normalgan.errors import InputError, brief
-from normalgan.files.limits import read_bounded
+from normalgan.errors import InputError
+from normalgan.files.json_files import read_json
 
 __all__ = ["INDEX", "HumanDrawing", "read_drawings"]
 
@@ -50,12 +49,7 @@ def read_drawings(folder: Path) -> tuple[list[HumanDrawing], list[str]]:
     path = folder / INDEX
     if not path.is_file():
         raise InputError(f"--human was given {folder}, which has no {INDEX}; it must be like {_LAYOUT}.")
-    try:
-        content = json.loads(read_bounded(path))
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror or brief(error)}.") from error
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{path} is not JSON: {brief(error)}.") from error
+    content = read_json(path)
     if not isinstance(content, dict):
         raise InputError(f"{path} is not a list of drawings by name; it must be like {_LAYOUT}.")
     drawings, left_out = [], []

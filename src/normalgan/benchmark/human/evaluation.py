@@ -10,6 +10,7 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
+from normalgan.arrays import BoolMask
 from normalgan.batch import Batch
 from normalgan.benchmark.accumulator import Accumulator, Figure, mesh_of
 from normalgan.benchmark.hints import hint_points
@@ -94,7 +95,7 @@ def sample_of(drawing: HumanDrawing) -> Batch:
     }
 
 
-def _box(there: NDArray[np.bool_]) -> NDArray[np.intp]:
+def _box(there: BoolMask) -> NDArray[np.intp]:
     """Return the first row and column of what is there, and those behind the last."""
     rows, columns = np.flatnonzero(there.any(axis=1)), np.flatnonzero(there.any(axis=0))
     return np.array([rows[0], columns[0], rows[-1] + 1, columns[-1] + 1])

@@ -7,10 +7,10 @@ import numpy as np
 
 from normalgan.arrays import Doubles
 from normalgan.errors import InputError
+from normalgan.rendering.cameras import Camera
 from normalgan.rendering.loading import read_triangles
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile, place
-from normalgan.rendering.views import Camera
 
 __all__ = ["CREASE_ANGLE", "PlacedMesh", "camera_of", "read_placed_mesh"]
 

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.arrays import Floats
+from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
 from normalgan.inference.inputs import AnyHints, AnyMask, AnyPicture, as_hints, as_mask, as_picture
 from normalgan.inference.preparation import prepare
@@ -57,7 +57,7 @@ class Pair:
             given = resize(given.astype(np.float32), (height, width)) > 0.5
         if not given.any():
             raise InputError("the normal map holds no object: all its vectors are zero.")
-        self.mask: NDArray[np.bool_] = given
+        self.mask: BoolMask = given
         _check_normals(normal[self.mask])
         self.normal: Floats = np.where(self.mask[..., None], normalize(normal), np.float32(0))
         _check_green(self.normal, self.mask)
@@ -131,7 +131,7 @@ class PairRecipe:
         }
 
 
-def background(levels: NDArray[Any], tolerance: float = 0.02) -> NDArray[np.bool_]:
+def background(levels: NDArray[Any], tolerance: float = 0.02) -> BoolMask:
     """Return what lies around the object of a normal map without a mask, (H, W).
 
     That is what is of the corners' colour and reaches the picture's edge, and all of that colour if it is no
@@ -196,7 +196,7 @@ def _check_normals(on: NDArray[np.floating]) -> None:
         )
 
 
-def _check_hints(hints: Hints, mask: NDArray[np.bool_]) -> None:
+def _check_hints(hints: Hints, mask: BoolMask) -> None:
     """Raise `InputError` if a hint lies off the object, where there is no normal to learn from."""
     columns, rows = np.floor(hints.points).astype(int).T
     off = np.flatnonzero(~mask[rows, columns])
@@ -206,7 +206,7 @@ def _check_hints(hints: Hints, mask: NDArray[np.bool_]) -> None:
         )
 
 
-def _check_green(normal: Floats, mask: NDArray[np.bool_]) -> None:
+def _check_green(normal: Floats, mask: BoolMask) -> None:
     """Raise `InputError` if the vectors along the outline say that y is upside down."""
     x, y = outwardness(normal, mask)
     if looks_flipped(x, y):
@@ -221,7 +221,7 @@ def looks_flipped(x: float, y: float) -> bool:
     return x > 0.4 and y < -0.4
 
 
-def outwardness(normal: Floats, mask: NDArray[np.bool_]) -> tuple[float, float]:
+def outwardness(normal: Floats, mask: BoolMask) -> tuple[float, float]:
     """Return how far vectors along the outline of an object point outward, in x and in y: 1 all, -1 none.
 
     Where a surface turns out of sight it points outward, whatever it is; a picture that the object fills, or

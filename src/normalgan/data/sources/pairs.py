@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from normalgan.arrays import BoolMask
 from normalgan.data.sources.base import DATA_SOURCES, PairSource, SplitSettings
 from normalgan.data.sources.pair import PAIRS_VERSION, Pair, background
 from normalgan.data.splits import SPLITS
@@ -439,7 +440,7 @@ def _listed(path: Path, left_out: list[str]) -> Iterator[PairFiles]:
         )
 
 
-def _object(vectors: NDArray[np.floating], alpha: NDArray[np.floating] | None) -> NDArray[np.bool_]:
+def _object(vectors: NDArray[np.floating], alpha: NDArray[np.floating] | None) -> BoolMask:
     """Return the object of a normal map without a mask: what is opaque, or what is not its background."""
     found = alpha > 0.5 if alpha is not None and float(alpha.min()) <= 0.5 else ~background(vectors)
     found = np.asarray(found & (np.linalg.norm(vectors, axis=-1) > _ZERO))

@@ -33,7 +33,7 @@ class Manifest:
 
     Args:
         recipe: how the samples were made, as `Recipe.describe` tells it.
-        splits: what lies where, by split.
+        splits: the layout of each split, by its name.
     """
 
     recipe: dict[str, Any]

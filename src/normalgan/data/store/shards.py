@@ -12,6 +12,7 @@ import numpy as np
 import zarr
 from numpy.typing import NDArray
 
+from normalgan.arrays import Indices
 from normalgan.data.store.layout import Layout, Shard, array_names, blank, chunk_path, encode, metadata
 from normalgan.data.store.local_cache import LocalCache
 from normalgan.data.store.objects import ObjectStore
@@ -80,7 +81,7 @@ class ShardedSamples:
         return self._make is not None
 
     @cached_property
-    def _served(self) -> NDArray[np.int64]:
+    def _served(self) -> Indices:
         return np.array(
             [i for i, mesh in enumerate(self.layout.meshes) if mesh not in self.left_out], np.int64
         )

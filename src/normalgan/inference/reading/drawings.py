@@ -129,8 +129,8 @@ def read_content(path: Path, content: bytes | None = None) -> bytes:
     """Return what is in the file of a drawing, not decoded yet.
 
     Args:
-        path: its file, or what to call it.
-        content: what is in it, if it was read already.
+        path: the file, or its name in messages.
+        content: the bytes of the file, if they were read already.
 
     Raises:
         InputError: if it is missing, cannot be read, or is larger than any drawing.
@@ -160,8 +160,8 @@ def read_pixels(
     Everything that reads a picture reads it so: it is decoded in a process of its own (`normalgan.decoding`).
 
     Args:
-        path: its file, or what to call it.
-        content: what is in it, if it was read already.
+        path: the file, or its name in messages.
+        content: the bytes of the file, if they were read already.
         svg_side: longer side in pixels that an SVG is drawn with.
         longest: longer side in pixels that a larger picture is reduced to.
         grey: whether only how bright it is on white paper is wanted.

@@ -3,15 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from normalgan.arrays import Doubles
+from normalgan.arrays import Doubles, Indices
 from normalgan.rendering.gltf.container import Container, bad_gltf
 
-__all__ = ["Indices", "Nodes", "local_matrices", "read_nodes", "shown_nodes", "world_matrices"]
-
-Indices = NDArray[np.int64]
+__all__ = ["Nodes", "local_matrices", "read_nodes", "shown_nodes", "world_matrices"]
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from normalgan.arrays import Doubles
+from normalgan.arrays import Doubles, Indices
 from normalgan.errors import InputError
 from normalgan.rendering.gltf.accessors import read_accessor
 from normalgan.rendering.gltf.container import Container, bad_gltf, read_container
-from normalgan.rendering.gltf.nodes import Indices, read_nodes, shown_nodes, world_matrices
+from normalgan.rendering.gltf.nodes import read_nodes, shown_nodes, world_matrices
 
 __all__ = ["MODES", "not_gltf", "read_faces", "read_surfaces"]
 

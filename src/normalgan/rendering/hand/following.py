@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.arrays import Floats
+from normalgan.arrays import BoolMask, Floats
 from normalgan.rendering.hand.distortion import Distortion
 from normalgan.rendering.maps import Maps
 
@@ -58,13 +58,13 @@ def _sample(maps: Maps, x: Floats, y: Floats, at: Indices) -> tuple[Floats, Floa
     return normal, depth
 
 
-def _one_surface(maps: Maps) -> NDArray[np.bool_]:
+def _one_surface(maps: Maps) -> BoolMask:
     """Return where a pixel and those to its right, below and between are of one surface, (H, W)."""
     square, corner = np.ones((2, 2), np.uint8), (0, 0)
     spread = cv2.dilate(maps.normal, square, anchor=corner) - cv2.erode(maps.normal, square, anchor=corner)
     alike = cv2.inRange(spread, (-1.0,) * 3, (_ALIKE,) * 3)
     whole = cv2.erode(maps.mask.astype(np.uint8), square, anchor=corner)
-    one: NDArray[np.bool_] = (alike > 0) & (whole > 0)
+    one: BoolMask = (alike > 0) & (whole > 0)
     return one
 
 

@@ -4,9 +4,8 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
-from normalgan.arrays import Doubles
+from normalgan.arrays import BoolMask, Doubles
 from normalgan.rendering.lines.sight import Sight, sight
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.view import View
@@ -57,7 +56,7 @@ class Buffers:
         return placed
 
 
-def _object_window(mask: NDArray[np.bool_]) -> tuple[slice, slice] | None:
+def _object_window(mask: BoolMask) -> tuple[slice, slice] | None:
     """Return the rows and columns of the object and a margin: an animal fills a fraction of its frame."""
     window = []
     for axis in (1, 0):

@@ -6,8 +6,8 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.arrays import Doubles, Floats
-from normalgan.rendering.strokes.chain import Indices, chain
+from normalgan.arrays import BoolMask, Doubles, Floats, Indices
+from normalgan.rendering.strokes.chain import chain
 from normalgan.rendering.topology import components
 
 __all__ = ["PAIRS", "Crossed", "Crossings", "Index", "Line", "Pair", "crossings", "places"]
@@ -22,7 +22,7 @@ PAIRS: tuple[Pair, Pair] = (
 """Each pixel and its right neighbour, each pixel and the one below it."""
 
 
-Crossed = tuple[Index, Index, Doubles, Floats, NDArray[np.bool_]]
+Crossed = tuple[Index, Index, Doubles, Floats, BoolMask]
 """Marked pairs along one axis: row and column of the first pixel; how far from its centre to the second's,
 from 0 to 1, the line passes; how strong it is; whether it belongs to the second pixel."""
 
@@ -106,20 +106,18 @@ class Crossings:
         return np.concatenate(points), np.concatenate(links)
 
 
-def _groups(
-    points: Doubles, strength: Floats, group: Indices, seed: float, shortest: float
-) -> NDArray[np.bool_]:
+def _groups(points: Doubles, strength: Floats, group: Indices, seed: float, shortest: float) -> BoolMask:
     """Return which connected groups of points (N,) are strong and long enough for a line."""
     count = int(group.max()) + 1 if len(group) else 0
     strongest, low, high = np.full(count, -np.inf), np.full((count, 2), np.inf), np.full((count, 2), -np.inf)
     np.maximum.at(strongest, group, strength)
     np.minimum.at(low, group, points)
     np.maximum.at(high, group, points)
-    kept: NDArray[np.bool_] = (strongest > seed) & ((high - low).max(axis=1) >= shortest)
+    kept: BoolMask = (strongest > seed) & ((high - low).max(axis=1) >= shortest)
     return kept
 
 
-def places(marked: NDArray[np.bool_]) -> tuple[Index, Index]:
+def places(marked: BoolMask) -> tuple[Index, Index]:
     """Return rows and columns of the marked pixels (H, W), as `numpy.nonzero` does, but faster for few."""
     rows, columns = np.divmod(np.flatnonzero(marked), marked.shape[1])
     return rows, columns

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.arrays import Floats
+from normalgan.arrays import BoolMask, Floats
 from normalgan.rendering.lines.crossings import PAIRS, Crossed, Crossings, crossings, places
 from normalgan.rendering.lines.sight import Sight
 from normalgan.rendering.maps import Maps
@@ -85,7 +85,7 @@ def _foretold(maps: Maps, sight: Sight, pixel: Index, axis: int) -> Floats:
     return slope
 
 
-def _outdone(falls: Floats, first: Index, depth: Floats, axis: int) -> NDArray[np.bool_]:
+def _outdone(falls: Floats, first: Index, depth: Floats, axis: int) -> BoolMask:
     """Return which jumps may be only the start or end of a much larger one beside them in their row.
 
     Args:
@@ -100,7 +100,7 @@ def _outdone(falls: Floats, first: Index, depth: Floats, axis: int) -> NDArray[n
     there[first + pad] = falls
     sign = np.sign(falls)
     beside = [there[first + pad + k * stride] * sign for k in (-1, 1)]
-    outdone: NDArray[np.bool_] = np.max(beside, axis=0) > _MUCH * np.abs(falls)
+    outdone: BoolMask = np.max(beside, axis=0) > _MUCH * np.abs(falls)
     return outdone
 
 
@@ -121,11 +121,11 @@ def creases(maps: Maps, angle: float) -> Crossings:
     return crossings((pairs[0], pairs[1]), maps.mask.shape[1])
 
 
-def _lowest(values: Floats, axis: int) -> NDArray[np.bool_]:
+def _lowest(values: Floats, axis: int) -> BoolMask:
     """Return which values (H, W) are below the previous and not above the next one, along an axis."""
     padding = [(1, 1) if k == axis else (0, 0) for k in (0, 1)]
     padded = np.pad(values, padding, constant_values=np.inf)
     length = values.shape[axis]
     before, after = (padded.take(np.arange(k, k + length), axis) for k in (0, 2))
-    lowest: NDArray[np.bool_] = (values < before) & (values <= after)
+    lowest: BoolMask = (values < before) & (values <= after)
     return lowest

@@ -3,7 +3,7 @@
 import numpy as np
 
 from normalgan.arrays import Doubles
-from normalgan.rendering.views import Camera
+from normalgan.rendering.cameras import Camera
 
 __all__ = ["project", "towards_eye"]
 
@@ -13,7 +13,7 @@ def project(camera: Camera, points: Doubles, size: int) -> tuple[Doubles, Double
 
     Right and down in pixels as in `Stroke`; depth as in `Maps`. All points must lie before the eye.
 
-    >>> from normalgan.rendering.views import framed, look_at_origin
+    >>> from normalgan.rendering.cameras import framed, look_at_origin
     >>> camera = framed(np.eye(3), look_at_origin(0, 0, 0), None, 0.0)
     >>> project(camera, np.eye(3), 10)[0].round(6) + 0.0
     array([[10., 10.],

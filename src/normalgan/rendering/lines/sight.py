@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from normalgan.arrays import Floats
+from normalgan.rendering.cameras import Camera
 from normalgan.rendering.maps import Maps
-from normalgan.rendering.views import Camera
 
 __all__ = ["Sight", "sight"]
 

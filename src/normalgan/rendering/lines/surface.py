@@ -4,15 +4,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
-from normalgan.arrays import Doubles
+from normalgan.arrays import Doubles, Indices
 from normalgan.rendering.mesh import Mesh
 
-__all__ = ["Indices", "Operator", "Surface"]
-
-Indices = NDArray[np.int64]
+__all__ = ["Operator", "Surface"]
 Operator = Any  # a sparse matrix; SciPy's types for it are not generic over what one multiplies it by
 
 
@@ -26,9 +23,9 @@ class Surface:
         normals: (V, 3) unit vectors.
         edges: (E, 2) vertex indices, each edge once.
         sides: (F, 3) the edges of each face.
-        gradient: three (V, V) matrices that take values at the vertices to the x, y and z of their slope,
-            the mean of that of the faces around by area.
-        average: (V, V) matrix that takes values to half themselves and half the mean of their neighbours.
+        gradient: three (V, V) matrices that turn values at the vertices into the x, y and z of their slope:
+            the area-weighted mean over the faces around each vertex.
+        average: (V, V) matrix that replaces each value by half of itself and half of its neighbours' mean.
         spacing: mean length of an edge.
     """
 

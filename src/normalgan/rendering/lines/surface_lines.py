@@ -4,18 +4,15 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from normalgan.arrays import BoolMask, Doubles
+from normalgan.arrays import BoolMask, Doubles, Indices
 from normalgan.rendering.lines.buffers import Buffers
 from normalgan.rendering.lines.projection import project
 from normalgan.rendering.lines.surface import Surface
 from normalgan.rendering.strokes.chain import chain
 from normalgan.rendering.view import View
 
-__all__ = ["EdgeMarks", "Indices", "paths", "seen", "zero_marks"]
-
-Indices = NDArray[np.int64]
+__all__ = ["EdgeMarks", "paths", "seen", "zero_marks"]
 
 _DEEPER = 0.004  # in units of the mesh: how far behind the depth buffer rounding and facets put a point
 

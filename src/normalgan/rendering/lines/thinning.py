@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.arrays import BoolMask, Doubles
-from normalgan.rendering.strokes.chain import Indices, chain
+from normalgan.arrays import BoolMask, Doubles, Indices
+from normalgan.rendering.strokes.chain import chain
 
 __all__ = ["thin", "without_specks"]
 

@@ -3,9 +3,9 @@
 from abc import ABC, abstractmethod
 
 from normalgan.registry import Registry
+from normalgan.rendering.cameras import Camera
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
-from normalgan.rendering.views import Camera
 
 __all__ = ["RENDERERS", "Renderer"]
 

@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import Doubles
+from normalgan.rendering.cameras import Camera
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers.base import RENDERERS, Renderer
-from normalgan.rendering.views import Camera
 
 __all__ = ["CANCELLED", "EmbreeRenderer"]
 

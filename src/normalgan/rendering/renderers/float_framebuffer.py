@@ -4,10 +4,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from normalgan.arrays import Doubles, Floats
+from normalgan.rendering.cameras import Camera
 from normalgan.rendering.mesh import Mesh
-from normalgan.rendering.views import Camera
 
 __all__ = ["FloatContext", "FloatFramebuffer"]
 
@@ -34,7 +34,7 @@ class FloatFramebuffer:
     # costs as much as drawing.
     _kept: dict[tuple[int, int], tuple[Any, Any, Any]]
 
-    def _get_camera_matrices(self, scene: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _get_camera_matrices(self, scene: Any) -> tuple[Doubles, Doubles]:
         return self.camera.view_matrix(), self.camera.projection_matrix()
 
     def _configure_main_framebuffer(self) -> None:
@@ -70,7 +70,7 @@ class FloatFramebuffer:
         self._main_fb = self._main_fb_ms = self._main_cb = self._main_db = None
         self._main_fb_dims = (None, None)
 
-    def _read_main_framebuffer(self, scene: Any, flags: int) -> NDArray[np.float32]:
+    def _read_main_framebuffer(self, scene: Any, flags: int) -> Floats:
         """Return (H, W, 4): the shader's output, row 0 on top."""
         from OpenGL import GL
 
@@ -101,7 +101,7 @@ class FloatContext:
         self._flags = pyrender.RenderFlags.FLAT | pyrender.RenderFlags.SKIP_CULL_FACES
         self._last: tuple[Mesh, Any] | None = None
 
-    def draw(self, mesh: Mesh, camera: Camera, size: int) -> NDArray[np.float32]:
+    def draw(self, mesh: Mesh, camera: Camera, size: int) -> Floats:
         """Return (``size``, ``size``, 4): the normal in camera space and the depth; 0 off the object."""
         if self._last is None or self._last[0] is not mesh:
             if self._last is not None:
@@ -109,7 +109,7 @@ class FloatContext:
             self._last = (mesh, self._scene.add(_uploadable(mesh)))
         self._passes.camera = camera
         self._offscreen.viewport_width = self._offscreen.viewport_height = size
-        pixels: NDArray[np.float32] = self._offscreen.render(self._scene, flags=self._flags)
+        pixels: Floats = self._offscreen.render(self._scene, flags=self._flags)
         return pixels
 
 

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from normalgan.errors import InputError, brief
+from normalgan.rendering.cameras import Camera
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers.base import RENDERERS, Renderer
-from normalgan.rendering.views import Camera
 
 if TYPE_CHECKING:
     from normalgan.rendering.renderers.float_framebuffer import FloatContext

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
-from normalgan.arrays import Doubles
+from normalgan.arrays import Doubles, Indices
 from normalgan.errors import InputError, did_you_mean
-from normalgan.rendering.gltf.nodes import Indices, world_matrices
+from normalgan.rendering.gltf.nodes import world_matrices
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile, finish
 from normalgan.rendering.rigs.animations import pose_at

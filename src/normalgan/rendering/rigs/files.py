@@ -10,10 +10,10 @@ import numpy as np
 
 from normalgan.errors import InputError
 from normalgan.ranges import Count, Share, check_ranges
-from normalgan.rendering.families import pose_name
 from normalgan.rendering.gltf.container import bad_gltf, has_skin
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile, finish
+from normalgan.rendering.mesh_names import pose_name
 from normalgan.seeds import rng_of
 
 __all__ = ["POSTURES_VERSION", "RIG_VERSION", "RiggedFile", "find_poses"]

@@ -6,8 +6,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from normalgan.arrays import BoolMask, Doubles
-from normalgan.rendering.gltf.nodes import Indices, world_matrices
+from normalgan.arrays import BoolMask, Doubles, Indices
+from normalgan.rendering.gltf.nodes import world_matrices
 from normalgan.rendering.rigs.animations import track_at
 from normalgan.rendering.rigs.rig import Rig
 from normalgan.rendering.rigs.skinning import posed_vertices

@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
-from normalgan.arrays import Doubles
+from normalgan.arrays import Doubles, Indices
 from normalgan.errors import InputError
 from normalgan.rendering.gltf.accessors import read_accessor
 from normalgan.rendering.gltf.container import Container, bad_gltf, read_container
-from normalgan.rendering.gltf.nodes import Indices, Nodes, read_nodes, shown_nodes
+from normalgan.rendering.gltf.nodes import Nodes, read_nodes, shown_nodes
 from normalgan.rendering.gltf.surfaces import MODES, not_gltf, read_faces
 from normalgan.rendering.mesh_limits import check_limits
 from normalgan.rendering.rigs.animations import read_clips

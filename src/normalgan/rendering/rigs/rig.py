@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from normalgan.arrays import Doubles
-from normalgan.rendering.gltf.nodes import Indices, Nodes
+from normalgan.arrays import Doubles, Indices
+from normalgan.rendering.gltf.nodes import Nodes
 
 __all__ = ["Clip", "Piece", "Rig", "Skin", "Track"]
 

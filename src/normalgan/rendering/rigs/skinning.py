@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from normalgan.arrays import Doubles
-from normalgan.rendering.gltf.nodes import Indices
+from normalgan.arrays import Doubles, Indices
 from normalgan.rendering.rigs.rig import Piece, Rig
 
 __all__ = ["posed_surface", "posed_vertices"]

@@ -3,13 +3,10 @@
 from collections import defaultdict
 
 import numpy as np
-from numpy.typing import NDArray
 
-from normalgan.arrays import Doubles
+from normalgan.arrays import Doubles, Indices
 
-__all__ = ["End", "Indices", "Neighbours", "Piece", "chain"]
-
-Indices = NDArray[np.int64]
+__all__ = ["End", "Neighbours", "Piece", "chain"]
 Piece = list[int]
 Neighbours = tuple[list[int], list[int]]
 End = tuple[int, int]  # a piece and which of its ends: 0 or -1

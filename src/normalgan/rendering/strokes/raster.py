@@ -4,10 +4,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from normalgan.arrays import Doubles, Floats
-from normalgan.rendering.strokes.chain import Indices
+from normalgan.arrays import BoolMask, Doubles, Floats, Indices
 from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["rasterise"]
@@ -61,7 +59,7 @@ class _Segments:
     reach: Doubles
     side: Indices
 
-    def of(self, chosen: NDArray[np.bool_] | Indices) -> "_Segments":
+    def of(self, chosen: BoolMask | Indices) -> "_Segments":
         return _Segments(*(part[chosen] for part in vars(self).values()))
 
     def batches(self) -> Iterator["_Segments"]:

@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.arrays import Doubles
+from normalgan.arrays import Doubles, Indices
 from normalgan.rendering.variation.bending import Deformation, Deformed, bend, scale, taper, together, twist
 from normalgan.rendering.variation.draws import PARTS, VariationDraws
 from normalgan.rendering.variation.lattice import free_form
@@ -42,7 +42,7 @@ class Object:
         self.trunk = Middle.of(points, areas, float(np.mean(PART_WIDTH)))
         self._cumulated = np.cumsum(areas) / areas.sum()
 
-    def vertices_at(self, shares: Doubles) -> NDArray[np.int64]:
+    def vertices_at(self, shares: Doubles) -> Indices:
         """Return the vertices that lie at shares of the surface, counted through from 0 to 1."""
         return np.searchsorted(self._cumulated, shares).clip(0, len(self.points) - 1)
 

@@ -5,8 +5,8 @@ import json
 from dataclasses import asdict, dataclass, replace
 
 from normalgan.ranges import Count, check_ranges
-from normalgan.rendering.families import variation_name
 from normalgan.rendering.mesh import Mesh, MeshSource
+from normalgan.rendering.mesh_names import variation_name
 from normalgan.rendering.variation.variation import Variation
 from normalgan.rendering.variation.vary import vary
 from normalgan.seeds import rng_of

@@ -8,7 +8,7 @@ from jsonargparse import auto_cli
 from mesh_shapes import blob, camera_at, ellipsoid
 
 from normalgan.errors import InputError
-from normalgan.rendering.views import Camera, Views, framed, look_at_origin
+from normalgan.rendering.cameras import Camera, Views, framed, look_at_origin
 
 Axis = tuple[int, int, int]
 

@@ -7,7 +7,7 @@ from scipy import ndimage
 from torch import Tensor
 
 from normalgan.hints import curvature_map
-from normalgan.hints.divergence import Estimator
+from normalgan.hints.normal_curvature import Estimator
 
 
 def slope(nx: float = 0.0, ny: float = 0.0) -> list[float]:

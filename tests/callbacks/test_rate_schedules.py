@@ -6,8 +6,8 @@ from lightning.pytorch import Callback, LightningModule, Trainer
 from torch.optim.lr_scheduler import ConstantLR
 
 from normalgan.batch import Batch
-from normalgan.callbacks import WallClockSchedule, wall_clock
-from normalgan.callbacks.wall_clock import cosine_factor
+from normalgan.callbacks import StableSchedule, WallClockSchedule, rate_schedules
+from normalgan.callbacks.rate_schedules import cosine_factor
 from normalgan.errors import InputError
 from small import QUIET, data, gan, trainer
 
@@ -31,7 +31,7 @@ class Clock(Callback):
 @pytest.fixture(name="clock")
 def make_clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     clock = Clock()
-    monkeypatch.setattr(wall_clock, "monotonic", lambda: clock.now)
+    monkeypatch.setattr(rate_schedules, "monotonic", lambda: clock.now)
     return clock
 
 
@@ -77,17 +77,53 @@ def test_a_resumed_run_has_what_is_left(meshes: Path, cache: Path, tmp_path: Pat
 
 def test_a_second_schedule_is_refused(meshes: Path, cache: Path, tmp_path: Path) -> None:
     model = gan(lr_scheduler=ConstantLR)
-    with pytest.raises(InputError, match=r"sets the learning rates itself; give model\.lr_scheduler null"):
+    with pytest.raises(InputError, match=r"sets the learning rates itself; set model\.lr_scheduler to null"):
         trainer(tmp_path, callbacks=[WallClockSchedule(10)]).fit(model, data(meshes, cache))
 
 
-@pytest.mark.parametrize("seconds", [0, -1, float("inf"), float("nan")])
-def test_a_budget_is_a_time(seconds: float) -> None:
-    with pytest.raises(InputError, match=r"seconds of WallClockSchedule is .*; it must be more than 0"):
-        WallClockSchedule(seconds)
+def factors(clock: Clock) -> list[float]:
+    """Return what the generator's learning rate was multiplied by in each batch."""
+    return [rates[0] / 5e-5 for rates in clock.rates]
 
 
-@pytest.mark.parametrize("warmup", [-0.1, 1.0])
-def test_warming_up_is_a_share(warmup: float) -> None:
-    with pytest.raises(InputError, match="it must be from 0 to below 1"):
-        WallClockSchedule(10, warmup)
+def test_a_resumed_run_stays_at_the_rate_and_a_cool_down_branches_off(
+    meshes: Path, cache: Path, tmp_path: Path
+) -> None:
+    stable = tmp_path / "stable.ckpt"
+    rates = Clock()
+    run = trainer(tmp_path, max_epochs=2, callbacks=[rates, StableSchedule(warmup=4)])
+    run.fit(gan(), data(meshes, cache))  # three batches an epoch
+    run.save_checkpoint(stable)
+    assert factors(rates) == pytest.approx([0.25, 0.5, 0.75, 1, 1, 1])
+
+    resumed = Clock()
+    run = trainer(tmp_path, max_epochs=3, callbacks=[resumed, StableSchedule(warmup=4)])
+    run.fit(gan(), data(meshes, cache), ckpt_path=stable)
+    assert factors(resumed) == pytest.approx([1, 1, 1])
+
+    cooled, halfway = Clock(), tmp_path / "halfway.ckpt"
+    run = trainer(tmp_path, max_epochs=3, callbacks=[cooled, StableSchedule(warmup=4, cooldown=4)])
+    run.fit(gan(), data(meshes, cache), ckpt_path=stable)
+    run.save_checkpoint(halfway)
+    assert factors(cooled) == pytest.approx([1, 0.5, 1 - 0.5**0.5])
+
+    rest = Clock()
+    run = trainer(tmp_path, max_epochs=-1, callbacks=[rest, StableSchedule(warmup=4, cooldown=4)])
+    run.fit(gan(), data(meshes, cache), ckpt_path=halfway)
+    assert factors(rest) == pytest.approx([1 - 0.75**0.5])
+
+
+@pytest.mark.parametrize(
+    ("schedule", "settings", "message"),
+    [
+        (WallClockSchedule, {"seconds": 0}, "seconds of WallClockSchedule is 0; it must be more than 0"),
+        (WallClockSchedule, {"seconds": 10, "warmup": 1.0}, "it must be from 0 to below 1"),
+        (StableSchedule, {"warmup": -1}, "warmup of StableSchedule is -1"),
+        (StableSchedule, {"cooldown": 0}, "cooldown of StableSchedule is 0"),
+    ],
+)
+def test_bad_numbers_are_refused(
+    schedule: type[WallClockSchedule | StableSchedule], settings: dict[str, float], message: str
+) -> None:
+    with pytest.raises(InputError, match=message):
+        schedule(**settings)  # type: ignore[arg-type]
