@@ -1,6 +1,12 @@
 """The reader's network: a U-Net with a trunk that sees all of the page, small enough for a core."""
 
+from collections.abc import Iterator
+from itertools import chain
+from pathlib import Path
+
+import onnx
 import torch
+from onnx import numpy_helper
 from torch import Tensor, nn
 from torch.nn import functional
 
@@ -101,3 +107,67 @@ class Reader(nn.Module):
         )
         gate = functional.interpolate(self.gate(x), scale_factor=float(FOLD), mode="nearest")
         return torch.cat([self.last(torch.cat([self.unfold(x), fine * (1 + gate)], 1)), ways], 1)
+
+    def load_onnx(self, path: Path) -> None:
+        """Take the weights of an exported reader; its export has put normalisations into convolutions."""
+        stored = {i.name: torch.tensor(numpy_helper.to_array(i)) for i in onnx.load(path).graph.initializer}
+        state = self.state_dict()
+        self.load_state_dict({k: stored.get(k, v) for k, v in state.items()})
+        rest = [stored[name] for name in stored if name not in state]
+        pairs = list(self._normalised())
+        if len(rest) != 2 * len(pairs):
+            raise ValueError(f"{path} holds {len(rest) // 2} convolutions, but this network {len(pairs)}.")
+        with torch.no_grad():
+            for (conv, norm), weight, bias in zip(pairs, rest[::2], rest[1::2], strict=True):
+                conv.weight.copy_(weight)
+                norm.bias.copy_(bias)
+                norm.running_var.fill_(1 - norm.eps)
+
+    def merge(self) -> None:
+        """Put normalisations into the convolutions before them, as an export does."""
+        with torch.no_grad():
+            for conv, norm in self._normalised():
+                scale = norm.weight / (norm.running_var + norm.eps).sqrt()
+                conv.weight.mul_(scale[:, None, None, None])
+                norm.bias.sub_(norm.running_mean * scale)
+                norm.running_mean.zero_()
+                norm.running_var.fill_(1 - norm.eps)
+                norm.weight.fill_(1)
+
+    def settle(self, pictures: list[Tensor]) -> None:
+        """Give normalisations the mean and variance of pictures; what the network returns stays the same."""
+        sums: dict[nn.Module, list[Tensor]] = {}
+        pairs = list(self._normalised())
+        hooks = [
+            norm.register_forward_pre_hook(
+                lambda module, given: sums.setdefault(module, []).append(
+                    torch.stack([given[0].mean((0, 2, 3)), given[0].square().mean((0, 2, 3))])
+                )
+            )
+            for _, norm in pairs
+        ]
+        self.eval()
+        with torch.no_grad():
+            for each in pictures:
+                self(each)
+            for _, norm in pairs:
+                mean, square = torch.stack(sums[norm]).mean(0)
+                spread = (square - mean**2).clamp(min=0)
+                norm.running_mean.copy_(mean)
+                norm.running_var.copy_(spread)
+                norm.weight.copy_((spread + norm.eps).sqrt())
+                norm.bias.add_(mean)
+        for hook in hooks:
+            hook.remove()
+        self.train()
+
+    def _normalised(self) -> Iterator[tuple[nn.Conv2d, nn.BatchNorm2d]]:
+        """Yield each convolution with its normalisation, in the order in which they run."""
+        for part in [
+            self.stem,
+            self.fold,
+            *chain(*zip(self.enter, self.down, strict=True)),
+            *reversed(self.up),
+        ]:
+            layers = [each for each in part.modules() if isinstance(each, nn.Conv2d | nn.BatchNorm2d)]
+            yield from zip(layers[::2], layers[1::2], strict=True)

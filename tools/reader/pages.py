@@ -24,7 +24,11 @@ KINDS = (
     "inverted",
     "several",
     "tiny",
+    "child",
+    "framed",
+    "strokes",
 )
+SHARES = (0.13, 0.14, 0.07, 0.08, 0.09, 0.08, 0.05, 0.03, 0.05, 0.08, 0.04, 0.1, 0.04, 0.02)
 
 
 @dataclass
@@ -52,7 +56,7 @@ class Page:
 
 def page(rng: Rng, shapes: list[Shape], size: tuple[int, int], kind: str | None = None) -> Page:
     """Return a page of (H, W) pixels."""
-    kind = kind or str(rng.choice(KINDS, p=[0.18, 0.17, 0.1, 0.1, 0.08, 0.07, 0.06, 0.03, 0.07, 0.09, 0.05]))
+    kind = kind or str(rng.choice(KINDS, p=SHARES))
     return _Writer(rng, shapes, size, kind).write()
 
 
@@ -93,12 +97,16 @@ class _Writer:
             "inverted": 0.3,
             "several": 0.35,
             "tiny": 0.3,
+            "child": 0.4,
+            "strokes": 0.0,
         }.get(kind, 0.25)
         if self.chance(0.3) and kind != "gaps":
             self.damage = 0.0
         self._ground()
         boxes = self._boxes()
         style = _Style(rng, self)
+        if kind == "framed" or (kind in ("several", "coloured") and self.chance(0.1)):
+            boxes = self._frame(boxes, style)
         for box in boxes:
             self._draw(box, style)
         if kind != "clean" and self.chance(0.16):
@@ -166,7 +174,7 @@ class _Writer:
             span = self.long * rng.uniform(0.6, 0.95)
         room = (np.array([w, h]) - span) / 2
         off = rng.uniform(-1, 1, 2) * np.maximum(room, 0)
-        if self.chance(0.08) and kind != "clean":  # cut at the border
+        if self.chance(0.12) and kind not in ("clean", "framed"):  # cut at the border
             off = rng.uniform(-0.4, 0.4, 2) * np.array([w, h])
         return [(w / 2 + off[0], h / 2 + off[1], span)]
 
@@ -174,26 +182,30 @@ class _Writer:
     def _draw(self, box, style: "_Style") -> None:  # noqa: PLR0912, PLR0915 - one choice after the other
         rng = self.rng
         cx, cy, span = box
-        shape = (
-            doodle(rng)
-            if not self.shapes or self.chance(0.3)
-            else self.shapes[rng.integers(len(self.shapes))]
-        )
+        if self.kind in ("child", "strokes") and (self.kind == "strokes" or self.chance(0.75)):
+            shape = doodle(rng, self.kind)
+        elif not self.shapes or self.chance(0.3):
+            shape = doodle(rng)
+        else:
+            shape = self.shapes[rng.integers(len(self.shapes))]
         move = self._placement(shape, cx, cy, span)
         contours = [_moved(move, group) for group in shape.contours]
         mask = self._filled(contours)
-        if mask.max() < 0.5:
+        if mask.max(initial=0) < 0.5 and not shape.bare:
             return
         span = max(span, 8)
         strokes = [(s, k < shape.outlines) for k, s in enumerate(_moved(move, shape.strokes))]
         if self.chance(0.35):
             strokes += [(spot, False) for spot in self._spots(mask, span)]
+        if style.double and span > 60:
+            strokes += [(line, True) for line in self._within(mask, style.double * style.width(span))]
         bare = _moved(move, shape.bare)
         if shape.normal is not None and not bare and self.chance(0.06):
             bare = self._whiskers(contours, span)
         over = 1.0
         painted, _colours = None, None
-        if self.rng.random() < self.coloured:
+        solid = bool(mask.max(initial=0) > 0.5)
+        if solid and self.rng.random() < self.coloured:
             painted = self._painted(shape, mask, move, strokes, style)
         outline_drawn = painted is None or self.chance(0.8)
         lines = self._hand(strokes, span, style)
@@ -202,6 +214,7 @@ class _Writer:
         ink = self._strokes(lines, width, style) if outline_drawn else np.zeros_like(mask)
         whisker = self._strokes(loose, width, style) if loose else np.zeros_like(mask)
         drawn = np.maximum(ink, whisker)
+        pale = self._strokes([*lines, *loose], 0.5 * width, style) * style.pale if style.pale else 0.0
         # what is painted lies below the lines
         if painted is not None:
             self.page = self.page * (1 - mask[..., None]) + painted * mask[..., None]
@@ -210,9 +223,9 @@ class _Writer:
             cover = mask * (1 - self.see_through)
             self.page = self.page * (1 - cover[..., None]) + paper * cover[..., None]
         black = None
-        if painted is None and style.blacks and self.chance(0.5):
+        if solid and painted is None and style.blacks and self.chance(0.5):
             black = self._blacks(mask, drawn, style)
-        if style.hatched and painted is None:
+        if solid and style.hatched and painted is None:
             hatching = self._hatching(shape, mask, move, style)
             drawn = np.maximum(drawn, hatching)
             self.ink_weight[hatching > 0.2] = 0.3
@@ -229,7 +242,7 @@ class _Writer:
                 )
             target = edge
         else:
-            shade = drawn[..., None] * style.darkness
+            shade = (drawn * (1 - pale))[..., None] * style.darkness
             self.page = self.page * (1 - shade) + colour * shade
             target = drawn
         if not outline_drawn or (painted is not None and style.outline_target):
@@ -250,7 +263,7 @@ class _Writer:
             self.middle[1][inside] = (my - ys) / self.long
         self.presence = np.maximum(self.presence, present)
         self._weigh(contours, mask, thin, drawn)
-        if style.construction and painted is None:
+        if solid and style.construction and painted is None:
             self._construction(contours, span, style)
         if not outline_drawn or over < 1:
             pass
@@ -314,6 +327,46 @@ class _Writer:
                 (start + way * length * t + rng.normal(0, 0.1, 2) * length * t**2).astype(np.float32)
             )
         return found
+
+    def _within(self, mask, away) -> list[Points]:
+        """Return a second outline, inside the first one."""
+        depth = cv2.distanceTransform(np.pad((mask > 0.5).astype(np.uint8), 1), cv2.DIST_L2, 5)[1:-1, 1:-1]
+        inner = (depth > away).astype(np.uint8)
+        found, _ = cv2.findContours(inner, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
+        return [np.concatenate([c[:, 0], c[:1, 0]]).astype(np.float32) + 0.5 for c in found if len(c) > 20]
+
+    def _frame(self, boxes, style):
+        """Draw a frame about all objects, and return where these lie within it."""
+        rng, h, w = self.rng, self.h, self.w
+        edge = rng.uniform(0.015, 0.12) * self.long
+        canvas = np.zeros((h, w), np.uint8)
+        thick = int(rng.choice([1, 1, 2, 3, 5, 8]))
+        for k in range(int(rng.choice([1, 1, 2]))):
+            away = edge - k * rng.uniform(0.01, 0.03) * self.long
+            if away < 1:
+                break
+            corners = np.array([[away, away], [w - away, away], [w - away, h - away], [away, h - away]])
+            path = _even(
+                (closed := np.concatenate([corners, corners[:1]])),
+                np.linalg.norm(np.diff(closed, axis=0), axis=1), 120,
+            )  # fmt: skip
+            if self.chance(0.4):
+                path = path + _noise(rng, 120, 3) * rng.uniform(0.2, 3)
+            if self.chance(0.2):  # an oval
+                t = np.linspace(0, 2 * np.pi, 120)
+                path = np.stack([w / 2 + (w / 2 - away) * np.cos(t), h / 2 + (h / 2 - away) * np.sin(t)], 1)
+            cv2.polylines(canvas, [np.rint(path * 16).astype(np.int32)], False, 255, thick, cv2.LINE_AA, 4)
+        if self.chance(0.12):  # panels, as of a comic or a sheet of cards
+            x = round(rng.uniform(0.3, 0.7) * w)
+            cv2.line(canvas, (x, int(edge)), (x, int(h - edge)), 255, thick, cv2.LINE_AA)
+        dark = canvas[..., None].astype(np.float32) / 255
+        self.page = self.page * (1 - dark) + np.float32(style.pen) * dark
+        self.ink_weight[canvas > 0] = 0.5
+        room = 1 - 2.3 * (edge + thick) / min(h, w)
+        return [
+            (w / 2 + (x - w / 2) * room, h / 2 + (y - h / 2) * room, max(s * room * 0.93, 8))
+            for x, y, s in boxes
+        ]
 
     def _spots(self, mask, span) -> list[Points]:
         """Return small closed lines inside an object: eyes, buttons, spots, windows."""
@@ -628,7 +681,7 @@ class _Writer:
         self.page[:] = np.clip(tint if self.chance(0.7) else 255, 120, 255)
         if self.chance(0.5):
             self.page += (_clouds(rng, h, w, rng.uniform(1, 40)) * rng.uniform(1, 6))[..., None]
-        if kind == "ruled" or (kind == "photo" and self.chance(0.25)):
+        if kind == "ruled" or (kind in ("photo", "child") and self.chance(0.2)):
             self._rules()
         if self.chance(0.15) or (kind == "photo" and self.chance(0.4)):
             self._crumple()
@@ -639,25 +692,26 @@ class _Writer:
         canvas = np.zeros((self.h, self.w), np.uint8)
         lean = rng.normal(0, 0.02) if self.chance(0.5) else 0
         thick = 1 if self.long < 500 and self.chance(0.75) else 2
-        squared = self.chance(0.45)
+        squared = self.chance(0.5)
         start = rng.uniform(0, step)
-        for y in np.arange(start - self.h * 0.2, self.h * 1.2, step):
+        weak = int(rng.integers(60, 200)) if squared and self.chance(0.25) else 255  # but every fifth
+        for k, y in enumerate(np.arange(start - self.h * 0.2, self.h * 1.2, step)):
             cv2.line(
                 canvas,
                 (0, round(y * 16)),
                 (self.w * 16, round((y + lean * self.w) * 16)),
-                255,
+                weak if k % 5 else 255,
                 thick,
                 cv2.LINE_AA,
                 4,
             )
         if squared:
-            for x in np.arange(start - self.w * 0.2, self.w * 1.2, step):
+            for k, x in enumerate(np.arange(start - self.w * 0.2, self.w * 1.2, step)):
                 cv2.line(
                     canvas,
                     (round(x * 16), 0),
                     (round((x - lean * self.h) * 16), self.h * 16),
-                    255,
+                    weak if k % 5 else 255,
                     thick,
                     cv2.LINE_AA,
                     4,
@@ -745,7 +799,7 @@ class _Writer:
         rng, kind, h, w = self.rng, self.kind, self.h, self.w
         if kind == "clean":
             return
-        if kind == "photo":
+        if kind == "photo" or (kind == "child" and self.chance(0.5)):
             y, x = np.mgrid[:h, :w].astype(np.float32) / self.long
             light = 1 + rng.normal(0, 0.25) * (x - 0.5) + rng.normal(0, 0.25) * (y - 0.5)
             if self.chance(0.6):  # the shadow of a hand or a head
@@ -759,8 +813,10 @@ class _Writer:
                 light = light * (1 - rng.uniform(0.1, 0.5) * shadow)
             self.page *= np.clip(light, 0.25, 1.4)[..., None] * rng.uniform(0.6, 1.05)
             self.page *= np.array([rng.uniform(0.8, 1), rng.uniform(0.9, 1), 1.0])
-            if self.chance(0.45):
+            if self.chance(0.4):
                 self._desk()
+            for _ in range(rng.integers(1, 4) if self.chance(0.25) else 0):
+                self._lying()
         if self.chance(0.25):
             sigma = rng.uniform(0.4, 1.1)
             self.page = cv2.GaussianBlur(self.page, (0, 0), sigma)
@@ -769,6 +825,29 @@ class _Writer:
         if self.chance(0.2):
             gamma = np.exp(rng.normal(0, 0.25))
             self.page = 255 * np.clip(self.page / 255, 0, 1) ** gamma
+
+    def _lying(self) -> None:
+        """Let a finger, a hand or a pencil reach in from the border, with its shadow."""
+        rng, h, w = self.rng, self.h, self.w
+        way = rng.uniform(0, 2 * np.pi)
+        out = np.array([w, h]) / 2 + np.array([np.cos(way), np.sin(way)]) * self.long * 0.75
+        tip = out - np.array([np.cos(way), np.sin(way)]) * self.long * rng.uniform(0.1, 0.4)
+        shape = np.zeros((h, w), np.uint8)
+        wide = max(round(self.long * rng.uniform(0.02, 0.12)), 2)
+        cv2.line(shape, *[tuple(np.rint(p).astype(int).tolist()) for p in (out, tip)], 1, wide, cv2.LINE_AA)
+        if (self.presence[shape > 0] > 0.2).any():
+            return
+        shadow = cv2.GaussianBlur(shape.astype(np.float32), (0, 0), wide / 4 + 1)
+        self.page *= (1 - 0.4 * shadow)[..., None]
+        depth = cv2.distanceTransform(shape, cv2.DIST_L2, 3) / (wide / 2)
+        skin = (
+            np.array([150, 180, 225]) * rng.uniform(0.3, 1.05)
+            if self.chance(0.6)
+            else rng.uniform(20, 240, 3)
+        )
+        lit = np.float32(skin) * (0.6 + 0.4 * depth.clip(0, 1))[..., None]
+        self.page = np.where(shape[..., None] > 0, lit, self.page)
+        self.ink[shape > 0] = 0
 
     def _desk(self) -> None:
         """Lay the sheet on a desk: what lies beyond a quadrilateral is wood, cloth or shade."""
@@ -808,17 +887,23 @@ class _Style:
         if inverted:
             self.pen = np.full(3, rng.uniform(190, 255)) if rng.random() < 0.7 else rng.uniform(150, 255, 3)
         self.share = float(np.exp(rng.uniform(np.log(0.0022), np.log(0.022))))  # of the span
-        if rng.random() < 0.15:
-            self.share = rng.uniform(0.02, 0.045)
+        if rng.random() < (0.4 if kind in ("child", "strokes") else 0.15):
+            self.share = rng.uniform(0.015, 0.05)
+        if rng.random() < 0.3 and kind in ("child", "photo"):  # a felt pen
+            self.pen = rng.uniform(0, 255, 3) * np.array([1, 0.4, 0.7])
         self.inner = rng.choice([1.0, 0.6, 0.3, 0.2], p=[0.5, 0.25, 0.15, 0.1])
         if self.inner < 0.5:
             self.share = max(self.share, 0.012)
         self.darkness = rng.uniform(0.75, 1) if kind != "sketchy" else rng.uniform(0.35, 1)
         if kind == "photo":
             self.darkness = rng.uniform(0.5, 1)
-        rough = {"clean": 0.0, "gaps": 0.5, "sketchy": 1.0, "photo": 0.8, "ruled": 0.6}.get(kind, 0.35)
+        rough = {"clean": 0.0, "gaps": 0.5, "sketchy": 1.0, "photo": 0.8, "ruled": 0.6, "child": 0.9}.get(
+            kind, 0.35
+        )
         self.wobble = rough * rng.choice([0, 0.002, 0.005, 0.008])
         self.sketchy = rng.uniform(0.3, 1) if kind == "sketchy" else 0.15 if rng.random() < 0.2 * rough else 0
+        self.double = rng.uniform(0.8, 4) if rng.random() < (0.25 if kind == "child" else 0.03) else 0.0
+        self.pale = rng.uniform(0.2, 0.9) if rng.random() < (0.3 if kind == "child" else 0.03) else 0.0
         self.overshoot = rng.choice([0, 0.006, 0.02]) if rough else 0
         self.taper = rng.choice([0, 0.4, 0.8]) if rng.random() < 0.4 else 0
         self.pressure = rng.uniform(0.3, 1) if rng.random() < 0.4 * rough else 0

@@ -98,9 +98,9 @@ def _smooth(closed: Points) -> Points:
     return smooth[::3].astype(np.float32)
 
 
-def doodle(rng: Rng) -> Shape:
+def doodle(rng: Rng, kind: str | None = None) -> Shape:
     """Return a figure of round and pointed parts, as children and sign painters draw."""
-    kind = rng.choice(
+    kind = kind or rng.choice(
         ["figure", "animal", "blob", "thing", "stick", "ring", "snow", "frame"],
         p=[0.22, 0.19, 0.1, 0.12, 0.08, 0.1, 0.04, 0.15],
     )
@@ -113,6 +113,7 @@ class _Doodle:
         self.parts: list[tuple[Points, bool]] = []  # closed outlines, and whether a hole goes through them
         self.details: list[Points] = []
         self.bare: list[Points] = []
+        self.bodies: list[tuple[Points, bool]] = []  # parts without a line around them
         self.holes: list[Points] = []
         self.merged = False  # whether lines inside the union of its parts are left out
 
@@ -197,7 +198,16 @@ class _Doodle:
         rng = self.rng
         getattr(self, "_" + kind)()
         overlap = rng.random() < 0.35  # as children do: every circle is drawn whole
-        return _shape(f"doodle/{kind}", self.parts, self.details, self.bare, self.holes, overlap, self.merged)
+        return _shape(
+            f"doodle/{kind}",
+            self.parts,
+            self.details,
+            self.bare,
+            self.holes,
+            overlap,
+            self.merged,
+            self.bodies,
+        )
 
     def _figure(self):  # noqa: PLR0912 - one choice after the other
         rng = self.rng
@@ -283,6 +293,152 @@ class _Doodle:
                 self.details.append(
                     _closed(self.ellipse(0.5, cy - high * 0.4 + k * high * 0.4, 0.012, 0.012, wobble=0))
                 )
+
+    def scribble(self, part: Points, edge: bool) -> None:
+        """Add a part that is filled by a line to and fro, with or without a line around it."""
+        rng = self.rng
+        low, high = part.min(0), part.max(0)
+        turn = rng.uniform(0, np.pi)
+        along, across = np.array([np.cos(turn), np.sin(turn)]), np.array([-np.sin(turn), np.cos(turn)])
+        middle, reach = (low + high) / 2, np.linalg.norm(high - low) / 2
+        points = []
+        for k, away in enumerate(np.arange(-reach, reach, rng.uniform(0.004, 0.02))):
+            line = middle + across * away + along * np.linspace(-reach, reach, 64)[:, None]
+            inside = [cv2.pointPolygonTest(part, (float(x), float(y)), False) > 0 for x, y in line]
+            line = line[inside]
+            if len(line):
+                ends = line[[0, -1]] + rng.normal(0, 0.004, (2, 2))
+                points.append(ends if k % 2 else ends[::-1])
+        if points:
+            self.details.append(np.concatenate(points).astype(np.float32))
+        (self.parts if edge else self.bodies).append((part, True))
+
+    def _child(self):
+        """A person as a child draws one: a big head, limbs that are closed shapes, clothes, hair."""
+        rng = self.rng
+        head = rng.uniform(0.1, 0.22)
+        wide, high = rng.uniform(0.06, 0.24), rng.uniform(0.08, 0.22)
+        neck = rng.uniform(0, 0.07) if rng.random() < 0.5 else -rng.uniform(0.0, 0.05)
+        cy = 0.55
+        hy = cy - high - neck - head * 0.9
+        leg, arm = rng.uniform(0.1, 0.3), rng.uniform(0.1, 0.3)
+        thick = rng.uniform(0.02, 0.16)
+        kind = rng.integers(4)  # tubes, ellipses, tapered, open ones
+        for side in (-1, 1):
+            lean = rng.uniform(-0.1, 0.6) if rng.random() < 0.5 else 0.05
+            for start, way, length in (
+                ((0.5 + side * wide * 0.85, cy - high * 0.7), np.pi / 2 - side * rng.uniform(0.2, 2.2), arm),
+                ((0.5 + side * wide * 0.5, cy + high * 0.9), np.pi / 2 - side * lean, leg),
+            ):
+                step = np.array([np.cos(way), np.sin(way)])
+                end = np.array(start) + length * step
+                limb = thick * rng.uniform(0.7, 1.2)
+                if kind == 1:
+                    middle = (np.array(start) + end) / 2
+                    part = self.ellipse(*middle, length * 0.6, limb, turn=way, squareness=1.0)
+                else:
+                    widths = (limb, limb) if kind == 0 else (limb, limb * rng.uniform(0.1, 0.8))
+                    part = self.tube(np.stack([start, end]), widths)
+                self.parts.append((part, True))
+                if rng.random() < 0.6:
+                    self.parts.append((self.ellipse(*end, *rng.uniform(0.02, 0.07, 2)), True))
+                elif rng.random() < 0.6:
+                    for finger in rng.uniform(-0.9, 0.9, rng.integers(2, 6)):
+                        tip = np.array([np.cos(way + finger), np.sin(way + finger)])
+                        self.bare.append(
+                            np.stack([end, end + rng.uniform(0.02, 0.06) * tip]).astype(np.float32)
+                        )
+        body = self.ellipse(0.5, cy, wide, high, squareness=rng.choice([0.3, 1.0]))
+        self.parts.append((body, True))
+        if neck > 0:
+            ends = np.array([[0.5, cy - high], [0.5, hy + head * 0.8]], np.float32)
+            self.parts.append((self.tube(ends, (head * rng.uniform(0.2, 0.6),) * 2), True))
+        self._clothes(cy, wide, high)
+        self.parts.append((self.ellipse(0.5, hy, head, head * rng.uniform(0.8, 1.2)), True))
+        self._headdress(hy, head)
+        self.face(0.5, hy, head)
+        if rng.random() < 0.3:
+            for k in range(rng.integers(1, 5)):
+                button = self.ellipse(0.5, cy - high * 0.5 + k * high * 0.3, 0.012, 0.012, wobble=0)
+                self.details.append(_closed(button))
+
+    def _clothes(self, cy, wide, high):
+        """A skirt, a belt or nothing."""
+        rng = self.rng
+        if rng.random() < 0.4:
+            hem = cy + high * rng.uniform(0.9, 1.5)
+            top = rng.uniform(-0.9, 0.6)
+            skirt = np.array(
+                [[0.5 - wide, cy + high * top], [0.5 + wide, cy + high * top], [0.5 + wide * 1.8, hem],
+                 [0.5 - wide * 1.8, hem]], np.float32,
+            )  # fmt: skip
+            if rng.random() < 0.3:
+                self.scribble(_dense(skirt), True)
+            else:
+                self.parts.append((_dense(skirt), True))
+                for x in rng.uniform(-1, 1, rng.integers(0, 6)):
+                    fold = np.array(
+                        [[0.5 + wide * x, hem - high * 0.5], [0.5 + 1.6 * wide * x, hem]], np.float32
+                    )
+                    self.details.append(fold)
+        elif rng.random() < 0.3:
+            y = cy + high * rng.uniform(-0.3, 0.7)
+            self.details.append(np.array([[0.5 - wide, y], [0.5 + wide, y]], np.float32))
+
+    def _headdress(self, hy, head):
+        """Hair, a crown, a hat or nothing."""
+        rng = self.rng
+        hair = rng.integers(6)
+        if hair == 0:
+            self.hair(0.5, hy, head)
+        elif hair == 1:  # a cap of scribbled hair
+            cap = self.ellipse(0.5, hy - head * 0.55, head * 1.05, head * 0.6)
+            self.scribble(cap, bool(rng.random() < 0.5))
+        elif hair == 2:  # bunches or plaits
+            for side in (-1, 1):
+                at = np.array([0.5 + side * head, hy - head * 0.4])
+                drop = np.array([side * rng.uniform(0.2, 0.8), rng.uniform(0.4, 1.6)]) * head
+                part = self.tube(
+                    _curve(np.stack([at, at + drop * np.array([1.1, 0.1]), at + drop])),
+                    (head * 0.3, head * 0.5, head * 0.1),
+                )
+                if rng.random() < 0.5:
+                    self.scribble(part, bool(rng.random() < 0.5))
+                else:
+                    self.parts.append((part, True))
+        elif hair == 3:  # a crown or spikes
+            n = rng.integers(3, 8)
+            x = np.linspace(-0.8, 0.8, 2 * n + 1) * head
+            y = -np.sqrt(np.maximum(head**2 - x**2, 0)) - np.where(np.arange(2 * n + 1) % 2, 0.5, 0.1) * head
+            crown = np.stack([0.5 + x, hy + y], 1)
+            crown = np.concatenate([crown, [[0.5 + x[-1], hy - head * 0.5], [0.5 + x[0], hy - head * 0.5]]])
+            part = _dense(crown.astype(np.float32))
+            if rng.random() < 0.4:
+                self.scribble(part, True)
+            else:
+                self.parts.append((part, True))
+        elif hair == 4:  # a hat
+            brim = np.array([[-1.2, -0.7], [1.2, -0.7], [0.7, -0.9], [0.6, -1.7], [-0.6, -1.7], [-0.7, -0.9]])
+            self.parts.append((_dense((brim * head + [0.5, hy]).astype(np.float32)), True))
+
+    def _strokes(self):
+        """Strokes that are the object by themselves: flourishes, birds far away, waves, letters by brush."""
+        rng = self.rng
+        if rng.random() < 0.5:  # birds
+            for _ in range(rng.integers(2, 10)):
+                x, y = rng.uniform(0.15, 0.85, 2)
+                r = rng.uniform(0.04, 0.14)
+                for side in (-1, 1):
+                    wing = np.array([[x, y], [x + side * r * 0.5, y - r * 0.6], [x + side * r, y - r * 0.1]])
+                    self.bare.append(_curve(wing + rng.normal(0, 0.1 * r, wing.shape)))
+            return
+        for _ in range(rng.integers(1, 5)):
+            t = np.linspace(0, rng.uniform(2, 9), 40)
+            r = np.exp(-t * rng.uniform(0.05, 0.4)) * rng.uniform(0.1, 0.3)
+            start = rng.uniform(0.25, 0.75, 2)
+            drift = rng.normal(0, 0.04, 2)
+            line = start + np.stack([r * np.cos(t), r * np.sin(t)], 1) + drift * t[:, None]
+            self.bare.append(line.astype(np.float32))
 
     def _animal(self):
         rng = self.rng
@@ -569,7 +725,7 @@ class _Doodle:
                 self.bare.append(np.array([[0.5 + side * 0.15, 0.5], [0.5 + side * 0.35, 0.4]], np.float32))
 
 
-def _shape(name, parts, details, bare, holes, overlap, merged) -> Shape:
+def _shape(name, parts, details, bare, holes, overlap, merged, bodies) -> Shape:
     """Return a shape of closed parts, later ones before earlier ones; lines that are hidden are left out."""
     side = 256
     strokes: list[Points] = []
@@ -595,6 +751,8 @@ def _shape(name, parts, details, bare, holes, overlap, merged) -> Shape:
         if not part[1]:  # it lies before the hole
             hole &= 1 - mask
     union &= 1 - hole
+    for body, _ in bodies:
+        cv2.fillPoly(union, [np.rint(body * side * 16).astype(np.int32)], 1, shift=4)
     if holes:
         found, _ = cv2.findContours(hole, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
         strokes += [_closed(_smooth(np.float32(c[:, 0] + 0.5) / side)) for c in found if len(c) > 12]

@@ -1,12 +1,14 @@
 """Trains the reader on pages made on the fly, and exports it.
 
-train.py VIEWS OUT [--minutes 45] [--start LAST.pt] [--measure] [--export READER.onnx] [--mix LAST.pt]
+train.py VIEWS OUT [--minutes 45] [--start READER.onnx] [--rate 4e-4] [--measure]
+train.py VIEWS OUT --export READER.onnx [--start READER.onnx --mix 0.5]
 
 OUT/last.pt is written every two minutes and gone on from; the rate falls to nothing at the end of the time.
 """
 
 import argparse
 import time
+from itertools import count
 from pathlib import Path
 
 import cv2
@@ -20,6 +22,8 @@ from torch.utils.data import DataLoader, IterableDataset
 
 SIZES = (((256, 256), 8), ((256, 256), 8), ((256, 192), 10), ((192, 288), 9), ((352, 352), 4))
 RATE = 1.2e-3
+RELOAD = 300
+"""Batches after which views that have been rendered since are taken too."""
 
 
 class Pages(IterableDataset):
@@ -31,14 +35,17 @@ class Pages(IterableDataset):
     def __iter__(self):
         cv2.setNumThreads(1)
         views = Views(self.views, held_out=False)
-        # Every eighth object has a hole, where otherwise every thirtieth would.
-        shapes = views.shapes + views.pierced * max(len(views.shapes) // (8 * max(len(views.pierced), 1)), 1)
-        print(len(views.shapes), "views,", len(views.pierced), "with holes", flush=True)
         worker = torch.utils.data.get_worker_info()
         rng = np.random.default_rng([self.seed, worker.id if worker else 0])
-        while True:
-            size, count = SIZES[rng.integers(len(SIZES))]
-            yield batch([page(rng, shapes, size) for _ in range(count)])
+        for number in count():
+            if number % RELOAD == 0:
+                views.reload()
+                # Every eighth object has a hole, where otherwise every thirtieth would.
+                pierced = views.pierced * max(len(views.shapes) // (8 * max(len(views.pierced), 1)), 1)
+                shapes = views.shapes + pierced
+                print(len(views.shapes), "views,", len(views.pierced), "with holes", flush=True)
+            size, pages = SIZES[rng.integers(len(SIZES))]
+            yield batch([page(rng, shapes, size) for _ in range(pages)])
 
 
 def batch(pages):
@@ -66,7 +73,7 @@ def loss_of(out, ink, presence, middle, weight, ink_weight):
     return (there * weight).mean() + 0.3 * overlap.mean() + 0.7 * lines.mean() + 0.5 * ways
 
 
-def measure(model, views: Path, count: int = 24) -> dict[str, float]:
+def measure(model, views: Path, pages_of_kind: int = 24) -> dict[str, float]:
     """Return the mean IoU of the presence on held-out meshes, by kind of difficulty."""
     shapes = Views(views, held_out=True).shapes
     model.eval()
@@ -75,7 +82,7 @@ def measure(model, views: Path, count: int = 24) -> dict[str, float]:
         for kind in KINDS:
             rng = np.random.default_rng(5)
             scores, inks = [], []
-            for _ in range(count // 6):
+            for _ in range(pages_of_kind // 6):
                 pages = [page(rng, shapes, (256, 256), kind) for _ in range(6)]
                 pictures, ink, presence, *_ = batch(pages)
                 out = model((pictures.float() / 255).contiguous(memory_format=torch.channels_last))
@@ -113,10 +120,13 @@ def main() -> None:  # noqa: PLR0915 - one run from its first line to its last
     parser.add_argument("views", type=Path)
     parser.add_argument("out", type=Path)
     parser.add_argument("--minutes", type=float, default=45)
-    parser.add_argument("--start", type=Path, help="weights of another run that this one begins with")
+    parser.add_argument("--start", type=Path, help="an exported reader that this run begins with")
+    parser.add_argument("--rate", type=float, default=RATE)
     parser.add_argument("--measure", action="store_true")
     parser.add_argument("--export", type=Path)
-    parser.add_argument("--mix", type=Path, help="export the mean of these weights and the run's own")
+    parser.add_argument(
+        "--mix", type=float, default=1.0, help="share of the run's weights beside those of --start"
+    )
     given = parser.parse_args()
     given.out.mkdir(parents=True, exist_ok=True)
     torch.set_num_threads(1)
@@ -127,7 +137,7 @@ def main() -> None:  # noqa: PLR0915 - one run from its first line to its last
     )
     last = given.out / "last.pt"
     done, seconds = 0, 0.0
-    optimizer = torch.optim.AdamW(model.parameters(), RATE, betas=(0.9, 0.98), weight_decay=0.01)
+    optimizer = torch.optim.AdamW(model.parameters(), given.rate, betas=(0.9, 0.98), weight_decay=0.01)
     if last.exists():
         kept = torch.load(last)
         model.load_state_dict(kept["model"])
@@ -135,17 +145,14 @@ def main() -> None:  # noqa: PLR0915 - one run from its first line to its last
         optimizer.load_state_dict(kept["optimizer"])
         done, seconds = kept["steps"], kept["seconds"]
     elif given.start is not None:
-        kept = torch.load(given.start)
-        # Parts that the network has got since then begin by changing nothing.
-        model.load_state_dict(kept["model"], strict=False)
-        mean.load_state_dict(kept["mean"], strict=False)
+        model.load_onnx(given.start)
+        if not (given.measure or given.export):
+            shown = (each[0] for each in Pages(given.views, 12345))
+            model.settle([next(shown).float() / 255 for _ in range(24)])
+        mean.module.load_state_dict(model.state_dict())
     if given.measure or given.export:
-        if given.mix:
-            other = torch.load(given.mix)["mean"]
-            own = mean.state_dict()
-            mean.load_state_dict(
-                {k: ((v.float() + other[k].float()) / 2).to(v.dtype) for k, v in own.items()}
-            )
+        if given.mix < 1:
+            _mix(mean.module, given.start, given.mix)
         if given.measure:
             for kind, score in measure(mean.module, given.views).items():
                 print(f"{kind:16} {score:.3f}")
@@ -163,7 +170,7 @@ def main() -> None:  # noqa: PLR0915 - one run from its first line to its last
             break
         share = spent / total
         for group in optimizer.param_groups:
-            group["lr"] = RATE * min(1.0, done / 100) * min(1.0, (1 - share) / 0.6)
+            group["lr"] = given.rate * min(1.0, done / 100) * min(1.0, (1 - share) / 0.6)
         x = (pictures.float() / 255).contiguous(memory_format=torch.channels_last)
         with torch.autocast("cpu", torch.bfloat16):
             out = model(x)
@@ -181,6 +188,18 @@ def main() -> None:  # noqa: PLR0915 - one run from its first line to its last
             saved = time.monotonic()
             _save(last, model, mean, optimizer, done, spent)
     _save(last, model, mean, optimizer, done, time.monotonic() - start)
+
+
+def _mix(model: Reader, start: Path, share: float) -> None:
+    """Mix weights with those of an exported reader; both in the form without normalisations."""
+    model.merge()
+    other = Reader()
+    other.load_onnx(start)
+    beside = other.state_dict()
+    own = model.state_dict()
+    model.load_state_dict(
+        {k: torch.lerp(beside[k].float(), v.float(), share).to(v.dtype) for k, v in own.items()}
+    )
 
 
 def _save(last: Path, model, mean, optimizer, done: int, seconds: float) -> None:

@@ -16,7 +16,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from normalgan.animals import herd
+from normalgan.animals import make_animals
 from normalgan.errors import InputError
 from normalgan.rendering import find_meshes
 from normalgan.rendering.cameras import Views
@@ -50,7 +50,7 @@ def sources(folder: str, views: int) -> Iterator[tuple[str, object, int]]:
             "vase",
             "teapot",
         ]
-        meshes = [*herd(240, 7, groups)]
+        meshes = [*make_animals(240, 7, groups)]
     else:
         meshes = [*find_meshes(folder, None, 35.0 if kind in CREASED else None)]
         if kind in ("animals", "rigs"):

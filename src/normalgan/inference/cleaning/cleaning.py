@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
 from normalgan.inference.cleaning.paper import ink_on_paper
-from normalgan.inference.cleaning.patches import patches
 from normalgan.inference.cleaning.polarity import is_light_on_dark
 from normalgan.inference.cleaning.silhouette import contour, enclosed_by, is_silhouette, over_own_colour
 from normalgan.inference.reading.picture import Picture
@@ -71,10 +70,13 @@ def without_specks(ink: Floats) -> Floats:
 
     A patch is a connected area of more than a tenth; what it spans is the longer side of its box.
     """
-    numbers, sizes = patches(ink > 0.1)
+    marked = (ink > 0.1).view(np.uint8)
+    # The algorithm that OpenCV takes by itself is half as fast.
+    _, numbers, stats, _ = cv2.connectedComponentsWithStatsWithAlgorithm(marked, 8, cv2.CV_32S, cv2.CCL_BBDT)
+    spans = np.maximum(stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT])
     # Paler than half all over is no dot of a pen either.
-    dark = np.zeros(len(sizes), np.bool_)
+    dark = np.zeros(len(spans), np.bool_)
     dark[numbers[ink > 0.5]] = True
-    kept = (sizes.max(1) >= max(ink.shape) / 150) & dark
+    kept = (spans >= max(ink.shape) / 150) & dark
     kept[0] = True
     return ink if kept.all() else np.where(kept[numbers], ink, 0)
