@@ -20,7 +20,7 @@ from normalgan.studio.opening import Opened
 from normalgan.studio.predictor import Predictor
 
 if TYPE_CHECKING:
-    from httpx import Response
+    from httpx2 import Response
 
 PORT = 8400
 HEIGHT, WIDTH = 120, 160

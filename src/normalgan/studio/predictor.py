@@ -130,8 +130,8 @@ class Predictor:
             check()
             ways = ways_to_see(prepared, context)
             hints = drawing.read_hints(shape)
-            seen, *inferred = surest([hinted(each, hints, shape) for each in ways], self._infer)
-            predicted = finish(seen, *inferred, upsample)
+            seen, preds, confidence = surest([hinted(each, hints, shape) for each in ways], self._infer)
+            predicted = finish(seen, preds, confidence, upsample)
             if context is not None and len(ways) == 1 and predicted.findings:
                 predicted = replace(predicted, findings=(*predicted.findings, Finding("alone")))
             predicted = replace(predicted, extended=drawing.edit(predicted.extended, predicted.mask, shape))

@@ -144,8 +144,8 @@ class LayeredJob:
         backend = self.predictor.backend
         try:
             ways = ways_to_see(prepare_member(self.predictor, member, self.size), context)
-            seen, *inferred = surest(ways, lambda way: backend.predict(way.seen, way.hints))
-            return finish(seen, *inferred, self.predictor.upsample)
+            seen, preds, confidence = surest(ways, lambda way: backend.predict(way.seen, way.hints))
+            return finish(seen, preds, confidence, self.predictor.upsample)
         except InputError as error:
             return error
 
