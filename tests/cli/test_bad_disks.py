@@ -4,10 +4,8 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
-import numpy as np
 import pytest
 from command import Bench, left_in
-from PIL import Image
 
 
 def failing(number: int) -> Callable[..., None]:
@@ -58,28 +56,6 @@ def test_a_full_disk_leaves_the_last_checkpoint_whole(
     outcome.refused("the disk is full at", ".ckpt; free some space", code=1)
     assert left_in(run / "checkpoints") == names
     assert last.read_bytes() == before
-
-
-def test_a_full_disk_leaves_no_part_of_a_map(
-    bench: Bench, trained: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    y, x = np.mgrid[:40, :40] - 19.5
-    ring = np.where(np.abs(np.hypot(x, y) - 14) < 1.5, 0, 255).astype(np.uint8)
-    Image.fromarray(ring).save(tmp_path / "line.png")
-    monkeypatch.setattr("normalgan.files.writing.os.fsync", failing(errno.ENOSPC))
-    outcome = bench.run(
-        "predict",
-        tmp_path / "run",
-        *(
-            "--ckpt_path",
-            trained / "checkpoints" / "last.ckpt",
-            "--data.prediction.sketches",
-            tmp_path / "line.png",
-        ),
-        *("--output.folder", tmp_path / "maps"),
-    )
-    outcome.refused(f"the disk is full at {tmp_path}/maps/line_normal.png;", code=1)
-    assert left_in(tmp_path) == ["line.png"]
 
 
 def test_what_a_kill_left_half_written_is_swept(bench: Bench, trained: Path, tmp_path: Path) -> None:

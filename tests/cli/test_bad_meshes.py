@@ -2,18 +2,13 @@ import json
 from pathlib import Path
 
 import pytest
-import trimesh
 from command import Bench, left_in
 
 OFF = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
+# Further files are in rendering/test_mesh_files.py, by the function that reads them.
 BAD = {
-    "bad.ply": (b"this is no mesh", "cannot be read as a mesh"),
-    "empty.stl": (b"", "no faces"),
-    "truncated.glb": (trimesh.creation.box().export(file_type="glb")[:300], "cannot be read as a mesh"),
     "nan.off": (OFF.replace("1 0 0", "nan 0 0").encode(), "not a finite number"),
-    "flat.off": (OFF.replace("0 1 0\n3", "2 0 0\n3").encode(), "only faces without area"),
     "array.npy": (b"\x93NUMPY", "is no mesh file"),
-    "points.obj": (b"v 0 0 0\nv 1 0 0\nv 0 1 0\n", "no faces"),
 }
 
 

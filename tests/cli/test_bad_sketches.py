@@ -7,8 +7,6 @@ from command import Outcome, left_in, run
 from numpy.typing import NDArray
 from PIL import Image
 
-from normalgan.normals import read_png
-
 
 @pytest.fixture
 def predict(trained: Path, tmp_path: Path) -> Callable[..., Outcome]:
@@ -59,32 +57,6 @@ def test_a_bad_sketch_is_named_and_the_others_are_painted(
     assert reason in first
     assert last == "normalgan: 1 of 2 sketches could not be used."
     assert left_in(tmp_path / "maps") == ["good_normal.png"]
-
-
-def test_a_sketch_of_any_mode_is_read_rightly(predict: Callable[..., Outcome], tmp_path: Path) -> None:
-    grey = drawing()
-    plain, black = Image.fromarray(grey), Image.new("L", grey.shape)
-    folder = tmp_path / "sketches"
-    plain.save(folder / "grey.png")
-    plain.convert("1").save(folder / "bit.png")
-    plain.convert("RGB").save(folder / "rgb.bmp")
-    plain.convert("RGB").quantize(4).save(folder / "palette.png")
-    plain.convert("CMYK").save(folder / "cmyk.tif")
-    plain.convert("P").save(folder / "gif.gif")
-    plain.save(folder / "webp.webp", lossless=True)
-    Image.fromarray(grey.astype(np.uint16) * 257).save(folder / "deep.png")
-    ink = Image.fromarray(255 - grey)  # opaque where there is a line; what colour the paper has, no one sees
-    Image.merge("LA", (black, ink)).save(folder / "grey_alpha.png")
-    Image.merge("RGBA", (black, black, black, ink)).save(folder / "alpha.png")
-    outcome = predict()
-    assert outcome.code == 0, outcome.err
-    names = left_in(tmp_path / "maps")
-    assert len(names) == 10
-    truth, _ = read_png(tmp_path / "maps" / "grey_normal.png")
-    assert np.ptp(truth, axis=(0, 1)).max() > 0.1
-    for name in names:
-        predicted, _ = read_png(tmp_path / "maps" / name)
-        np.testing.assert_array_equal(predicted, truth, err_msg=name)
 
 
 def test_sketches_that_are_not_there(predict: Callable[..., Outcome], tmp_path: Path) -> None:

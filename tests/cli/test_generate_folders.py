@@ -390,14 +390,6 @@ def test_a_watch_never_has_the_highest_of_all(here: Path, capsys: pytest.Capture
     assert "--height-scale batch needs all drawings, and --watch never has them" in capsys.readouterr().err
 
 
-def test_what_begins_with_a_dot_is_no_drawing(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    draw("in/fox.png")
-    Path("in/._fox.png").write_bytes(b"\0\5\x16\7 notes of macOS on a disk of another system")
-    for extra in ([], ["--recursive"]):
-        assert generate("in", *extra) == 0
-    assert written("normals") == {"fox_normal.png"}
-
-
 def test_a_long_batch_takes_the_memory_of_a_short_one(here: Path) -> None:
     small = Image.fromarray(GREY).resize((120, 80))
     Path("in").mkdir()
@@ -453,7 +445,8 @@ def test_a_link_to_nothing_is_named_and_the_rest_is_converted(
 
 def test_notes_of_a_file_system_are_no_drawings(here: Path) -> None:
     draw("in/fox.png")
-    Path("in/._fox.png").write_bytes(b"\0\5\x16\7")
-    assert generate("in") == 0
+    Path("in/._fox.png").write_bytes(b"\0\5\x16\7")  # of macOS, on a disk of another system
+    for extra in ([], ["--recursive"]):
+        assert generate("in", *extra) == 0
     assert generate("in/*.png", "in/._*", "-o", "globbed") == 1
     assert written("normals") == written("globbed") == {"fox_normal.png"}

@@ -1,4 +1,3 @@
-import json
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -66,15 +65,6 @@ def test_predicting_renders_nothing(meshes: Path, tmp_path: Path) -> None:
     assert not (tmp_path / "cache").exists()
 
 
-def test_bad_settings_are_explained(meshes: Path, cache: Path) -> None:
-    with pytest.raises(InputError, match="batch_size of MeshDataModule is 0; it must be 1 or more"):
-        data(meshes, cache, batch_size=0)
-    with pytest.raises(InputError, match="memory of Storage is -1; it must be 0 or more"):
-        Storage(memory=-1)
-    with pytest.raises(InputError, match="extra_postures of EmbeddedAnimals is 2; it must be from 0 to 1"):
-        EmbeddedAnimals(extra_postures=2)
-
-
 def test_what_cannot_be_used_is_named(meshes: Path, cache: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=re.escape(str(tmp_path / "none"))):
         _ = data(tmp_path / "none", cache).sources
@@ -88,22 +78,6 @@ def test_what_cannot_be_used_is_named(meshes: Path, cache: Path, tmp_path: Path)
         data(meshes, cache).setup("predict")
     with pytest.raises(InputError, match="no sketch found"):
         data(meshes, cache, prediction=Prediction(str(tmp_path / "none.png"))).setup("predict")
-
-
-def test_one_bad_mesh_is_left_out_and_the_rest_is_used(meshes: Path, tmp_path: Path) -> None:
-    folder = tmp_path / "meshes"
-    folder.mkdir()
-    for path in meshes.iterdir():
-        (folder / path.name).write_bytes(path.read_bytes())
-    (folder / "bad.off").write_text("OFF\n0 0 0\n")
-    (tmp_path / "split.json").write_text(
-        json.dumps({"train": ["bad", "ball", "box"], "val": ["can"], "test": ["hat", "pill"]})
-    )
-    module = data(folder, tmp_path / "cache", split=Split(file=str(tmp_path / "split.json")))
-    with pytest.warns(UserWarning, match="the mesh bad is left out"):
-        module.prepare_data()
-    used = {module.train_dataset[i]["name"].split("/")[0] for i in range(len(module.train_dataset))}
-    assert used == {"ball", "box"}
 
 
 def test_animals_are_the_default() -> None:

@@ -82,7 +82,7 @@ class Pool(ABC):
 
         Raises:
             InputError: as a task does; finished tasks have been yielded or written by then.
-            RunError: if no worker is left, likewise.
+            RunError: if no worker is left; finished tasks have been yielded or written then too.
         """
         todo = deque((task, 0) for task in tasks)  # with how often its result was lost
         under_way: dict[Any, tuple[T, int]] = {}

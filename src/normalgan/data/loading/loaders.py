@@ -162,5 +162,5 @@ class EqualShare(Dataset[Item]):
 
 
 def _leave_ctrl_c_to_the_parent(_: int) -> None:
-    """Let a worker, whose number is of no use here, die by its parent's word and not by Ctrl-C."""
+    """Let a worker ignore Ctrl-C; its parent ends it. The worker's number is not used."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -84,8 +84,8 @@ def find_drawings(
 def is_drawing(path: Path) -> bool:
     """Return whether a file in a folder is a drawing by its name.
 
-    What begins with a dot is none: paint programs save so while they work, and macOS notes there what a disk
-    of another system has no place for.
+    Hidden files are not drawings: paint programs save temporary files under such names, and macOS keeps notes
+    in them on disks of other systems.
 
     >>> [is_drawing(Path(name)) for name in ("fox.png", "fox.txt", "._fox.png")]
     [True, False, False]

@@ -60,7 +60,7 @@ def lengthen(points: Doubles, up: int, line: float, growth: float) -> Deformed:
 
 @dataclass(frozen=True)
 class Middle:
-    """The middle of the surface about a place: its mean under a Gaussian.
+    """The mean of the surface near a place, weighted by a Gaussian.
 
     On a limb thinner than the Gaussian that is a place on the limb's axis, on a trunk thicker than it a
     place just under the skin.
