@@ -36,7 +36,7 @@ def test_the_public_signatures() -> None:
     fields = set(normalgan.NormalMap.__dataclass_fields__)
     assert public | fields == {
         *("normal", "mask", "confidence", "height", "save", "encode", "alpha", "extended", "seen"),
-        *("cells", "partial", "pixels", "stronger", "tile", "warning"),
+        *("cells", "findings", "partial", "pixels", "stronger", "tile", "warning"),
     }
 
 

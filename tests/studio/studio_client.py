@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from urllib.parse import unquote
 
 import numpy as np
@@ -18,9 +18,6 @@ from normalgan.studio.app import build_app
 from normalgan.studio.document_store import DocumentStore
 from normalgan.studio.opening import Opened
 from normalgan.studio.predictor import Predictor
-
-if TYPE_CHECKING:
-    from httpx2 import Response
 
 PORT = 8400
 HEIGHT, WIDTH = 120, 160
@@ -47,13 +44,13 @@ def circle() -> Pixels:
     return np.rint(255 * np.clip(np.abs(away() - RADIUS) - 0.8, 0, 1)).astype(np.uint8)
 
 
-def findings(answer: "Response") -> list[dict[str, Any]]:
+def findings(answer: Any) -> list[dict[str, Any]]:
     """Return what is said about the map that was answered, or about a drawing that has none."""
     found: list[dict[str, Any]] = json.loads(unquote(answer.headers["x-findings"]))
     return found
 
 
-def codes(answer: "Response") -> list[tuple[str, str]]:
+def codes(answer: Any) -> list[tuple[str, str]]:
     """Return the layer and the code of each finding."""
     return [(each["layer"], each["code"]) for each in findings(answer)]
 

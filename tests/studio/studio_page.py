@@ -130,6 +130,10 @@ class Studio:
 
     def __init__(self, page: "Page", url: str) -> None:
         self.page = page
+        # A hand seems to hold still while the machine is busy, which would make a shape of its stroke.
+        page.add_init_script(
+            "addEventListener('DOMContentLoaded', () => { document.documentElement.dataset.held = 1e9; })"
+        )
         page.goto(url)
         page.wait_for_selector("html[data-ready]")
 
@@ -328,6 +332,37 @@ class Hand:
             self._now += self._pace
             event["timestamp"] = self._now
         self._session.send("Input.dispatchTouchEvent", event)
+
+
+class Pen:
+    """A pen on the screen, as Chromium gets it from a tablet; all points are in pixels of the window.
+
+    Args:
+        studio: where it draws.
+    """
+
+    def __init__(self, studio: Studio) -> None:
+        self._session = studio.page.context.new_cdp_session(studio.page)
+
+    def hover(self, at: Point) -> None:
+        """Hold it above the screen."""
+        self._tell("mouseMoved", at)
+
+    def down(self, at: Point, pressure: float = 0.5) -> None:
+        """Put it down."""
+        self._tell("mousePressed", at, pressure, button="left", buttons=1, clickCount=1)
+
+    def move(self, at: Point, pressure: float = 0.5) -> None:
+        """Draw."""
+        self._tell("mouseMoved", at, pressure, button="left", buttons=1)
+
+    def up(self, at: Point) -> None:
+        """Lift it."""
+        self._tell("mouseReleased", at, button="left", clickCount=1)
+
+    def _tell(self, kind: str, at: Point, pressure: float = 0, **more: Any) -> None:
+        event = {"type": kind, "x": at[0], "y": at[1], "pointerType": "pen", "force": pressure, "tiltX": 20}
+        self._session.send("Input.dispatchMouseEvent", event | more)
 
 
 @contextmanager

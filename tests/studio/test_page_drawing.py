@@ -154,6 +154,57 @@ def drawn_points(studio: Studio, name: str) -> list[tuple[float, float]]:
     return list(zip(stroke["points"][::3], stroke["points"][1::3], strict=True))
 
 
+HELD = "milliseconds => { document.documentElement.dataset.held = milliseconds; }"
+"""How long a hand is to hold still to make a shape of its stroke."""
+ELLIPSE = [(128 + 80 * math.cos(k / 10), 128 + 60 * math.sin(k / 10)) for k in range(64)]
+
+
+def draw_and_hold(studio: Studio, way: list[tuple[float, float]]) -> None:
+    """Draw a stroke and hold it still at its end until it is a shape."""
+    page = studio.page
+    page.mouse.move(*studio.on_board(*way[0]))
+    page.mouse.down()
+    for at in way[1:-1]:
+        page.mouse.move(*studio.on_board(*at))
+    page.evaluate(HELD, 600)
+    with studio.saying("Straightened."):
+        page.mouse.move(*studio.on_board(*way[-1]))
+
+
+def test_a_pause_within_a_stroke_loses_nothing_of_it(studio: Studio) -> None:
+    page = studio.page
+    draw_and_hold(studio, ELLIPSE)
+    page.evaluate(HELD, 1e9)
+    for x in range(208, 252, 4):
+        page.mouse.move(*studio.on_board(x, 128))
+    page.mouse.up()
+    studio.save_as("paused")
+    points = drawn_points(studio, "paused")
+    assert max(x for x, _ in points) > 240
+    assert len(points) > 60
+
+
+def test_a_busy_page_takes_no_stroke_for_one_that_is_held(studio: Studio) -> None:
+    page = studio.page
+    page.evaluate(HELD, 4000)  # the machine that tests may itself pause
+    page.mouse.move(*studio.on_board(*ELLIPSE[0]))
+    page.mouse.down()
+    for number, at in enumerate(ELLIPSE[1:]):
+        if number == 40:
+            page.evaluate(
+                """() => setTimeout(() => {
+                  const start = performance.now();
+                  while (performance.now() - start < 5000);
+                })"""
+            )
+        page.mouse.move(*studio.on_board(*at))
+    page.mouse.up()
+    page.locator("#history summary").click()
+    rows = page.locator("#history-list button")
+    rows.first.wait_for()
+    assert rows.all_inner_texts() == ["Beginning", "Line"]
+
+
 @pytest.mark.parametrize("meant", ["square", "circle", "line"])
 def test_a_stroke_held_at_its_end_becomes_the_shape_that_it_means(studio: Studio, meant: str) -> None:
     page = studio.page
@@ -171,12 +222,7 @@ def test_a_stroke_held_at_its_end_becomes_the_shape_that_it_means(studio: Studio
         ]
     else:
         way = [(40 + 4 * k, 100 + k % 3) for k in range(40)]
-    page.mouse.move(*studio.on_board(*way[0]))
-    page.mouse.down()
-    for at in way[1:]:
-        page.mouse.move(*studio.on_board(*at))
-    with studio.saying("Straightened."):
-        pass  # it is held still
+    draw_and_hold(studio, way)
     page.mouse.up()
     studio.save_as(meant)
     points = drawn_points(studio, meant)

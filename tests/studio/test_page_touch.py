@@ -72,6 +72,7 @@ def test_once_there_is_a_pen_a_finger_only_moves_the_paper(studio: Studio) -> No
         }"""
     )
     studio.page.locator("#undo").click()  # the pen's dot
+    studio.page.wait_for_timeout(600)  # earlier, it would be the palm beside the pen
     hand = Hand(studio)
     right = studio.on_board(*RIGHT)
     hand.put(right)

@@ -28,6 +28,7 @@ __all__ = [
     "Decoded",
     "DecodedLayer",
     "DecodedLayers",
+    "LayerNote",
     "Part",
     "Parts",
     "Pixels",

@@ -10,6 +10,9 @@ const LEAST_TURN = 0.3;
 /** Milliseconds that a tap of several fingers takes at most, and pixels that they stir. */
 const [TAP, STIRRED] = [300, 12];
 
+/** Milliseconds that a hand may keep a pen away and still rest on the screen: its touches are no fingers. */
+const RESTS = 500;
+
 /** Whether it is the other end of a pen. @param {PointerEvent} event */
 const isEraser = (event) => event.pointerType === "pen" && (event.button === 5 || (event.buttons & 32) !== 0);
 
@@ -22,17 +25,21 @@ const isEraser = (event) => event.pointerType === "pen" && (event.button === 5 |
  */
 export function followPointers(board, tool, touched, tapped) {
   const { canvas, camera } = board;
-  /** @type {Map<number, {x: number, y: number}>} fingers and others that are down, in the pane */
+  /** @type {Map<number, {x: number, y: number, pen: boolean}>} fingers and others that are down, in the pane */
   const down = new Map();
   /** @type {ReturnType<typeof tool>} what the gesture began with */
   let active = null;
   let panning = false;
-  let penSeen = false;
+  /** When a pen was near the pane last. */
+  let penAt = -Infinity;
   let spaceHeld = false;
   let turned = 0;
   /** Fingers of the tap that may be going on; none if it is none. */
   let tap = { fingers: 0, since: 0, stirred: 0 };
 
+  /** Whether it is a touch of the hand that holds a pen. @param {PointerEvent} event */
+  const rests = (event) =>
+    event.pointerType === "touch" && (event.timeStamp - penAt < RESTS || [...down.values()].some(({ pen }) => pen));
   /** @param {MouseEvent} event */
   const inPane = (event) => {
     const box = canvas.getBoundingClientRect();
@@ -66,14 +73,26 @@ export function followPointers(board, tool, touched, tapped) {
   };
 
   canvas.addEventListener("pointerdown", (event) => {
-    if ((event.button > 1 && !isEraser(event)) || (active && event.pointerType !== "touch")) return;
+    const pen = event.pointerType === "pen";
+    if (rests(event)) {
+      event.preventDefault();
+      return;
+    }
+    if (event.button > 1 && !isEraser(event)) return;
+    if (pen) {
+      // The hand came down before its pen: what it has begun was not meant.
+      active?.cancel();
+      active = null;
+      down.clear();
+      penAt = event.timeStamp;
+    }
+    if (active && event.pointerType !== "touch") return;
     touched();
     canvas.setPointerCapture(event.pointerId);
     board.focus.focus({ preventScroll: true });
     event.preventDefault();
     board.cursor = null;
-    penSeen ||= event.pointerType === "pen";
-    down.set(event.pointerId, inPane(event));
+    down.set(event.pointerId, { ...inPane(event), pen });
     if (down.size === 1) tap = { fingers: 0, since: event.timeStamp, stirred: 0 };
     if (event.pointerType === "touch") tap.fingers += 1;
     if (down.size === 2) {
@@ -85,7 +104,7 @@ export function followPointers(board, tool, touched, tapped) {
     if (down.size > 2) return;
     const chosen = tool(event);
     // Where there is a pen, a finger or the palm only moves the paper.
-    panning = !chosen || spaceHeld || event.button === 1 || (penSeen && event.pointerType === "touch");
+    panning = !chosen || spaceHeld || event.button === 1 || (penAt > -Infinity && event.pointerType === "touch");
     canvas.classList.toggle("grabbing", panning);
     if (panning) return;
     active = chosen;
@@ -94,9 +113,12 @@ export function followPointers(board, tool, touched, tapped) {
   });
 
   canvas.addEventListener("pointermove", (event) => {
+    const before = down.get(event.pointerId);
+    const pen = event.pointerType === "pen";
+    if (pen) penAt = event.timeStamp;
+    if (!before && event.pointerType === "touch") return;
     const at = inPane(event);
     board.pointer = camera.toDrawing(at.x, at.y);
-    const before = down.get(event.pointerId);
     if (before) {
       tap.stirred += Math.hypot(at.x - before.x, at.y - before.y);
       // Fingers that lie still stir a little.
@@ -107,7 +129,7 @@ export function followPointers(board, tool, touched, tapped) {
         const all = event.getCoalescedEvents?.() ?? [];
         for (const each of all.length ? all : [event]) active.move(touch(each));
       }
-      down.set(event.pointerId, at);
+      down.set(event.pointerId, { ...at, pen });
     }
     board.redraw();
   });

@@ -11,6 +11,8 @@ const SMALL = 72;
 /** Points of a curve between two of a sample's. */
 const PARTS = 6;
 const PEN = 6;
+/** Pixels after which a press on a sample is a stroke. */
+const STIRRED = 8;
 
 /**
  * @typedef {{points: number[], closed?: boolean, mirrored?: boolean, size?: number}} Curve through x, y, x, y, …
@@ -83,6 +85,22 @@ export function documentOf({ curves }) {
   return withActive(newDocument(SIDE, SIDE), { strokes: curves.map(lineOf) });
 }
 
+/** Lets a stroke begin on what lies over the paper. @param {HTMLElement} above */
+function letDraw(above) {
+  /** @type {PointerEvent | null} */
+  let pressed = null;
+  above.addEventListener("pointerdown", (event) => { pressed = event; });
+  above.addEventListener("pointerup", () => { pressed = null; });
+  above.addEventListener("pointermove", ({ clientX, clientY }) => {
+    if (!pressed || Math.hypot(clientX - pressed.clientX, clientY - pressed.clientY) < STIRRED) return;
+    const begun = pressed;
+    pressed = null;
+    const { left, right, top, bottom } = $("board").getBoundingClientRect();
+    const over = begun.clientX > left && begun.clientX < right && begun.clientY > top && begun.clientY < bottom;
+    if (over) $("board").dispatchEvent(new PointerEvent("pointerdown", begun));
+  });
+}
+
 /** Offers the samples where the paper is empty. @param {(doc: import("./document.js").Doc, name: string) => void} take */
 export function offerSamples(take) {
   const buttons = SAMPLES.map((sample) => {
@@ -95,6 +113,7 @@ export function offerSamples(take) {
     const name = /** @type {string} */ (text[sample.name]);
     label(button, say("takeSample", { name }));
     button.addEventListener("click", () => take(doc, name));
+    letDraw(button);
     return button;
   });
   $("samples").replaceChildren(...buttons);

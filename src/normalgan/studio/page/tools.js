@@ -33,6 +33,8 @@ const round = (value) => Math.round(value * 100) / 100;
 
 /** Milliseconds that a pen is held still at the end of a stroke to make a shape of it; pixels of the pane that it may stir; and that the stroke goes at least. */
 const [HELD, STIRRED, LEAST_WAY] = [600, 4, 30];
+/** A hand that tests lead pauses wherever the machine is busy, so they set a longer time. */
+const heldFor = () => Number(document.documentElement.dataset.held ?? HELD);
 
 /** Pen and eraser: a stroke from down to up. */
 export class LineTool {
@@ -79,7 +81,10 @@ export class LineTool {
       this.#straight(touch);
       return;
     }
-    if (this.raw) return;
+    if (this.raw) {
+      if (!this.rest || Math.hypot(touch.x - this.rest.x, touch.y - this.rest.y) * touch.scale < LEAST_WAY) return;
+      this.#goOn(touch);
+    }
     this.#wait(touch);
     this.#add(this.smoother.move(touch));
     this.editor.draw(this.inks.of(this.editor.layer).draw(this.line, false));
@@ -119,7 +124,22 @@ export class LineTool {
     if (this.rest && Math.hypot(touch.x - this.rest.x, touch.y - this.rest.y) * touch.scale < STIRRED) return;
     this.rest = touch;
     clearTimeout(this.waiting);
-    this.waiting = setTimeout(() => this.#shape(touch), HELD);
+    this.waiting = setTimeout(() => {
+      // A busy page learns with the next frame that the hand has moved on meanwhile.
+      requestAnimationFrame(() => this.rest === touch && this.#shape(touch));
+    }, heldFor());
+  }
+
+  /** Brings the stroke back as it was drawn: it was a pause, and not its end. @param {Touch} touch */
+  #goOn({ scale }) {
+    const { raw, editor, inks } = this;
+    if (!raw) return;
+    [this.line, this.raw, editor.guide] = [raw, null, null];
+    const [x, y, pressure] = raw.points.slice(-3);
+    this.smoother = new Smoother(editor.smoothing, scale);
+    this.smoother.move({ x, y, pressure });
+    inks.sync(editor.doc);
+    editor.draw(ALL, true);
   }
 
   /** Makes a shape of the stroke, if it means one. @param {Touch} touch */
