@@ -69,9 +69,9 @@ function coveredBy({ covered, width, height }, mask) {
 }
 
 /** Returns the mask and what is to be said of it. @param {Prepared} prepared @param {Uint8Array} present */
-function chosen({ mask, closed, guessed, unsure }, present) {
+function chosen({ mask, closed, unsure }, present) {
   if (!mask) return { mask: present, said: "" };
-  if (closed >= CLOSED) return { mask, said: guessed ? "its outline has a wide gap, which was closed by a straight line; draw on there, or choose another Object, if the object goes on" : unsure };
+  if (closed >= CLOSED) return { mask, said: unsure };
   return {
     mask: mask.map((value, i) => value | present[i]),
     said: `its outline is not closed, only ${Math.round(100 * closed)}% of its lines enclose anything; where they do not, the mask is the model's guess (close the gaps, or choose another Object)`,

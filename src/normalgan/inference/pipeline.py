@@ -33,10 +33,6 @@ _BESIDE = 0.005
 _FEW = 3
 """Of so many hints it is said where they are."""
 
-_STRAIGHT = (
-    "its outline has a wide gap, which was closed by a straight line; "
-    "draw on there, or give --mask, if the object goes on"
-)
 
 _HELD = "its outline is open, so the object stays as it was before; close the gaps, or give --mask"
 
@@ -197,7 +193,7 @@ def _found(prepared: Prepared, present: BoolMask) -> tuple[BoolMask, str]:
     if prepared.held:
         return prepared.mask, _HELD
     if prepared.closed >= CLOSED:
-        return prepared.mask, _STRAIGHT if prepared.guessed else prepared.unsure
+        return prepared.mask, prepared.unsure
     return prepared.mask | present, (
         f"its outline is not closed, only {prepared.closed:.0%} of its lines enclose anything; where they do "
         "not, the mask is the model's guess (close the gaps, or give --mask)"
