@@ -151,13 +151,7 @@ def main() -> None:  # noqa: PLR0915 - one run from its first line to its last
             model.settle([next(shown).float() / 255 for _ in range(24)])
         mean.module.load_state_dict(model.state_dict())
     if given.measure or given.export:
-        if given.mix < 1:
-            _mix(mean.module, given.start, given.mix)
-        if given.measure:
-            for kind, score in measure(mean.module, given.views).items():
-                print(f"{kind:16} {score:.3f}")
-        if given.export:
-            export(mean.module, given.export)
+        _finish(mean.module, given)
         return
     print(sum(p.numel() for p in model.parameters()), "parameters", flush=True)
     model = model.to(memory_format=torch.channels_last)
@@ -188,6 +182,17 @@ def main() -> None:  # noqa: PLR0915 - one run from its first line to its last
             saved = time.monotonic()
             _save(last, model, mean, optimizer, done, spent)
     _save(last, model, mean, optimizer, done, time.monotonic() - start)
+
+
+def _finish(model: Reader, given: argparse.Namespace) -> None:
+    """Mix, measure and export what was trained."""
+    if given.mix < 1:
+        _mix(model, given.start, given.mix)
+    if given.measure:
+        for kind, score in measure(model, given.views).items():
+            print(f"{kind:16} {score:.3f}")
+    if given.export:
+        export(model, given.export)
 
 
 def _mix(model: Reader, start: Path, share: float) -> None:

@@ -73,6 +73,16 @@ def test_the_hole_of_a_handle_is_none_of_the_object() -> None:
     assert iou(mask, solid) > 0.9
 
 
+@pytest.mark.parametrize("radius", [4, 8, 14])
+def test_eyes_are_no_holes(radius: int) -> None:
+    page, _ = figure()
+    for x in (100, 156):
+        cv2.circle(page, (x, 84), radius, 0, 2, cv2.LINE_AA)
+    mask = prepare(picture_of(page), SIDE).mask
+    assert mask is not None
+    assert mask[84, [100, 156]].all()
+
+
 @pytest.mark.parametrize("gap", [6, 14])
 def test_an_open_outline_is_closed(gap: int) -> None:
     page, solid = figure(gap)
