@@ -73,6 +73,18 @@ def test_the_hole_of_a_handle_is_none_of_the_object() -> None:
     assert iou(mask, solid) > 0.9
 
 
+@pytest.mark.parametrize("corners", [3, 4, 40])
+@pytest.mark.parametrize("radius", [50, 80, 105])
+def test_a_plain_shape_is_no_hole(corners: int, radius: int) -> None:
+    page, solid = paper(), np.zeros((SIDE, SIDE), np.uint8)
+    around = np.linspace(0, 2 * np.pi, corners, endpoint=False) + np.pi / 4
+    points = np.rint(128 + radius * np.stack([np.cos(around), np.sin(around)], 1)).astype(np.int32)
+    cv2.polylines(page, [points], True, (0,), 2, cv2.LINE_AA)
+    cv2.fillPoly(solid, [points], (1,))
+    cv2.polylines(solid, [points], True, (1,), 2)
+    assert iou(prepare(picture_of(page), SIDE).mask, solid > 0) > 0.93
+
+
 @pytest.mark.parametrize("radius", [4, 8, 14])
 def test_eyes_are_no_holes(radius: int) -> None:
     page, _ = figure()
