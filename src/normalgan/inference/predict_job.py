@@ -275,7 +275,8 @@ class JobPredictor:
                 preds = flat_map(members[number - 1].picture.shape, self.size)
                 failed.append(each)
                 flat.append(members[number - 1].picture)
-                said.append(f"{part} {number}: {left_flat(each)}")
+                # What is lost is said before what is only in doubt.
+                said.insert(len(failed) - 1, f"{part} {number}: {left_flat(each)}")
             else:
                 preds = self.sprite(each, members[number - 1].picture)
                 said += [f"{part} {number}: {each.warning}"] if each.warning else []
