@@ -187,7 +187,7 @@ def test_the_maps_of_a_folder_are_seen_side_by_side(
         seen = [page.evaluate(colour)]
         for shown in ("maps", "lit"):
             page.locator("#folder-shown").select_option(shown)
-            page.locator("#folder-list span", has_text="No line is seen").wait_for()  # of the second
+            page.locator("#folder-list span", has_text="No lines found").wait_for()  # of the second
             assert page.locator("#folder-list span").first.inner_text() == ""
             seen.append(page.evaluate(colour))
         drawing, map_, lit = seen

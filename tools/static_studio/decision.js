@@ -6,12 +6,12 @@ import { lineWidth } from "./prepare.js";
 import { SQUARE, above, both, components, dilated, distance, ellipse, eroded, labelled, opposite, refitted, rint, sumOf, where, without } from "./raster.js";
 import { presenceAt } from "./reader.js";
 
-const [HOLE, SURE, SPECK] = [0.35, 0.72, 0.002];
+const [HOLE, PART, EYE, ADDED, SURE, SPECK] = [0.3, 0.75, 0.004, 0.6, 0.72, 0.002];
 /** Mean presence between which the reader is unsure of a region, and the least share of the object to warn. */
 const [LOW, HIGH, SHARE] = [0.15, 0.7, 0.02];
 
-/** @typedef {{mask: Uint8Array, covered: Float32Array, closed: number, unsure: import("./findings.js").Finding[]}} Decision
- *   the object, how much of each pixel it covers, the share of the lines in it or at it, and what is to be said */
+/** @typedef {{mask: Uint8Array, covered: Float32Array, closed: number, guessed: boolean, unsure: import("./findings.js").Finding[]}} Decision
+ *   the object, how much of each pixel it covers, the share of the lines in it or at it, whether a wide gap was closed, and what is to be said */
 
 /**
  * Returns the object that lines and the reader's presence tell together.
@@ -34,13 +34,13 @@ export function decide(ink, width, height, reading) {
     const presence = presenceAt(reading, wide, high);
     const { labels, boxes } = components(opposite(inked), wide, high, 4);
     const enclosed = boxes.map((box, k) => k > 0 && box.left > 0 && box.top > 0 && box.right < wide && box.bottom < high);
-    mask = voted({ inked, labels, enclosed, presence, wide, high });
+    mask = voted({ inked, labels, enclosed, outline, presence, wide, high });
     if (!mask.includes(1)) mask = outline;
     closed = shareAt(inked, mask, wide, high);
     unsure = doubts({ labels, boxes, enclosed, presence, wide, high }, mask, width / wide);
   }
   const covered = snapOutline(same ? mask : enlarged(mask, wide, high, width, height), ink, width, height);
-  return { mask: above(covered, 0.5), covered, closed, unsure };
+  return { mask: above(covered, 0.5), covered, closed, guessed: !reading && filled.guessed, unsure };
 }
 
 /**
@@ -52,29 +52,45 @@ export function decide(ink, width, height, reading) {
  * @property {number} high
  */
 
-/** Returns regions by their votes, open ones pixel by pixel, with the lines about them. @param {Regions & {inked: Uint8Array}} drawn */
-function voted({ inked, labels, enclosed, presence, wide, high }) {
-  const [size, sum] = [new Uint32Array(enclosed.length), new Float64Array(enclosed.length)];
+/** Returns regions by their votes, with the lines about them. @param {Regions & {inked: Uint8Array, outline: Uint8Array}} drawn */
+function voted({ inked, labels, enclosed, outline, presence, wide, high }) {
+  // A cell is a part of a region that the outline treats alike.
+  const count = 2 * enclosed.length;
+  const [size, sum] = [new Uint32Array(count), new Float64Array(count)];
+  let object = 0;
   for (let i = 0; i < labels.length; i++) {
-    size[labels[i]]++;
-    sum[labels[i]] += presence[i];
+    object += outline[i];
+    if (inked[i]) continue;
+    size[2 * labels[i] + outline[i]]++;
+    sum[2 * labels[i] + outline[i]] += presence[i];
   }
-  const kept = enclosed.map((inside, k) => inside && sum[k] / size[k] > HOLE);
-  const known = labelled(labels, kept);
-  const first = Uint8Array.from(labels, (label, i) => Number(!inked[i] && (enclosed[label] ? kept[label] : presence[i] > 0.5)));
-  const solid = withoutGuesses(first, known, presence, wide, high);
+  const [kept, mixed] = [new Uint8Array(count), new Uint8Array(count)];
+  for (let cell = 2; cell < count; cell++) {
+    const [mean, inside, within] = [sum[cell] / Math.max(size[cell], 1), enclosed[cell >> 1], cell % 2 === 1];
+    kept[cell] = (within ? mean >= HOLE || (inside && size[cell] < EYE * object) : inside && mean > ADDED) ? 1 : 0;
+    mixed[cell] = !inside && (!within || mean < PART) && size[cell] ? 1 : 0;
+  }
+  let solid = new Uint8Array(labels.length);
+  for (let i = 0; i < solid.length; i++) {
+    if (inked[i]) continue;
+    const cell = 2 * labels[i] + outline[i];
+    solid[i] = mixed[cell] ? Number(presence[i] > 0.5) : kept[cell];
+  }
+  if (mixed.includes(1)) solid = withoutGuesses(solid, outline, presence, wide, high);
   const near = dilated(solid, wide, high, ellipse(reachOf(inked, wide, high)));
   const mask = solid.slice();
-  for (let i = 0; i < mask.length; i++) if (inked[i] && ((near[i] && presence[i] > 0.15) || presence[i] > 0.4)) mask[i] = 1;
+  for (let i = 0; i < mask.length; i++) if (inked[i] && (near[i] ? outline[i] || presence[i] > 0.15 : presence[i] > 0.4)) mask[i] = 1;
   // Between a line and what it bounds there is no gap of a pixel.
   const closed = eroded(dilated(mask, wide, high, SQUARE), wide, high, SQUARE);
-  for (let i = 0; i < mask.length; i++) if (closed[i] && presence[i] > 0.3 && (kept[labels[i]] || !enclosed[labels[i]])) mask[i] = 1;
+  for (let i = 0; i < mask.length; i++) {
+    if (closed[i] && (outline[i] || presence[i] > 0.3) && !(outline[i] && labels[i] && !kept[2 * labels[i] + 1])) mask[i] = 1;
+  }
   return mask;
 }
 
-/** Returns the object without areas that no line encloses and that are specks, or that the reader is unsure of. @param {Uint8Array} solid @param {Uint8Array} known what lines enclose @param {Float32Array} presence @param {number} wide @param {number} high */
-function withoutGuesses(solid, known, presence, wide, high) {
-  const { labels, boxes } = components(without(solid, known), wide, high, 4);
+/** Returns the object without areas off the outline that are specks, or of which the reader is unsure. @param {Uint8Array} solid @param {Uint8Array} outline @param {Float32Array} presence @param {number} wide @param {number} high */
+function withoutGuesses(solid, outline, presence, wide, high) {
+  const { labels, boxes } = components(without(solid, outline), wide, high, 4);
   const sum = new Float64Array(boxes.length);
   for (let i = 0; i < labels.length; i++) sum[labels[i]] += presence[i];
   const least = SPECK * Math.max(sumOf(solid), 1);

@@ -1,13 +1,14 @@
-/** Filling: what the lines of a drawing enclose, with small gaps closed, as normalgan.inference.mask.outline_mask does it in Python. */
+/** Filling: what the lines of a drawing enclose, with small gaps closed, as normalgan.inference.mask.filling and outline_mask do it in Python. */
 
 import { lineWidth } from "./prepare.js";
 import { above, blurred, both, boxOf, either, enclosedBy, refitted, rint, sumOf, thicker, without } from "./raster.js";
 
 export const SIDE = 512;
 export const INKED = 0.35;
-/** Half the widths of gaps that are closed, as shares of the span. */
-const GAPS = [0, 0.005, 0.012, 0.018];
-const ENOUGH = 0.93;
+/** Half the widths of gaps, as shares of the span: those closed in any case, and if most of the outline is open. */
+const [SMALL, LARGE] = [[0, 0.005, 0.012, 0.018], [0.026, 0.04, 0.06]];
+const MARGIN = 0.06;
+const [ENOUGH, FAILED] = [0.93, 0.5];
 
 /** Returns the size at which the object is decided. @param {number} width @param {number} height @returns {[number, number]} */
 export function decided(width, height) {
@@ -22,23 +23,25 @@ export function enlarged(mask, wide, high, width, height) {
 }
 
 /**
- * Returns the mask of what lines enclose, and how much of the ink encloses anything.
+ * Returns the mask of what lines enclose, how much of the ink encloses anything, and whether a wide gap was closed.
  * @param {Uint8Array} lines @param {number} width @param {number} height
  */
 export function fillOutline(lines, width, height) {
   const box = boxOf(lines, width, height, 0);
-  if (!box) return { mask: new Uint8Array(lines.length), closed: 0 };
+  if (!box) return { mask: new Uint8Array(lines.length), closed: 0, guessed: false };
   const span = Math.max(box[2] - box[0], box[3] - box[1]);
-  const margin = Math.floor(Math.max(...GAPS) * span) + 2;
+  const margin = Math.floor(MARGIN * span) + 2;
   const [padded, rows] = [width + 2 * margin, height + 2 * margin];
   const inked = new Uint8Array(padded * rows);
   for (let y = 0; y < height; y++) inked.set(lines.subarray(y * width, (y + 1) * width), (y + margin) * padded + margin);
   const filling = new Filling(inked, padded, rows, span);
-  filling.take(GAPS);
+  filling.take(SMALL);
+  const before = filling.closed;
+  if (before < FAILED) filling.take(LARGE);
   const filled = filling.mask();
   const mask = new Uint8Array(lines.length);
   for (let y = 0; y < height; y++) mask.set(filled.subarray((y + margin) * padded + margin, (y + margin) * padded + margin + width), y * width);
-  return { mask, closed: filling.closed };
+  return { mask, closed: filling.closed, guessed: filling.closed > before };
 }
 
 /** An inside that grows while gaps are closed. */

@@ -70,9 +70,9 @@ function coveredBy({ covered, width, height }, mask) {
 }
 
 /** Returns the mask and what is to be said of it. @param {Prepared} prepared @param {Uint8Array} present @returns {{mask: Uint8Array, findings: Finding[]}} */
-function chosen({ mask, closed, unsure }, present) {
+function chosen({ mask, closed, guessed, unsure }, present) {
   if (!mask) return { mask: present, findings: [] };
-  if (closed >= CLOSED) return { mask, findings: unsure };
+  if (closed >= CLOSED) return { mask, findings: guessed ? [{ code: "gap" }] : unsure };
   return { mask: mask.map((value, i) => value | present[i]), findings: [{ code: "open", share: closed }] };
 }
 

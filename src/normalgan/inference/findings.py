@@ -12,6 +12,7 @@ Code = Literal[
     "alone",
     "edge",
     "empty_mask",
+    "gap",
     "held",
     "hints",
     "no_lines",
@@ -105,6 +106,10 @@ _WORDS: dict[Code, Callable[[Finding], str]] = {
     "alone": lambda _: "until its outline is closed, it is predicted without the other layers",
     "edge": lambda finding: (
         f"no line bounds the object about {_places(finding)}, so its edge is a guess; close it if it is wrong"
+    ),
+    "gap": lambda _: (
+        "its outline has a wide gap, which was closed by a straight line; "
+        "draw on there, or give --mask, if the object goes on"
     ),
     "held": lambda _: (
         "its outline is open, so the object stays as it was before; close the gaps, or give --mask"

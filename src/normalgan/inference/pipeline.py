@@ -180,5 +180,5 @@ def _found(prepared: Prepared, present: BoolMask) -> tuple[BoolMask, tuple[Findi
     if prepared.held:
         return prepared.mask, (Finding("held"),)
     if prepared.closed >= CLOSED:
-        return prepared.mask, prepared.unsure
+        return prepared.mask, (Finding("gap"),) if prepared.guessed else prepared.unsure
     return prepared.mask | present, (Finding("open", share=prepared.closed),)

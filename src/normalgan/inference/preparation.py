@@ -40,6 +40,7 @@ class Prepared:
         seen: (S, S), what it is shown.
         hints: (4, S, S), or None.
         closed: share of the ink that encloses something, if the mask comes from filling the outline; else 1.
+        guessed: whether that closed a gap so wide that it may have been meant, and the reader was not asked.
         pins: the hints in pixels of the map to be, or None.
         painted: (h, w), 1 where a hand has added to the object, -1 where it has cut, 0 elsewhere; or None.
         held: whether the outline is open and the mask is the one before it was.
@@ -59,6 +60,7 @@ class Prepared:
     seen: Floats
     hints: Floats | None
     closed: float
+    guessed: bool
     pins: Hints | None = None
     painted: NDArray[np.int8] | None = None
     held: bool = False
@@ -135,6 +137,7 @@ def prepare(
         seen=render_model_input(cleaned.ink, frame, line_widths),
         hints=None,
         closed=1.0 if decision is None else decision.closed,
+        guessed=decision is not None and decision.guessed,
         painted=painted,
         line_widths=line_widths,
         unsure=unsure,

@@ -38,6 +38,13 @@ def test_a_region_is_object_or_hole_as_a_whole(vote: float, share: float) -> Non
     assert not found.mask[~cv2.dilate(disc.astype(np.uint8), np.ones((5, 5))).astype(bool)].any()
 
 
+def test_an_eye_is_never_a_hole() -> None:
+    ink, disc, _ = ring()
+    presence = np.where(disc, 0.95, 0.02).astype(np.float32)
+    presence[180:200, 118:138] = 0
+    assert decide(ink, reading(presence)).mask[190, 128]
+
+
 def test_a_point_flips_the_region_around_it_both_ways() -> None:
     ink, disc, hole = ring()
     presence = np.where(disc & ~hole, 0.95, 0.02).astype(np.float32)

@@ -22,15 +22,26 @@ def test_a_gap_in_the_outline_is_closed() -> None:
     gap[140:, 165:168] = 0
     closed = decide(gap, None)
     assert closed.closed > 0.9
+    assert not closed.guessed
     assert overlap(closed.mask, decide(INK, None).mask) > 0.97
+
+
+def test_a_wide_gap_is_closed_if_most_of_the_outline_is_open_and_told() -> None:
+    gap = INK.copy()
+    gap[120:, 154:170] = 0  # a ninth of what it spans
+    closed = decide(gap, None)
+    assert closed.closed > 0.9
+    assert closed.guessed
+    assert overlap(closed.mask, decide(INK, None).mask) > 0.95
 
 
 def test_lines_that_enclose_nothing_are_told() -> None:
     parallel = decide(drawn([(20, 50), (180, 50)], [(20, 90), (100, 90), (180, 150)]), None)
-    assert parallel.closed < 0.5
+    assert parallel.guessed or parallel.closed < 0.5
     single = decide(drawn([(20, 50), (180, 60)]), None)
     assert not single.mask.any()
     assert single.closed == 0
+    assert not single.guessed
 
 
 def test_what_shot_beyond_its_goal_does_not_belong_to_the_object() -> None:

@@ -26,8 +26,12 @@ _OFF, _LEAST_OFF = 2.5, 2.0
 """How far the edge found at that size may be off, in its pixels; and at least, in pixels of the drawing."""
 _INKED = 0.35
 """Least ink of a line."""
-_HOLE = 0.35
-"""Mean presence below which an enclosed region is a hole."""
+_HOLE, _PART = 0.3, 0.75
+"""Mean presence below which a region is a hole; and above which an open one is object all over."""
+_EYE = 0.004
+"""Share of the object below which an enclosed region is an eye or a button, and never a hole."""
+_ADDED = 0.6
+"""Mean presence from which an enclosed region is object although no outline encloses it."""
 _SURE, _SPECK = 0.72, 0.002
 """Least mean presence of an area that no outline encloses, and its least share of the object."""
 _UNSURE = 0.15, 0.7, 0.02
@@ -55,7 +59,8 @@ class Decision:
         mask: (H, W), the object at the drawing's size.
         coverage: (H, W) in [0, 1], how much of each pixel that is.
         closed: share of the lines that lie in or at the object.
-        by_lines: whether lines alone enclose most of what is drawn.
+        guessed: whether a wide gap was closed although the reader was not asked.
+        by_lines: whether lines alone enclose most of what is drawn, without a wide gap.
         unsure: regions that may or may not be object, and edges without a line; places are in pixels of the
             ink as it was given.
     """
@@ -70,6 +75,7 @@ class Decision:
     mask: BoolMask
     coverage: Floats
     closed: float
+    guessed: bool
     by_lines: bool
     unsure: tuple[Finding, ...]
 
@@ -136,7 +142,7 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
     else:
         summed = np.bincount(regions.ravel(), weights=presence.ravel(), minlength=count)
         votes = (summed / sizes).astype(np.float32)
-        small = _voted(inked, regions, enclosed, votes, presence)
+        small = _voted(inked, regions, enclosed, outline, presence)
         if not small.any():
             small = outline
     total = int(np.count_nonzero(small))
@@ -163,7 +169,8 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
         mask=coverage > 0.5,
         coverage=coverage,
         closed=filled.closed if presence is None else _closed(inked, small),
-        by_lines=filled.closed >= CLOSED,
+        guessed=presence is None and filled.guessed,
+        by_lines=filled.closed >= CLOSED and not filled.guessed,
         unsure=tuple(unsure),
     )
 
@@ -178,31 +185,44 @@ def _enclosed(stats: NDArray[np.int32], size: tuple[int, int]) -> BoolMask:
 
 
 def _voted(
-    inked: BoolMask, regions: NDArray[np.int32], enclosed: BoolMask, votes: Floats, presence: Floats
+    inked: BoolMask, regions: NDArray[np.int32], enclosed: BoolMask, outline: BoolMask, presence: Floats
 ) -> BoolMask:
-    """Return the object (h, w): regions by their votes, open ones pixel by pixel, and their lines."""
-    kept = enclosed & (votes > _HOLE)
-    solid: BoolMask = np.where(enclosed[regions], kept[regions], presence > 0.5) & ~inked
-    solid = _without_guesses(solid, kept[regions], presence)
+    """Return the object (h, w): regions by their votes, with the lines about them."""
+    # A cell is a part of a region that the outline treats alike.
+    count = len(enclosed)
+    cells = np.where(inked, 0, 2 * regions + outline)
+    size = np.bincount(cells.ravel(), minlength=2 * count)
+    mean = np.bincount(cells.ravel(), weights=presence.ravel(), minlength=2 * count) / np.maximum(size, 1)
+    within = np.arange(2 * count) % 2 == 1
+    inside = np.repeat(enclosed, 2)
+    kept = np.where(within, mean >= _HOLE, inside & (mean > _ADDED))
+    kept |= within & inside & (size < _EYE * np.count_nonzero(outline))
+    pixelwise = ~inside & (~within | (mean < _PART))
+    kept[0] = pixelwise[0] = False
+    mixed = pixelwise[cells]
+    solid: BoolMask = np.where(mixed, presence > 0.5, kept[cells]) & ~inked
+    if mixed.any():
+        solid = _without_guesses(solid, outline, presence)
     reach = 2 * round(line_width(inked) + 1.5) + 1
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (reach, reach))
     near = cv2.dilate(solid.astype(np.uint8), disc) > 0
-    mask = solid | (inked & ((near & (presence > 0.15)) | (presence > 0.4)))
+    lines = inked & ((outline & near) | (near & (presence > 0.15)) | (presence > 0.4))
+    mask = solid | lines
     # Between a line and what it bounds there is no gap of a pixel.
     closed = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8)) > 0
-    mask |= closed & (presence > 0.3) & ~(enclosed & ~kept)[regions]
+    mask |= closed & ((presence > 0.3) | outline) & ~(within & ~kept)[cells]
     return mask
 
 
-def _without_guesses(solid: BoolMask, kept: BoolMask, presence: Floats) -> BoolMask:
-    """Return the object without areas outside of kept regions that are specks or unsure."""
-    added = solid & ~kept
+def _without_guesses(solid: BoolMask, outline: BoolMask, presence: Floats) -> BoolMask:
+    """Return the object without areas off the outline that are specks, or of which the reader is unsure."""
+    added = solid & ~outline
     count, labels, stats, _ = cv2.connectedComponentsWithStats(added.astype(np.uint8), connectivity=4)
     area = stats[:, cv2.CC_STAT_AREA]
     sure = np.bincount(labels.ravel(), weights=presence.ravel(), minlength=count) >= _SURE * area
-    believed = sure & (area >= _SPECK * max(int(np.count_nonzero(solid)), 1))
-    believed[0] = True
-    found: BoolMask = solid & believed[labels]
+    kept = sure & (area >= _SPECK * max(int(np.count_nonzero(solid)), 1))
+    kept[0] = True
+    found: BoolMask = solid & kept[labels]
     return found
 
 

@@ -17,6 +17,7 @@ const WORDS = {
   alone: () => text.foundAlone,
   edge: () => text.foundEdge,
   empty_mask: () => text.foundEmptyMask,
+  gap: () => text.foundGap,
   held: () => text.foundHeld,
   hints: ({ count = 1, total = 1 }) => (count === 1 ? text.foundPoint : say("foundPoints", { count, total })),
   no_lines: () => text.foundNoLines,

@@ -158,6 +158,7 @@ export const text = {
   foundAlone: "Until its outline is closed, this layer is predicted without the others.",
   foundEdge: "No line bounds the object here, so its edge is a guess. Close it if it is wrong.",
   foundEmptyMask: "Nothing is left of the object. Add to it with the mask brush.",
+  foundGap: "A wide gap in the outline was closed by a straight line. If the object goes on there, draw its edge.",
   foundHeld: "The outline is open, so the object stays as it was. Close the gaps.",
   foundPoint: "A point is off the object. Drag it back.",
   foundPoints: "{count} of {total} points are off the object. Drag them back.",

@@ -150,6 +150,7 @@ export const words = {
   foundAlone: "Bis ihr Umriss geschlossen ist, wird diese Ebene ohne die anderen vorhergesagt.",
   foundEdge: "Hier begrenzt keine Linie das Objekt, der Rand ist geschätzt. Schließe ihn, wenn er nicht stimmt.",
   foundEmptyMask: "Vom Objekt ist nichts übrig. Füge mit dem Maskenpinsel etwas hinzu.",
+  foundGap: "Eine breite Lücke im Umriss wurde gerade geschlossen. Geht das Objekt dort weiter, zeichne seinen Rand.",
   foundHeld: "Der Umriss ist offen, darum bleibt das Objekt, wie es war. Schließe die Lücken.",
   foundPoint: "Ein Punkt liegt neben dem Objekt. Zieh ihn zurück.",
   foundPoints: "{count} von {total} Punkten liegen neben dem Objekt. Zieh sie zurück.",

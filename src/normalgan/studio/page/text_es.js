@@ -150,6 +150,7 @@ export const words = {
   foundAlone: "Hasta que se cierre su contorno, esta capa se predice sin las demás.",
   foundEdge: "Aquí ninguna línea delimita el objeto y su borde es una suposición. Ciérralo si no es correcto.",
   foundEmptyMask: "No queda nada del objeto. Añade algo con el pincel de máscara.",
+  foundGap: "Una abertura ancha del contorno se cerró con una recta. Si el objeto sigue ahí, dibuja su borde.",
   foundHeld: "El contorno está abierto, así que el objeto queda como estaba. Cierra las aberturas.",
   foundPoint: "Un punto está fuera del objeto. Arrástralo de vuelta.",
   foundPoints: "{count} de {total} puntos están fuera del objeto. Arrástralos de vuelta.",

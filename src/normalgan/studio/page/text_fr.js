@@ -150,6 +150,7 @@ export const words = {
   foundAlone: "Tant que son contour n'est pas fermé, ce calque est prédit sans les autres.",
   foundEdge: "Aucune ligne ne borde l'objet ici ; son bord est une supposition. Fermez-le s'il est faux.",
   foundEmptyMask: "Il ne reste rien de l'objet. Ajoutez-y avec le pinceau de masque.",
+  foundGap: "Un large trou du contour a été fermé par une droite. Si l'objet continue là, dessinez son bord.",
   foundHeld: "Le contour est ouvert, l'objet reste donc comme avant. Fermez les trous.",
   foundPoint: "Un point est hors de l'objet. Ramenez-le.",
   foundPoints: "{count} points sur {total} sont hors de l'objet. Ramenez-les.",

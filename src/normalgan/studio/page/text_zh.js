@@ -150,6 +150,7 @@ export const words = {
   foundAlone: "在轮廓闭合之前，此图层不与其他图层一起预测。",
   foundEdge: "这里没有线条界定物体，边缘是推测的。如果不对，请闭合它。",
   foundEmptyMask: "物体已经没有剩余。请用遮罩画笔添加。",
+  foundGap: "轮廓的一个宽缺口已用直线闭合。如果物体在那里延伸，请画出边缘。",
   foundHeld: "轮廓未闭合，因此物体保持原样。请闭合缺口。",
   foundPoint: "有一个点在物体之外。请把它拖回来。",
   foundPoints: "{total} 个点中有 {count} 个在物体之外。请把它们拖回来。",
