@@ -15,7 +15,6 @@ from pathlib import Path
 
 import cv2
 import numpy as np
-from PIL import Image
 
 from normalgan.__main__ import main as normalgan
 from normalgan.arrays import BoolMask, Floats
@@ -25,7 +24,7 @@ from normalgan.inference.network.onnx_backend import SHIPPED, OnnxBackend
 from normalgan.inference.pipeline import finish
 from normalgan.inference.preparation import Prepared, prepare
 from normalgan.inference.reading.picture import Picture
-from normalgan.normals import normalize
+from normalgan.normals import normalize, read_png
 
 SIDE, OVERLAP = 512, 6
 PARTS, WHOLES = (0.08, 0.15, 0.25, 0.4), (0.15, 0.25, 0.4, 0.6)
@@ -44,23 +43,12 @@ class View:
 
 def view(mesh: Path, folder: Path, azimuth: int) -> View:
     """Draw a mesh."""
-    lines, normals = folder / "lines.png", folder / "normals.png"
-    given = [
-        str(mesh),
-        "-o",
-        str(lines),
-        "--normal",
-        str(normals),
-        "--azimuth",
-        str(azimuth),
-        "--size",
-        str(SIDE),
-    ]
-    if normalgan(["sketch", *given]):
+    lines, truth = folder / "lines.png", folder / "normals.png"
+    given = f"-o {lines} --normal {truth} --azimuth {azimuth} --size {SIDE}".split()
+    if normalgan(["sketch", str(mesh), *given]):
         raise InputError(f"{mesh} cannot be drawn")
-    rgba = np.asarray(Image.open(normals).convert("RGBA"), np.float32)
-    ink = 1 - np.asarray(Image.open(lines).convert("L"), np.float32) / 255
-    return View(ink, rgba[..., 3] > 127, normalize(rgba[..., :3] / np.float32(127.5) - 1))
+    normals, opacity = read_png(truth)
+    return View(1 - cv2.imread(str(lines), 0).astype(np.float32) / 255, opacity > 0.5, normals)
 
 
 def parts_of(seen: View):
@@ -86,11 +74,8 @@ def before(seen: View, other: View, share: float) -> tuple[list[tuple[Floats, Bo
     side, canvas = round(2 * SIDE * share), (2 * SIDE, 2 * SIDE)
     top, left = min(SIDE, 2 * SIDE - side), min(SIDE - SIDE // 8, 2 * SIDE - side)
     place = np.s_[top : top + side, left : left + side]
-    ink, normals, mask = (
-        np.zeros(canvas, np.float32),
-        np.zeros((*canvas, 3), np.float32),
-        np.zeros(canvas, bool),
-    )
+    ink, mask = np.zeros(canvas, np.float32), np.zeros(canvas, bool)
+    normals = np.zeros((*canvas, 3), np.float32)
     ink[place] = np.minimum(1.5 * cv2.resize(seen.ink, (side, side), interpolation=cv2.INTER_AREA), 1)
     normals[place] = normalize(cv2.resize(seen.normals, (side, side)))
     mask[place] = cv2.resize(seen.mask.astype(np.uint8), (side, side)) > 0

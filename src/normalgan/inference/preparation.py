@@ -166,14 +166,13 @@ def _clean_and_read(
     """
     try:
         cleaned = clean(shown)
-    except InputError as error:
-        lacking = LackingError(str(error), "no_lines")
+    except LackingError:
         if not asked or picture.alpha is not None:
-            raise lacking from error
+            raise
         reading = read(picture)
         silhouette = reading.presence_at(shown.size) > 0.5
         if not _LEAST <= silhouette.mean() <= 1 - _LEAST:
-            raise lacking from error
+            raise
         lines = np.where(silhouette, lines_of(reading, shown.size), 0)
         return Cleaned(np.maximum(lines, contour(silhouette)).astype(np.float32), None), reading
     if not asked or (cleaned.silhouette is not None and not always):

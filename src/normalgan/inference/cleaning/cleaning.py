@@ -7,10 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import Floats
-from normalgan.errors import InputError
 from normalgan.inference.cleaning.paper import ink_on_paper
 from normalgan.inference.cleaning.polarity import is_light_on_dark
 from normalgan.inference.cleaning.silhouette import contour, enclosed_by, is_silhouette, over_own_colour
+from normalgan.inference.findings import LackingError
 from normalgan.inference.reading.picture import Picture
 
 __all__ = ["Cleaned", "clean", "without_specks"]
@@ -37,7 +37,7 @@ def clean(picture: Picture) -> Cleaned:
     """Return the ink of a drawing: a photo, a scan, pencil, chalk, coloured, painted or transparent.
 
     Raises:
-        InputError: if it holds no line.
+        LackingError: if it holds no line.
     """
     colour, silhouette = picture.colour, None
     if picture.alpha is not None and is_silhouette(picture.alpha) and not _is_ink(colour, picture.alpha):
@@ -53,7 +53,9 @@ def clean(picture: Picture) -> Cleaned:
     if silhouette is not None:
         ink = np.maximum(np.where(silhouette, ink, 0), contour(silhouette))
     if float(ink.max()) < 0.3:
-        raise InputError("no line is seen in it; a sketch needs lines that differ from their paper.")
+        raise LackingError(
+            "no line is seen in it; a sketch needs lines that differ from their paper.", "no_lines"
+        )
     return Cleaned(ink.astype(np.float32), silhouette)
 
 
