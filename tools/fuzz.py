@@ -255,12 +255,11 @@ def weights() -> Read:
 
 
 def configuration() -> Read:
-    """Files in YAML: a configuration, a plan, a cluster file."""
+    """Files in YAML: a configuration, a plan."""
     with instrumented():
         import normalgan.benchmark.plan
-        import normalgan.cli.config_files
-        import normalgan.data.jobs.cluster_address  # noqa: F401
-    return lambda data: read_as(data, "file.yaml", "configuration", "plan", "cluster")
+        import normalgan.cli.config_files  # noqa: F401
+    return lambda data: read_as(data, "file.yaml", "configuration", "plan")
 
 
 def project() -> Read:

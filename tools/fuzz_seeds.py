@@ -117,10 +117,10 @@ def _other(target: str) -> Iterable[tuple[str, bytes | str]]:
         content = make_weights().to_bytes()
         yield from {"sound": content, "cut": content[:-9], "header": b"\xff" * 8 + content[8:]}.items()
     elif target == "configuration":
-        from hostile import CLUSTERS, CONFIGURATIONS, PLANS
+        from hostile import CONFIGURATIONS, PLANS
         from sound_files import sound
 
-        for reader, files in (("configuration", CONFIGURATIONS), ("plan", PLANS), ("cluster", CLUSTERS)):
+        for reader, files in (("configuration", CONFIGURATIONS), ("plan", PLANS)):
             yield from sound()[reader].items()
             for name, (content, _) in files.items():
                 yield f"{reader}-{name}", content
@@ -141,7 +141,7 @@ READERS = {
     "mesh": ("mesh",),
     "checkpoint": (),
     "weights": (),
-    "configuration": ("configuration", "plan", "cluster"),
+    "configuration": ("configuration", "plan"),
     "project": (),
     "model": ("model",),
     "layers": (),

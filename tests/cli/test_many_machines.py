@@ -36,9 +36,7 @@ def test_a_cluster_that_cannot_be_had_is_one_sentence(
 
 @pytest.mark.slow  # of its parts, test_s3.py and test_stream.py
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # see test_s3.py
-def test_training_streams_from_s3_with_a_cache_nearby(
-    bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_training_streams_from_s3(bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with s3_server() as endpoint:
         bucket = fresh_bucket(endpoint, monkeypatch)
         settings = (
@@ -46,12 +44,6 @@ def test_training_streams_from_s3_with_a_cache_nearby(
             bucket,
             "--data.storage.memory",
             0,
-            "--data.storage.local_cache",
-            tmp_path / "nearby",
         )
         trained = bench.run("fit", tmp_path / "run", *settings, "--trainer.max_epochs", 1)
         assert trained.code == 0, trained.err
-        kept = [path for path in (tmp_path / "nearby").rglob("*") if path.is_file() and path.stat().st_size]
-        assert len(kept) == 2 * 3  # the shard to train on and that to validate, three objects each
-        small = bench.run("fit", tmp_path / "small", *settings, "--data.storage.local_cache_size", 0)
-        small.refused("local_cache_size of Storage is 0; it must be 1 or more.")

@@ -113,17 +113,6 @@ PLANS: dict[str, tuple[str | bytes, str]] = {
     "call.yaml": ("rows: !!python/object/apply:os.system ['touch touched']\n", "is not YAML"),
 }
 
-CLUSTERS: dict[str, tuple[str | bytes, str]] = {
-    "settings.yaml": (
-        laughs(8) + "class_path: a.B\ninit_args: *a8\n",
-        "stands for more than 100000 values; a cluster needs no such thing",
-    ),
-    "deep.yaml": ("init_args: " + "[" * 100_000 + "]" * 100_000, "is nested more than 50 deep"),
-    "long.yaml": ("class_path: a.B\n" + "# more\n" * 100_000, "has more than 262144 bytes"),
-    "itself.yaml": ("class_path: a.B\ninit_args: &a {a: *a}\n", "contains itself, at *a"),
-    "call.yaml": ("class_path: !!python/object/apply:os.system ['touch touched']\n", "cannot be read"),
-}
-
 ORIENTATIONS: dict[str, tuple[str | bytes, str]] = {
     "deep.json": ("[" * 200_000 + "]" * 200_000, "is not JSON"),
     "digits.json": ("1" * 100_000, "is not JSON"),

@@ -87,13 +87,6 @@ def plan(path: Path) -> None:
     read_plan(path)
 
 
-def cluster(path: Path) -> None:
-    """Read the file that says what cluster to render on."""
-    from normalgan.data.jobs.cluster_address import read_cluster
-
-    read_cluster(path)
-
-
 def checkpoint(path: Path) -> None:
     """Read the model in a checkpoint: as commands do that predict with it, and as `fit` does to go on."""
     from normalgan.weights.checkpoint import read_checkpoint
@@ -106,7 +99,7 @@ def checkpoint(path: Path) -> None:
 READERS: dict[str, Callable[[Path], None]] = {
     read.__name__: read
     for read in (
-        *(mesh, rig, configuration, drawing, model, hints, orientation, split, plan, cluster),
+        *(mesh, rig, configuration, drawing, model, hints, orientation, split, plan),
         checkpoint,
     )
 }

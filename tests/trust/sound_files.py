@@ -25,12 +25,6 @@ rows:
   - {name: ours, label: ours, group: ours, configs: [configs/ours.yaml], settings: {model.n_critic: 1}}
 reference: ours
 """
-CLUSTER = """\
-class_path: distributed.LocalCluster
-init_args: {n_workers: 0, threads_per_worker: 1, dashboard_address: ":0", processes: false}
-adapt: {minimum: 1, maximum: 3}
-patience: 3600
-"""
 
 
 def sound() -> dict[str, dict[str, bytes]]:
@@ -65,7 +59,6 @@ def sound() -> dict[str, dict[str, bytes]]:
         "orientation": {"turned.json": turned.encode()},
         "split": {"split.json": json.dumps({"train": ["a"], "val": ["b"], "test": ["c"]}).encode()},
         "plan": {"plan.yaml": PLAN.encode()},
-        "cluster": {"cluster.yaml": CLUSTER.encode()},
         "model": {"ramp.onnx": _model()},
     }
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from attacked_meshes import attacked_meshes, attacked_rigs
-from hostile import CLUSTERS, CONFIGURATIONS, MESHES, ORIENTATIONS, PLANS, TRIANGLE, gltf
+from hostile import CONFIGURATIONS, MESHES, ORIENTATIONS, PLANS, TRIANGLE, gltf
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from limited import SECONDS, read_limited
@@ -29,7 +29,6 @@ HOSTILE: dict[str, Callable[[], Files]] = {
     "rig": attacked_rigs,
     "configuration": lambda: CONFIGURATIONS,
     "plan": lambda: PLANS,
-    "cluster": lambda: CLUSTERS,
     "orientation": lambda: ORIENTATIONS,
 }
 """Hostile files by reader and name, and a part of the sentence that refuses each.
@@ -74,7 +73,7 @@ def test_sound_files_are_read_and_hostile_ones_refused_in_one_sentence(tmp_path:
 
 TEXTS = [
     (reader, name, content)
-    for reader in ("configuration", "plan", "cluster", "orientation", "split", "hints")
+    for reader in ("configuration", "plan", "orientation", "split", "hints")
     for name, content in sound()[reader].items()
     if not name.endswith(".png")
 ]

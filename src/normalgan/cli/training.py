@@ -103,7 +103,7 @@ class RenderingTrainer(Trainer):
             model: not used.
             datamodule: which samples.
             cluster: a Dask cluster to render on instead of this machine: tcp://host:port, a scheduler file
-                (.json), local:N, or a YAML file with class_path and init_args of a cluster class.
+                (.json), or local:N for N processes here.
         """
         datamodule.render(cluster)
 

@@ -28,7 +28,6 @@ from normalgan.data.sketches import SketchDataset, SketchSample
 from normalgan.data.sources import DataSource, MeshGroup, PairSource, SplitSettings
 from normalgan.data.sources.meshes import join_variants, split_meshes
 from normalgan.data.splits import SPLITS
-from normalgan.data.store.local_cache import LocalCache
 from normalgan.data.store.manifest import fingerprints, views_by_split
 from normalgan.errors import InputError
 from normalgan.inference.jobs.plan import find_files
@@ -150,9 +149,6 @@ class MeshDataModule(LightningDataModule):
             )
         self.on_the_fly = on_the_fly
         self.cache, self.storage = cache, storage
-        self.nearby = (
-            LocalCache(storage.local_cache, storage.local_cache_size) if storage.local_cache else None
-        )
         self.batch_size, self.workers = batch_size, workers
         self.augmentation = augmentation
         self.seed = seed
@@ -330,9 +326,7 @@ class MeshDataModule(LightningDataModule):
         # A training pair that cannot be used keeps its place, whenever that is found: a resumed run, which
         # knows it from the start, has the same order.
         later = {*self._later(), *(["train"] if self.of_pairs else [])}
-        stores = open_samples(
-            self.cache, self.kept, self.views_per_mesh, self.recipe, self.nearby, later=later
-        )
+        stores = open_samples(self.cache, self.kept, self.views_per_mesh, self.recipe, later=later)
         substitute = self.of_pairs and split == "train"
         return SampleDataset(stores[split], self.storage.memory, max(self.workers, 1), substitute)
 

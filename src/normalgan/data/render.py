@@ -21,7 +21,6 @@ from normalgan.data.jobs.workers import Workers
 from normalgan.data.recipe import Loadable, SampleRecipe
 from normalgan.data.splits import plural
 from normalgan.data.store.layout import Layout, Shard
-from normalgan.data.store.local_cache import LocalCache
 from normalgan.data.store.manifest import Manifest, dataset_key, fingerprints, views_by_split
 from normalgan.data.store.shards import ShardedSamples
 from normalgan.data.store.storage import Storage
@@ -112,7 +111,6 @@ def open_samples(
     sources: Sources,
     views_per_mesh: int | Mapping[str, int],
     recipe: SampleRecipe,
-    local_cache: LocalCache | None = None,
     later: Collection[str] = (),
 ) -> dict[str, ShardedSamples]:
     """Return the samples that `render_samples` has made for the same request; writes nothing.
@@ -122,8 +120,6 @@ def open_samples(
         sources: the meshes by split.
         views_per_mesh: samples of each mesh.
         recipe: how they were made.
-        local_cache: where shards of a distant store are kept after their first use; a folder on this machine
-            needs none, and gets none.
         later: splits whose missing and damaged samples are made when they are first read. A mesh or pair that
             fails keeps its index there, so the order of the others does not depend on when it failed.
 
@@ -138,11 +134,11 @@ def open_samples(
         raise InputError(f"not all of these samples are in {folder.url}; render them first.")
     make = MakeShard(folder.address, recipe, meshes)
     lazy = {
-        split: ShardedSamples(folder.url, split, layout, (), local_cache, make)
+        split: ShardedSamples(folder.url, split, layout, (), make)
         for split, layout in manifest.splits.items()
         if split in later
     }
-    return manifest.finished(folder, local_cache)[0] | lazy
+    return manifest.finished(folder)[0] | lazy
 
 
 def _make_one(store: ShardedSamples, make: MakeShard) -> None:

@@ -97,15 +97,10 @@ class Storage:
     Args:
         memory: bytes that a split may take in memory; larger ones are read from the cache as needed. On the
             fly, what the meshes may take in all workers together.
-        local_cache: folder on this machine for shards of a cache behind a URL, so that each is fetched once;
-            None fetches shards each time. A cache on this machine needs none.
-        local_cache_size: bytes that may be used there.
         render_workers: processes that render what is kept, side by side; 0 renders in this one.
     """
 
     memory: Count = 2 * 1024**3
-    local_cache: str | None = None
-    local_cache_size: PositiveInt = 20 * 10**9
     render_workers: Count = 2
 
     def __post_init__(self) -> None:

@@ -14,7 +14,6 @@ from toys import Octahedron, assert_same, contents, recipe
 from normalgan.data.dataset import SampleDataset
 from normalgan.data.render import open_samples, render_samples
 from normalgan.data.store import storage
-from normalgan.data.store.local_cache import LocalCache
 from normalgan.data.store.storage import Storage, options
 from normalgan.errors import InputError
 from s3_server import forget, fresh_bucket, s3_server
@@ -202,26 +201,3 @@ def test_the_limits_are_the_users_to_change(monkeypatch: pytest.MonkeyPatch) -> 
     assert "retries" not in options("s3://b")["config_kwargs"]
     monkeypatch.setitem(fsspec.config.conf, "s3", {"config_kwargs": {"connect_timeout": 99}})
     assert "config_kwargs" not in options("s3://b")
-
-
-@pytest.mark.slow
-def test_a_cache_nearby_saves_the_way(bucket: str, tmp_path: Path) -> None:
-    render(bucket)
-    direct = open_samples(bucket, SOURCES, VIEWS, recipe())["train"]
-    wanted = SampleDataset(direct, memory=0)[20]
-    for memory, objects in ((0, 3), (2**31, 6)):  # those of the shards that were asked for
-        folder = tmp_path / str(memory)
-        cache = LocalCache(str(folder), 16 * 200_000)
-        store = open_samples(bucket, SOURCES, VIEWS, recipe(), cache)["train"]
-        assert (SampleDataset(store, memory)[20]["normal"] == wanted["normal"]).all()
-        kept = [path for path in folder.rglob("*") if path.is_file() and path.stat().st_size]
-        assert len(kept) == objects
-    for path in kept:
-        path.write_bytes(path.read_bytes()[:-9] + b"corrupted")
-    damaged = open_samples(bucket, SOURCES, VIEWS, recipe(), cache)["train"]
-    for index in (0, 17, 20, 35):
-        assert_same(damaged.read(index), direct.read(index))  # fetched anew where the copy is damaged
-    Storage(store.url).delete("samples.zarr/train/mask/c/1/0/0")
-    assert_same(open_samples(bucket, SOURCES, VIEWS, recipe(), cache)["train"].read(35), damaged.read(35))
-    with pytest.raises(InputError, match=r"shard 1 of train in .* is unfinished or damaged"):
-        open_samples(bucket, SOURCES, VIEWS, recipe(), LocalCache(str(tmp_path / "new")))["train"].read(35)

@@ -22,6 +22,7 @@ T = TypeVar("T")
 R = TypeVar("R")
 
 _LOOK = 1.0  # seconds between two looks at who is there
+_PATIENCE = 60.0  # seconds without any worker, after which it ends
 _SILENCE = 60.0  # seconds without a result or an answer, after which it is said what is waited for
 
 
@@ -39,7 +40,6 @@ class Cluster(Pool):
         self.where = where
         self._stack = ExitStack()
         self._client: Any = None
-        self._patience = 0.0
         self._workers: set[str] = set()
         self._sent_away: set[str] = set()
         self._paused: list[str] = []
@@ -54,7 +54,7 @@ class Cluster(Pool):
             RunError: if no worker comes.
         """
         with ExitStack() as stack:
-            self._client, self._patience = connect(self.where, stack)
+            self._client = connect(self.where, stack)
             self._seen = time.monotonic()
             while not self._workers:
                 for address, flaw in self._look().items():
@@ -192,9 +192,9 @@ class Cluster(Pool):
         self._workers = set(there) - set(unfit) - self._sent_away
         if self._workers or unfit:
             self._seen = self._looked
-        elif self._looked - self._seen > self._patience:
+        elif self._looked - self._seen > _PATIENCE:
             raise RunError(
-                f"there has been no worker at {self.where} for {self._patience:.0f} seconds; what is "
+                f"there has been no worker at {self.where} for {_PATIENCE:.0f} seconds; what is "
                 "finished is kept: start workers, and run again."
             )
         return unfit

@@ -10,7 +10,6 @@ from typing import Any
 from normalgan.data.recipe import Loadable, SampleRecipe, fingerprint
 from normalgan.data.splits import plural
 from normalgan.data.store.layout import Layout
-from normalgan.data.store.local_cache import LocalCache
 from normalgan.data.store.shards import ShardedSamples
 from normalgan.data.store.storage import Storage
 from normalgan.errors import InputError
@@ -43,9 +42,7 @@ class Manifest:
         """Return the samples by split, to be written."""
         return {split: ShardedSamples(folder.url, split, layout) for split, layout in self.splits.items()}
 
-    def finished(
-        self, folder: Storage, cache: LocalCache | None = None
-    ) -> tuple[dict[str, ShardedSamples], dict[str, str]]:
+    def finished(self, folder: Storage) -> tuple[dict[str, ShardedSamples], dict[str, str]]:
         """Return the samples by split, to be read, and why a mesh could not be rendered, by name.
 
         Raises:
@@ -60,7 +57,7 @@ class Manifest:
                     f"none of the {len(failed)} meshes for {split} could be rendered; the first: {first}: "
                     f"{failed[first]}"
                 )
-            stores[split] = ShardedSamples(folder.url, split, store.layout, failed, cache)
+            stores[split] = ShardedSamples(folder.url, split, store.layout, failed)
             reasons.update(failed)
         return stores, reasons
 

@@ -1,7 +1,6 @@
-"""ObjectStore: a folder of `Storage` as Zarr reads it, if need be by way of a local cache."""
+"""ObjectStore: a folder of `Storage` as Zarr reads it."""
 
 from collections.abc import AsyncIterator, Iterable
-from hashlib import sha256
 
 from zarr.abc.store import (
     ByteRequest,
@@ -13,7 +12,6 @@ from zarr.abc.store import (
 from zarr.core.buffer import Buffer, BufferPrototype
 from zarr.core.buffer.core import default_buffer_prototype
 
-from normalgan.data.store.local_cache import LocalCache
 from normalgan.data.store.storage import Storage
 
 __all__ = ["ObjectStore"]
@@ -29,19 +27,15 @@ class ObjectStore(Store):
 
     Args:
         storage: the folder.
-        cache: where objects are kept whole after their first use; None asks for the bytes wanted every time.
     """
 
     supports_writes = False
     supports_deletes = False
     supports_listing = False
 
-    def __init__(self, storage: Storage, cache: LocalCache | None = None) -> None:
+    def __init__(self, storage: Storage) -> None:
         super().__init__(read_only=True)
         self.storage = storage
-        self.cache = cache
-        self.digests: dict[str, str] = {}
-        """SHA-256 of objects by path. Only these are cached, and by this name: bytes, not a place."""
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, ObjectStore) and self.storage.url == other.storage.url
@@ -49,29 +43,11 @@ class ObjectStore(Store):
     def __hash__(self) -> int:
         return hash(self.storage.url)
 
-    def forget(self, paths: Iterable[str]) -> None:
-        """Remove objects from the cache, so that they are fetched again."""
-        for path in paths:
-            if self.cache is not None and path in self.digests:
-                self.cache.forget(self.digests[path])
-
-    def _read(self, path: str, start: int | None, stop: int | None) -> bytes | None:
-        digest = self.digests.get(path)
-        if self.cache is None or digest is None:
-            return self.storage.read(path, start, stop)
-        return self.cache.read(digest, lambda: self._checked(path, digest), start, stop)
-
-    def _checked(self, path: str, digest: str) -> bytes:
-        content = self.storage.read(path)
-        if content is None or sha256(content).hexdigest() != digest:
-            raise ValueError(f"{path} is not what was written")
-        return content
-
     async def get(
         self, key: str, prototype: BufferPrototype | None = None, byte_range: ByteRequest | None = None
     ) -> Buffer | None:
         """Return an object or the part of it that is asked for."""
-        content = self._read(key, *_limits(byte_range))
+        content = self.storage.read(key, *_limits(byte_range))
         if content is None and key.rpartition("/")[2] not in _METADATA:
             raise ValueError(f"{key} is missing")
         buffer = (prototype or default_buffer_prototype()).buffer

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import Indices
 from normalgan.data.store.layout import Layout, Shard, array_names, blank, chunk_path, encode, metadata
-from normalgan.data.store.local_cache import LocalCache
 from normalgan.data.store.objects import ObjectStore
 from normalgan.data.store.storage import Storage
 from normalgan.errors import InputError
@@ -43,7 +42,6 @@ class ShardedSamples:
         split: which part of it, such as ``train``.
         layout: what lies where.
         left_out: names of meshes whose samples are passed over.
-        cache: where objects of a distant store are kept; not asked for a folder on this machine.
         make: writes a shard that turns out to be unfinished or damaged when it is read; None raises instead.
     """
 
@@ -53,15 +51,13 @@ class ShardedSamples:
         split: str,
         layout: Layout,
         left_out: Collection[str] = (),
-        cache: LocalCache | None = None,
         make: Callable[[Shard], None] | None = None,
     ) -> None:
         self.url, self.split, self.layout = url, split, layout
         self.left_out = frozenset(left_out)
-        self._cache = cache
         self._make = make
         self._storage = Storage(url)
-        self._opened: tuple[int, ObjectStore, dict[str, Any]] | None = None
+        self._opened: tuple[int, dict[str, Any]] | None = None
         self._trusted: set[int] = set()
 
     def __len__(self) -> int:
@@ -189,30 +185,21 @@ class ShardedSamples:
 
     def _select(self, shard: int, selection: int | slice) -> dict[str, NDArray[Any]]:
         try:
-            store, arrays = self._open()
-            self._trust(shard, store)
-            try:
-                return {name: np.asarray(array[selection]) for name, array in arrays.items()}
-            except (ValueError, RuntimeError) as error:  # checksum; decompression
-                if isinstance(error, InputError):
-                    raise
-                store.forget(
-                    _paths(self.split, shard, self.layout.hints)
-                )  # the fault may lie with the copy nearby
-                return {name: np.asarray(array[selection]) for name, array in arrays.items()}
+            arrays = self._open()
+            self._trust(shard)
+            return {name: np.asarray(array[selection]) for name, array in arrays.items()}
         except InputError:
             raise
-        except (ValueError, RuntimeError, OSError) as error:
+        except (ValueError, RuntimeError, OSError) as error:  # checksum; decompression
             raise self._trouble(shard) from error
 
-    def _trust(self, shard: int, store: ObjectStore) -> None:
-        """Check once that a shard is finished, its files of their lengths; a cache compares all bytes."""
+    def _trust(self, shard: int) -> None:
+        """Check once that a shard is finished, its files of their lengths."""
         if shard in self._trusted:
             return
         sums = _read_sums(self._storage, self.split, shard)
-        if sums is None or not (store.cache is not None or _same_sizes(self._storage, sums)):
+        if sums is None or not _same_sizes(self._storage, sums):
             raise self._trouble(shard)
-        store.digests.update({path: digest for path, (_, digest) in sums.items()})
         self._trusted.add(shard)
 
     def _trouble(self, shard: int) -> InputError:
@@ -221,14 +208,11 @@ class ShardedSamples:
             "render the data set again, which mends it."
         )
 
-    def _open(self) -> tuple[ObjectStore, dict[str, Any]]:
+    def _open(self) -> dict[str, Any]:
         if self._opened is None or self._opened[0] != os.getpid():  # a forked DataLoader worker opens its own
-            folder = self._storage / ZARR
-            store = ObjectStore(folder, None if folder.local else self._cache)
-            group = zarr.open_group(store, path=self.split, mode="r")
-            self._trusted = set()  # digests are the store's
-            self._opened = os.getpid(), store, {name: group[name] for name in array_names(self.layout.hints)}
-        return self._opened[1:]
+            group = zarr.open_group(ObjectStore(self._storage / ZARR), path=self.split, mode="r")
+            self._opened = os.getpid(), {name: group[name] for name in array_names(self.layout.hints)}
+        return self._opened[1]
 
 
 def write_shard(
