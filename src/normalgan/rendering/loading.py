@@ -11,7 +11,6 @@ import numpy as np
 from normalgan.arrays import Doubles, Indices
 from normalgan.errors import InputError, brief
 from normalgan.rendering.mesh_bytes import mesh_bytes
-from normalgan.rendering.mesh_limits import check_limits
 from normalgan.rendering.polygons import READERS, BrokenMeshError
 from normalgan.warning_filters import quiet_loggers
 
@@ -51,7 +50,6 @@ def _parts(path: Path) -> list[Triangles]:
         raise InputError(f"{path} does not exist or is not a file; name a mesh file.")
     try:
         with _silence():
-            check_limits(path)
             if suffix in READERS:
                 polygons = READERS[suffix](mesh_bytes(path))
                 return [(polygons.vertices, polygons.triangles())]
