@@ -6,19 +6,8 @@ it; it can open no files, has limits of memory and of processor time where the s
 by the clock everywhere.
 """
 
-from normalgan.decoding.process import (
-    Decoded,
-    DecodedLayer,
-    DecodedLayers,
-    Part,
-    Parts,
-    Pixels,
-    decode,
-    decode_frames,
-    decode_layers,
-    decode_tileset,
-    start,
-)
+from normalgan.decoding.process import decode, decode_frames, decode_layers, decode_tileset, start
+from normalgan.decoding.results import Decoded, DecodedLayer, DecodedLayers, Part, Parts, Pixels
 
 __all__ = [
     "Decoded",

@@ -19,19 +19,13 @@ from numpy.typing import NDArray
 
 from normalgan.decoding.decoders.opening import DTYPES, MOST_PARTS, MOST_PIXELS
 from normalgan.decoding.decoders.worker import needed
+from normalgan.decoding.results import Decoded, DecodedLayer, DecodedLayers, LayerNote, Part, Parts
 from normalgan.errors import InputError, RunError
 
 __all__ = [
     "MEMORY",
     "PATIENCE",
     "SECONDS",
-    "Decoded",
-    "DecodedLayer",
-    "DecodedLayers",
-    "LayerNote",
-    "Part",
-    "Parts",
-    "Pixels",
     "decode",
     "decode_frames",
     "decode_layers",
@@ -40,10 +34,6 @@ __all__ = [
 ]
 
 T = TypeVar("T")
-Pixels = NDArray[np.uint8] | NDArray[np.uint16] | NDArray[np.int32] | NDArray[np.float32]
-"""(H, W) grey of any of these types, or (H, W, 3) or (H, W, 4), red, green, blue and opacity, of 8 bits; as
-stored, if that is asked for, also of 16 bits or floats."""
-
 SECONDS = 10
 """Processor time for one picture."""
 MEMORY = 2**31
@@ -55,115 +45,6 @@ _MOST_HEADER = 2**20
 """Bytes of a message that holds no pixels."""
 _NONSENSE = (EOFError, OSError, ValueError, KeyError, TypeError)
 """What is raised of a child that has ended, or sends what it never should: it is not believed."""
-
-
-@dataclass(frozen=True)
-class Decoded:
-    """A picture's pixels, upright.
-
-    Args:
-        pixels: (h, w), (h, w, 3) or (h, w, 4).
-        shape: (H, W) of the file; that of the pixels unless they were reduced.
-        note: what of it is not shown as its program shows it, a part of a sentence; empty if all is.
-        partial: whether a layer of it is missing.
-    """
-
-    pixels: Pixels
-    shape: tuple[int, int]
-    note: str = ""
-    partial: bool = False
-
-
-@dataclass(frozen=True)
-class Part:
-    """One frame of an animation.
-
-    Args:
-        decoded: its pixels.
-        duration: milliseconds that it is shown.
-    """
-
-    decoded: Decoded
-    duration: int
-
-
-@dataclass(frozen=True)
-class Parts:
-    """A file of several pictures.
-
-    Args:
-        parts: the frames.
-        loop: how often they are shown; 0 is for ever.
-        note: as `Decoded` has it.
-        partial: as `Decoded` has it.
-    """
-
-    parts: list[Part]
-    loop: int
-    note: str = ""
-    partial: bool = False
-
-
-@dataclass(frozen=True)
-class DecodedLayer:
-    """A visible layer, or what it shows in one frame.
-
-    Args:
-        name: as the file has it.
-        groups: names of those that it lies in, the outermost first.
-        opacity: 0 to 255, with that of its groups; the pixels do not have it.
-        left: column of the picture in which its first one lies.
-        top: row of the picture in which its first one lies.
-        number: of the layer, from the lowest up.
-        frame: in which it shows this.
-        pixels: (h, w, 4), all within the picture.
-        clipped_to: number of the layer that it is clipped to, by which its pixels are cut; -1 if to none.
-    """
-
-    name: str
-    groups: tuple[str, ...]
-    opacity: int
-    left: int
-    top: int
-    number: int
-    frame: int
-    pixels: NDArray[np.uint8]
-    clipped_to: int = -1
-
-
-@dataclass(frozen=True)
-class LayerNote:
-    """A layer that is left out, or not shown as its program shows it.
-
-    Args:
-        name: as the file has it; empty for the whole file.
-        reason: of a layer that is left out ``damaged``, ``no_pixels`` of its own, or ``foreign``, which only
-            its program can draw; else ``effect``, or ``frame`` if one frame of an animation is used.
-    """
-
-    name: str
-    reason: str
-
-
-@dataclass(frozen=True)
-class DecodedLayers:
-    """The visible layers of a layered file.
-
-    Args:
-        shape: (H, W) of the picture.
-        durations: milliseconds that each frame is shown; one of 0 if it does not move.
-        layers: frame by frame, in each the lowest first; those that nothing is drawn on are not among them.
-        note: as `Decoded` has it.
-        partial: as `Decoded` has it.
-        notes: the same as ``note``, layer by layer.
-    """
-
-    shape: tuple[int, int]
-    durations: list[int]
-    layers: list[DecodedLayer]
-    note: str = ""
-    partial: bool = False
-    notes: tuple[LayerNote, ...] = ()
 
 
 def decode(

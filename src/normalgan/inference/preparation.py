@@ -107,25 +107,20 @@ def prepare(
     source = mask if isinstance(mask, str) else None
     asked = mask is None or source == READER
     cleaned, reading = _clean_and_read(picture, picture.resized(worked), asked, source == READER)
-    found, alpha, decision = None, None, None
-    unsure: tuple[Finding, ...] = ()
     if painted is not None:
         shown = cv2.resize(painted, worked[::-1], interpolation=cv2.INTER_NEAREST)
         painted = np.asarray(shown, np.int8)
     walls = cleaned.ink if painted is None else np.maximum(cleaned.ink, (painted > 0).astype(np.float32))
     frame = Frame.around(walls, size)
+    found, alpha, decision = None, None, None
+    scale = worked[1] / picture.shape[1]
     if isinstance(mask, np.ndarray):
         found = resize(mask.astype(np.float32), worked) > 0.5
     elif mask is None and cleaned.silhouette is not None:
         found, alpha = cleaned.silhouette, picture.alpha
     elif source != MODEL:
-        scale = worked[1] / picture.shape[1]
         decision = decide(walls, reading, [(x * scale, y * scale) for x, y in flips])
         found = decision.mask
-        unsure = tuple(
-            replace(each, places=tuple((x / scale, y / scale) for x, y in each.places))
-            for each in decision.unsure
-        )
     if flips and decision is None:
         raise InputError("a hole is cut in what lines enclose, but its mask does not come from its lines.")
     prepared = Prepared(
@@ -140,12 +135,19 @@ def prepare(
         guessed=decision is not None and decision.guessed,
         painted=painted,
         line_widths=line_widths,
-        unsure=unsure,
+        unsure=() if decision is None else _in_drawing(decision.unsure, scale),
         decision=decision,
         reading=reading,
         coverage=None if decision is None else decision.coverage,
     )
     return prepared if hints is None else hinted(prepared, hints, picture.shape)
+
+
+def _in_drawing(findings: Sequence[Finding], scale: float) -> tuple[Finding, ...]:
+    """Return findings with their places in pixels of the drawing, which is worked on at a scale."""
+    return tuple(
+        replace(each, places=tuple((x / scale, y / scale) for x, y in each.places)) for each in findings
+    )
 
 
 def _clean_and_read(

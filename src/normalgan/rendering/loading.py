@@ -11,13 +11,18 @@ import numpy as np
 from normalgan.arrays import Doubles, Indices
 from normalgan.errors import InputError, brief
 from normalgan.rendering.mesh_bytes import mesh_bytes
-from normalgan.rendering.polygons import READERS, BrokenMeshError
+from normalgan.rendering.obj import read_obj
+from normalgan.rendering.off import read_off
+from normalgan.rendering.ply import read_ply
+from normalgan.rendering.polygons import BrokenMeshError
 from normalgan.warning_filters import quiet_loggers
 
 __all__ = ["SUFFIXES", "Triangles", "read_triangles"]
 
 Triangles = tuple[Doubles, Indices]
 
+_POLYGONS = {".obj": read_obj, ".off": read_off, ".ply": read_ply}
+"""Readers of the formats whose faces may have more than three corners."""
 SUFFIXES = (".off", ".obj", ".ply", ".stl", ".glb", ".gltf")
 """The file formats taken, by suffix; upper case is as good."""
 
@@ -50,8 +55,8 @@ def _parts(path: Path) -> list[Triangles]:
         raise InputError(f"{path} does not exist or is not a file; name a mesh file.")
     try:
         with _silence():
-            if suffix in READERS:
-                polygons = READERS[suffix](mesh_bytes(path))
+            if suffix in _POLYGONS:
+                polygons = _POLYGONS[suffix](mesh_bytes(path))
                 return [(polygons.vertices, polygons.triangles())]
             return _gltf(path) if suffix in {".glb", ".gltf"} else _stl(path)
     except InputError:

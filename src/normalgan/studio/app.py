@@ -13,7 +13,7 @@ from starlette.exceptions import HTTPException
 from starlette.middleware import Middleware
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import FileResponse, HTMLResponse, JSONResponse, Response
-from starlette.routing import Mount, Route
+from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
 
 from normalgan.errors import InputError
@@ -56,33 +56,86 @@ def build_app(
         port: that it will be served at.
         opened: what the page is to open first, as `normalgan.studio.opening.find_opened` gives it.
     """
-    mimetypes.add_type("text/javascript", ".js")  # some machines call it a plain text, which browsers refuse
     predictions = PredictionRoutes(predictor)
-    importing = asyncio.Semaphore(1)  # one at a time: it may take a gigabyte
     autosaved = DocumentStore(projects.folder / "autosave")
+    kept, page = _page_routes()
+
+    @asynccontextmanager
+    async def lifespan(_: Starlette) -> AsyncIterator[None]:
+        yield
+        predictions.close()
+
+    app = Starlette(
+        routes=[
+            _about_route(predictor),
+            *_opened_routes(opened),
+            _import_route(),
+            *predictions.routes(),
+            *DocumentRoutes("/api/projects", projects, guarded=True).routes(),
+            *DocumentRoutes("/api/autosave", autosaved, False, _AUTOSAVES).routes(),
+            *page,
+        ],
+        middleware=[
+            Middleware(ResponseMiddleware, kept=kept),
+            Middleware(Guard, port=port),
+        ],
+        exception_handlers={InputError: _on_input_error, HTTPException: _known, ClientDisconnect: _left},
+        lifespan=lifespan,
+    )
+    app.router.redirect_slashes = False  # an empty name is none, and not the list of all
+    return app
+
+
+def _page_routes() -> tuple[str, list[BaseRoute]]:
+    """Return what the addresses of the page's files begin with, which are kept for ever, and its routes."""
+    mimetypes.add_type("text/javascript", ".js")  # some machines call it a plain text, which browsers refuse
+    kept = f"/page/{version_of([*PAGE.glob('*.*'), CLAY_FILE])}"
+    text = (PAGE / "index.html").read_text(encoding="utf-8")
+    page = markup(with_export_menu(text), PAGE).replace('"/page/', f'"{kept}/')
+
+    async def index(_: Request) -> Response:
+        return HTMLResponse(page)
+
+    async def clay(_: Request) -> Response:
+        return FileResponse(CLAY_FILE)  # the viewer's lit view looks like the previews of `generate`
+
+    files = StaticFiles(directory=PAGE)
+    served = [route for at in (kept, "/page") for route in (Route(f"{at}/clay.json", clay), Mount(at, files))]
+    return f"{kept}/", [Route("/", index), *served]
+
+
+def _about_route(predictor: Predictor) -> Route:
+    """Return the route that says which model predicts, and what a drawing may have."""
+    told = {
+        "version": __version__,
+        "model": {"name": predictor.name, "size": predictor.model.size, "confidence": predictor.confident},
+        "limits": {"side": MOST_SIDE, "hints": MOST_HINTS, "body": MOST_BYTES},
+        "text": f"normalgan {__version__}, {predictor.name} at {predictor.model.size} pixels",
+    }
 
     async def about(_: Request) -> Response:
-        return JSONResponse(
-            {
-                "version": __version__,
-                "model": {
-                    "name": predictor.name,
-                    "size": predictor.model.size,
-                    "confidence": predictor.confident,
-                },
-                "limits": {"side": MOST_SIDE, "hints": MOST_HINTS, "body": MOST_BYTES},
-                "text": f"normalgan {__version__}, {predictor.name} at {predictor.model.size} pixels",
-            }
-        )
+        return JSONResponse(told)
+
+    return Route("/api/about", about)
+
+
+def _opened_routes(opened: Opened | None) -> list[Route]:
+    """Return the routes by which the page gets what it opens first."""
 
     async def first(_: Request) -> Response:
-        told = opened and {name: value for name, value in opened.items() if name != "content"}
-        return JSONResponse(told)
+        return JSONResponse(opened and {name: value for name, value in opened.items() if name != "content"})
 
     async def first_file(_: Request) -> Response:
         if opened is None or "content" not in opened:
             raise HTTPException(404)
         return Response(opened["content"], media_type="application/octet-stream")
+
+    return [Route("/api/open", first), Route("/api/open/file", first_file)]
+
+
+def _import_route() -> Route:
+    """Return the route that makes a drawing, or layers, of a picture's file."""
+    importing = asyncio.Semaphore(1)  # one at a time: it may take a gigabyte
 
     async def import_(request: Request) -> Response:
         check_type(request, "image/", "application/octet-stream")
@@ -95,46 +148,7 @@ def build_app(
         async with importing:
             return JSONResponse(await run_in_threadpool(read, content))
 
-    version = version_of([*PAGE.glob("*.*"), CLAY_FILE])
-    kept = f"/page/{version}"
-    text = (PAGE / "index.html").read_text(encoding="utf-8")
-    page = markup(with_export_menu(text), PAGE).replace('"/page/', f'"{kept}/')
-
-    async def index(_: Request) -> Response:
-        return HTMLResponse(page)
-
-    async def clay(_: Request) -> Response:
-        return FileResponse(CLAY_FILE)  # the viewer's lit view looks like the previews of `generate`
-
-    @asynccontextmanager
-    async def lifespan(_: Starlette) -> AsyncIterator[None]:
-        yield
-        predictions.close()
-
-    app = Starlette(
-        routes=[
-            Route("/", index),
-            Route("/api/about", about),
-            Route("/api/open", first),
-            Route("/api/open/file", first_file),
-            Route("/api/import", import_, methods=["POST"]),
-            *predictions.routes(),
-            *DocumentRoutes("/api/projects", projects, guarded=True).routes(),
-            *DocumentRoutes("/api/autosave", autosaved, False, _AUTOSAVES).routes(),
-            Route(f"{kept}/clay.json", clay),
-            Mount(kept, StaticFiles(directory=PAGE)),
-            Route("/page/clay.json", clay),
-            Mount("/page", StaticFiles(directory=PAGE)),
-        ],
-        middleware=[
-            Middleware(ResponseMiddleware, kept=f"{kept}/"),
-            Middleware(Guard, port=port),
-        ],
-        exception_handlers={InputError: _on_input_error, HTTPException: _known, ClientDisconnect: _left},
-        lifespan=lifespan,
-    )
-    app.router.redirect_slashes = False  # an empty name is none, and not the list of all
-    return app
+    return Route("/api/import", import_, methods=["POST"])
 
 
 def _on_input_error(_: Request, error: Exception) -> Response:

@@ -16,7 +16,7 @@ from normalgan.data.loading.items import collate_decoded
 from normalgan.data.settings import Split, Storage
 from normalgan.data.sources import Pair, Pairs, SplitSettings
 from normalgan.data.sources.pair import PairRecipe
-from normalgan.data.sources.pairs import PairFiles
+from normalgan.data.sources.pair_files import PairFiles
 from normalgan.data.store.manifest import views_by_split
 from normalgan.errors import InputError
 from normalgan.files.writing import write_bytes

@@ -18,7 +18,7 @@ from normalgan.benchmark.human.drawings import HumanDrawing
 from normalgan.benchmark.human.registration import camera_of, read_placed_mesh
 from normalgan.benchmark.measure import Measured
 from normalgan.callbacks.gallery import Row
-from normalgan.data.sources.pairs import PairFiles
+from normalgan.data.sources.pair_files import PairFiles
 from normalgan.errors import InputError
 from normalgan.hints import hints_at
 from normalgan.inference.predictor import Predictor
