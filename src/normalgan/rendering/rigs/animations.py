@@ -11,9 +11,13 @@ from normalgan.rendering.gltf.container import Container, bad_gltf
 from normalgan.rendering.gltf.nodes import Nodes
 from normalgan.rendering.rigs.rig import Clip, Track
 
-__all__ = ["INTERPOLATIONS", "KINDS", "pose_at", "read_clips", "track_at"]
+__all__ = ["INTERPOLATIONS", "KINDS", "MOST_CHANNELS", "MOST_MOVED", "pose_at", "read_clips", "track_at"]
 
 KINDS = {"translation": "VEC3", "rotation": "VEC4", "scale": "VEC3"}
+MOST_CHANNELS = 2**14
+"""More channels are refused: each takes a tenth of a millisecond to read, and rigs have a few thousand."""
+MOST_MOVED = 2**18
+"""More nodes are refused, those of each animation counted again."""
 INTERPOLATIONS = ("LINEAR", "STEP", "CUBICSPLINE")
 
 
@@ -23,8 +27,14 @@ def read_clips(container: Container, nodes: Nodes) -> tuple[Clip, ...]:
     Raises:
         InputError: if one does not hold together.
     """
+    animations = container.tree.get("animations", [])
+    channels = sum(len(animation["channels"]) for animation in animations)
+    if channels > MOST_CHANNELS or len(animations) * len(nodes.parents) > MOST_MOVED:
+        raise bad_gltf(
+            container.path, f"it has {len(animations)} animations of {channels} channels; delete most of them"
+        )
     clips = []
-    for animation in container.tree.get("animations", []):
+    for animation in animations:
         tracks = [
             _track(container, nodes, animation, channel)
             for channel in animation["channels"]
