@@ -1,7 +1,9 @@
-"""Checkpoints made to do harm, by the grammar of it: pickle, settings, callbacks."""
+"""Checkpoints made to do harm, by the grammar of it: archive, pickle, tensors, settings, callbacks."""
 
 import io
 import pickle
+import struct
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -99,6 +101,15 @@ def _laughs() -> list[Any]:
     for _ in range(40):
         many = [many] * 10
     return many
+
+
+def _widen(tree: Tree) -> None:
+    """Claim a wide network whose tensors repeat one number."""
+    with torch.device("meta"):
+        wide = UNetGenerator(size=32, width=400).state_dict()
+    for name, tensor in wide.items():
+        tree["state_dict"][f"generator.{name}"] = torch.zeros((), dtype=tensor.dtype).expand(tensor.shape)
+    tree["hyper_parameters"]["generator"]["init_args"]["width"] = 400
 
 
 LAMBDA = "torch.optim.lr_scheduler.LambdaLR"
@@ -230,6 +241,37 @@ TRAINING: dict[str, tuple[Callable[[Tree], object], str]] = {
 }
 """Edits of what only goes on learning: `fit` refuses them, to all others they are nothing."""
 
+RESUMED: dict[str, tuple[Callable[[Tree], object], str]] = {
+    "no states of optimisers": (put("optimizer_states", value=[]), "optimizer_states"),
+    "one of two": (lambda tree: tree["optimizer_states"].pop(), "optimizer_states"),
+    "a state without groups": (put("optimizer_states", value=[{"state": {}}] * 2), "optimizer_states"),
+    "a state of another network": (
+        lambda tree: tree["optimizer_states"][0]["state"].update({0: {"square_avg": torch.zeros(3, 999)}}),
+        "optimizer_states",
+    ),
+    "no loops": (put("loops", value={}), "loops"),
+    "loops that are a list": (put("loops", value=[1]), "loops"),
+    "a loop that counts in words": (
+        put("loops", "fit_loop", "epoch_progress", "current", "completed", value="many"),
+        "loops",
+    ),
+    "a loop before its start": (
+        put("loops", "fit_loop", "epoch_loop.batch_progress", "total", "ready", value=-1),
+        "loops",
+    ),
+    "a loop without its counts": (put("loops", "fit_loop", "epoch_progress", value={}), "loops"),
+    "an epoch before the first": (put("epoch", value=-1), "epoch"),
+    "steps in words": (put("global_step", value="12"), "global_step"),
+    "no version": (put("pytorch-lightning_version", value="latest"), "pytorch-lightning_version"),
+    "a version as a number": (put("pytorch-lightning_version", value=2.6), "pytorch-lightning_version"),
+    "a version whose files are migrated": (
+        put("pytorch-lightning_version", value="0.9.0"),
+        "pytorch-lightning_version",
+    ),
+    "no schedules": (put("lr_schedulers", value=[]), "lr_schedulers"),
+}
+"""Edits of what a run resumes with, each with the name that the sentence has."""
+
 IGNORED: dict[str, Callable[[Tree], object]] = {
     "how Lightning builds": put("hyper_parameters", "_instantiator", value=f"{EVIL}.run"),
     "former names of the settings": put("hparams", value={"generator": SYMPY}),
@@ -257,6 +299,39 @@ def _saved(content: Any, **how: Any) -> bytes:
     return buffer.getvalue()
 
 
+def repacked(**changes: Any) -> bytes:
+    """Return a sound archive of the parts, some of them in place of others, as zipfile packs it."""
+    compressed, level = changes.pop("compressed", zipfile.ZIP_STORED), changes.pop("level", None)
+    packed = io.BytesIO()
+    with (
+        zipfile.ZipFile(io.BytesIO(bytes_of())) as whole,
+        zipfile.ZipFile(packed, "w", compressed, compresslevel=level) as target,
+    ):
+        for name in whole.namelist():
+            target.writestr(name, changes.pop(name.rpartition("/")[2], whole.read(name)))
+        for name, content in changes.items():
+            target.writestr(f"archive/{name}", content)
+    return packed.getvalue()
+
+
+def _calls(module: str, name: str, number: int) -> bytes:
+    """Return a pickle that calls something with a number, by the operations that torch's unpickler knows."""
+    return b"\x80\x02c" + f"{module}\n{name}\n".encode() + b"\x8a\x08" + struct.pack("<q", number) + b"\x85R."
+
+
+def _commented() -> bytes:
+    content = bytes_of()
+    return content[:-2] + struct.pack("<H", 3) + b"abc"
+
+
+def _lying() -> bytes:
+    """Return an archive whose list says that a part is longer than the file."""
+    content = bytearray(bytes_of())
+    entry = content.rindex(b"PK\x01\x02")
+    content[entry + 20 : entry + 28] = struct.pack("<2L", 2**31, 2**31)
+    return bytes(content)
+
+
 class Touch:
     """What a pickle of it does when it is loaded without care: it makes a file."""
 
@@ -277,5 +352,40 @@ FILES: dict[str, tuple[Callable[[], bytes], str]] = {
         "damaged or no checkpoint",
     ),
     "tensor": (lambda: _saved(torch.zeros(3)), "holds no normalgan model"),
+    "compressed": (lambda: repacked(compressed=zipfile.ZIP_DEFLATED), "its parts are compressed"),
+    "bomb": (
+        lambda: repacked(compressed=zipfile.ZIP_DEFLATED, level=1, **{"0": bytes(2**29)}),
+        "its parts are compressed",
+    ),
+    "lying": (_lying, "its parts are longer than the file"),
+    "two pickles": (lambda: repacked(**{"DATA.PKL": b"x"}), "two of its parts have the same name"),
+    "prefixed": (lambda: b"MZ" * 99 + bytes_of(), "it is no archive of torch"),
+    "commented": (_commented, "it is no archive of torch"),
+    "old format": (
+        lambda: _saved(sound(), _use_new_zipfile_serialization=False),
+        "it is no archive of torch",
+    ),
+    "bytes": (
+        lambda: repacked(**{"data.pkl": _calls("__builtin__", "bytearray", 2**40)}),
+        "it holds __builtin__.bytear",
+    ),
+    "storage": (
+        lambda: repacked(**{"data.pkl": _calls("torch.storage", "UntypedStorage", 2**40)}),
+        "it holds torch.storage.UntypedStorage",
+    ),
+    "system": (lambda: repacked(**{"data.pkl": _calls("os", "system", 1)}), "it holds os.system"),
+    "escape": (lambda: repacked(**{"data.pkl": _calls("os\x1b[2J", "a", 1)}), "it holds os??2J.a"),
+    "protocol 4": (
+        lambda: repacked(**{"data.pkl": pickle.dumps(Path("x"), protocol=4)}),
+        "a pickle that torch does not",
+    ),
+    "repeated": (lambda: bytes_of(_widen), "its tensors are larger than the file"),
 }
-"""Files that are refused, each with a part of the sentence."""
+"""Files that are refused before anything in them is loaded, each with a part of the sentence."""
+
+
+def attacked_checkpoints() -> dict[str, tuple[bytes, str]]:
+    """Return the contents of those that every command refuses, with a part of the sentence."""
+    files = {f"file{i}.ckpt": (make(), words) for i, (make, words) in enumerate(FILES.values())}
+    edits = enumerate(MODEL.values())
+    return files | {f"model{i}.ckpt": (bytes_of(edit), words) for i, (edit, words) in edits}

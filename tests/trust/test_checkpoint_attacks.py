@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 import torch
-from attacked_checkpoints import EVIL, FILES, IGNORED, MODEL, TRAINING, save, sound
+from attacked_checkpoints import EVIL, FILES, IGNORED, MODEL, RESUMED, TRAINING, save, sound
 
 from normalgan.errors import InputError
 from normalgan.weights.checkpoint import read_checkpoint
@@ -69,6 +69,17 @@ def test_training_that_would_do_harm_is_refused_by_fit_and_ignored_by_others(her
     assert read_checkpoint(path).weights(32).generator()
 
 
+@pytest.mark.parametrize("kind", RESUMED)
+def test_no_run_is_resumed_with_what_no_run_saves(here: Path, kind: str) -> None:
+    edit, name = RESUMED[kind]
+    loops = sound()["loops"]["fit_loop"]
+    read_checkpoint(save(here / "sound.ckpt")).check_progress(loops)
+    path = save(here / "bad.ckpt", edit)
+    with pytest.raises(InputError, match=f"no run can be resumed from .*bad.ckpt: its {name} is not what"):
+        read_checkpoint(path).check_progress(loops)
+    assert read_checkpoint(path).weights(32).generator()  # nobody else asks for it
+
+
 @pytest.mark.parametrize("kind", IGNORED)
 def test_what_nobody_asks_does_nothing(here: Path, kind: str) -> None:
     checkpoint = read_checkpoint(save(here / "odd.ckpt", IGNORED[kind]))
@@ -77,7 +88,7 @@ def test_what_nobody_asks_does_nothing(here: Path, kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", FILES)
-def test_a_file_that_is_no_checkpoint_is_refused(here: Path, kind: str) -> None:
+def test_files_are_refused_before_they_are_loaded(here: Path, kind: str) -> None:
     make, words = FILES[kind]
     (here / "bad.ckpt").write_bytes(make())
     refused(here / "bad.ckpt", words, training=False)

@@ -1,4 +1,4 @@
-"""Attacks on configurations: what is read in place of one."""
+"""Attacks on configurations: what is read in place of one, and how much one may stand for."""
 
 import sys
 from base64 import b64encode
@@ -12,7 +12,10 @@ from typing import Any
 import pytest
 import yaml
 from attacked_checkpoints import EVIL
+from hostile import laughs
+from jsonargparse import get_loader
 
+from normalgan.cli.config_files import load_bounded
 from normalgan.cli.training import run
 from normalgan.errors import InputError
 
@@ -71,7 +74,31 @@ def test_no_configuration_is_read_from_a_url(folder: Path, server: tuple[int, li
     assert asked == []
 
 
+@pytest.mark.parametrize(
+    "section", ["data: bomb.yaml", "model: {generator: bomb.yaml}", "data.lines: bomb.yaml"]
+)
+def test_a_bomb_in_another_file_is_refused(folder: Path, section: str) -> None:
+    (folder / "bomb.yaml").write_text(laughs(9))
+    (folder / "config.yaml").write_text(section)
+    for given in (["--config", "config.yaml"], ["--data", "bomb.yaml"]):
+        with pytest.raises(InputError, match="stands for more than 100000 values"):
+            run([*COMMAND, *given])
+
+
 def test_a_file_that_names_itself_is_refused(folder: Path) -> None:
     (folder / "config.yaml").write_text("data: config.yaml\n")
     with pytest.raises(InputError, match="loop"):
         run([*COMMAND, "--config", "config.yaml"])
+
+
+def test_a_text_is_loaded_within_bounds_wherever_it_is_met() -> None:
+    load = get_loader("yaml")
+    assert load_bounded("1e-3", load) == load("1e-3") == 0.001
+    for text, words in (
+        (laughs(9), "stands for more than 100000 values"),
+        ("a: &a [*a]", "contains itself"),
+        ("[" * 200 + "]" * 200, "nested more than 50 deep"),
+        ("x" * 2**19, "has more than 262144 bytes"),
+    ):
+        with pytest.raises(InputError, match=words):
+            load_bounded(text, load)

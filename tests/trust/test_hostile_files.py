@@ -1,115 +1,91 @@
-"""Files from strangers: each is read, or refused in one sentence."""
+"""Every reader on sound files, on what once broke it, and on hostile files, in a process with limits."""
 
-import json
 import os
-import struct
+import sys
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import pytest
+from attacked_meshes import attacked_meshes, attacked_rigs
+from hostile import CONFIGURATIONS, MESHES, ORIENTATIONS, PLANS, TRIANGLE, gltf
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from limited import SECONDS, read_limited
+from readers import READERS
+from sound_files import sound
 
-from normalgan.benchmark.plan import read_plan
-from normalgan.cli.config_files import check_config
-from normalgan.data.splits import split_by_file
 from normalgan.errors import InputError
-from normalgan.files.limits import MOST_BYTES
-from normalgan.inference.reading.drawings import read_drawing
-from normalgan.inference.reading.hint_files import load_hints
+from normalgan.files.limits import MOST_BYTES, MOST_NODES, yaml_limit_error
 from normalgan.rendering.mesh_files import MeshFile
-from normalgan.rendering.orientation import read_orientations
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="limits of memory are those of Linux")
 
 CORPUS = Path(__file__).with_name("corpus")
-"""Drawings that broke the reader once, cut down; made for these tests, CC0."""
-TRIANGLE = struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0)
-
-
-def gltf(uri: str) -> str:
-    """Return a glTF file of one triangle, whose numbers lie under a URI."""
-    return json.dumps(
-        {
-            "asset": {"version": "2.0"},
-            "scene": 0,
-            "scenes": [{"nodes": [0]}],
-            "nodes": [{"mesh": 0}],
-            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
-            "accessors": [{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3}],
-            "bufferViews": [{"buffer": 0, "byteLength": 36}],
-            "buffers": [{"byteLength": 36, "uri": uri}],
-            # Pictures are not needed: one that lies elsewhere, as exporters leave them, does no harm.
-            "images": [{"uri": "/dev/zero"}],
-            "textures": [{"source": 0}],
-            "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
-        }
-    )
-
-
-@pytest.mark.parametrize(
-    ("uri", "words"),
-    [
-        ("../../etc/passwd", "which does not lie in its folder"),  # more: test_bad_rigs.py
-        ("zero.bin", "which is no file"),
-        ("pipe", "which is no file"),
-    ],
-)
-def test_a_mesh_opens_no_file_outside_its_folder(tmp_path: Path, uri: str, words: str) -> None:
-    (tmp_path / "triangle.bin").write_bytes(TRIANGLE)
-    (tmp_path / "zero.bin").symlink_to("/dev/zero")
-    os.mkfifo(tmp_path / "pipe")
-    (tmp_path / "good.gltf").write_text(gltf("triangle.bin"))
-    assert len(MeshFile(str(tmp_path / "good.gltf")).load().faces) == 1
-    (tmp_path / "bad.gltf").write_text(gltf(uri))
-    for act in (MeshFile(str(tmp_path / "bad.gltf")).fingerprint, MeshFile(str(tmp_path / "bad.gltf")).load):
-        with pytest.raises(InputError, match=rf"bad\.gltf refers to .*, {words}"):
-            act()
-
-
-def test_a_file_without_end_is_not_read(tmp_path: Path) -> None:
-    with (tmp_path / "mesh.off").open("wb") as file:
-        file.truncate(2**40)  # sparse: it takes no room on the disk
-    for act in (MeshFile(str(tmp_path / "mesh.off")).fingerprint, MeshFile(str(tmp_path / "mesh.off")).load):
-        with pytest.raises(InputError, match=f"has more than {MOST_BYTES} bytes"):
-            act()
-
-
-@pytest.mark.parametrize("path", sorted((CORPUS / "drawing").iterdir()), ids=lambda path: path.name)
-def test_a_drawing_that_broke_the_reader_is_refused(path: Path) -> None:
-    with pytest.raises(InputError) as refusal:
-        read_drawing(path)
-    assert path.name in str(refusal.value)
-    assert "\n" not in str(refusal.value)
-
-
-PLAN = """\
-name: A comparison
-images: 42000
-rows:
-  - {name: mean, label: mean normal, classical: mean}
-  - {name: ours, label: ours, group: ours, configs: [configs/ours.yaml], settings: {model.n_critic: 1}}
-"""
-TEXTS = {
-    "hints.json": (json.dumps([{"x": 1.5, "y": 0, "normal": [0, 0, 1]}]), lambda p: load_hints(p, (32, 32))),
-    "turned.json": (
-        json.dumps({"ball": {"rotation": [[0, -1, 0], [1, 0, 0], [0, 0, 1]], "inside_out": False}}),
-        lambda p: read_orientations(str(p)),
-    ),
-    "split.json": (
-        json.dumps({"train": ["a"], "val": ["b"], "test": ["c"]}),
-        lambda p: split_by_file(p, ["a", "b", "c"]),
-    ),
-    "config.yaml": ("data: {size: 64, on: 2026-02-03}\nmodel: {n_critic: 5}\n", check_config),
-    "plan.yaml": (PLAN, read_plan),
+"""Files that broke a reader once, cut down, by reader; made for these tests, CC0."""
+Files = Mapping[str, tuple[str | bytes, str | None]]
+HOSTILE: dict[str, Callable[[], Files]] = {
+    **dict.fromkeys(sound(), dict),
+    "mesh": lambda: {**MESHES, **attacked_meshes()},
+    "rig": attacked_rigs,
+    "configuration": lambda: CONFIGURATIONS,
+    "plan": lambda: PLANS,
+    "orientation": lambda: ORIENTATIONS,
 }
+"""Hostile files by reader and name, and a part of the sentence that refuses each.
+
+It is empty if the file is to be read, None if it may be read or refused.
+"""
 
 
-@pytest.mark.filterwarnings("ignore")  # of meshes that a split leaves out
+def check_reader(folder: Path, reader: str, files: Files, memory: int | None = None) -> None:
+    """Check what a reader says of files, each within the limits.
+
+    Args:
+        folder: where they are written.
+        reader: one of `readers.py`.
+        files: as in `HOSTILE`.
+        memory: bytes that one may take.
+    """
+    (folder / "triangle.bin").write_bytes(TRIANGLE)
+    (folder / "zero.bin").symlink_to("/dev/zero")
+    os.mkfifo(folder / "pipe")
+    for name, (content, _) in files.items():
+        (folder / name).write_bytes(content.encode() if isinstance(content, str) else content)
+    for answer in read_limited(reader, [folder / name for name in files]):
+        words = files[answer.name][1]
+        wanted = {None: {"read", "refused"}, "": {"read"}}.get(words, {"refused"})
+        assert answer.outcome in wanted, answer
+        assert (words or "") in answer.words, answer
+        assert "\n" not in answer.words
+        assert answer.outcome == "read" or answer.name in answer.words
+        assert len(answer.words) < 400 + len(str(folder))
+        assert answer.seconds < SECONDS
+        assert memory is None or answer.outcome == "read" or answer.memory < memory, answer
+    assert not (folder / "touched").exists()
+
+
+@pytest.mark.parametrize("reader", HOSTILE)
+def test_sound_files_are_read_and_hostile_ones_refused_in_one_sentence(tmp_path: Path, reader: str) -> None:
+    good: Files = {name: (content, "") for name, content in sound()[reader].items()}
+    bad: Files = {path.name: (path.read_bytes(), " ") for path in (CORPUS / reader).glob("*")}
+    check_reader(tmp_path, reader, {**good, **bad, **HOSTILE[reader]()})
+
+
+TEXTS = [
+    (reader, name, content)
+    for reader in ("configuration", "plan", "orientation", "split", "hints")
+    for name, content in sound()[reader].items()
+    if not name.endswith(".png")
+]
+"""Sound files whose readers are quick and take no more memory than they are long."""
+
+
 @settings(max_examples=200)
-@given(st.sampled_from(sorted(TEXTS)), st.data())
+@given(st.sampled_from(TEXTS), st.data())
 def test_an_edited_text_file_is_read_or_refused_in_one_sentence(
-    tmp_path_factory: pytest.TempPathFactory, name: str, data: st.DataObject
+    tmp_path_factory: pytest.TempPathFactory, file: tuple[str, str, bytes], data: st.DataObject
 ) -> None:
-    text, read = TEXTS[name]
-    content = text.encode()
+    reader, name, content = file
     for _ in range(data.draw(st.integers(1, 3))):
         start, end = sorted(data.draw(st.tuples(*[st.integers(0, len(content))] * 2)))
         words = [b"", b"null", b"[", b"{", b"-1", b"1e999", 2 * content[start:end]]
@@ -119,8 +95,50 @@ def test_an_edited_text_file_is_read_or_refused_in_one_sentence(
     path.write_bytes(content)
     said = ""
     try:
-        read(path)
+        READERS[reader](path)
     except InputError as error:
         said = str(error)
     assert "\n" not in said
     assert len(said) < 400 + len(str(path))
+
+
+@pytest.mark.slow  # imports torch
+def test_checkpoints_are_refused_in_no_more_memory_than_they_are_long(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from attacked_checkpoints import attacked_checkpoints, bytes_of
+
+    monkeypatch.chdir(tmp_path)
+    files: Files = {"sound.ckpt": (bytes_of(), ""), **attacked_checkpoints()}
+    check_reader(tmp_path, "checkpoint", files, memory=300 * 2**20)
+
+
+@pytest.mark.parametrize("name", ["mesh.off", "mesh.ply", "mesh.stl", "mesh.obj", "mesh.glb", "mesh.gltf"])
+def test_a_file_without_end_is_not_read(tmp_path: Path, name: str) -> None:
+    with (tmp_path / name).open("wb") as file:
+        file.truncate(2**40)  # sparse: it takes no room on the disk
+    for act in (MeshFile(str(tmp_path / name)).fingerprint, MeshFile(str(tmp_path / name)).load):
+        with pytest.raises(InputError, match=f"has more than {MOST_BYTES} bytes"):
+            act()
+
+
+def test_what_is_not_hostile_is_read(tmp_path: Path) -> None:
+    # Pictures are not needed: one that lies elsewhere, as exporters leave them, does no harm.
+    picture = gltf(
+        images=[{"uri": "/dev/zero"}],
+        textures=[{"source": 0}],
+        materials=[{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+    )
+    files = {"good": gltf(), "few": gltf(nodes=[{"mesh": 0}] * 20), "picture": picture}
+    (tmp_path / "triangle.bin").write_bytes(TRIANGLE)
+    for name, content in files.items():
+        (tmp_path / f"{name}.gltf").write_text(content)
+        assert len(MeshFile(str(tmp_path / f"{name}.gltf")).load().faces) == 1
+
+
+def test_aliases_are_counted_as_if_written_out() -> None:
+    text = "a: &a [{}]\nb: [{}]\n"
+    enough = text.format("1, " * 900 + "1", "*a, " * 100 + "*a")
+    too_many = text.format("1, " * 900 + "1", "*a, " * 111 + "*a")
+    assert yaml_limit_error(enough) is None
+    assert yaml_limit_error(too_many) == f"stands for more than {MOST_NODES} values"

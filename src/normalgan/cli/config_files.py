@@ -2,17 +2,17 @@
 
 import os
 import re
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 from normalgan.errors import InputError, did_you_mean
-from normalgan.files.limits import load_yaml, read_bounded
+from normalgan.files.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_limit_error
 from normalgan.files.shipped_configs import shipped_folder, shipped_names
 
-__all__ = ["check_config", "with_environment"]
+__all__ = ["check_config", "load_bounded", "with_environment"]
 
 _VARIABLE = re.compile(r"\$\{([^{}]*)\}")
 
@@ -25,7 +25,7 @@ def check_config(path: str | Path, sections: Collection[str] = ()) -> None:
         sections: the keys that group settings.
 
     Raises:
-        InputError: if it is missing, cannot be read, is not YAML, or holds no settings.
+        InputError: if it is missing, cannot be read, is not YAML, holds no settings, or wants too much.
     """
     content = _read(Path(path))
     if not isinstance(content, dict):
@@ -38,6 +38,26 @@ def check_config(path: str | Path, sections: Collection[str] = ()) -> None:
         if section in content and not isinstance(content[section], (dict, str)):
             is_now = "is empty" if content[section] is None else f"is {content[section]!r}"
             raise InputError(f'"{section}" in the configuration {path} {is_now}; it must hold settings.')
+
+
+def load_bounded(text: str, load: Callable[[str], Any]) -> Any:
+    """Return what a text in YAML says, wherever the parser meets one: in a file, or as an argument.
+
+    Args:
+        text: what to load.
+        load: the parser's own way of loading, which knows its numbers.
+
+    Raises:
+        InputError: if it stands for too much, or names a variable that cannot be read.
+    """
+    # Most are a word or a number; less than a line without an anchor cannot stand for much.
+    if "&" in text or len(text) > 100:
+        if len(text) > MOST_SETTINGS:
+            raise InputError(f"a setting has more than {MOST_SETTINGS} bytes; no settings need as many.")
+        if excess := yaml_limit_error(text):
+            raise InputError(f"a setting {excess}; settings need no such thing.")
+    loaded = load(text)
+    return with_environment(loaded) if "${" in text else loaded
 
 
 def with_environment(value: Any) -> Any:
@@ -73,7 +93,10 @@ def _variable(found: re.Match[str]) -> str:
 def _read(path: Path) -> Any:
     """Return what a file says."""
     try:
-        return load_yaml(read_bounded(path).decode("utf-8"))
+        text = read_bounded(path, MOST_SETTINGS).decode("utf-8")
+        if excess := yaml_limit_error(text):
+            raise InputError(f"the configuration {path} {excess}; settings need no such thing.")
+        return load_yaml(text)
     except FileNotFoundError:
         names, given = shipped_names(), path.with_suffix("")
         hint = did_you_mean(str(given), names) or did_you_mean(given.name, names)

@@ -37,7 +37,7 @@ from normalgan.callbacks.checkpoints import (
     run_folder,
 )
 from normalgan.callbacks.display import NetworkSummary, WideProgressBar
-from normalgan.cli.config_files import check_config, with_environment
+from normalgan.cli.config_files import check_config, load_bounded
 from normalgan.cli.discovery import load_plugins
 from normalgan.cli.ignored_settings import given_names, ignored_settings
 from normalgan.cli.normal_map_writer import NormalMapWriter
@@ -281,6 +281,8 @@ class NormalGANCLI(LightningCLI):
             raise InputError(f"a setting cannot be used: {refusal(error)}") from error
         if self.weights is not None:
             self.weights.load_into(self.model.generator)
+        if self.checkpoint is not None:
+            self.checkpoint.check_progress(self.trainer.fit_loop.state_dict())
         for callback in self.trainer.callbacks:  # type: ignore[attr-defined]  # public, not typed
             if isinstance(callback, TestReport):
                 callback.checkpoint = self.measured
@@ -410,7 +412,7 @@ def resolved_settings(arguments: list[str]) -> dict[str, Any]:
 
 @contextmanager
 def _reading_settings() -> Iterator[ExitStack]:
-    """Load plug-ins, and read ``${NAME}`` from the environment, as long as settings are read and used."""
+    """Load plug-ins, and bound what YAML may ask for, as long as settings are read and used."""
     with warnings.catch_warnings(), ExitStack() as held:
         filter_warnings()
         load_plugins()
@@ -418,7 +420,7 @@ def _reading_settings() -> Iterator[ExitStack]:
         set_parsing_settings(config_read_mode_fsspec_enabled=False)
         load = get_loader("yaml")
         held.callback(set_loader, "yaml", load, (yaml.YAMLError,))
-        set_loader("yaml", lambda text: with_environment(load(text)), (yaml.YAMLError,))
+        set_loader("yaml", lambda text: load_bounded(text, load), (yaml.YAMLError,))
         yield held
 
 

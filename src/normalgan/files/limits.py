@@ -11,13 +11,23 @@ from normalgan.errors import InputError
 
 __all__ = [
     "MOST_BYTES",
+    "MOST_DEPTH",
+    "MOST_NODES",
+    "MOST_SETTINGS",
     "load_yaml",
     "read_bounded",
     "refuse_pointer",
+    "yaml_limit_error",
 ]
 
 MOST_BYTES = 2**30
 """Larger files are refused; the largest scans in use have a tenth of it."""
+MOST_SETTINGS = 2**18
+"""Larger configurations are refused, in bytes: PyYAML takes seconds for each megabyte."""
+MOST_DEPTH = 50
+"""More lists and mappings in one another than any settings need."""
+MOST_NODES = 100_000
+"""More values than any settings need, those counted again that an alias repeats."""
 _POINTER = b"version https://git-lfs.github.com/spec/"
 """What a pointer of Git LFS begins with."""
 
@@ -63,8 +73,45 @@ def _without_waiting(path: str, flags: int) -> int:
     return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
+def yaml_limit_error(text: str) -> str | None:
+    r"""Return which limit a YAML text exceeds, as the end of a sentence; None if it may be loaded.
+
+    Aliases count as if they were expanded, because ten lines can stand for billions of values.
+
+    Raises:
+        yaml.YAMLError: if it is not YAML.
+
+    >>> yaml_limit_error("a: &a [1, 2]\nb: [*a, *a]")
+    >>> yaml_limit_error("a: &a [*a]")
+    'contains itself, at *a'
+    """
+    sizes: dict[str, int] = {}  # of what each anchor names
+    open_anchors: list[str | None] = [None]
+    counts = [0]
+    for event in yaml.parse(text, Loader=yaml.SafeLoader):
+        if isinstance(event, yaml.CollectionStartEvent):
+            open_anchors.append(event.anchor)
+            counts.append(1)
+        elif isinstance(event, yaml.CollectionEndEvent):
+            anchor, count = open_anchors.pop(), counts.pop()
+            counts[-1] += count
+            if anchor is not None:
+                sizes[anchor] = count
+        elif isinstance(event, yaml.AliasEvent):
+            if event.anchor in open_anchors:
+                return f"contains itself, at *{event.anchor}"
+            counts[-1] += sizes.get(str(event.anchor), 1)
+        elif isinstance(event, yaml.ScalarEvent):
+            counts[-1] += 1
+        if len(counts) > MOST_DEPTH:
+            return f"is nested more than {MOST_DEPTH} deep"
+        if sum(counts) > MOST_NODES:
+            return f"stands for more than {MOST_NODES} values"
+    return None
+
+
 def load_yaml(text: str) -> Any:
-    """Return the value of a YAML text, loaded safely.
+    """Return the value of a YAML text, loaded safely; ask `yaml_limit_error` first.
 
     Raises:
         yaml.MarkedYAMLError: with the line, also for what looks like a date or a number and is none, of

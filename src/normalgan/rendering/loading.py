@@ -11,6 +11,7 @@ import numpy as np
 from normalgan.arrays import Doubles, Indices
 from normalgan.errors import InputError, brief
 from normalgan.rendering.mesh_bytes import mesh_bytes
+from normalgan.rendering.mesh_limits import check_limits
 from normalgan.rendering.obj import read_obj
 from normalgan.rendering.off import read_off
 from normalgan.rendering.ply import read_ply
@@ -55,6 +56,7 @@ def _parts(path: Path) -> list[Triangles]:
         raise InputError(f"{path} does not exist or is not a file; name a mesh file.")
     try:
         with _silence():
+            check_limits(path)
             if suffix in _POLYGONS:
                 polygons = _POLYGONS[suffix](mesh_bytes(path))
                 return [(polygons.vertices, polygons.triangles())]

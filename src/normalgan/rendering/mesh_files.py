@@ -15,10 +15,10 @@ from normalgan.arrays import Doubles, Indices
 from normalgan.errors import InputError
 from normalgan.ranges import Range, check_ranges
 from normalgan.rendering.gltf.file import read_gltf
-from normalgan.rendering.gltf.links import linked_buffers
 from normalgan.rendering.loading import SUFFIXES, read_triangles
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_bytes import mesh_bytes
+from normalgan.rendering.mesh_limits import linked_buffers
 from normalgan.rendering.orientation import Orientation, Rotation, checked_rotation, read_orientations
 from normalgan.rendering.repair import shade, weld, wind
 

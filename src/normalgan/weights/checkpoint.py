@@ -9,12 +9,13 @@ from pathlib import Path, PurePath
 from typing import Any
 
 import yaml
+from packaging.version import InvalidVersion, Version
 from torch import Tensor
 from torch.optim import Optimizer
 from torch.optim.lr_scheduler import LRScheduler
 
 from normalgan.errors import InputError
-from normalgan.files.limits import load_yaml, read_bounded
+from normalgan.files.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_limit_error
 from normalgan.files.torch_files import load_torch_file
 from normalgan.hints import HINT_SAMPLERS
 from normalgan.line_widths import USUAL_WIDTHS, check_line_widths
@@ -58,6 +59,8 @@ _OF_TRAINING = {"compile"}
 _RENAMED_SETTINGS = {"steadiness": "distractor_consistency"}
 """Settings of checkpoints from before version 0.1.0 by their present names. Class paths need no table:
 within a package a class is found by its short name (`Registry.find`)."""
+_VERSION = "pytorch-lightning_version"
+_PROGRESS = ("epoch", "global_step", _VERSION, "loops", "optimizer_states", "lr_schedulers")
 _PATHS = ("best_model_path", "kth_best_model_path", "last_model_path")
 
 
@@ -70,6 +73,8 @@ class Checkpoint:
         settings: of the model, as the file has them.
         tensors: weights and statistics of the model's networks by name; mapped, and read where they are used.
         callbacks: states of callbacks by their names.
+        progress: the run's progress and the state of its optimisers; `check_progress` says whether it can be
+            resumed.
         size: side in pixels of the pictures that it learned from, if the file says so.
     """
 
@@ -77,6 +82,7 @@ class Checkpoint:
     settings: Mapping[str, Any]
     tensors: Mapping[str, Tensor]
     callbacks: Mapping[Any, Any]
+    progress: Mapping[str, Any]
     size: int | None = None
 
     def weights(self, size: int | None = None) -> Weights:
@@ -143,6 +149,45 @@ class Checkpoint:
                     check_fit(part, tensors, _REGISTRIES[name][0], finite=False)
         return settings
 
+    def check_progress(self, loops: Mapping[str, Any]) -> None:
+        """Check all that a run resumes with besides the model.
+
+        Args:
+            loops: the state of the loops of a new run, which has the form that the file's must have.
+
+        Raises:
+            InputError: if a run cannot be resumed with it.
+        """
+        networks = [name for name in ("generator", "discriminator") if self.settings.get(name) is not None]
+        schedules = networks if self.settings.get("lr_scheduler") is not None else []
+        found = self.progress
+        sound = {
+            "epoch": _has_form(found["epoch"], 0),
+            "global_step": _has_form(found["global_step"], 0),
+            _VERSION: _is_recent(found[_VERSION]),
+            "loops": _has_loops(found["loops"], loops),
+            "lr_schedulers": _are_dicts(found["lr_schedulers"], len(schedules)),
+            "optimizer_states": _are_dicts(found["optimizer_states"], len(networks))
+            and all(map(self._fits, networks, found["optimizer_states"])),
+        }
+        if wrong := next((name for name, is_sound in sound.items() if not is_sound), None):
+            raise InputError(
+                f"no run can be resumed from {self.path}: its {wrong} is not what `normalgan fit` saves."
+            )
+
+    def _fits(self, network: str, state: Mapping[str, Any]) -> bool:
+        """Return whether the state of an optimiser can be one of a network."""
+        shapes = {tensor.shape for tensor in self.tensors_of(network).values()}
+        match state:
+            case {"state": dict(kept), "param_groups": [{"params": [*_]}, *_]}:
+                values = [
+                    value for each in kept.values() if isinstance(each, dict) for value in each.values()
+                ]
+                tensors = [value for value in values if isinstance(value, Tensor)]
+                return all(tensor.numel() == 1 or tensor.shape in shapes for tensor in tensors)
+            case _:
+                return False
+
     def tensors_of(self, network: str) -> dict[str, Tensor]:
         """Return the weights and statistics of a network by name; empty if there are none."""
         prefix = f"{network}."
@@ -190,7 +235,8 @@ def read_checkpoint(path: Path) -> Checkpoint:
         for name, value in ((str(name), value) for name, value in settings.items())
         if name != "_instantiator"
     }
-    return Checkpoint(path, settings, tensors, callbacks, size)
+    progress = {name: content.get(name) for name in _PROGRESS}
+    return Checkpoint(path, settings, tensors, callbacks, progress, size)
 
 
 def read_model(path: Path, size: int | None = None) -> Weights:
@@ -337,6 +383,42 @@ def _check_named(name: str, value: Any) -> None:
         )
 
 
+def _has_form(found: Any, form: Any) -> bool:
+    """Return whether a value has the keys of another and, in their places, numbers of 0 or more.
+
+    >>> [_has_form(found, {"ready": 0}) for found in ({"ready": 3}, {"ready": -1}, {})]
+    [True, False, False]
+    """
+    if type(found) is not type(form):
+        return False
+    if isinstance(form, dict):
+        same = found.keys() == form.keys() or not form  # an empty one holds what others keep there
+        return same and all(_has_form(found[name], form[name]) for name in form)
+    return bool(found >= 0)
+
+
+def _has_loops(found: Any, form: Mapping[str, Any]) -> bool:
+    """Return whether the states of loops are those of training; Lightning's versions differ in the rest."""
+    saved = found.get("fit_loop") if isinstance(found, dict) else None
+    return (
+        isinstance(saved, dict)
+        and "epoch_progress" in saved
+        and all(_has_form(saved[name], form[name]) for name in form if name in saved)
+    )
+
+
+def _are_dicts(found: Any, count: int) -> bool:
+    return isinstance(found, list) and len(found) == count and all(isinstance(each, dict) for each in found)
+
+
+def _is_recent(version: Any) -> bool:
+    """Return whether a version of Lightning is one that the package has ever run with."""
+    try:
+        return Version(version) >= Version("2.6")
+    except (InvalidVersion, TypeError):
+        return False
+
+
 def _number(name: str, value: Any) -> Any:
     if isinstance(value, str) or not is_plain(value, ANY_NUMBER) or isinstance(value, list):
         raise InputError(f"its {name} is {ascii(value)[:40]}, not a number.")
@@ -345,7 +427,8 @@ def _number(name: str, value: Any) -> Any:
 
 def _size_of_run(config: Path) -> int | None:
     try:
-        size = load_yaml(read_bounded(config).decode("utf-8"))["data"]["size"]
+        text = read_bounded(config, MOST_SETTINGS).decode("utf-8")
+        size = None if yaml_limit_error(text) else load_yaml(text)["data"]["size"]
         return size if type(size) is int and 1 <= size <= LARGEST else None
     except (OSError, InputError, yaml.YAMLError, KeyError, TypeError, UnicodeDecodeError):
         return None

@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 from jsonargparse import ArgumentParser
 
 from normalgan.errors import InputError, brief
+from normalgan.files.limits import MOST_DEPTH, MOST_NODES
 from normalgan.models.base import Network
 from normalgan.registry import Registry
 from normalgan.weights.local_classes import find_local, where_classes_are_looked_for
@@ -21,7 +22,6 @@ LARGEST = 4096
 """No width, depth or size of a network is larger; what is, was made up to take all time or memory."""
 ANY_NUMBER = 2**63
 """Bound of settings that take no memory, such as the weight of a loss."""
-_MOST_VALUES, _MOST_DEPTH = 100_000, 50
 
 
 @dataclass(frozen=True)
@@ -134,7 +134,7 @@ def is_plain(value: Any, largest: int = LARGEST) -> bool:
     while waiting:
         item, depth = waiting.pop()
         counted += 1
-        if counted > _MOST_VALUES or depth > _MOST_DEPTH:  # lists in a pickle can hold one another many times
+        if counted > MOST_NODES or depth > MOST_DEPTH:  # lists in a pickle can hold one another many times
             return False
         if isinstance(item, list | tuple):
             waiting += [(inner, depth + 1) for inner in item]

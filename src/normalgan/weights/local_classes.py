@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from normalgan.errors import InputError, brief
-from normalgan.files.limits import read_bounded
+from normalgan.files.limits import MOST_SETTINGS, read_bounded
 
 __all__ = ["find_local", "where_classes_are_looked_for"]
 
@@ -63,7 +63,7 @@ def where_classes_are_looked_for(name: str) -> str:
 
 def _defines(file: Path, name: str) -> bool:
     try:
-        tree = ast.parse(read_bounded(file))
+        tree = ast.parse(read_bounded(file, MOST_SETTINGS))
     except (OSError, InputError, SyntaxError, ValueError, RecursionError):
         return False
     return any(isinstance(node, ast.ClassDef) and node.name == name for node in tree.body)

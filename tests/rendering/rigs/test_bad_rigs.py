@@ -131,7 +131,7 @@ def test_a_broken_rig_is_refused(tmp_path: Path, name: str) -> None:
 @pytest.mark.parametrize(
     ("uri", "reason"),
     [
-        ("../bar.bin", "refers to '../bar.bin', which does not lie in its folder"),
+        ("../bar.bin", "its buffer '../bar.bin' does not lie in its folder"),
         ("a/../../bar.bin", "does not lie in its folder"),
         ("%2e%2e/bar.bin", "does not lie in its folder"),
         ("/etc/hostname", "does not lie in its folder"),

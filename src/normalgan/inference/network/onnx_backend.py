@@ -13,6 +13,7 @@ from normalgan.arrays import Floats
 from normalgan.errors import InputError, RunError, brief, wants_memory, with_subject
 from normalgan.files.addresses import local_file
 from normalgan.files.limits import read_bounded
+from normalgan.inference.network.onnx_graph import check_graph
 from normalgan.inference.network.upsampling import upsampler
 from normalgan.line_widths import line_widths_of
 from normalgan.weights.shipped import SHIPPED, SHIPPED_NAME
@@ -75,11 +76,13 @@ class OnnxBackend:
         options.add_session_config_entry("session.use_env_allocators", "1")  # the one with a limit
         try:
             content = read_bounded(path)
+            folds = check_graph(str(path), content)
             _limit_memory()
             self._session = onnxruntime.InferenceSession(
                 content,
                 options,
                 providers=["CPUExecutionProvider"],
+                disabled_optimizers=None if folds else ["ConstantFolding"],
                 enable_fallback=0,  # else what goes wrong is printed, and tried again with the same provider
             )
             # Texts are decoded when they are asked for: any of them may be none.

@@ -12,6 +12,7 @@ from normalgan.rendering.gltf.accessors import read_accessor
 from normalgan.rendering.gltf.container import Container, bad_gltf, read_container
 from normalgan.rendering.gltf.nodes import Nodes, read_nodes, shown_nodes
 from normalgan.rendering.gltf.surfaces import MODES, not_gltf, read_faces
+from normalgan.rendering.mesh_limits import check_limits
 from normalgan.rendering.rigs.animations import read_clips
 from normalgan.rendering.rigs.rig import Piece, Rig, Skin
 
@@ -33,6 +34,7 @@ def read_rig(path: Path) -> Rig:
     """
     try:
         container = read_container(path)
+        check_limits(path)
         nodes = read_nodes(container)
         pieces = tuple(
             piece for index in shown_nodes(container, nodes) for piece in _pieces(container, nodes, index)
