@@ -6,7 +6,7 @@ import pytest
 import yaml
 from command import run
 
-from normalgan.cli.config_files import with_environment
+from normalgan.cli.config_files import load_bounded, with_environment
 from normalgan.errors import InputError
 
 
@@ -46,3 +46,9 @@ def test_nothing_is_made_of_a_variable_that_is_not_set(
     Path("c.yaml").write_text("data: {cache: '${NO_SUCH_VARIABLE}'}\n")
     run("fit", "--config", "c.yaml").refused("the environment has no NO_SUCH_VARIABLE")
     assert [path.name for path in tmp_path.iterdir()] == ["c.yaml"]
+
+
+@pytest.mark.parametrize("text", ["a: ${HOME}", "${oc.env:HOME}/trainer.yaml"])
+def test_a_configuration_that_is_not_trusted_reads_no_environment(text: str) -> None:
+    with pytest.raises(InputError, match="--safe-config reads no environment"):
+        load_bounded(text, yaml.safe_load, safe=True)

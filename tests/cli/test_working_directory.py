@@ -13,6 +13,7 @@ import normalgan
 from normalgan.errors import InputError
 from normalgan.models import UNetGenerator
 from normalgan.weights.checkpoint import read_checkpoint
+from normalgan.weights.local_classes import no_local_classes
 
 NETS = '''
 """Own parts."""
@@ -102,13 +103,18 @@ def test_only_a_module_that_defines_the_class_is_imported(
 ) -> None:
     monkeypatch.syspath_prepend(str(folder))
     trap = "from pathlib import Path\nPath('touched').touch()\n"
+    (folder / "third_nets.py").write_text(NETS)
     (folder / "trap.py").write_text(trap)
     (folder / "json.py").write_text(f"{trap}class Own: pass\n")  # Python knows another module of that name
     for name in ("trap.OwnGenerator", "json.Own"):
         save(folder / "m.ckpt", name, {"class_path": "normalgan.hints.NoHints"})
         with pytest.raises(InputError, match="no Generator named"):
             read_checkpoint(folder / "m.ckpt").weights()
+    save(folder / "m.ckpt", "third_nets.OwnGenerator", {"class_path": "normalgan.hints.NoHints"})
+    with no_local_classes(), pytest.raises(InputError, match="no Generator named"):
+        read_checkpoint(folder / "m.ckpt").weights()
     assert not (folder / "touched").exists()
+    assert "third_nets" not in sys.modules
 
 
 def test_a_module_that_fails_is_told_in_a_sentence(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,7 +1,6 @@
-"""Attacks on configurations: what is read in place of one, and how much one may stand for."""
+"""Attacks on configurations: what a safe one may name, where it may write, and what is read in its place."""
 
 import sys
-from base64 import b64encode
 from collections.abc import Iterator
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
@@ -9,9 +8,11 @@ from pathlib import Path
 from threading import Thread
 from typing import Any
 
+import jsonargparse
 import pytest
 import yaml
 from attacked_checkpoints import EVIL
+from attacked_configs import FIRST, FOREIGN, NESTED, UNSAFE, URLS
 from hostile import laughs
 from jsonargparse import get_loader
 
@@ -19,30 +20,66 @@ from normalgan.cli.config_files import load_bounded
 from normalgan.cli.training import run
 from normalgan.errors import InputError
 
+CONFIGS = Path(__file__).parents[2] / "configs"
 COMMAND = ("fit", "--trainer.default_root_dir", "run", "--trainer.fast_dev_run", "true", "--print_config")
-CALLBACKS = f"callbacks: {{class_path: {EVIL}.Foo}}\n"
-URLS = (
-    f"data://text/yaml;base64,{b64encode(CALLBACKS.encode()).decode()}",
-    "local://{folder}/trainer.yaml",
-    "http://127.0.0.1:{port}/trainer.yaml",
-    "simplecache::http://127.0.0.1:{port}/trainer.yaml",
-)
+
+
+@pytest.fixture(autouse=True)
+def _imports_allowed_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    # A process cannot take back what it has forbidden, so that the tests put the settings back themselves.
+    common = jsonargparse._common
+    monkeypatch.setattr(common, "parsing_settings", dict(common.parsing_settings))
 
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """A working directory with a module that tells that it was imported, and settings that name it."""
-    (tmp_path / f"{EVIL}.py").write_text("from lightning.pytorch import Callback\nclass Foo(Callback): ...\n")
-    (tmp_path / "trainer.yaml").write_text(CALLBACKS)
+    """A working directory and home, with files to name and a module that tells that it was imported."""
+    (tmp_path / f"{EVIL}.py").write_text(
+        "from lightning.pytorch import Callback\nclass Foo(Callback): ...\ndef run(x): ...\n"
+    )
+    for name, content in NESTED.items():
+        (tmp_path / name).write_text(content)
     monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("USERPROFILE", str(tmp_path))
     monkeypatch.chdir(tmp_path)
     yield tmp_path
     sys.modules.pop(EVIL, None)
 
 
-def test_a_configuration_is_a_program(folder: Path) -> None:
-    (folder / "config.yaml").write_text("trainer: trainer.yaml")
-    assert run([*COMMAND, "--config", "config.yaml"]) == 0
+def written(folder: Path, content: Any, port: int = 0) -> Path:
+    """Return a configuration, in which ``{folder}`` and ``{port}`` are filled in."""
+    text = yaml.safe_dump(content).replace("{folder}", folder.as_posix()).replace("{port}", str(port))
+    (folder / "config.yaml").write_text(text)
+    return folder / "config.yaml"
+
+
+@pytest.mark.parametrize(
+    "kind",
+    # Each parses a command line: of each way in, one is in the default run.
+    [pytest.param(kind, marks=() if kind in FIRST else pytest.mark.slow) for kind in UNSAFE],
+)
+def test_a_safe_configuration_names_known_classes_only(folder: Path, kind: str) -> None:
+    config = written(folder, UNSAFE[kind])
+    with pytest.raises(InputError) as refusal:
+        run([*COMMAND, "--safe-config", "--config", str(config)])
+    assert "\n" not in str(refusal.value)
+    assert EVIL not in sys.modules
+    assert not (folder / "touched").exists()
+
+
+def test_a_class_that_is_not_allowed_is_named(folder: Path) -> None:
+    config = written(folder, {"trainer": {"callbacks": {"class_path": f"{EVIL}.Foo"}}})
+    with pytest.raises(
+        InputError, match=f'"trainer.callbacks": --safe-config does not allow {EVIL}.Foo; it takes registered'
+    ):
+        run([*COMMAND, "--safe-config", "--config", str(config)])
+    assert EVIL not in sys.modules
+
+
+def test_a_trusted_configuration_is_the_program_that_it_is(folder: Path) -> None:
+    config = written(folder, {"trainer": {"callbacks": {"class_path": f"{EVIL}.Foo"}}})
+    assert run([*COMMAND, "--config", str(config)]) == 0
     assert EVIL in sys.modules
 
 
@@ -61,17 +98,82 @@ def server(folder: Path) -> Iterator[tuple[int, list[str]]]:
         server.shutdown()
 
 
-@pytest.mark.slow  # parses twelve command lines
+@pytest.mark.slow  # parses thirty command lines
 @pytest.mark.parametrize("url", URLS, ids=lambda url: url.partition("/")[0])
-def test_no_configuration_is_read_from_a_url(folder: Path, server: tuple[int, list[str]], url: str) -> None:
+@pytest.mark.parametrize("safe", [True, False])
+def test_no_configuration_is_read_from_a_url(
+    folder: Path, server: tuple[int, list[str]], url: str, safe: bool
+) -> None:
     port, asked = server
-    given = url.format(folder=folder.as_posix(), port=port)
-    for content in ({"trainer": given}, {"trainer": {"callbacks": [given]}}, {"model": {"generator": given}}):
-        (folder / "config.yaml").write_text(yaml.safe_dump(content))
+    for content in ({"trainer": url}, {"trainer": {"callbacks": [url]}}, {"model": {"generator": url}}):
+        config = written(folder, content, port)
         with pytest.raises(InputError):
-            run([*COMMAND, "--config", "config.yaml"])
+            run([*COMMAND, *["--safe-config"] * safe, "--config", str(config)])
     assert EVIL not in sys.modules
     assert asked == []
+
+
+@pytest.mark.parametrize("name", FOREIGN)
+def test_a_safe_configuration_does_not_say_where_is_written(folder: Path, name: str) -> None:
+    config = written(folder, FOREIGN[name])
+    # Without the folder of the run on the command line, which would win.
+    with pytest.raises(InputError, match=f"a configuration sets {name}, and --safe-config takes it from"):
+        run(["fit", "--trainer.fast_dev_run", "true", "--safe-config", "--config", str(config)])
+    assert not (folder / "other").exists()
+
+
+@pytest.mark.parametrize("name", [name for name in FOREIGN if not name.startswith("output")])
+def test_a_file_for_one_section_does_not_say_where_is_written(folder: Path, name: str) -> None:
+    section = name.partition(".")[0]
+    (folder / "section.yaml").write_text(
+        yaml.safe_dump(FOREIGN[name][section]).replace("{folder}", str(folder))
+    )
+    for given in ([f"--{section}", "section.yaml"], [f"--{section}=section.yaml"]):
+        with pytest.raises(InputError, match=f"a configuration sets {name}, and --safe-config takes it from"):
+            run(["fit", "--trainer.fast_dev_run", "true", "--safe-config", *given])
+    assert not (folder / "other").exists()
+
+
+@pytest.mark.parametrize("value", ["logger.yaml", "[logger.yaml]"])
+def test_a_file_for_the_logger_does_not_say_where_is_written(folder: Path, value: str) -> None:
+    (folder / "logger.yaml").write_text("class_path: CSVLogger\ninit_args: {save_dir: other}\n")
+    with pytest.raises(InputError, match=r"a configuration sets trainer\.logger"):
+        run(["fit", "--trainer.fast_dev_run", "true", "--safe-config", "--trainer.logger", value])
+    assert not (folder / "other").exists()
+
+
+def test_the_command_line_says_where_is_written(folder: Path) -> None:
+    given = ("--data.cache", "mine", "--output.folder=maps", "--trainer.logger", "CSVLogger")
+    more = ("--trainer.logger.save_dir", "mine")
+    assert run([*COMMAND, "--safe-config", *given, *more]) == 0
+
+
+def test_a_safe_configuration_does_not_name_a_cluster(folder: Path) -> None:
+    config = written(folder, {"cluster": "local:1"})
+    with pytest.raises(InputError, match="a configuration sets cluster, and --safe-config takes it"):
+        run(["render", "--safe-config", "--config", str(config)])
+
+
+@pytest.mark.parametrize(
+    "path", sorted({*CONFIGS.glob("**/*.yaml")} - {*CONFIGS.glob("benchmark/*")}), ids=lambda path: path.name
+)
+def test_our_own_configurations_are_safe(folder: Path, path: Path) -> None:
+    # Some are overlays of the others, of which two set what an optimiser takes.
+    given = ["--config", str(CONFIGS / "paper.yaml"), "--config", str(path)]
+    assert run([*COMMAND, "--safe-config", *given]) == 0
+
+
+def test_a_safe_configuration_sets_everything_else(folder: Path) -> None:
+    settings = {
+        "groups": [{"meshes": "horse.obj"}],
+        "reading": {"variation": {"scale": 0.1}},
+        "views": {"perspective": 0.2},
+        "hand": {"wobble": 0.001},
+        "medium": {"noise": 0.01},
+        "split": {"file": "split.json"},  # no import path
+    }
+    config = written(folder, {"data": settings, "trainer": {"default_root_dir": "theirs"}})
+    assert run([*COMMAND, "--safe-config", "--config", str(config)]) == 0
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ Commands:
   completion print a script by which a shell completes commands and settings
 
 normalgan COMMAND --help lists the options of a command. Configurations repeat: later ones win.
-A configuration is a program: read one that somebody else wrote before you use it.
+A configuration is a program; with --safe-config it can name known classes only.
 """
 OTHERS = {
     "sketch": "normalgan.cli.sketch",

@@ -40,12 +40,13 @@ def check_config(path: str | Path, sections: Collection[str] = ()) -> None:
             raise InputError(f'"{section}" in the configuration {path} {is_now}; it must hold settings.')
 
 
-def load_bounded(text: str, load: Callable[[str], Any]) -> Any:
+def load_bounded(text: str, load: Callable[[str], Any], safe: bool = False) -> Any:
     """Return what a text in YAML says, wherever the parser meets one: in a file, or as an argument.
 
     Args:
         text: what to load.
         load: the parser's own way of loading, which knows its numbers.
+        safe: whether it may not read the environment, which may hold secrets.
 
     Raises:
         InputError: if it stands for too much, or names a variable that cannot be read.
@@ -57,28 +58,31 @@ def load_bounded(text: str, load: Callable[[str], Any]) -> Any:
         if excess := yaml_limit_error(text):
             raise InputError(f"a setting {excess}; settings need no such thing.")
     loaded = load(text)
-    return with_environment(loaded) if "${" in text else loaded
+    return with_environment(loaded, safe) if "${" in text else loaded
 
 
-def with_environment(value: Any) -> Any:
+def with_environment(value: Any, safe: bool = False) -> Any:
     """Return settings with ``${NAME}`` replaced by the environment variable of that name.
 
     ``${oc.env:NAME}`` and ``${oc.env:NAME,default}``, as OmegaConf writes them, mean the same.
 
     Args:
         value: settings, with lists and mappings in one another.
+        safe: whether to refuse to read the environment.
 
     Raises:
         InputError: if a variable is not set, or something else stands in the braces.
     """
     if isinstance(value, dict):
-        return {key: with_environment(item) for key, item in value.items()}
+        return {key: with_environment(item, safe) for key, item in value.items()}
     if isinstance(value, list):
-        return [with_environment(item) for item in value]
-    return _VARIABLE.sub(_variable, value) if isinstance(value, str) else value
+        return [with_environment(item, safe) for item in value]
+    return _VARIABLE.sub(lambda found: _variable(found, safe), value) if isinstance(value, str) else value
 
 
-def _variable(found: re.Match[str]) -> str:
+def _variable(found: re.Match[str], safe: bool) -> str:
+    if safe:
+        raise InputError(f"a configuration names {found[0][:60]}, and --safe-config reads no environment.")
     named = re.fullmatch(r"(oc\.env:)?\s*([A-Za-z_]\w*)\s*(?:,(.*))?", found[1])
     if named is None or (named[3] is not None and not named[1]):
         raise InputError(

@@ -3,7 +3,9 @@
 import contextlib
 import inspect
 from collections.abc import Iterator
+from importlib import import_module
 from importlib.metadata import entry_points
+from itertools import accumulate
 from typing import Any
 
 from normalgan.data.augmentation import AUGMENTATIONS
@@ -25,6 +27,7 @@ __all__ = [
     "load_plugins",
     "misplaced",
     "namable",
+    "safe_imports",
 ]
 
 REGISTRIES: dict[str, Registry[Any]] = {
@@ -74,6 +77,55 @@ def namable() -> dict[str, Registry[Any]]:
         "logger": _subclasses(Logger),
         "callbacks": _subclasses(Callback),
     }
+
+
+_OPTIMIZERS = "ASGD Adadelta Adagrad Adam AdamW Adamax NAdam RAdam RMSprop Rprop SGD"
+_SCHEDULES = (
+    "ConstantLR CosineAnnealingLR CosineAnnealingWarmRestarts CyclicLR ExponentialLR LinearLR MultiStepLR "
+    "OneCycleLR PolynomialLR ReduceLROnPlateau StepLR"
+)
+_CALLBACKS = (
+    "DeviceStatsMonitor EarlyStopping LearningRateMonitor ModelSummary RichModelSummary RichProgressBar "
+    "TQDMProgressBar Timer"
+)
+_SAFE = {
+    "torch.optim": _OPTIMIZERS,
+    "torch.optim.lr_scheduler": _SCHEDULES,
+    "lightning.pytorch.cli": "ReduceLROnPlateau",
+    "lightning.pytorch.callbacks": _CALLBACKS,
+    "lightning.pytorch.loggers": "CSVLogger TensorBoardLogger",
+    "normalgan.callbacks": "LearningCurve StartFrom StoppedCheckpoint WallClockSchedule WarmAverage",
+    "normalgan.callbacks.checkpoints": "AtomicCheckpointIO LastCheckpoint",
+    "normalgan.data.sources": "MeshGroup",
+    "normalgan.rendering": "Views",
+    "normalgan.rendering.hand": "Hand",
+    "normalgan.rendering.media": "Medium",
+    "normalgan.rendering.variation": "Variation",
+    "normalgan.gan": "_rmsprop",
+    "normalgan.optimizers": "MuonRAdam",
+}
+"""What a stranger's configuration may name beside plug-ins: none takes a function or a path to write to."""
+
+
+def safe_imports() -> list[str]:
+    """Return every import path that a configuration may name under ``--safe-config``, in dots.
+
+    These are the registered classes and a few of torch, Lightning and this package, each where it is defined
+    and as each package above may show it.
+
+    >>> "torch.optim.RAdam" in safe_imports(), "torch.optim.radam.RAdam" in safe_imports()
+    (True, True)
+    """
+    named = [
+        getattr(import_module(module), name) for module, names in _SAFE.items() for name in names.split()
+    ]
+    plugins = [cls for registry in REGISTRIES.values() for cls in registry]
+    return sorted(
+        f"{package}.{found.__qualname__}"
+        for found in {*named, *plugins}
+        if found.__qualname__.isidentifier()  # no setting can name one that is defined in a function
+        for package in accumulate(found.__module__.split("."), "{}.{}".format)
+    )
 
 
 def misplaced() -> list[LeftOut]:

@@ -57,6 +57,11 @@ def explain(message: str, plugins: Mapping[str, Registry[Any]], settings: Sequen
     if found := re.search(r'Parser key "([^"]+)": Unable to load config "([^"]*)"$', message):
         inside = next((f", such as {name}," for name in settings if name.startswith(f"{found[1]}.")), "")
         return f"{found[1]} is a group of settings{inside} and {found[2]} is not a file of them."
+    if found := re.search(r"Importing '(.+?)' is not allowed", message):
+        return (
+            f"{where}--safe-config does not allow {found[1]}; it takes registered classes and a few of "
+            "torch and Lightning."
+        )
     if found := re.search(r"Not of type \w+: (.*)does not conform to restriction (.+)", message):
         value = found[1].strip() or _given(message)
         bounds = re.sub(r"v([<>]=?)", r"\1 ", found[2])

@@ -1,5 +1,6 @@
 """The training commands: LightningCLI with our defaults, plug-ins and answers to mistakes."""
 
+import os
 import signal
 import sys
 import warnings
@@ -38,7 +39,7 @@ from normalgan.callbacks.checkpoints import (
 )
 from normalgan.callbacks.display import NetworkSummary, WideProgressBar
 from normalgan.cli.config_files import check_config, load_bounded
-from normalgan.cli.discovery import load_plugins
+from normalgan.cli.discovery import load_plugins, safe_imports
 from normalgan.cli.ignored_settings import given_names, ignored_settings
 from normalgan.cli.normal_map_writer import NormalMapWriter
 from normalgan.cli.number_types import Strength
@@ -48,16 +49,20 @@ from normalgan.cli.parser_errors import refusal
 from normalgan.cli.training_help import SECTIONS, asked_for
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, brief
+from normalgan.files.addresses import is_address
+from normalgan.files.limits import load_yaml
 from normalgan.files.run_lock import check_writable, one_run_in
 from normalgan.gan import NormalGAN
 from normalgan.inference.outputs.outputs import outputs_of
 from normalgan.warning_filters import filter_warnings
 from normalgan.weights.checkpoint import Checkpoint, read_checkpoint
 from normalgan.weights.file import SUFFIXES, Weights, find_weights, read_weights
+from normalgan.weights.local_classes import no_local_classes
 from normalgan.weights.shipped import SHIPPED, SHIPPED_NAME
 
 __all__ = [
     "INSTEAD",
+    "SAFE_CONFIG",
     "NormalGANCLI",
     "RenderingTrainer",
     "SaveConfig",
@@ -66,6 +71,14 @@ __all__ = [
     "run",
     "training_parser",
 ]
+
+SAFE_CONFIG = "--safe-config"
+"""The option under which only registered classes are imported and built."""
+_OUTPUTS = (
+    *("trainer.default_root_dir", "trainer.logger", "trainer.model_registry", "checkpoint.filename"),
+    *("data.cache", "data.storage.local_cache", "output.folder", "cluster"),
+)
+"""What writes, or runs elsewhere: `SAFE_CONFIG` takes it from the command line alone."""
 
 _OPTIMIZER = {"class_path": "torch.optim.RMSprop", "init_args": {"lr": 5e-5, "alpha": 0.9}}
 
@@ -116,6 +129,15 @@ class SaveConfig(SaveConfigCallback):
         if stage == "fit":
             super().setup(trainer, pl_module, stage)
 
+    def on_train_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
+        """Write the batch size that is used, if a callback such as BatchSizeFinder has changed it."""
+        size = getattr(getattr(trainer, "datamodule", None), "batch_size", None)
+        if self.config is None or size is None or self.config["data"]["batch_size"] == size:
+            return
+        self.config["data"]["batch_size"] = size
+        self.already_saved = False
+        super().setup(trainer, pl_module, "fit")
+
 
 class NormalGANCLI(LightningCLI):
     """fit, validate, test, predict, and render.
@@ -132,11 +154,13 @@ class NormalGANCLI(LightningCLI):
         command: the Trainer's method that is run.
         arguments: its options.
         held: what the command holds until it ends: the run's folder.
+        safe: whether configurations may not say where is written.
     """
 
-    def __init__(self, command: str, arguments: list[str], held: ExitStack) -> None:
+    def __init__(self, command: str, arguments: list[str], held: ExitStack, safe: bool = False) -> None:
         self.command = command
         self.held = held
+        self.safe = safe
         self.measured: Path | None = None  # the file that test measures
         self.weights: Weights | None = None  # what the model gets, if it does not go on learning
         self.resumed: Path | None = None  # the checkpoint that fit goes on from
@@ -182,7 +206,7 @@ class NormalGANCLI(LightningCLI):
     def add_arguments_to_parser(self, parser: LightningArgumentParser) -> None:
         """Set the defaults, and the links that keep settings in step."""
         # Else 120 lines stand before any help.
-        parser.usage = "%(prog)s [--config FILE]... [--SETTING VALUE]..."
+        parser.usage = f"%(prog)s [--config FILE]... [{SAFE_CONFIG}] [--SETTING VALUE]..."
         parser.add_lightning_class_args(ModelCheckpoint, "checkpoint")
         parser.add_lightning_class_args(PictureLogger, "pictures")
         parser.add_lightning_class_args(TestReport, "report")
@@ -233,6 +257,16 @@ class NormalGANCLI(LightningCLI):
         super().parse_arguments(parser, args)
         command, config = self.command, self.config
         _check_groups(parser, config)
+        if self.safe:
+            own = parser.parse_args(_set_here(args))
+            for name in _OUTPUTS:
+                if config.get(name) != own.get(name):
+                    raise InputError(
+                        f"a configuration sets {name}, and {SAFE_CONFIG} takes it from the command line "
+                        f"alone: give --{name}."
+                    )
+            if own.get("ckpt_path") != (given := config.get("ckpt_path")) and is_address(str(given)):
+                raise InputError(f"{SAFE_CONFIG} fetches no address that a configuration names: {given}.")
         given = None if command == "render" else config["ckpt_path"]
         if given is None and command in {"fit", "render"}:
             return
@@ -374,11 +408,12 @@ def run(arguments: list[str]) -> int:
         KeyboardInterrupt: if it was stopped.
     """
     arguments, section = asked_for(arguments)
-    arguments = _check_configs(arguments)
-    with _reading_settings() as held:
+    safe = SAFE_CONFIG in arguments
+    arguments = _check_configs([argument for argument in arguments if argument != SAFE_CONFIG])
+    with _reading_settings(safe) as held:
         held.enter_context(help_of(section if section in SECTIONS else None))
         try:
-            NormalGANCLI(arguments[0], arguments[1:], held).run_command()
+            NormalGANCLI(arguments[0], arguments[1:], held, safe).run_command()
         except MisconfigurationException as error:
             raise InputError(shorten(brief(error), 250, placeholder=" …")) from error
         except SIGTERMException as stop:
@@ -411,17 +446,46 @@ def resolved_settings(arguments: list[str]) -> dict[str, Any]:
 
 
 @contextmanager
-def _reading_settings() -> Iterator[ExitStack]:
-    """Load plug-ins, and bound what YAML may ask for, as long as settings are read and used."""
+def _reading_settings(safe: bool = False) -> Iterator[ExitStack]:
+    """Load plug-ins, and bound what YAML may ask for, as long as settings are read and used.
+
+    Args:
+        safe: whether to import and build registered classes alone. jsonargparse decides on each class or
+            function that any setting names, and cannot be told to allow more again in this process.
+    """
     with warnings.catch_warnings(), ExitStack() as held:
         filter_warnings()
         load_plugins()
         # Lightning lets jsonargparse read any URL, data: and http: too, that stands where settings may.
         set_parsing_settings(config_read_mode_fsspec_enabled=False)
+        if safe:
+            held.enter_context(no_local_classes())
+            set_parsing_settings(
+                import_path_denylist=["*"],
+                import_path_allowlist=safe_imports(),
+                validate_subclass_spec_in_any=True,
+                instantiate_subclass_spec_in_any=False,
+            )
         load = get_loader("yaml")
         held.callback(set_loader, "yaml", load, (yaml.YAMLError,))
-        set_loader("yaml", lambda text: load_bounded(text, load), (yaml.YAMLError,))
+        set_loader("yaml", lambda text: load_bounded(text, load, safe), (yaml.YAMLError,))
         yield held
+
+
+def _set_here(arguments: list[str]) -> list[str]:
+    """Return the arguments that set outputs directly, not through a configuration file.
+
+    >>> _set_here(["--trainer", "theirs.yaml", "--output.folder", "maps", "--data.cache=cache"])
+    ['--output.folder=maps', '--data.cache=cache']
+    """
+    found = []
+    for word, following in zip(arguments, [*arguments[1:], ""], strict=True):
+        option, joined, value = word.partition("=")
+        name = option.removeprefix("--").rstrip("+")
+        if any(name == output or name.startswith(f"{output}.") for output in _OUTPUTS) and word[:2] == "--":
+            value = value if joined else following
+            found += [] if name.startswith("trainer.logger") and _names_file(value) else [f"{option}={value}"]
+    return found
 
 
 def _check_groups(parser: LightningArgumentParser, config: Namespace) -> None:
@@ -431,6 +495,16 @@ def _check_groups(parser: LightningArgumentParser, config: Namespace) -> None:
         if isinstance(value := config.get(group), str | int | float | list):
             inside = next(name for name in names if name.startswith(f"{group}."))
             raise InputError(f"{group} is a group of settings, such as {inside}, not {value}.")
+
+
+def _names_file(value: object) -> bool:
+    """Return whether a setting, or a part of it, names a file, from which a class may be read."""
+    if isinstance(value, str):
+        within = load_yaml(value)
+        # os.path, as a long text is no path, of which pathlib raises an error.
+        return os.path.isfile(os.path.expanduser(value)) or (within != value and _names_file(within))  # noqa: PTH111, PTH113
+    parts = value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ()
+    return any(map(_names_file, parts))
 
 
 class _ParserBuiltError(Exception):

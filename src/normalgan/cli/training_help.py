@@ -44,6 +44,7 @@ _MOST_USED = {
     "--ckpt_path FILE|last|best": "what to resume, to measure or to predict with",
     "--seed_everything N": "another number gives another run",
     "--print_config": "print the settings that result, and exit",
+    "--safe-config": "let configurations name known classes only",
 }
 
 
@@ -90,7 +91,7 @@ def overview(command: str) -> str:
     see[f"normalgan {command} --model.generator.help UNetGenerator"] = "the settings of a class"
     return "\n".join(
         [
-            f"usage: normalgan {command} [--config FILE]... [--SETTING VALUE]...",
+            f"usage: normalgan {command} [--config FILE]... [--safe-config] [--SETTING VALUE]...",
             "",
             f"{does[0].upper()}{does[1:]}.",
             "",

@@ -3,6 +3,9 @@
 import ast
 import os
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from importlib import import_module
 from importlib.util import find_spec
 from inspect import isabstract
@@ -12,9 +15,21 @@ from typing import TypeVar
 from normalgan.errors import InputError, brief
 from normalgan.files.limits import MOST_SETTINGS, read_bounded
 
-__all__ = ["find_local", "where_classes_are_looked_for"]
+__all__ = ["find_local", "no_local_classes", "where_classes_are_looked_for"]
 
 T = TypeVar("T")
+
+_allowed: ContextVar[bool] = ContextVar("_allowed", default=True)
+
+
+@contextmanager
+def no_local_classes() -> Iterator[None]:
+    """Import nothing from the working directory: only registered and imported classes are known."""
+    token = _allowed.set(False)
+    try:
+        yield
+    finally:
+        _allowed.reset(token)
 
 
 def find_local(name: str, base: type[T]) -> type[T] | None:
@@ -31,7 +46,7 @@ def find_local(name: str, base: type[T]) -> type[T] | None:
         InputError: if the module fails while it is imported.
     """
     module, _, cls_name = name.rpartition(".")
-    if not module or not all(part.isidentifier() for part in name.split(".")):
+    if not _allowed.get() or not module or not all(part.isidentifier() for part in name.split(".")):
         return None
     here = Path.cwd()
     if not any(os.path.realpath(entry or ".") == os.path.realpath(here) for entry in sys.path):
