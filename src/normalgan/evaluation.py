@@ -35,7 +35,7 @@ class Evaluation(LightningModule):
     noise_at_test: bool
 
     def make_metrics(self, stage: str) -> None:
-        """Make the metrics of a stage: together they take longer than all the networks."""
+        """Make the metrics of a stage."""
         if stage in {"fit", "validate"}:
             self.val_metrics = StageMetrics("val", ("hints", "no_hints"))
         elif stage == "test":

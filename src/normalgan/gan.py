@@ -330,7 +330,7 @@ class NormalGAN(SavedSettings, Evaluation):
             average_statistics(self, self.trainer.strategy)
 
     def on_train_start(self) -> None:
-        """Let a cosine schedule end with the run, also if it is resumed to train longer."""
+        """End a cosine schedule with the run, also if it is resumed to train longer."""
         self.trainer.fit_loop.epoch_loop.max_steps = self._max_steps  # now that a checkpoint is read
         epochs = self.trainer.max_epochs
         for config in self.trainer.lr_scheduler_configs:

@@ -103,7 +103,7 @@ def _rising(numbers: Sequence[float]) -> bool:
 
 
 def _given(hint: Any, value: Any) -> list[tuple[Any, Range]]:
-    """Return what a value holds that has a range, a number or a pair, and the range."""
+    """Return the ranged parts of a value, a number or a pair, and the range."""
     if value is None:
         return []
     if get_origin(hint) is Annotated:

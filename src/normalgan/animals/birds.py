@@ -1,4 +1,4 @@
-"""The birds: what a kind is, in units of the length of its body, its wings, tail and legs among it.
+"""The birds: the measures of a kind, with its wings, tail and legs, in units of its body's length.
 
 Feathers are flat sweeps, laid over one another like slates. A leg is a feathered thigh, a thin shank, three
 toes before and one behind, webbed or not.
@@ -165,7 +165,7 @@ def _sickles(rng: Rng, factor: float) -> list[Part]:
 
 
 def _tufts(rng: Rng) -> list[Part]:
-    """Return an owl's veil of feathers round the eyes, and the ears of some."""
+    """Return an owl's ring of feathers round each eye, and ear tufts for some."""
     parts = [pair(tube([(0.30, 0.06, 0.17), (0.335, 0.06, 0.19)], 0.24, 0.24), blend=0.03),
              pair(tube([(0.40, 0.07, 0.19), (0.70, 0.075, 0.30)], 0.18), blend=0.05, carve=True),
              pair(tube([(0.30, 0.08, 0.18), (0.31, 0.08, 0.185)], 0.155))]  # fmt: skip

@@ -1,4 +1,4 @@
-"""The fish: what a kind is, in units of its length, and how its parts come together along a bent spine."""
+"""The fish: the measures of a kind in units of its length, and how its parts follow a bent spine."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace

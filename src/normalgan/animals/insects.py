@@ -1,4 +1,4 @@
-"""The insects and their like, each a function, and what they are made of: jointed legs, rings, wings."""
+"""Insects and other arthropods, each a function, and their parts: jointed legs, rings, wings."""
 
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
@@ -98,7 +98,7 @@ def _feelers(base: ArrayLike, bends: Sequence[ArrayLike], thick: float, club: fl
 
     Args:
         base: of the right one.
-        bends: the points through which it goes on, as offsets from the base.
+        bends: the points that it continues through, as offsets from the base.
         thick: radius at the base.
         club: radius at the tip over that.
     """

@@ -1,4 +1,4 @@
-"""Parts, of which a body is blended, and shorthand for those that model: balls, blocks, tubes, both sides."""
+"""Parts that are blended to a body, and shorthand for building them: balls, blocks, tubes, both sides."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace

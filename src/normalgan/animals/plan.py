@@ -62,7 +62,7 @@ class BodyPlan(Protocol):
 
         Args:
             pose: one of `poses`; None to draw one.
-            rng: draws proportions, age, carriage, and the pose if none is given.
+            rng: source of randomness for proportions, age, carriage, and the pose unless one is given.
         """
 
 

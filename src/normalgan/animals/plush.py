@@ -87,7 +87,7 @@ def _buttons(aside: float, up: float, radius: float, out: float = 1.0) -> Part:
 
 
 def _smile(aside: float, up: float, rise: float, out: float = 1.0) -> Part:
-    """Return the groove of a mouth, to dig; its corners ``rise`` degrees above its middle."""
+    """Return the groove of a mouth, to subtract; its corners lie ``rise`` degrees above its middle."""
     t = np.linspace(-1, 1, 9)
     curve = [on_skull(aside * float(s), up + rise * float(s * s), out) for s in t]
     return fuse(tube(curve, 0.03), blend=0.02, carve=True)

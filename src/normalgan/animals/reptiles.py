@@ -364,7 +364,7 @@ def _spiral(fat: float, turns: float, inner: float, rise: float, end: float, rng
 
 
 def _with_neck(spiral: Doubles, neck: list[tuple[float, float]], tall: float) -> Doubles:
-    """Return a coil that goes on along the points of a neck, (x, share of ``tall``), to the middle plane."""
+    """Return a coil along the points of a neck, (x, share of ``tall``), to the middle plane."""
     end = spiral[-1]
     raised = end[:2] + np.array(neck) * [1.0, tall]
     return np.vstack([spiral, np.column_stack([raised, np.linspace(end[2], 0.0, len(neck) + 1)[1:]])])

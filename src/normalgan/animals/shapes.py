@@ -111,7 +111,7 @@ class Sweep(Shape):
         return (self.points - fat).min(axis=0), (self.points + fat).max(axis=0)
 
     def area(self) -> float:
-        """Return about how much surface it has, its ends left out."""
+        """Return its approximate surface area without the ends."""
         lengths = np.linalg.norm(np.diff(self.points, axis=0), axis=1)
         mean = np.sqrt((self.radii**2 + self.widths**2) / 2)
         return float(np.sum(np.pi * (mean[1:] + mean[:-1]) * lengths))

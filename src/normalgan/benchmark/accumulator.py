@@ -1,4 +1,4 @@
-"""Accumulator: all figures of what a method predicts, over the whole split, by mesh and by view."""
+"""Accumulator: all figures of a method, over the whole split, by mesh and by view."""
 
 import math
 from collections.abc import Sequence
@@ -96,7 +96,7 @@ class Accumulator:
             self._sums.setdefault(name, []).append(sums)
 
     def figures(self) -> Figure:
-        """Return the figures over all samples; None where there is none, or a map was not finite."""
+        """Return the figures over all samples; None where it is undefined or a map was not finite."""
         error = {} if self._calibration is None else {"calibration_error": _plain(self._calibration.error())}
         return {**self._of(self._all, np.arange(len(self.names))), **error}
 

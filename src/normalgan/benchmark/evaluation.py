@@ -52,7 +52,7 @@ class Evaluation:
     Args:
         plan: which hints.
         shared: settings with the data of all rows.
-        test_alone: whether no split but the test split is to be rendered, as nothing is trained.
+        test_alone: whether only the test split is rendered, because nothing is trained.
     """
 
     plan: Plan
@@ -114,7 +114,7 @@ class Evaluation:
         return {**result, **self.of_method(method)}
 
     def of_method(self, method: Method) -> dict[str, Any]:
-        """Return the figures of a method, what it costs, and on what machine."""
+        """Return the figures of a method, its cost, and the machine."""
         plan, device = self.plan, self.device
         measured = asdict(measure(method, self.batches(), self.tests, device))
         if plan.pins and method.takes_hints:
@@ -153,7 +153,7 @@ class Evaluation:
         return specify(build_data(self.shared, **shared, **other) if other else trained, self.tests, trained)
 
     def predict_shown(self, method: Method) -> Floats:
-        """Return what a method predicts of the gallery's samples with the hints of table 1, (K, 3, H, W)."""
+        """Return a method's predictions for the gallery's samples with the hints of table 1, (K, 3, H, W)."""
         batch = moved(self.shown, self.device)
         hints = None
         if method.takes_hints:
@@ -193,6 +193,6 @@ def read_curve(folder: Path, most: int = 60) -> list[dict[str, float | None]]:
 
 
 def maps_of(folder: Path) -> Floats:
-    """Return what a run predicted of the gallery's samples, (K, 3, H, W)."""
+    """Return a run's predictions for the gallery's samples, (K, 3, H, W)."""
     with np.load(folder / "maps.npz") as file:
         return np.asarray(file["preds"], np.float32)

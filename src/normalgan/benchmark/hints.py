@@ -1,4 +1,4 @@
-"""The hints that methods are tested with: uniform, placed in other ways, or off as people give them."""
+"""Test hints: uniform, placed in other ways, or with errors like those of people."""
 
 from collections.abc import Callable, Sequence
 
@@ -61,7 +61,7 @@ def hint_points(mask: Tensor, names: Sequence[str], seed: int, count: int) -> Te
 
 
 def placements(names: Sequence[str], counts: Sequence[int]) -> dict[str, HintSampler]:
-    """Return a sampler for each name and count, by what its figures are called.
+    """Return a sampler for each name and count, by the name of its figures.
 
     Args:
         names: of `PLACEMENTS`.

@@ -1,4 +1,4 @@
-"""Measuring a method: with growing numbers of the common hints, and with those of its own sampler."""
+"""Measuring a method: with increasing numbers of common hints, and with those of its own sampler."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -30,7 +30,8 @@ class Measured:
     """What was measured, by what was given: ``15`` hints, or ``own``.
 
     Args:
-        figures: over all samples, such as ``angular_mean``; None where there is none or a map was not finite.
+        figures: over all samples, such as ``angular_mean``; None where it is undefined or a map was not
+            finite.
         names: of the samples, ``mesh/view``.
         meshes: figures by mesh.
         views: pixels that count, mean errors and n_z biases, each a list in the order of the names.
@@ -60,7 +61,7 @@ class Measured:
 
 @dataclass(frozen=True)
 class HintTests:
-    """What hints a method is tested with, besides those of its own sampler.
+    """The hints that a method is tested with, besides those of its own sampler.
 
     Args:
         counts: numbers of common hints, uniform on the object.
@@ -80,7 +81,7 @@ class HintTests:
 
     @property
     def names(self) -> list[str]:
-        """What the figures are called."""
+        """The names of the figures."""
         return [*map(str, self.counts), *self.placements, *self.noise, OWN]
 
 

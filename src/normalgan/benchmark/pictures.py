@@ -20,7 +20,7 @@ Picture = NDArray[np.generic]
 
 @dataclass(frozen=True)
 class Line:
-    """What one method predicts of the samples.
+    """The predictions of one method for the samples.
 
     Args:
         label: of the method.

@@ -162,8 +162,8 @@ def is_plan(path: str | Path) -> bool:
 def read_plan(path: str | Path) -> Plan:
     """Return the plan of a file.
 
-    Its ``base`` names another plan, beside it: what the file does not say is as there, and its rows come
-    after those of the base.
+    Its ``base`` names another plan, beside it: it provides the fields that the file lacks, and its rows come
+    first.
 
     Raises:
         InputError: if something in it cannot be used; the sentence names the file and the row.
@@ -219,7 +219,7 @@ def read_yaml(path: str | Path) -> Settings:
 
 
 def _read(kind: type[Part], content: Settings, where: str, **given: Any) -> Part:
-    """Build a dataclass from what a file says and what is known already."""
+    """Build a dataclass from the fields of a file and those known already."""
     known = {field.name for field in fields(kind)} - set(given)
     for name in content.keys() - known:
         near = did_you_mean(str(name), known)

@@ -77,7 +77,7 @@ def without(settings: Mapping[str, Any], names: Sequence[str]) -> Settings:
 
 
 def compose(layers: Sequence[Mapping[str, Any]]) -> Settings:
-    """Return all settings of `normalgan fit`, defaults included, of which later layers win.
+    """Return all settings of `normalgan fit` with defaults; later layers win.
 
     Raises:
         InputError: if `normalgan fit` would refuse them.

@@ -51,7 +51,7 @@ def _drawn(data: MeshDataModule) -> dict[str, Any]:
 
 
 def check_specification(found: Specification, path: Path) -> str:
-    """Make sure that a benchmark measures on what a file has frozen, and return the name of its track.
+    """Check a benchmark against a frozen specification, and return the name of its track.
 
     Args:
         found: the specification of its data.

@@ -42,7 +42,7 @@ class Submission:
     Args:
         folder: of it.
         name: in tables.
-        counts: numbers of hints of which there are maps; 0 among them.
+        counts: numbers of hints that there are maps for; 0 among them.
     """
 
     folder: Path

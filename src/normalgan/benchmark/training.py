@@ -75,7 +75,7 @@ def run_all(
     Args:
         runs: in this order.
         evaluation: the hash of how they are measured.
-        train: trains a run, or goes on with it, in its folder.
+        train: trains or continues a run in its folder.
         evaluate: measures a trained run.
         report: writes what there is so far; called after each run.
         say: tells the user.

@@ -1,4 +1,4 @@
-"""Commands: which there are, what each does in a line, and the module that runs it."""
+"""Commands: their list, one line of help for each, and the module that runs it."""
 
 from normalgan.cli.training_help import COMMANDS as TRAINING
 

@@ -54,13 +54,13 @@ SETTINGS = {kind: f"{_SECTIONS.get(kind, 'model')}.{kind}" for kind in REGISTRIE
 
 
 def load_plugins() -> None:
-    """Import and register what other installed packages offer, of every kind; warn of what is left out."""
+    """Import and register the plug-ins of other installed packages; warn of what is left out."""
     for registry in REGISTRIES.values():
         registry.load_entry_points()
 
 
 def namable() -> dict[str, Registry[Any]]:
-    """Return what each setting that takes a class may name, by the last part of the setting."""
+    """Return the classes that each setting may name, by the last part of the setting."""
     # Late: lightning takes ten seconds to import, and a list of our plug-ins does without.
     from lightning.pytorch import Callback
     from lightning.pytorch.loggers import Logger
@@ -129,7 +129,7 @@ def safe_imports() -> list[str]:
 
 
 def misplaced() -> list[LeftOut]:
-    """Return what packages offer in groups that look like ours and are none: a typo nobody would notice."""
+    """Return entry points in groups whose name looks like ours but is not: a typo nobody would notice."""
     groups = [registry.group for registry in REGISTRIES.values()]
     strange = [g for g in entry_points().groups if g.startswith("normalgan.") and g not in groups]
     return [

@@ -171,7 +171,7 @@ def _check_explained(settings: Namespace, packing: Packing) -> None:
 
 
 def _outputs(settings: Namespace) -> Outputs:
-    """Return what is to be written.
+    """Return the outputs to write.
 
     Raises:
         InputError: if its settings contradict each other.
@@ -319,7 +319,7 @@ class _Batch:
                     print(f"normalgan: {one_line(str(error))}", file=sys.stderr, flush=True)
 
     def read(self, jobs: Iterable[Job]) -> dict[Path, list[Path]]:
-        """Return the drawings, each with what else is read for it."""
+        """Return the drawings, each with the other files read for it."""
         files = [job.files for job in jobs]
         return {
             each.drawing: [*each.beside, *self._packing.beside(each.drawing, each.below)] for each in files
@@ -327,7 +327,7 @@ class _Batch:
 
     @property
     def _alike(self) -> bool:
-        """Whether drawings in files of their own share what the model is shown."""
+        """Whether drawings in separate files share a frame."""
         return self._settings.frame == "shared" and not self._packing.given and not self._settings.layers
 
     def code(self, total: int) -> int:

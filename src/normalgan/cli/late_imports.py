@@ -10,7 +10,7 @@ __all__ = ["gc_paused"]
 
 @contextmanager
 def gc_paused() -> Iterator[None]:
-    """Switch the garbage collector off for as long as modules are imported, and let it pass over them later.
+    """Switch the garbage collector off during imports, and exclude their objects from later runs.
 
     Modules make a million objects that stay. To look through them for some that do not takes a fifth of the
     time in which Lightning is imported and a command is parsed.

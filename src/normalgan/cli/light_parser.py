@@ -14,7 +14,7 @@ __all__ = ["LightParser", "choices"]
 
 
 class LightParser(OwnDefaultsParser):
-    """Says a mistake in one sentence, and names what a typo may have meant."""
+    """Reports mistakes in one sentence, with a suggestion for typos."""
 
     plugins: Mapping[str, Registry[Any]] = {}
     """The registry behind each setting that names a plug-in."""

@@ -80,6 +80,6 @@ def _options(kind: type[Output]) -> Iterator[_Option]:
 
 
 def _told(kind: type[Output]) -> dict[str, str]:
-    """Return what the docstring of an output says of its settings."""
+    """Return the descriptions of an output's settings from its docstring."""
     found = parse(kind.__doc__ or "", style=DocstringStyle.GOOGLE).params
     return {each.arg_name: " ".join((each.description or "").split()) for each in found}

@@ -35,7 +35,7 @@ _RANGED = re.compile(r"Annotated\[(\w+(?:\[[\w,\s]*\])?),(\s+[^\[\]]*)\]")
 
 
 class Parser(OwnDefaultsParser, LightningArgumentParser):
-    """Says a mistake in one sentence, and names what a typo may have meant."""
+    """Reports mistakes in one sentence, with a suggestion for typos."""
 
     def error(self, message: str, ex: Exception | None = None) -> NoReturn:
         """Raise `InputError` in place of a usage page."""

@@ -1,4 +1,4 @@
-"""Parser errors: what the parser says of a mistake in settings, many lines deep, as one sentence."""
+"""Parser errors: turn the parser's long messages into one sentence."""
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -87,7 +87,7 @@ def explain(message: str, plugins: Mapping[str, Registry[Any]], settings: Sequen
 
 
 def refusal(error: Exception) -> str:
-    r"""Return what a class says of settings that it does not take, in one sentence.
+    r"""Return a class's complaint about its settings as one sentence.
 
     jsonargparse lists it among the reasons why each other type of the setting did not fit.
 

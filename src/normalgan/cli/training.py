@@ -147,14 +147,14 @@ class NormalGANCLI(LightningCLI):
     uses these if nothing is named. The path is taken out of the settings before Lightning sees it, as that
     would build whatever class a checkpoint names. Only fit gets it back, once the checkpoint was looked at.
 
-    There is one parser, the command's, in place of Lightning's parser of subcommands: that checks each
-    setting twice, for the command and for all of them, which is half of the time that parsing takes.
+    There is one parser for the command instead of Lightning's parser of subcommands, which checks each
+    setting twice and so doubles the time of parsing.
 
     Args:
         command: the Trainer's method that is run.
         arguments: its options.
-        held: what the command holds until it ends: the run's folder.
-        safe: whether configurations may not say where is written.
+        held: what is released when the command ends, such as the lock of the run's folder.
+        safe: whether configurations may not say where the run writes.
     """
 
     def __init__(self, command: str, arguments: list[str], held: ExitStack, safe: bool = False) -> None:
@@ -253,7 +253,7 @@ class NormalGANCLI(LightningCLI):
         self._options = parser.add_method_arguments(RenderingTrainer, self.command, skip=not_options)
 
     def parse_arguments(self, parser: LightningArgumentParser, args: Any) -> None:
-        """Let what is saved in a file decide on the model, after a look at whether it can be used."""
+        """Take the model's settings from the file given by ``ckpt_path``, after checking it."""
         super().parse_arguments(parser, args)
         command, config = self.command, self.config
         _check_groups(parser, config)
@@ -306,7 +306,7 @@ class NormalGANCLI(LightningCLI):
             self.held.enter_context(one_run_in(last.parent.parent))
 
     def instantiate_classes(self) -> None:
-        """Build model, data and trainer; what they refuse is a setting."""
+        """Build model, data and trainer, and report what they refuse as a bad setting."""
         try:
             super().instantiate_classes()
         except InputError:
@@ -353,7 +353,7 @@ class NormalGANCLI(LightningCLI):
         self.resumed, self.known = path, {str(state.get("dirpath")) for state in states}
 
     def _use_checkpoint(self, path: Path, command: str) -> None:
-        """Take the generator of a checkpoint and the hints it learnt with; what else learnt is left alone."""
+        """Take the generator and the hint sampler of a checkpoint."""
         size = self.config["data"]["size"]
         checkpoint = read_checkpoint(path)
         check_size(path, checkpoint.generator_size(), size)
@@ -533,7 +533,7 @@ def _check_configs(arguments: list[str]) -> list[str]:
     """Look at the configurations before anything in them is used; return the parser's arguments.
 
     Raises:
-        InputError: if one cannot be used.
+        InputError: if one is invalid.
     """
     arguments, configs = with_shipped_configs(arguments)
     for given in configs:

@@ -56,10 +56,9 @@ class MeshDataModule(LightningDataModule):
     Args:
         meshes: a folder, a glob or a list of mesh files (.off .obj .ply .stl .glb .gltf); None takes the
             embedded procedural animals, or the source.
-        groups: kinds of meshes that are read, posed and split each in its own way, besides ``meshes`` or in
-            place of them.
+        groups: groups of meshes with their own reading, poses and split, besides ``meshes`` or instead.
         source: where samples come from, such as `Pairs` on disk, in place of meshes and animals.
-        reading: how ``meshes`` are read, and how many meshes become of each.
+        reading: how ``meshes`` are read, and how many variants are made of each.
         animals: embedded animals, in place of meshes or beside them.
         split: which meshes are for training, validation and testing.
         views: where the objects are looked at from.
@@ -75,7 +74,7 @@ class MeshDataModule(LightningDataModule):
             keep none; if not, they are rendered once and kept, as those to validate and test always are.
         cache: folder or URL where rendered samples are kept.
         storage: memory, disk and processes that this machine spends on samples.
-        batch_size: samples a batch.
+        batch_size: samples in a batch.
         workers: processes that load samples, or render them on the fly; 0 does it in this one: enough for
             samples that fit in memory.
         augmentation: random changes of training samples; None for none.
@@ -214,7 +213,7 @@ class MeshDataModule(LightningDataModule):
     # --- from meshes to samples -----------------------------------------------------------------------
 
     def prepare_data(self) -> None:
-        """Render what is to be kept and is not in the cache yet; go on where it was interrupted."""
+        """Render the stored samples that are not in the cache yet."""
         if self.trainer is None or not self.trainer.predicting:
             self.render(thorough=False)
 
@@ -285,7 +284,7 @@ class MeshDataModule(LightningDataModule):
         )
 
     def state_dict(self) -> dict[str, Any]:
-        """Return for a checkpoint what the training samples depend on."""
+        """Return the settings that the training samples depend on, for a checkpoint."""
         return {"training_data": self._training_data} if self._training_data else {}
 
     def load_state_dict(self, state_dict: dict[str, Any]) -> None:
@@ -357,7 +356,7 @@ class MeshDataModule(LightningDataModule):
         return Loaders(self.batch_size, self.workers, replicas, rank, decoded=not at_work)
 
     def on_after_batch_transfer(self, batch: Batch, dataloader_idx: int) -> Batch:
-        """Decode batches on the device they are on, and augment those of training there.
+        """Decode batches on their device, and augment training batches there.
 
         Drawings to predict are decoded already.
         """

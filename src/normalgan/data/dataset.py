@@ -19,8 +19,8 @@ __all__ = ["SampleDataset", "bytes_per_sample"]
 class SampleDataset(Dataset[Item]):
     """Samples of one split, from memory if they fit, otherwise from the store one by one.
 
-    DataLoader workers, forked or spawned, share the samples in memory; each opens the store itself. Where the
-    store makes samples as they are read, each process keeps what it has read of an unfinished split.
+    DataLoader workers, forked or spawned, share the samples in memory; each opens the store itself. While a
+    split is unfinished, each process keeps the samples that it has read.
 
     Args:
         store: where they lie.

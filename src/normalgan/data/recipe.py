@@ -23,7 +23,7 @@ class Loadable(Protocol):
         """
 
     def load(self) -> Any:
-        """Return what the recipe makes samples of, such as a `Mesh` or a `Pair`.
+        """Return the object that the recipe makes samples of, such as a `Mesh` or a `Pair`.
 
         Raises:
             InputError: if it cannot be used; the message says why, and it is left out with a warning.
@@ -46,7 +46,7 @@ class SampleRecipe(Protocol):
         """Whether its samples bring hints."""
 
     def check(self) -> None:
-        """Raise `InputError` if this machine lacks what the recipe needs."""
+        """Raise `InputError` if this machine lacks a requirement of the recipe."""
 
     def render(self, loaded: Any, index: int, /) -> Sample:
         """Return sample number ``index`` of a mesh or pair; it does not depend on the other samples.
@@ -56,7 +56,7 @@ class SampleRecipe(Protocol):
         """
 
     def describe(self) -> dict[str, Any]:
-        """Return all that the samples depend on besides what is loaded, as plain values for JSON.
+        """Return all settings that the samples depend on, as plain values for JSON.
 
         ``rendering_version`` among them is the version of the code that makes them.
         """

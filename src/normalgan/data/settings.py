@@ -14,7 +14,7 @@ __all__ = ["EmbeddedAnimals", "MeshReading", "Prediction", "Split", "Storage"]
 
 @dataclass(frozen=True)
 class MeshReading:
-    """How mesh files are read, and how many meshes become of each.
+    """How mesh files are read, and how many variants are made of each.
 
     Args:
         orientation: JSON file that says of each mesh how it is turned upright, and whether inside out.
@@ -109,14 +109,14 @@ class Storage:
 
 @dataclass(frozen=True)
 class Prediction:
-    """Drawings to predict, and what is known of them.
+    """Drawings to predict, with their hints and masks.
 
     Args:
         sketches: a folder, a glob or a list of drawings.
         hints: hints for the drawings: a file, or a folder of ``<sketch>_hints.png`` or ``.json``.
         mask: where the object is in the drawings: a file, a folder of ``<sketch>_mask.png``, ``outline`` to
             fill what lines enclose, ``reader`` to let a small network vote on that, or ``model`` to leave it
-            to the model; None is its opacity if that tells, else the reader.
+            to the model; None uses its opacity if it shows the object, else the reader.
         map_size: longer side of the maps in pixels; None is the drawing's, 1024 of an SVG.
     """
 

@@ -37,7 +37,7 @@ class SketchSample(TypedDict):
 class SketchDataset(Dataset[SketchSample]):
     """Drawings prepared for the generator. All are read at once, so that a bad one is known early.
 
-    Those of several that cannot be used are left out: `unusable` says what is wrong with each.
+    Those of several that cannot be used are left out: `unusable` gives the reason for each.
 
     Args:
         files: the drawings with their hints and masks, as `inference.jobs.plan.find_files` finds them.

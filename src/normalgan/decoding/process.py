@@ -1,4 +1,4 @@
-"""The parent's side: child processes that decode, kept for the next picture and ended when they fail."""
+"""The parent's side: child processes that decode; they are reused, and ended when they fail."""
 
 import atexit
 import json
@@ -56,7 +56,7 @@ def decode(
     grey: bool = False,
     exact: bool = False,
 ) -> Decoded:
-    """Return the pixels of a picture, upright; an SVG is drawn, transparent where it has nothing.
+    """Return the pixels of a picture, upright; an SVG is drawn, transparent where it is empty.
 
     Args:
         name: what to call it in an error.
@@ -95,7 +95,7 @@ def decode_tileset(name: str, content: bytes, sides: tuple[int, int]) -> tuple[D
 
 
 def start() -> None:
-    """Start the process that the first picture needs, and do not wait for it."""
+    """Start the process for the first picture without waiting for it."""
     _pool.start()
 
 
@@ -198,7 +198,7 @@ class _Child:
         self._ready = False
 
     def ask(self, question: _Question[T]) -> T:
-        """Return what the process answers; if anything but a refusal is raised, it has ended."""
+        """Return the answer of the process, which has ended if anything but a refusal is raised."""
         late = threading.Event()
 
         def end() -> None:
@@ -301,7 +301,7 @@ class _Child:
 
 
 class _Pool:
-    """Children that wait for a picture; as many as have been needed at once, up to a number.
+    """Idle children for the next pictures; there are as many as were needed at once, up to a limit.
 
     Args:
         most: children at once.
@@ -320,7 +320,7 @@ class _Pool:
                 self._idle.append(_Child(""))
 
     def run(self, needs: str, question: _Question[T]) -> T:
-        """Return what a child that is free answers, one with the libraries that are needed."""
+        """Ask an idle child that has the needed libraries, and return its answer."""
         with self._turns:
             child = self._take(needs)
             try:
@@ -352,7 +352,7 @@ class _Pool:
 
 
 def _folders() -> list[str]:
-    """Return where the libraries that decode lie; the child sees no other packages."""
+    """Return the folders of the libraries that decode; the child sees no other packages."""
     found = [find_spec(name) for name in ("PIL", "resvg_py", "psd_tools", "cv2", "numpy", "pillow_heif")]
     origins = [spec.origin for spec in found if spec is not None and spec.origin is not None]
     return list(dict.fromkeys(str(Path(origin).parents[1]) for origin in origins))
@@ -366,7 +366,7 @@ def _whole(value: Any, least: int, most: int) -> int:
 
 
 def _note(said: dict[str, Any]) -> str:
-    """Return what of a file is not shown as its program shows it."""
+    """Return the note on how a file differs from what its program shows."""
     return _printable(said.get("note", ""))
 
 
@@ -376,12 +376,12 @@ def _partial(said: dict[str, Any]) -> bool:
 
 
 def _printable(words: str) -> str:
-    """Return the child's words as one line that is fit for a terminal."""
+    """Return the child's text as one printable line."""
     return "".join(each for each in words if each.isprintable())[:_MOST_WORDS]
 
 
 def _forget() -> None:
-    """Leave the children of the process that this one was forked from to it."""
+    """After a fork, leave the children to the parent process."""
     global _pool  # noqa: PLW0603
     _kept.append(_pool)  # else its files would be closed, and its children waited for
     _pool = _Pool(_MOST)

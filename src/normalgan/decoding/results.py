@@ -19,7 +19,7 @@ class Decoded:
     Args:
         pixels: (h, w), (h, w, 3) or (h, w, 4).
         shape: (H, W) of the file; that of the pixels unless they were reduced.
-        note: what of it is not shown as its program shows it, a part of a sentence; empty if all is.
+        note: how it differs from what its program shows, a part of a sentence; may be empty.
         partial: whether a layer of it is missing.
     """
 

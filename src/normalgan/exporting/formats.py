@@ -42,7 +42,7 @@ class Format:
     """A way to write a model.
 
     Args:
-        write: makes the bytes from a model and what is to be said about it.
+        write: makes the bytes from a model and its metadata.
         read: returns a function that predicts sketches with hints, from the bytes.
         halve: makes of the bytes those with weights in 16 bits; None where that is not done.
     """

@@ -1,4 +1,4 @@
-"""Files by address: https:// and hf://, kept on this machine once their hash is known to be right."""
+"""Files by address: https:// and hf://, cached on this machine after their hash is checked."""
 
 import hashlib
 import json

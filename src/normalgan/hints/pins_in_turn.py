@@ -20,7 +20,7 @@ _REGION = 1 / 8
 def pin_in_turn(
     predict: Callable[[Tensor], Tensor], normal: Tensor, mask: Tensor, hints: Tensor, seed: int
 ) -> Tensor:
-    """Return hints (N, 4, H, W) with up to `MOST_PINS` more for each sample, 0 among the numbers.
+    """Return hints (N, 4, H, W) with 0 to `MOST_PINS` more for each sample.
 
     Each pin is the true normal in the middle of the region where the prediction with all pins before it is
     most wrong.

@@ -1,4 +1,4 @@
-"""Findings: what is to be said about a map, as data; `words_of` makes the command line's sentence of it."""
+"""Findings: findings about a map, as data; `words_of` makes the command line's sentence of it."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -28,13 +28,13 @@ _FEW = 3
 
 @dataclass(frozen=True)
 class Finding:
-    """Something to be said about a map or its drawing.
+    """A finding about a map or its drawing.
 
     Args:
         code: what it is about; see `words_of`.
         places: x and y of what it is about, in pixels of the drawing, the most important first.
-        count: of how many it is true.
-        total: how many there are.
+        count: how many things it applies to.
+        total: how many things there are.
         share: in [0, 1], of what the code is about.
         layer: name of the layer; empty if there is only one.
         words: a part of a sentence, or one, where the code has none of its own.
@@ -50,7 +50,7 @@ class Finding:
 
 
 class LackingError(InputError):
-    """A drawing lacks something to be predicted.
+    """A drawing lacks something that prediction needs.
 
     Args:
         words: what it lacks, in one sentence.
@@ -64,7 +64,7 @@ class LackingError(InputError):
 
 
 def words_of(finding: Finding) -> str:
-    """Return what a finding says, a part of a sentence.
+    """Return the text of a finding, a part of a sentence.
 
     >>> words_of(Finding("edge", ((3.2, 8),), layer="Arm"))
     'Arm: no line bounds the object about x 3, y 8, so its edge is a guess; close it if it is wrong'

@@ -1,4 +1,4 @@
-"""Forms: make a part of a map round, flat or hollow, with a bevel, as a hand asks for."""
+"""Forms: make a part of a map round, flat or hollow, with a bevel."""
 
 import math
 from dataclasses import dataclass
@@ -103,7 +103,7 @@ def feather(area: Floats, soft: float) -> Floats:
 
 
 def _box(inside: BoolMask) -> tuple[int, int, int, int] | None:
-    """Return top, left, bottom and right of what is inside with a pixel around it, or None if nothing is."""
+    """Return the bounding box with a margin of a pixel: top, left, bottom, right; None if empty."""
     rows, columns = np.flatnonzero(inside.any(1)), np.flatnonzero(inside.any(0))
     if not rows.size:
         return None

@@ -59,8 +59,8 @@ def prepare_any(
             its upper left; or an array (H, W, 4), a unit normal and 1 at each hint, and 0 elsewhere.
         mask: where the object is: a path, an image or an array of the drawing's size, bool, or white on
             black; ``outline`` fills what lines enclose, ``reader`` lets a small network vote on that,
-            ``model`` leaves it to the network of normals; None takes the drawing's opacity if that tells,
-            else the reader.
+            ``model`` leaves it to the network of normals; None takes the drawing's opacity if it shows the
+            object, else the reader.
         size: longer side of the map in pixels, 8 to 8192; None is the drawing's.
         line_widths: of the lines that the network is shown as they were drawn, in its pixels.
         flips: x and y of points whose regions become holes, or object if they are holes.
@@ -75,7 +75,7 @@ def prepare_any(
 def check_any(
     image: AnyPicture, hints: AnyHints, mask: AnyMask, size: int | None
 ) -> tuple[Picture, MaskOrSource, Hints | None]:
-    """Return a drawing, its mask and its hints, each of which is given in any form, as `prepare` takes them.
+    """Return a drawing, its mask and its hints, given in any form, as `prepare` takes them.
 
     Raises:
         InputError: if something cannot be used.

@@ -51,8 +51,8 @@ class NormalMap:
             soft edge.
         seen: (S, S), what the network was shown.
         confidence: (H, W), the network's confidence κ ≥ 0, if it has one.
-        findings: what is to be said about it; `warning` says it.
-        tile: the ways in which the map goes on past its edges with what lies at the opposite ones, or None.
+        findings: findings about it; `warning` says it.
+        tile: the directions in which the map repeats past its edges, or None.
         cells: of a sheet the drawings in it, each a surface of its own; none of another map. The normals of
             one that is turned are those of the upright drawing.
         partial: whether something that is drawn could not be predicted, as the findings say.

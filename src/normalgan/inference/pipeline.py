@@ -165,7 +165,7 @@ def predict(backend: Backend, prepared: Prepared, upsample: Upsampler | None = N
 
 
 def _choose(prepared: Prepared, present: BoolMask) -> tuple[BoolMask, tuple[Finding, ...]]:
-    """Return the object's mask, and what is to be said about it."""
+    """Return the object's mask, and the findings about it."""
     mask, findings = _found(prepared, present)
     if prepared.painted is None:
         return mask, findings
@@ -174,7 +174,7 @@ def _choose(prepared: Prepared, present: BoolMask) -> tuple[BoolMask, tuple[Find
 
 
 def _found(prepared: Prepared, present: BoolMask) -> tuple[BoolMask, tuple[Finding, ...]]:
-    """Return the object's mask before edits by hand, and what is to be said about it."""
+    """Return the object's mask before edits by hand, and the findings about it."""
     if prepared.mask is None:
         return present, ()
     if prepared.held:

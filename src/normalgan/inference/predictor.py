@@ -45,8 +45,8 @@ class Predictor:
                 from its upper left; or an array (H, W, 4), a unit normal and 1 at each hint, and 0 elsewhere.
             mask: where the object is: a path, an image or an array of the drawing's size, bool, or white on
                 black; ``outline`` fills what lines enclose, ``reader`` lets a small network vote on that,
-                ``model`` leaves it to the network of normals; None takes the drawing's opacity if that tells,
-                else the reader.
+                ``model`` leaves it to the network of normals; None takes the drawing's opacity if it shows
+                the object, else the reader.
             size: longer side of the map in pixels, 8 to 8192; None is the drawing's.
             tile: the ways in which the drawing is repeated, ``both``, ``x`` (side by side) or ``y``; the map
                 can be repeated so too. None is a drawing that ends at its edges.

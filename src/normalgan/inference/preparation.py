@@ -34,21 +34,22 @@ class Prepared:
     Args:
         shape: (H, W) of the map to be.
         ink: (h, w), the drawing's lines, at the size it is worked on.
-        mask: (h, w), the object as its opacity, a mask or the outline tells; None leaves it to the model.
-        alpha: the drawing's opacity (any H, W), if it tells the mask.
+        mask: (h, w), the object by its opacity, a mask or the outline; None leaves it to the model.
+        alpha: the drawing's opacity (any H, W), if the mask comes from it.
         frame: the square the model is shown.
         seen: (S, S), what it is shown.
         hints: (4, S, S), or None.
         closed: share of the ink that encloses something, if the mask comes from filling the outline; else 1.
         guessed: whether that closed a gap so wide that it may have been meant, and the reader was not asked.
-        pins: the hints in pixels of the map to be, or None.
-        painted: (h, w), 1 where a hand has added to the object, -1 where it has cut, 0 elsewhere; or None.
+        pins: the hints in pixels of the map, or None.
+        painted: (h, w), 1 where the user has added to the object, -1 where they have cut, 0 elsewhere; or
+            None.
         held: whether the outline is open and the mask is the one before it was.
         line_widths: of the lines that the model is shown as they were drawn.
-        given: the hints in pixels of the drawing, if they are to be looked for on the object; or None.
-        unsure: what is to be said about the mask; places are in pixels of the drawing.
+        given: the hints in pixels of the drawing, to check that they lie on the object; or None.
+        unsure: findings about the mask; places are in pixels of the drawing.
         decision: how the mask was found in the lines, if it was.
-        reading: what the reader sees in the drawing, if it was asked.
+        reading: the reader's output, if it was asked.
         coverage: (h, w) in [0, 1], how much of each pixel the mask covers, if it comes from the outline.
     """
 
@@ -88,11 +89,12 @@ def prepare(
         picture: the drawing.
         size: side of the model's pictures.
         mask: (h, w), the object, of any size; or where it comes from: `OUTLINE` fills what lines enclose,
-            `MODEL` leaves it to the model, `READER` lets the reader vote on what lines enclose; None is the
-            drawing's opacity if that tells, else the reader.
+            `MODEL` leaves it to the model, `READER` lets the reader vote on what lines enclose; None uses
+            the drawing's opacity if it shows the object, else the reader.
         hints: in pixels of the drawing.
         longest: longer side of the map in pixels; None keeps the drawing's own size.
-        painted: (H, W) of any size, 1 where a hand has added to the object, -1 where it has cut, 0 elsewhere.
+        painted: (H, W) of any size, 1 where the user has added to the object, -1 where they have cut, 0
+            elsewhere.
             What was added closes the gaps that it covers in an outline.
         line_widths: of the lines that the model knows, in its pixels; they are shown as they were drawn.
         flips: x and y in pixels of the drawing; the region that lines enclose there becomes a hole, or object
@@ -100,7 +102,7 @@ def prepare(
 
     Raises:
         LackingError: if there is no line in it.
-        InputError: if there is no region where one is to be flipped.
+        InputError: if there is no region at a point of ``flips``.
     """
     shape = picture.shape if longest is None else fitted(picture.shape, longest)
     worked = shape if max(shape) <= MOST_WORKED else fitted(shape, MOST_WORKED)
@@ -161,7 +163,7 @@ def _clean_and_read(
         picture: the drawing.
         shown: the same at the size that it is worked on.
         asked: whether the reader is asked at all.
-        always: whether it is asked also where the opacity tells the object.
+        always: whether it is asked even if the opacity shows the object.
 
     Raises:
         LackingError: if neither finds anything.

@@ -87,7 +87,7 @@ class Sprite:
 
         Args:
             preds: the predicted map; each drawing of a sheet is treated separately.
-            picture: what it was predicted for, of any size.
+            picture: the drawing that it was predicted for, of any size.
         """
         if not self.changes:
             return preds
@@ -140,7 +140,7 @@ def slopes_of(colour: Floats, mask: BoolMask, tile: Tile | None = None) -> Float
 
     Args:
         colour: (H, W, 3) in [0, 1].
-        mask: (H, W), the object; its colours go on beyond its edge.
+        mask: (H, W), the object; its colours are extended beyond its edge.
         tile: the ways in which the painting repeats.
 
     Example:

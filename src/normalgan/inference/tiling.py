@@ -133,7 +133,7 @@ def _frame_of(around: Floats, window: Window) -> Frame:
 
 
 def _outlined(ink: Floats, tile: Tile) -> BoolMask:
-    """Return what the lines (H, W) of a repeated drawing enclose; everything, if much is open."""
+    """Return the area that the lines (H, W) of a repeated drawing enclose; everything, if much is open."""
     half = ink.shape[0] // 2, ink.shape[1] // 2
     outline = decide(wrapped(ink, tile, half), None)
     if not outline.by_lines:

@@ -1,4 +1,4 @@
-"""Metrics of where a method says that there is an object: IoU with the true mask, and coverage of it."""
+"""Metrics of the predicted object: IoU with the true mask, and coverage of it."""
 
 import torch
 from torch import Tensor
@@ -12,7 +12,7 @@ PRESENT = 0.5
 
 
 def presence(vectors: Tensor) -> Tensor:
-    """Return where vectors (N, 3, H, W) say that there is an object, (N, 1, H, W) of bool."""
+    """Return the object that vectors (N, 3, H, W) predict, (N, 1, H, W) of bool."""
     return vectors.square().sum(1, keepdim=True).sqrt() > PRESENT
 
 
@@ -35,7 +35,7 @@ class _PresenceMetric(MapMetric):
 
 
 class MaskIoU(_PresenceMetric):
-    """Intersection over union of the object that is predicted and the true one; 1 is right everywhere."""
+    """Intersection over union of the predicted and the true object; 1 is best."""
 
     label = "mask IoU"
 

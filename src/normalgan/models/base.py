@@ -145,7 +145,7 @@ def check_predictions(generator: nn.Module, preds: object, condition: Tensor) ->
 
 
 class Discriminator(Network):
-    """Base of the networks that tell predicted maps from true ones (critics, for Wasserstein objectives)."""
+    """Base of the discriminators, which tell predicted maps from true ones (critics in WGANs)."""
 
     @abstractmethod
     def forward(self, condition: Tensor, normal: Tensor) -> tuple[Tensor, ...]:

@@ -1,4 +1,4 @@
-"""The input of the networks, made of a sketch and its hints."""
+"""The input of the networks, from a sketch and its hints."""
 
 import torch
 from torch import Tensor

@@ -83,7 +83,7 @@ class Recipe:
         check_ranges(self)
 
     def check(self) -> None:
-        """Raise `InputError` if this machine lacks what the renderer needs."""
+        """Raise `InputError` if this machine lacks a requirement of the renderer."""
         self.renderer.check()
 
     def render(self, mesh: Mesh, index: int) -> Sample:

@@ -1,4 +1,4 @@
-"""App: the studio as an ASGI application: its page, and what the page asks for."""
+"""App: the studio as an ASGI application: its page and its API."""
 
 import asyncio
 import mimetypes
@@ -52,9 +52,9 @@ def build_app(
 
     Args:
         predictor: predicts the drawings.
-        projects: where they are kept, and in a folder below what is not saved yet.
-        port: that it will be served at.
-        opened: what the page is to open first, as `normalgan.studio.opening.find_opened` gives it.
+        projects: the saved projects; unsaved work goes into a folder below.
+        port: the port it is served at.
+        opened: what the page opens first, as `normalgan.studio.opening.find_opened` gives it.
     """
     predictions = PredictionRoutes(predictor)
     autosaved = DocumentStore(projects.folder / "autosave")
@@ -87,7 +87,7 @@ def build_app(
 
 
 def _page_routes() -> tuple[str, list[BaseRoute]]:
-    """Return what the addresses of the page's files begin with, which are kept for ever, and its routes."""
+    """Return the page's routes, and the prefix of its cacheable files."""
     mimetypes.add_type("text/javascript", ".js")  # some machines call it a plain text, which browsers refuse
     kept = f"/page/{version_of([*PAGE.glob('*.*'), CLAY_FILE])}"
     text = (PAGE / "index.html").read_text(encoding="utf-8")
@@ -105,7 +105,7 @@ def _page_routes() -> tuple[str, list[BaseRoute]]:
 
 
 def _about_route(predictor: Predictor) -> Route:
-    """Return the route that says which model predicts, and what a drawing may have."""
+    """Return the route that describes the model and the limits of a drawing."""
     told = {
         "version": __version__,
         "model": {"name": predictor.name, "size": predictor.model.size, "confidence": predictor.confident},
@@ -120,7 +120,7 @@ def _about_route(predictor: Predictor) -> Route:
 
 
 def _opened_routes(opened: Opened | None) -> list[Route]:
-    """Return the routes by which the page gets what it opens first."""
+    """Return the routes of the drawing or project that the page opens first."""
 
     async def first(_: Request) -> Response:
         return JSONResponse(opened and {name: value for name, value in opened.items() if name != "content"})
@@ -134,7 +134,7 @@ def _opened_routes(opened: Opened | None) -> list[Route]:
 
 
 def _import_route() -> Route:
-    """Return the route that makes a drawing, or layers, of a picture's file."""
+    """Return the route that imports a picture file as a drawing or as layers."""
     importing = asyncio.Semaphore(1)  # one at a time: it may take a gigabyte
 
     async def import_(request: Request) -> Response:

@@ -25,8 +25,8 @@ async def read_body(request: Request, most: int = MOST_BYTES) -> bytes:
     """Return the body of a request.
 
     Raises:
-        TooLargeError: as soon as it is longer than ``most`` bytes, or says that it will be.
-        TooSlowError: if it takes too long to come in.
+        TooLargeError: if it is longer than ``most`` bytes, or its Content-Length says so.
+        TooSlowError: if it arrives too slowly.
     """
     said = request.headers.get("content-length", "")
     if said.isdecimal() and int(said[:20]) > most:
@@ -48,10 +48,10 @@ def _too_large(most: int) -> TooLargeError:
 
 
 async def read_json(request: Request) -> bytes:
-    """Return the body of a request that says it is JSON; other pages cannot send such without being asked.
+    """Return the body of a JSON request; browsers let no other page send that type without a preflight.
 
     Raises:
-        WrongTypeError: if it says something else.
+        WrongTypeError: if the type is not JSON.
         TooLargeError: if it is too long.
     """
     check_type(request, "application/json")
@@ -66,6 +66,6 @@ def check_type(request: Request, *prefixes: str) -> None:
 
 
 async def wait_disconnect(request: Request) -> None:
-    """Return when the client has gone; its request must have been read."""
+    """Return when the client has disconnected; read its body before."""
     while (await request.receive())["type"] != "http.disconnect":
         pass

@@ -1,4 +1,4 @@
-"""Document routes: documents are listed, read, written and deleted by the page."""
+"""Document routes: list, read, write and delete documents."""
 
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
@@ -17,17 +17,17 @@ class DocumentRoutes:
     """Responses for the documents of a store.
 
     Args:
-        path: where they are asked for.
-        store: where they lie.
-        guarded: whether who changes one must say what it was before.
-        most: documents that are kept, the oldest being deleted; None keeps all.
+        path: prefix of their addresses.
+        store: the documents.
+        guarded: whether a change must name the version that it replaces.
+        most: documents to keep; older ones are deleted. None keeps all.
     """
 
     def __init__(self, path: str, store: DocumentStore, guarded: bool, most: int | None = None) -> None:
         self._path, self._store, self._guarded, self._most = path, store, guarded, most
 
     def routes(self) -> list[Route]:
-        """Return where they are asked for."""
+        """Return the routes."""
         one = f"{self._path}/{{name}}"
         return [
             Route(self._path, self.entries, methods=["GET"]),

@@ -1,4 +1,4 @@
-"""DocumentStore: documents in a folder, written atomically, never over unseen changes."""
+"""DocumentStore: documents in a folder, written atomically, without overwriting unseen changes."""
 
 import hashlib
 import os
@@ -27,7 +27,7 @@ SUFFIX = ".normalgan"
 
 
 class Anything:
-    """The tag for overwriting a document, whatever it holds."""
+    """The tag for overwriting any version of a document."""
 
 
 ANYTHING: Final = Anything()
@@ -39,7 +39,7 @@ _PATIENCE = 20.0
 
 
 class DocumentStore:
-    """A folder of documents, for any number of threads and of processes at once.
+    """A folder of documents that threads and processes share.
 
     Args:
         folder: where they are kept; it is created if it is missing.
@@ -87,8 +87,8 @@ class DocumentStore:
         """Return a document and its tag.
 
         Raises:
-            InputError: if the name is none, or it is longer than the page may send, no file, or not readable.
-            MissingError: if there is none of that name.
+            InputError: if the name is not valid, or the file is too long or cannot be read.
+            MissingError: if there is no such document.
         """
         path = self._path(name)
         try:
@@ -100,12 +100,12 @@ class DocumentStore:
         return content, tag_of(content)
 
     def write(self, name: str, content: bytes, expected: Expected) -> str:
-        """Write a document, on the disk when this returns, and return its tag.
+        """Write a document durably and return its tag.
 
         Raises:
-            InputError: if the name is none.
+            InputError: if the name is not valid.
             RunError: if the disk is full.
-            ChangedError: if what is there is not what was expected.
+            ChangedError: if it has changed since it was read.
         """
         path = self._path(name)
         with self._held():
@@ -121,9 +121,9 @@ class DocumentStore:
         """Delete a document.
 
         Raises:
-            InputError: if the name is none.
-            MissingError: if there is none of that name.
-            ChangedError: if what is there is not what was expected.
+            InputError: if the name is not valid.
+            MissingError: if there is no such document.
+            ChangedError: if it has changed since it was read.
         """
         path = self._path(name)
         with self._held():
@@ -139,11 +139,11 @@ class DocumentStore:
 
     @contextmanager
     def _held(self) -> Iterator[None]:
-        """Hold the folder: no thread and no other process changes what is in it.
+        """Lock the folder against other threads and processes.
 
         Raises:
-            RunError: if another process does not let go of it.
-            OSError: if there are no locks on its disk.
+            RunError: if another process keeps the lock.
+            OSError: if its disk does not support locks.
         """
         try:
             with self._threads, self._processes.acquire(timeout=_PATIENCE):
@@ -154,7 +154,7 @@ class DocumentStore:
             ) from None
 
     def _path(self, name: str) -> Path:
-        """Return the file of a document, also if its name is in Unicode's decomposed form, as of macOS."""
+        """Return the file of a document, also if macOS has decomposed the name."""
         name = check_name(name)
         path = self.folder / f"{name}{SUFFIX}"
         if not name.isascii() and not path.exists():
@@ -184,7 +184,7 @@ def tag_of(content: bytes) -> str:
 
 
 def _sync(folder: Path) -> None:
-    """Have a folder's names on the disk, where that can be asked for."""
+    """Flush a folder's entries to the disk, if the system can."""
     if sys.platform != "win32":
         handle = os.open(folder, os.O_RDONLY)
         try:

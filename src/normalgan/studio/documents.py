@@ -12,10 +12,10 @@ _ONE_LAYER = 3
 
 
 def check_document(content: bytes) -> Fields:
-    """Return a project's fields; what its lists hold is the page's business.
+    """Return a project's fields; the page checks the contents of its lists.
 
     Raises:
-        InputError: if it is not a project, or is one of a later version.
+        InputError: if it is not a project, or was saved by a later version.
     """
     fields = parse_fields(content)
     if fields.get("format") != FORMAT:

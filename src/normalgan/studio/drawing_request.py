@@ -1,4 +1,4 @@
-"""DrawingRequest: a picture, hints and the object's mask as a request holds them."""
+"""DrawingRequest: the picture, hints and mask of a request."""
 
 import hashlib
 import json
@@ -66,7 +66,7 @@ _PNG = b"\x89PNG\r\n\x1a\n"
 
 @dataclass(frozen=True)
 class DrawingRequest:
-    """A drawing as it came, not decoded yet.
+    """The drawing of a request, not decoded yet.
 
     Args:
         picture: PNG, or pixels (H, W, 1), grey, or (H, W, 4), with opacity.
@@ -95,12 +95,12 @@ class DrawingRequest:
         return None if isinstance(self.picture, bytes) else self.picture.shape[:2]
 
     def digest(self) -> bytes:
-        """Return what is the same for the same drawings and for no others."""
+        """Return a hash of the drawing."""
         by_hand = json.dumps([self.hints, self.areas, self.form]).encode()
         return hashlib.sha256(self.lines_digest() + by_hand).digest()
 
     def lines_digest(self) -> bytes:
-        """Return what is the same for drawings that differ in their hints alone, and for no others."""
+        """Return a hash of the drawing without its hints, areas and form."""
         whole = hashlib.sha256()
         if isinstance(self.picture, bytes):
             parts: tuple[bytes | memoryview, ...] = (b"PNG", self.picture)
@@ -127,7 +127,7 @@ class DrawingRequest:
         return picture, mask_of(read_png("mask", self.mask), picture.shape)
 
     def read_mask(self, picture: Picture) -> NDArray[np.int8] | None:
-        """Return (H, W) where strokes have added to the object (1) or cut from it (-1); None without strokes.
+        """Return the mask edits (H, W): 1 where a stroke adds, -1 where it cuts; None without strokes.
 
         Args:
             picture: the drawing.
@@ -142,7 +142,7 @@ class DrawingRequest:
         return paint_mask(inked, (_read_mask_stroke(*each) for each in enumerate(self.mask_strokes, 1)))
 
     def edit(self, normals: Floats, mask: NDArray[np.bool_], shape: tuple[int, int]) -> Floats:
-        """Return a predicted map with its form, the user's areas in their order, and then the pins exactly.
+        """Apply the form, then the user's areas in order, then the exact pins to a predicted map.
 
         Args:
             normals: (h, w, 3), unit.
@@ -180,12 +180,12 @@ class DrawingRequest:
         )
 
     def read_hints(self, shape: tuple[int, int]) -> Hints | None:
-        """Return the hints for the model, which has (H, W) pixels; None if there are none.
+        """Return the hints for the model, in pixels of the drawing (H, W); None if there are none.
 
-        Those with a reach of their own are none: they work as far as that, not as far as the model thinks.
+        Hints with their own reach are left out: the reach says how far they work, not the model.
 
         Raises:
-            InputError: if one cannot be used.
+            InputError: if one is invalid.
         """
         hints = parse_hints(self.hints, "the request", shape)
         free = [each.get("reach") is None for each in self.hints]
@@ -194,14 +194,14 @@ class DrawingRequest:
 
 @dataclass(frozen=True)
 class Area:
-    """A part of the map to which a hand gives a direction.
+    """A part of the map whose direction the user sets.
 
     Args:
         points: (K, 2), x and y in pixels of the drawing: of a closed polygon, or of a stroke.
         normal: (3,), unit.
         size: width of the brush; None for a polygon, which is turned as a whole.
         form: of a polygon; None leaves it as predicted.
-        soft: the share of a polygon's depth in which it fades out, 0 to 1.
+        soft: how much of a polygon's depth it fades over, 0 to 1.
     """
 
     points: Floats
@@ -217,7 +217,7 @@ def read_areas(given: Any) -> list[Area]:
     A polygon may have a ``form``, as `read_form` takes it, and ``soft``, 0 to 1.
 
     Raises:
-        InputError: if one cannot be used.
+        InputError: if one is invalid.
     """
     areas = []
     for number, each in enumerate(given, 1):
@@ -267,7 +267,7 @@ def _is_share(value: Any) -> bool:
 
 
 def _read_mask_stroke(number: int, given: Any) -> MaskStroke:
-    """Return a stroke of the mask brush, or a click into an area."""
+    """Return a stroke of the mask brush, or a click that fills an area."""
     try:
         points = np.array(given["points"], np.float32).reshape(-1, 2)
         size, adds, fills = float(given["size"]), given["adds"], given.get("fills", False)
@@ -325,7 +325,7 @@ def take_drawing(fields: Fields, picture: NDArray[np.uint8] | None = None) -> Dr
 
 
 def to_picture(pixels: NDArray[np.uint8]) -> Picture:
-    """Return pixels (H, W, 1), grey, or (H, W, 4), with opacity, as a picture."""
+    """Return grey pixels (H, W, 1) or RGBA pixels (H, W, 4) as a picture."""
     values = np.multiply(pixels, np.float32(1 / 255), dtype=np.float32)
     if pixels.shape[-1] == 1:
         return Picture(np.asarray(cv2.merge([values[..., 0]] * 3), np.float32), None)
@@ -337,7 +337,7 @@ def read_png(name: str, content: bytes) -> Picture:
     """Return a PNG as a picture.
 
     Raises:
-        InputError: if it is none, or too large or small, which is seen before it is decoded.
+        InputError: if it is not one, or its size is out of range; that is checked before decoding.
     """
     if content[:8] != _PNG or content[12:16] != b"IHDR" or len(content) < 33:
         raise InputError(f"the {name} is no PNG.")
@@ -349,7 +349,7 @@ def read_png(name: str, content: bytes) -> Picture:
 
 
 def check_sides(name: str, height: int, width: int) -> None:
-    """Raise `InputError` if a picture of this size is not one for the studio."""
+    """Raise `InputError` if the studio does not take a picture of this size."""
     if not LEAST_SIDE <= min(height, width) <= max(height, width) <= MOST_SIDE:
         raise InputError(
             f"the {name} is {width} × {height} pixels; "

@@ -1,4 +1,4 @@
-"""Exports: the files of a drawing, equal to those of `normalgan generate`, one or all at once."""
+"""Exports: one file of a drawing or all of them, as `normalgan generate` writes them."""
 
 import io
 import json
@@ -42,7 +42,7 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Names:
-    """What a program's files are called but the map, each with ``{}`` for the drawing's name.
+    """The names of a program's files besides the map; ``{}`` stands for the drawing's name.
 
     Args:
         line: line art.
@@ -73,10 +73,10 @@ class Preset:
 
     Args:
         names: of its files.
-        notes: what is to be set there, a sentence.
-        engine: which has conventions for the map, and a file by which it imports it; None has none.
+        notes: how to set up the import there, a sentence.
+        engine: whose conventions the map follows; None for none.
         prefix: of all names.
-        height: kind of the height map.
+        height: file format of the height map.
     """
 
     names: Names
@@ -87,7 +87,7 @@ class Preset:
 
     @property
     def normal(self) -> Normal:
-        """How its map is written: as `normalgan generate --engine` does."""
+        """How the map is written, as by `normalgan generate --engine`."""
         if self.engine is None:
             return Normal(alpha=True)
         wanted = CONVENTIONS[self.engine]
@@ -151,15 +151,15 @@ _FORMATS: Final[dict[str, Format]] = {"png8": "png", "png16": "png", "exr": "exr
 
 
 def offered() -> dict[str, tuple[str, ...]]:
-    """Return what can be exported, and in which formats; the first is the default."""
+    """Return the formats of each export; the first is the default."""
     beside = {kind.name: kind.formats() for kind in OUTPUTS}
     return {"map": tuple(_FORMATS), "all": ("plain", *PRESETS), **beside}
 
 
 def with_export_menu(page: str) -> str:
-    """Return the page with the menu of all exports, in the page's words as far as it has them.
+    """Return the page with the menu of all exports, labelled by the page's texts where there are any.
 
-    Each names its files, with ``{}`` for the drawing's name, and the presets whose green points down.
+    Each entry lists its file names, with ``{}`` for the drawing's name.
     """
     labels = {kind.name: kind.label for kind in OUTPUTS}
     options = []
@@ -180,11 +180,11 @@ class ExportRequest:
 
     Args:
         name: of the drawing, without a suffix.
-        output: the one kind of file; None is all, zipped.
-        longest: longer side in pixels; None is the drawing's.
-        preset: for what program, if it is all.
-        line_art: PNG of the lines, if it is all.
-        lit: PNG of the map under the user's own lights, if it is all; None lights it from the upper left.
+        output: the kind of file; None exports all, zipped.
+        longest: longer side in pixels; None keeps the drawing's.
+        preset: the program that all files are for.
+        line_art: PNG of the lines, for the zip.
+        lit: PNG of the map under the user's own lights, for the zip; None lights it from the upper left.
     """
 
     name: str
@@ -196,7 +196,7 @@ class ExportRequest:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What the files are called that are written."""
+        """The names of the files."""
         return tuple(name for name, _ in self._files())
 
     def encode(self, preds: NormalMap) -> tuple[str, bytes]:
@@ -209,7 +209,7 @@ class ExportRequest:
         return f"{self.name}_{kind}.zip", _zipped(files)
 
     def _files(self) -> Iterator[tuple[str, Callable[[NormalMap], bytes]]]:
-        """Yield the name of each file, and what makes it of a map."""
+        """Yield the name and the encoder of each file."""
         if self.output is not None:
             encode = lru_cache(maxsize=1)(self.output.encode)  # once for all its files
             for ending in self.output.endings:
@@ -259,7 +259,7 @@ def _preview(preds: NormalMap) -> bytes:
 
 
 def read_export_request(fields: Fields) -> ExportRequest:
-    """Return what a request wants to have written.
+    """Return the export that a request asks for.
 
     Raises:
         InputError: if a field cannot be used.

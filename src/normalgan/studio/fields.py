@@ -1,4 +1,4 @@
-"""Fields: the values in a JSON request, each checked as it is taken out."""
+"""Fields: read and check the values of a JSON request."""
 
 import base64
 import binascii
@@ -14,10 +14,10 @@ Fields = dict[str, Any]
 
 
 def parse_fields(body: bytes) -> Fields:
-    """Return the object that a JSON text holds.
+    """Return the object in a JSON text.
 
     Raises:
-        InputError: if it is no JSON, or no object.
+        InputError: if it is not a JSON object.
     """
     try:
         fields = json.loads(body.decode(), parse_constant=_refuse)
@@ -32,12 +32,12 @@ def parse_fields(body: bytes) -> Fields:
 
 
 def _refuse(constant: str) -> None:
-    """Refuse NaN and Infinity, which Python reads and no browser does."""
+    """Refuse NaN and Infinity, which Python accepts and browsers do not."""
     raise ValueError(constant)
 
 
 def take_integer(fields: Fields, name: str, least: int, most: int, default: int | None = None) -> int:
-    """Return a whole number from ``least`` to ``most``; None as default means that there is none.
+    """Return a whole number from ``least`` to ``most``; without a default the field is required.
 
     Raises:
         InputError: if it is none.
@@ -74,7 +74,7 @@ def take_text(fields: Fields, name: str, most: int) -> str:
 
 
 def take_bytes(fields: Fields, name: str) -> bytes:
-    """Return what a text in base64 stands for.
+    """Return the bytes of a base64 text.
 
     Raises:
         InputError: if it is none.

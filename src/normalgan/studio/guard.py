@@ -10,13 +10,13 @@ __all__ = ["Guard"]
 
 
 class Guard:
-    """Refuses requests by another name of this machine and requests of other pages.
+    """Refuses requests under another host name and requests from other pages.
 
     A foreign host name may resolve to this machine (DNS rebinding), and its page would then have our origin.
 
     Args:
-        app: what is guarded.
-        port: that it is served at.
+        app: the application.
+        port: the port it is served at.
     """
 
     def __init__(self, app: ASGIApp, port: int) -> None:

@@ -1,4 +1,4 @@
-"""Layers: the parts of a drawing in a request, the hindmost first; each is predicted among the others."""
+"""Layers: the parts of a drawing, the hindmost first; the network sees each among the others."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -26,7 +26,7 @@ class Layer:
     """A part of a drawing.
 
     Args:
-        name: by which a finding tells of it; empty if it is the only one.
+        name: for findings; empty if it is the only layer.
         drawing: what is drawn on it.
     """
 
@@ -88,11 +88,11 @@ def take_layers(fields: Fields, kept: KeptPlanes, pixels: memoryview | None) -> 
 def predict_layers(
     layers: Sequence[Layer], predict: Callable[[DrawingRequest, Sequence[DrawingRequest]], NormalMap]
 ) -> NormalMap:
-    """Return the map of all layers; what one of several lacks to be predicted is in its findings.
+    """Return the map of all layers; its findings say which layers could not be predicted, and why.
 
     Args:
         layers: the hindmost first.
-        predict: predicts one among all of them.
+        predict: predicts one layer among all of them.
 
     Raises:
         LackingError: if none can be predicted.

@@ -33,7 +33,7 @@ def check_name(name: str) -> str:
 
 
 def is_name(name: str) -> bool:
-    """Return whether a project may be called so.
+    """Return whether a name is valid for a project.
 
     >>> is_name("fox"), is_name("../fox"), is_name(" fox")
     (True, False, False)
@@ -44,7 +44,7 @@ def is_name(name: str) -> bool:
 
 
 def to_name(text: str) -> str:
-    """Return the name that is nearest to a text.
+    """Return the valid name closest to a text.
 
     >>> to_name("fox (2)."), to_name("..."), to_name("CON")
     ('fox 2', 'drawing', 'CON_')

@@ -1,4 +1,4 @@
-"""Opening: the project or drawing that the command line names, for the page."""
+"""Opening: the project or drawing that the command line names."""
 
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ Opened = dict[str, Any]
 
 
 def find_opened(given: str, store: DocumentStore) -> Opened:
-    """Return what the page is to open: ``kind`` (project, document or drawing), ``name``, and the rest of it.
+    """Return what the page opens: ``kind`` (project, document or drawing), ``name`` and the content.
 
     A drawing's ``content`` is its file's, which the page imports as any other.
 

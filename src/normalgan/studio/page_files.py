@@ -12,7 +12,7 @@ _SCRIPT = re.compile(r'^<script type="module" src="([^"]*/)([\w.]+)"></script>',
 
 
 def modules_of(folder: Path, first: str) -> list[str]:
-    """Return the modules that a module needs, itself first, then in the order in which a browser finds them.
+    """Return the modules that a module imports, itself first, in the order in which a browser finds them.
 
     Args:
         folder: of all modules.
@@ -26,9 +26,9 @@ def modules_of(folder: Path, first: str) -> list[str]:
 
 
 def markup(text: str, folder: Path) -> str:
-    """Return a page that names all modules its scripts need, so that a browser asks for them at once.
+    """Return a page that preloads all modules of its scripts.
 
-    Without that it learns of a module when the one that imports it has come.
+    Without that, a browser asks for a module only after the one that imports it has arrived.
 
     Args:
         text: the page.
@@ -46,7 +46,7 @@ def markup(text: str, folder: Path) -> str:
 
 
 def version_of(files: Iterable[Path]) -> str:
-    """Return what is the same for the same files, and for no others."""
+    """Return a hash of the files."""
     whole = hashlib.sha256()
     for path in sorted(files):
         whole.update(f"{path.name}\0{path.stat().st_size}\0".encode())

@@ -1,4 +1,4 @@
-"""Planes: a drawing's pixels as raw bytes, of which the page sends only the part that changed."""
+"""Planes: a drawing's pixels as raw bytes; the page sends only the changed part."""
 
 import json
 import struct
@@ -32,7 +32,7 @@ _BYTES = 2**28
 
 
 def split_body(body: bytes) -> tuple[Fields, memoryview]:
-    """Return the JSON object of a body, and the bytes behind it.
+    """Return the JSON object of a body, and the bytes after it.
 
     Raises:
         InputError: if there is none.
@@ -44,11 +44,11 @@ def split_body(body: bytes) -> tuple[Fields, memoryview]:
 
 
 class KeptPlanes:
-    """What each layer of each tab was sent as, so that only what has changed since need be. For one thread.
+    """The last pixels of each layer and tab, to which a request sends changes. Not thread-safe.
 
     Args:
-        most: layers that are remembered.
-        largest: bytes that they may take together.
+        most: layers to keep.
+        largest: bytes to keep.
     """
 
     def __init__(self, most: int = _MOST, largest: int = _BYTES) -> None:

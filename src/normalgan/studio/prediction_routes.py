@@ -52,7 +52,7 @@ class PredictionRoutes:
         self._kept = KeptPlanes()
 
     def routes(self) -> list[Route]:
-        """Return where they are asked for."""
+        """Return the routes."""
         return [
             Route("/api/predict", self.predict, methods=["POST"]),
             Route("/api/suggest", self.suggest, methods=["POST"]),
@@ -62,15 +62,15 @@ class PredictionRoutes:
         ]
 
     def close(self) -> None:
-        """Begin nothing more."""
+        """Start no further work."""
         self._quick.close()
         self._slow.close()
 
     async def predict(self, request: Request) -> Response:
-        """Answer with the colours of the normals, and the object's soft edge as alpha, W × H × 4 bytes.
+        """Answer with the map as W × H × 4 bytes: the normals' colours, and the object's soft edge as alpha.
 
-        With ``changed_only`` only layers are predicted that have changed; the others are as they were, though
-        each is seen among all.
+        With ``changed_only`` only changed layers are predicted; the maps of the others are reused, although
+        the network saw them among other layers.
         """
         start = time.perf_counter()
         fields, layers = await self._asked(request)
@@ -97,14 +97,14 @@ class PredictionRoutes:
         return _dropped() if points is None else JSONResponse({"points": points})
 
     async def uncertainty(self, request: Request) -> Response:
-        """Answer how unsure the model is: W × H bytes, shares of a right angle; none if it cannot say."""
+        """Answer with the model's uncertainty, W × H bytes as shares of 90°; empty without a confidence."""
         start = time.perf_counter()
         fields, layers = await self._asked(request)
         doubts = await self._ordered(self._quick, request, fields, partial(self._doubts, layers))
         return _dropped() if doubts is None else _pixels(*doubts, start)
 
     async def height(self, request: Request) -> Response:
-        """Answer with heights, W × H floats, none off the object."""
+        """Answer with heights, W × H floats, NaN off the object."""
         start = time.perf_counter()
         fields, layers = await self._asked(request)
         heights = await self._ordered(self._slow, request, fields, partial(self._heights, layers))
@@ -123,7 +123,7 @@ class PredictionRoutes:
         return Response(content, headers={"Content-Disposition": attachment}, media_type=_OCTETS)
 
     async def _asked(self, request: Request) -> tuple[Fields, list[Layer]]:
-        """Return what a request asks for, and the drawing, PNG in JSON or raw bytes of what has changed."""
+        """Return the fields and the layers of a request: PNGs in JSON, or raw bytes of the changed part."""
         check_type(request, "application/json", CONTENT_TYPE)
         body = await read_body(request)
         pixels = None
@@ -142,7 +142,7 @@ class PredictionRoutes:
         apart: str = "",
         stop: Stop | None = None,
     ) -> T | None:
-        """Return the result of the work in its turn; None if it is no longer wanted."""
+        """Return the result of the work in its turn; None if a newer request replaces it."""
         tab = f"{request.url.path} {apart}{take_text(fields, 'tab', 64)}"
         number = take_integer(fields, "number", 0, _LARGEST)
         return await queue.do(tab, number, work, partial(wait_disconnect, request), stop)
@@ -198,7 +198,7 @@ _OCTETS = "application/octet-stream"
 
 
 def _is_raw(request: Request) -> bool:
-    """Return whether a request brings pixels as they are, as the page does."""
+    """Return whether a request has raw pixels, as those of the page."""
     return request.headers["content-type"].partition(";")[0].strip().lower() == CONTENT_TYPE
 
 
@@ -214,7 +214,7 @@ def _pixels(content: bytes, predicted: NormalMap, start: float) -> Response:
 
 
 def _lines(layers: Sequence[Layer], mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return where there is ink, as large as the mask: what is dark, whatever its colour."""
+    """Return where there is ink, at the size of the mask: all dark pixels."""
     inked = np.zeros_like(mask)
     for layer in layers:
         picture, _ = layer.drawing.read_lines()
@@ -228,5 +228,5 @@ def _dropped(*lacks: Finding) -> Response:
 
 
 def _header(findings: Sequence[Finding]) -> str:
-    """Return findings as percent-encoded JSON: their fields, with the command line's words."""
+    """Return findings as percent-encoded JSON, each with the command line's words."""
     return quote(json.dumps([{**asdict(each), "words": words_of(each)} for each in findings]))

@@ -48,10 +48,10 @@ _TABS = 32
 
 @dataclass(frozen=True, eq=False)
 class _Closed:
-    """The object of an outline that was closed.
+    """The object of an outline while it was closed.
 
     Args:
-        version: another one for each.
+        version: a new number for each.
         ink: (h, w), where the lines were.
         mask: (h, w), the object.
     """
@@ -68,7 +68,7 @@ class Predictor:
         path: file that `normalgan export` wrote.
 
     Raises:
-        InputError: if it is no such file.
+        InputError: if it is not one.
     """
 
     def __init__(self, path: Path) -> None:
@@ -96,7 +96,7 @@ class Predictor:
         *,
         any_context: bool = False,
     ) -> NormalMap:
-        """Return the normal map of a drawing; it may be called by several threads.
+        """Return the normal map of a drawing. Thread-safe.
 
         Args:
             drawing: the drawing.
@@ -140,7 +140,7 @@ class Predictor:
         return predicted
 
     def _infer(self, prepared: Prepared) -> Inferred:
-        """Return what the network predicts; layers without hints that are seen among each other share it."""
+        """Return the network's prediction; layers without hints that are seen together share it."""
         shown = sha256(prepared.seen.tobytes())
         if prepared.hints is not None:
             shown.update(prepared.hints.tobytes())
@@ -152,7 +152,7 @@ class Predictor:
         return found
 
     def _context(self, parts: Sequence[DrawingRequest], longest: int | None) -> Context | None:
-        """Return what the network sees of the parts of a drawing; None if only one can be seen."""
+        """Return the network's view of all parts of a drawing; None if only one can be seen."""
         if len(parts) < 2:
             return None
         seen = []
@@ -173,7 +173,7 @@ class Predictor:
         return found
 
     def _prepare(self, drawing: DrawingRequest, longest: int | None) -> tuple[Prepared, tuple[int, int]]:
-        """Return a drawing without its hints as `prepare` gives it, and its own (H, W)."""
+        """Return a drawing prepared without its hints, and its (H, W)."""
         key = drawing.lines_digest(), longest, self._version(drawing.tab)
         found = self._recalled(self._prepared, key)
         if found is None:
@@ -192,12 +192,12 @@ class Predictor:
         return found
 
     def _version(self, tab: str) -> int:
-        """Return which object a tab's open outline would be given: the same drawing then has another mask."""
+        """Return the version of the object for a tab's open outline; it is part of the cache key."""
         with self._lock:
             return self._closed[tab].version if tab in self._closed else 0
 
     def _hold(self, tab: str, prepared: Prepared, *, whole: bool) -> Prepared:
-        """Keep the object of a closed outline, and give it back while the outline is open."""
+        """Keep the object of a closed outline, and use it while the outline is open."""
         if prepared.mask is None or prepared.alpha is not None:
             return prepared
         ink = prepared.ink > 0.35

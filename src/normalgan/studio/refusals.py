@@ -16,7 +16,7 @@ __all__ = [
 
 
 class RefusedError(InputError):
-    """A request that is not served; its message is one sentence for the user."""
+    """A refused request; its message is one sentence for the user."""
 
     status = 400
 
@@ -28,13 +28,13 @@ class ForeignError(RefusedError):
 
 
 class MissingError(RefusedError):
-    """Nothing has that name."""
+    """There is no such document."""
 
     status = 404
 
 
 class TooSlowError(RefusedError):
-    """The body did not come in in time."""
+    """The body arrived too slowly."""
 
     status = 408
 
@@ -46,7 +46,7 @@ class BehindError(RefusedError):
 
 
 class ChangedError(RefusedError):
-    """Somebody else has saved in the meantime."""
+    """The document has changed since it was read."""
 
     status = 412
 
@@ -64,6 +64,6 @@ class WrongTypeError(RefusedError):
 
 
 class TooManyError(RefusedError):
-    """More requests than are served."""
+    """Too many requests wait."""
 
     status = 429

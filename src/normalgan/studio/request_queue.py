@@ -1,4 +1,4 @@
-"""RequestQueue: a thread that serves requests; only the newest of each tab waits."""
+"""RequestQueue: a thread that serves requests; of each tab only the newest one waits."""
 
 import asyncio
 from collections import OrderedDict
@@ -18,17 +18,17 @@ _TABS = 256
 
 
 class GivenUpError(Exception):
-    """Ends work that is no longer wanted, silently."""
+    """Ends work whose result is no longer wanted."""
 
 
 class Stop:
-    """Whether a draft is to be given up; the work asks between its steps."""
+    """A request to abandon a draft; the work checks it between its steps."""
 
     def __init__(self) -> None:
         self._asked = False
 
     def ask(self) -> None:
-        """Have the work end at its next step."""
+        """End the work at its next step."""
         self._asked = True
 
     def check(self) -> None:
@@ -46,7 +46,7 @@ class _Entry(Generic[T]):
 
 
 class RequestQueue:
-    """Does one task at a time, in the order of the tabs.
+    """Does one task at a time, in the order in which tabs asked.
 
     A tab that asks again before its turn keeps its place, and its older request is dropped. A started task is
     finished, because a tab that asks all the time would never get a result; only drafts are abandoned for
@@ -71,13 +71,13 @@ class RequestQueue:
         gone: Callable[[], Awaitable[None]],
         stop: Stop | None = None,
     ) -> T | None:
-        """Return the result, or None if the tab has asked for something newer or has gone.
+        """Return the result; None if the tab has sent a newer request or has disconnected.
 
         Args:
             tab: who asks.
             number: of the request; a tab's larger number is newer.
             work: what is done in the thread.
-            gone: returns when nobody waits for the answer any more.
+            gone: returns when the client has disconnected.
             stop: asked to end the work when the tab asks for what is no draft, or has gone; None if this is
                 no draft.
 
@@ -120,7 +120,7 @@ class RequestQueue:
                 del self._waiting[tab]
 
     def close(self) -> None:
-        """Begin nothing more; what is being done is finished."""
+        """Start no further work, and let the running task finish."""
         for entry in self._waiting.values():
             _settle(entry, None)
         self._waiting.clear()

@@ -24,22 +24,22 @@ _HEADERS = {
 
 
 def failed(sentence: str, status: int, headers: dict[str, str] | None = None) -> JSONResponse:
-    """Return an error as the page reads it."""
+    """Return an error as JSON for the page."""
     return JSONResponse({"error": " ".join(sentence.split())}, status, headers)
 
 
 def refused(error: InputError) -> JSONResponse:
-    """Return what an `InputError` is for the page."""
+    """Return the response to an `InputError`."""
     status = error.status if isinstance(error, RefusedError) else 500 if isinstance(error, RunError) else 400
     return failed(str(error), status, {"Retry-After": "1"} if status == 429 else None)
 
 
 class ResponseMiddleware:
-    """Gives every answer its headers, and makes an answer of whatever else goes wrong.
+    """Adds the headers to each response, and turns unexpected exceptions into responses.
 
     Args:
-        app: what answers.
-        kept: what addresses begin with whose content is the same forever.
+        app: the application.
+        kept: prefix of the addresses that browsers may cache for ever.
     """
 
     def __init__(self, app: ASGIApp, kept: str) -> None:
@@ -79,7 +79,7 @@ class ResponseMiddleware:
 
 
 def _sentence(error: Exception) -> str:
-    """Return what to say of a failure, without any name of this machine's files."""
+    """Return a sentence on a failure that reveals no path of this machine."""
     if isinstance(error, OSError):
         return f"the server could not read or write a file: {error.strerror or type(error).__name__}."
     if isinstance(error, MemoryError):
@@ -88,7 +88,7 @@ def _sentence(error: Exception) -> str:
 
 
 def _report(error: Exception) -> None:
-    """Say on the terminal what went wrong, and where if that is wanted."""
+    """Print an error on the terminal, with its traceback if NORMALGAN_TRACEBACK is set."""
     if os.environ.get("NORMALGAN_TRACEBACK"):
         traceback.print_exception(error)
     print(f"normalgan: studio: {type(error).__name__}: {brief(error)}", file=sys.stderr, flush=True)

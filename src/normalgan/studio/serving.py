@@ -1,4 +1,4 @@
-"""Serving: an application at a port of this machine, until Ctrl-C or a signal ends it."""
+"""Serving: run an application on a local port until Ctrl-C or a signal."""
 
 import errno
 import ipaddress
@@ -19,14 +19,14 @@ _GRACE = 10
 
 
 def listen(port: int, address: str = "127.0.0.1") -> socket.socket:
-    """Return a socket that listens at a port; 0 is a free one.
+    """Return a socket that listens on a port.
 
     Args:
-        port: of this machine.
-        address: of this machine, in numbers: 127.0.0.1 is reached from this machine only, 0.0.0.0 from all.
+        port: to listen on; 0 takes a free one.
+        address: an IPv4 address: 127.0.0.1 for this machine only, 0.0.0.0 for all.
 
     Raises:
-        InputError: if it is taken, or none that may be used.
+        InputError: if it is taken or cannot be used.
     """
     try:
         ipaddress.IPv4Address(address)
@@ -53,10 +53,10 @@ def listen(port: int, address: str = "127.0.0.1") -> socket.socket:
 
 
 def serve(app: ASGIApp, listening: socket.socket) -> None:
-    """Serve until a signal; SIGTERM ends it as if all were done.
+    """Serve until a signal; SIGTERM exits with code 0.
 
     Raises:
-        KeyboardInterrupt: after Ctrl-C, once all requests are answered.
+        KeyboardInterrupt: after Ctrl-C, when all requests are answered.
     """
     signal.signal(signal.SIGTERM, _leave)  # uvicorn raises it again once all is shut down
     config = uvicorn.Config(

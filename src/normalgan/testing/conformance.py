@@ -1,4 +1,4 @@
-"""Checks as objects: each has a name, and its failure is one sentence."""
+"""Checks as objects with a name; a failure is one sentence."""
 
 import inspect
 import pickle
@@ -36,9 +36,9 @@ class Check(Generic[T]):
     """One check of a plug-in; call it with the plug-in.
 
     Args:
-        name: what is asked, in a few words; the id of the test in pytest.
-        ask: raises `ConformanceError` if the plug-in does something else.
-        contract: what a plug-in is to do, told if it raises an exception instead.
+        name: what is checked, in a few words; the id of the test in pytest.
+        ask: raises `ConformanceError` if the plug-in breaks the contract.
+        contract: what a plug-in must do, for the message if it raises an exception.
     """
 
     name: str
@@ -52,7 +52,7 @@ class Check(Generic[T]):
         """Run the check on a plug-in.
 
         Raises:
-            ConformanceError: if the plug-in does something else, or raises anything.
+            ConformanceError: if the plug-in breaks the contract or raises an exception.
         """
         if isinstance(plugin, type):
             raise ConformanceError(
@@ -81,10 +81,10 @@ def demand(fulfilled: object, plugin: object, did: str, asked: str) -> None:
 
 @contextmanager
 def held_to_contract() -> Iterator[None]:
-    """Have the kit fail where a check that training does too refuses what a plug-in gave.
+    """Turn the errors of run-time checks into failures of the kit.
 
     Raises:
-        ConformanceError: with the sentence of that check.
+        ConformanceError: with the message of that check.
     """
     try:
         yield
@@ -93,7 +93,7 @@ def held_to_contract() -> Iterator[None]:
 
 
 def promised(method: Callable[..., object]) -> str:
-    """Return what the docstring of a base's method promises, as a part of a sentence.
+    """Return the promise in the docstring of a base's method, as a part of a sentence.
 
     >>> from normalgan.hints import HintSampler
     >>> promised(HintSampler.sample)
@@ -105,7 +105,7 @@ def promised(method: Callable[..., object]) -> str:
 
 @contextmanager
 def global_randomness_untouched(plugin: object) -> Iterator[None]:
-    """Demand that the global random states of Python, numpy and torch stay as they are.
+    """Demand that the global random states of Python, numpy and torch do not change.
 
     Raises:
         ConformanceError: if one of them was drawn from or set.
@@ -140,5 +140,5 @@ def _global_states() -> dict[str, bytes]:
 
 
 def device_list() -> list[torch.device]:
-    """Return the devices that there are here: the CPU and the first GPU."""
+    """Return the available devices: the CPU and the first GPU."""
     return [torch.device("cpu"), *([torch.device("cuda", 0)] if torch.cuda.is_available() else [])]

@@ -52,7 +52,7 @@ def given(count: int, size: int) -> tuple[Tensor, Tensor]:
 
 
 def _batches(network: N, size: int, answer: Answer[N]) -> None:
-    """Let it answer to one picture and to three, in training and in evaluation."""
+    """Run it on one picture and on three, in training and in evaluation."""
     for count in (1, 3):
         for training in (True, False):
             answer(network.train(training), *given(count, size))
@@ -78,7 +78,7 @@ def _learning(network: N, size: int, answer: Answer[N]) -> None:
 
 
 def _looking(network: N, size: int, answer: Answer[N], sees_normals: bool) -> None:
-    """Demand that the answer depends on every input."""
+    """Demand that the output depends on every input."""
     network.eval()
     condition, normal = (part.requires_grad_() for part in given(2, size))
     total = torch.stack([part.float().square().mean() for part in answer(network, condition, normal)]).sum()
@@ -92,7 +92,7 @@ def _looking(network: N, size: int, answer: Answer[N], sees_normals: bool) -> No
 
 @torch.no_grad()
 def _repeating(network: N, size: int, answer: Answer[N]) -> None:
-    """Demand the same answer to the same question: when testing always, in training under a seed."""
+    """Demand the same output for the same input: always in evaluation, under one seed in training."""
     for training in (False, True):
         network.train(training)
         answers = []
@@ -108,7 +108,7 @@ def _repeating(network: N, size: int, answer: Answer[N]) -> None:
 
 @torch.no_grad()
 def _independence(network: N, size: int, answer: Answer[N]) -> None:
-    """Demand that in evaluation a picture's answer does not depend on the others of its batch."""
+    """Demand that in evaluation an output does not depend on the other pictures of the batch."""
     network.eval()
     condition, normal = given(3, size)
     whole = answer(network, condition, normal)
@@ -126,7 +126,7 @@ def _independence(network: N, size: int, answer: Answer[N]) -> None:
 
 @torch.no_grad()
 def _leaving(network: N, size: int, answer: Answer[N]) -> None:
-    """Demand that the tensors handed in stay as they are."""
+    """Demand that the inputs are not modified."""
     condition, normal = given(2, size)
     kept = condition.clone(), normal.clone()
     answer(network.eval(), condition, normal)
@@ -135,7 +135,7 @@ def _leaving(network: N, size: int, answer: Answer[N]) -> None:
 
 
 def _state(network: N, size: int, answer: Answer[N]) -> None:
-    """Demand that after training the state_dict, which a checkpoint keeps, decides the answer."""
+    """Demand that after training the state_dict alone determines the output."""
     trained, fresh = copy.deepcopy(network).train(), copy.deepcopy(network)
     optimizer = torch.optim.SGD([p for p in trained.parameters() if p.requires_grad], lr=1e-3)
     for _ in range(2):
@@ -156,7 +156,7 @@ def _state(network: N, size: int, answer: Answer[N]) -> None:
 
 @torch.no_grad()
 def _devices(network: N, size: int, answer: Answer[N]) -> None:
-    """Demand that the answer is on the device of the network and its input."""
+    """Demand that the output is on the device of the network and its input."""
     for device in device_list():
         condition, normal = (part.to(device) for part in given(1, size))
         for part in answer(network.to(device).eval(), condition, normal):

@@ -31,7 +31,7 @@ def objective_checks() -> list[Check[AdversarialObjective]]:
 
 
 class _Critic(nn.Module):
-    """A critic as small as can be, of two heads: scores of patches, and one of the picture."""
+    """A minimal critic of two heads: scores of patches, and one of the picture."""
 
     def __init__(self) -> None:
         super().__init__()

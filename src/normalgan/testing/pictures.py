@@ -1,4 +1,4 @@
-"""Pictures that the checks are done on: wavy ellipsoids of different places and sizes, known exactly."""
+"""Test pictures of the checks: wavy ellipsoids at different places and sizes, known exactly."""
 
 import torch
 from torch import Tensor

@@ -1,4 +1,4 @@
-"""Checks of any plug-in as the command line, checkpoints and worker processes take it."""
+"""Checks that the command line, checkpoints and worker processes can use a plug-in."""
 
 import inspect
 import io
@@ -157,7 +157,7 @@ def _pickled(plugin: object) -> None:
 
 
 def class_path(cls: type[Any]) -> str:
-    """Return where a class is, in dots."""
+    """Return the dotted path of a class."""
     return f"{cls.__module__}.{cls.__qualname__}"
 
 
@@ -175,7 +175,7 @@ def as_config(plugin: object) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Return a setting as YAML holds it, nested plug-ins as configurations."""
+    """Return a setting as YAML holds it, with nested plug-ins as configurations."""
     if is_dataclass(value):
         return as_config(value)
     return [_plain(item) for item in value] if isinstance(value, list) else value

@@ -133,7 +133,7 @@ class Checkpoint:
         return size if type(size) is int else None
 
     def training_settings(self) -> dict[str, Any]:
-        """Return the settings of the model with all that goes on learning, as a configuration names them.
+        """Return all settings of the model that training needs, as in a configuration.
 
         Raises:
             InputError: if they name anything but registered classes, optimisers and schedules that are
@@ -194,7 +194,7 @@ class Checkpoint:
         return {k.removeprefix(prefix): v for k, v in self.tensors.items() if k.startswith(prefix)}
 
     def _check_callbacks(self) -> None:
-        """Make sure that what a run deletes, when it has a better checkpoint, is a checkpoint in a folder."""
+        """Check that all files that the run may delete are checkpoints in its folder."""
         for state in self.callbacks.values():
             if not isinstance(state, Mapping) or "best_model_path" not in state:
                 continue
@@ -306,7 +306,7 @@ def _made_in_python(value: object) -> dict[str, str]:
 
 @contextmanager
 def _named(path: Path) -> Iterator[None]:
-    """Say of which file it is that a model cannot be built."""
+    """Name the file whose model cannot be built."""
     try:
         yield
     except InputError as error:

@@ -95,7 +95,7 @@ class ModelMetadata:
 
         Raises:
             KeyError: if one is missing.
-            InputError: if one cannot be used.
+            InputError: if one is invalid.
         """
         return cls(
             ClassSpec.from_json(metadata["generator"]),

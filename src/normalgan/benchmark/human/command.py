@@ -34,7 +34,7 @@ def human(
         folder: with ``drawings.json``, as `read_drawings` takes it.
         name: of the model's file, or ``shipped``.
         out: where the files go.
-        groups: of drawings that are measured; empty for all.
+        groups: the groups of drawings to measure; empty for all.
         say: tells the user.
 
     Raises:

@@ -96,7 +96,7 @@ def sample_of(drawing: HumanDrawing) -> Batch:
 
 
 def _box(there: BoolMask) -> NDArray[np.intp]:
-    """Return the first row and column of what is there, and those behind the last."""
+    """Return the bounding box of marked pixels: first row and column, and those after the last."""
     rows, columns = np.flatnonzero(there.any(axis=1)), np.flatnonzero(there.any(axis=0))
     return np.array([rows[0], columns[0], rows[-1] + 1, columns[-1] + 1])
 
@@ -164,7 +164,7 @@ def measure_drawings(
 
 
 def _predict(predictor: Predictor, batch: Batch, count: int, seed: int) -> tuple[Tensor, Tensor, str]:
-    """Return what is painted (1, 3 or 4, S, S), zero where nothing is, the hints, and what is to be said."""
+    """Return the prediction (1, 3 or 4, S, S), zero off the object, the hints and the findings."""
     where = hint_points(batch["mask"], batch["name"], seed, count)
     hints = hints_at(batch["normal"], where)
     given = np.ascontiguousarray(hints[0].permute(1, 2, 0).numpy()) if count else None

@@ -77,7 +77,7 @@ class Cluster(Pool):
         return 3 * len(self._workers)
 
     def submit(self, function: Callable[[T], R], task: T) -> Any:
-        """Have a task done by any worker."""
+        """Submit a task."""
         # Never used before: of a known key the scheduler gives the old result, or the old death.
         key = f"normalgan-{function.__name__}-{uuid4().hex}"
         future = self._client.submit(eval, *order(function, task), key=key, pure=False)
@@ -177,7 +177,7 @@ class Cluster(Pool):
             timer.cancel()
 
     def _look(self) -> dict[str, str]:
-        """Note which workers there are; return what is wrong with new ones, by address."""
+        """Note which workers there are; return the flaws of new ones, by address."""
         self._looked = time.monotonic()
         if not self._connected():
             raise self._lost()

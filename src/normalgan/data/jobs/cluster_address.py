@@ -76,6 +76,6 @@ def _client(client: Callable[..., Any], address: Any, where: str, settings: dict
 
 
 def _quiet_dask() -> AbstractContextManager[None]:
-    """Keep Dask from telling what we tell in a sentence, or what is no matter: that a worker has gone."""
+    """Silence Dask where we report the event or it does not matter: that a worker has gone."""
     names = [name for name in logging.root.manager.loggerDict if name.partition(".")[0] == "distributed"]
     return quiet_loggers(*names)

@@ -35,7 +35,7 @@ class Unfit:
 def order(function: Callable[[Any], Any], task: object) -> tuple[str, dict[str, Any]]:
     """Return the arguments with which `eval` calls `perform` in a worker.
 
-    Nothing of normalgan is unpacked before the versions are seen to be right; and a worker that has none
+    Nothing of normalgan is unpickled before the versions are checked; and a worker that has none
     of it must fail at the task: if it failed while unpacking what to call, Dask would take it for dead.
     """
     work = pickle.dumps((function, task), protocol=5)
@@ -67,7 +67,7 @@ def perform(work: bytes, ours: Mapping[str, str], folder: str) -> Any:
 
 
 def flaws(client: Any, threads: Mapping[str, int]) -> dict[str, str]:
-    """Return what makes workers unfit, by address: what it has that it should not have.
+    """Return why workers are unfit, by address.
 
     Args:
         client: of the cluster.

@@ -93,7 +93,7 @@ class MakeShard:
             warnings.warn(f"the {self.recipe.noun} {name} is left out: {why}", stacklevel=2)
 
     def task(self, shard: Shard) -> ShardTask:
-        """Return what is to be done for a shard."""
+        """Return the task of a shard."""
         needed = {name: self.sources[name] for name in shard.meshes}
         return ShardTask(self.url, shard, self.recipe, needed)
 
@@ -177,7 +177,7 @@ def find_damage(task: CheckTask) -> list[int]:
 
 
 def check_recipe(recipe: SampleRecipe) -> None:
-    """Raise `InputError` if this machine lacks what the recipe needs, such as a renderer that runs."""
+    """Raise `InputError` if this machine lacks a requirement of the recipe, such as a working renderer."""
     _once(f"recipe {recipe!r}", recipe.check)
 
 

@@ -61,7 +61,7 @@ class Loaders:
     """Makes the loaders of one of several processes that train side by side.
 
     Args:
-        batch_size: samples a batch.
+        batch_size: samples in a batch.
         workers: processes that load or render; 0 for none besides this one.
         replicas: how many processes train.
         rank: which one this is, from 0.

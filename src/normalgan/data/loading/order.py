@@ -62,7 +62,7 @@ def order_of_epoch(
         views: of each mesh an epoch.
         epoch: from 0.
         seed: another seed gives another order, but no other samples.
-        batch_size: samples a batch.
+        batch_size: samples in a batch.
         replicas: processes that train side by side, each on every n-th batch.
     """
     parts = -(-views // VIEWS_AT_ONCE)

@@ -66,7 +66,7 @@ class FreshViews(DistributedSampler[ViewIndex]):
     Args:
         dataset: what the tickets are for.
         seed: of the order.
-        batch_size: samples a batch.
+        batch_size: samples in a batch.
         replicas: how many processes train side by side.
         rank: which one this is, from 0.
     """

@@ -1,4 +1,4 @@
-"""DataSource: the base of the data sources; SplitSettings: what of the settings they may go by."""
+"""DataSource: the base of the data sources; SplitSettings: the settings that they may use."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
@@ -16,7 +16,7 @@ __all__ = ["DATA_SOURCES", "DataSource", "PairSource", "SplitSettings"]
 
 @dataclass(frozen=True)
 class SplitSettings(Split):
-    """How data are split, and what else of the settings of the data a source may go by.
+    """How data are split, and the other data settings that a source may use.
 
     Args:
         fractions: shares of train, val and test, if there is no file.

@@ -26,7 +26,7 @@ _RIGHT = "axes of the camera, x right, y up, z to the viewer, stored as (n + 1) 
 
 
 class Pair:
-    """A sketch and the normal map of what it shows, pixel on pixel, of any size.
+    """A sketch and its normal map of the same size, pixel for pixel.
 
     Args:
         sketch: a path, an image of Pillow or an array, as `normalgan.Predictor` takes it.
@@ -92,7 +92,7 @@ class PairRecipe:
         """Ask nothing of the machine."""
 
     def render(self, pair: Pair, index: int) -> Sample:
-        """Return the sample of a pair; there is one, whatever its number.
+        """Return the sample of a pair; there is one, for any index.
 
         Raises:
             InputError: if it is not a pair, or the sketch has no line.
@@ -132,10 +132,11 @@ class PairRecipe:
 
 
 def background(levels: NDArray[Any], tolerance: float = 0.02) -> BoolMask:
-    """Return what lies around the object of a normal map without a mask, (H, W).
+    """Return the background of a normal map without a mask, (H, W).
 
-    That is what is of the corners' colour and reaches the picture's edge, and all of that colour if it is no
-    normal's, such as zero or black; nothing where the four corners differ: the object then fills the picture.
+    That is the area of the corners' colour that reaches the picture's edge, or all pixels of that colour if
+    it is not a normal, such as zero or black; nothing where the four corners differ: the object then fills
+    the picture.
 
     Args:
         levels: (H, W, 3) colours or vectors, of a range of 2.

@@ -59,7 +59,7 @@ class PairFiles:
         mask: where the object is; None is what the normal map's opacity or its background tells.
         hints: normals that a designer gave, PNG or JSON; None for none.
         green: which way of y the normal map, and hints that are painted, hold.
-        group: what it must not be separated from.
+        group: the group that it belongs to.
         part: the split it is in, None if that is not said.
     """
 
@@ -191,7 +191,7 @@ def _is_double(path: Path) -> bool:
 
 
 def _name(sketch: Path, root: Path) -> str:
-    """Return what a pair is called: the path of its sketch, without what tells that it is one."""
+    """Return the name of a pair: the path of its sketch without the parts that mark it as one."""
     try:
         folders = sketch.parent.relative_to(root).parts
     except ValueError:
@@ -201,7 +201,7 @@ def _name(sketch: Path, root: Path) -> str:
 
 
 def _partner(sketch: Path, kind: str) -> Path | None:
-    """Return the file of a kind that belongs to a sketch, None if there is none."""
+    """Return a sketch's file of a kind; None if it has none."""
     stem = sketch.stem.removesuffix("_sketch")
     beside = [sketch.with_name(f"{stem}_{kind}{ending}") for ending in _ENDS_IN[kind]]
     if sketch.parent.name.lower() in _FOLDERS["sketch"]:
@@ -276,7 +276,7 @@ def _listed(path: Path, left_out: list[str]) -> Iterator[PairFiles]:
 
 
 def _object(vectors: NDArray[np.floating], alpha: NDArray[np.floating] | None) -> BoolMask:
-    """Return the object of a normal map without a mask: what is opaque, or what is not its background."""
+    """Return the object of a normal map without a mask: its opaque part, or all but its background."""
     found = alpha > 0.5 if alpha is not None and float(alpha.min()) <= 0.5 else ~background(vectors)
     found = np.asarray(found & (np.linalg.norm(vectors, axis=-1) > _ZERO))
     if not found.any():

@@ -148,8 +148,8 @@ def _warn(left_out: Sequence[str]) -> None:
 def _flaws(pairs: Sequence[PairFiles]) -> dict[str, str]:
     """Return why pairs cannot be used whose headers look wrong, by name.
 
-    Ten thousand headers are read in a second. Only a pair whose headers look wrong is decoded, which tells
-    the reason; what only pixels tell is found when a pair is first asked for.
+    Ten thousand headers are read in a second. Only pairs whose headers look wrong are decoded, to find the
+    reason; faults that only pixels show are found when a pair is first read.
     """
     found = {}
     for pair in pairs:
@@ -162,14 +162,14 @@ def _flaws(pairs: Sequence[PairFiles]) -> dict[str, str]:
 
 
 def _headers_agree(pair: PairFiles) -> bool:
-    """Return whether the sketch, the normal map and the mask seem to be pictures of one size."""
+    """Return whether the headers of sketch, normal map and mask have the same size."""
     paths = [path for path in (pair.sketch, pair.normal, pair.mask) if path is not None]
     sizes = {_size(path) for path in paths if path.suffix.lower() in _WITH_HEADER}
     return len(sizes) <= 1 and None not in sizes
 
 
 def _size(path: Path) -> tuple[int, ...] | None:
-    """Return the shorter and the longer side that a picture's header tells; None if it cannot be read."""
+    """Return the shorter and the longer side from a picture's header; None if it cannot be read."""
     try:
         with warnings.catch_warnings(action="ignore"), Image.open(path, formats=_HEADERS) as picture:
             return tuple(sorted(picture.size))  # it may be turned when it is read
@@ -178,7 +178,7 @@ def _size(path: Path) -> tuple[int, ...] | None:
 
 
 def _as_texts(files: object) -> str | list[str]:
-    """Return paths, of which Python may give those of pathlib, as a configuration names them."""
+    """Return paths as texts, as in a configuration; Python may give those of pathlib."""
     if isinstance(files, str | PurePath):
         return str(files)
     if isinstance(files, list | tuple) and all(isinstance(each, str | PurePath) for each in files):

@@ -31,7 +31,7 @@ class Manifest:
     The file has a SHA-256 of its own content, so that a flipped bit in it is found.
 
     Args:
-        recipe: how the samples were made, as `Recipe.describe` tells it.
+        recipe: how the samples were made, from `Recipe.describe`.
         splits: the layout of each split, by its name.
     """
 
@@ -80,7 +80,7 @@ class Manifest:
 
     @staticmethod
     def read(folder: Storage) -> "Manifest | None":
-        """Return the manifest in a folder, or None if there is none that is whole."""
+        """Return the manifest in a folder; None if it is missing or damaged."""
         try:
             content = json.loads(folder.read(_NAME) or b"")
             if set(content) - _KEYS or content.pop(_SUM) != _digest(content):

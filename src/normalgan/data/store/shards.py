@@ -87,7 +87,7 @@ class ShardedSamples:
         return int(self._served[mesh]) * self.layout.views + view
 
     def name(self, index: int) -> str:
-        """Return what a sample is called: mesh and number of the view, such as ``horse-0001/17``."""
+        """Return the name of a sample: mesh and number of the view, such as ``horse-0001/17``."""
         mesh, view = self.layout.mesh_and_view(self._place(index))
         return f"{mesh}/{view}"
 
@@ -116,7 +116,7 @@ class ShardedSamples:
         return [s for s in range(self.layout.shards) if f"{s}.json" not in done]
 
     def lost(self) -> list[int]:
-        """Return the finished shards of which an object is gone; a look at the names alone."""
+        """Return the finished shards with a missing object, by the names alone."""
         names = self._storage.names(f"{ZARR}/{self.split}")
         there = {f"{self.split}/{name}" for name in names}
         return [
@@ -140,7 +140,7 @@ class ShardedSamples:
         return found
 
     def unexplained(self) -> list[int]:
-        """Return the shards of which the note that says what could not be rendered is damaged."""
+        """Return the shards whose note on failed meshes is damaged."""
         notes = _read_failures(self._storage, self.split)
         return [number for number, why in notes.items() if why is None and number < self.layout.shards]
 

@@ -172,7 +172,7 @@ def _write_atomically(root: Path, path: str, content: bytes) -> None:
 
 
 def options(url: str) -> dict[str, Any]:
-    """Return what the file system behind a URL is opened with.
+    """Return the options of the file system behind a URL.
 
     Listings are not kept: other processes write there too. S3 gives up on an endpoint after seconds, not
     after minutes, as botocore does by default; whoever needs other limits sets ``config_kwargs`` in fsspec's
@@ -196,7 +196,7 @@ def options(url: str) -> dict[str, Any]:
 
 
 def _connect(url: str) -> tuple[AbstractFileSystem, str]:
-    """Return the file system behind a URL, and what it calls the place there.
+    """Return the file system behind a URL, and the path in it.
 
     s3fs repeats what botocore has repeated already, five times, and to read an object that five times: an
     endpoint that accepts requests and answers none would hold a command for many minutes.

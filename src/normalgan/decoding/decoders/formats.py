@@ -1,4 +1,4 @@
-"""Picture formats: the one table of what is read as a drawing.
+"""Picture formats: the table of all formats that a drawing may have.
 
 It imports nothing of the package, as the decoding program (`worker.py`) runs without it.
 """
@@ -12,10 +12,10 @@ class Format(NamedTuple):
     """A picture format.
 
     Args:
-        name: in a sentence.
+        name: for messages.
         endings: of its files.
-        starts: bytes that a file may begin with, any of them.
-        plugin: Pillow's name of it; None of a format that Pillow does not decode.
+        starts: magic bytes, any of them.
+        plugin: Pillow's name of it; None if Pillow does not decode it.
         moves: whether a file may hold several pictures, which are all read.
         layered: whether a file may hold layers.
     """
@@ -60,7 +60,7 @@ _HEIC = {b"heic", b"heix", b"hevc", b"hevx", b"heim", b"heis", b"mif1", b"msf1"}
 
 
 def format_of(start: bytes) -> Format | None:
-    r"""Return the format of a file by its first 64 bytes; None of SVG and of any other.
+    r"""Return the format of a file by its first 64 bytes; None for SVG and unknown formats.
 
     >>> format_of(b"\x89PNG...").name, format_of(b"\0\0\0\x18ftypmif1\0\0\0\0avif")
     ('PNG', Format(name='AVIF', endings=('.avif',), starts=(), plugin='AVIF', moves=True, layered=False))

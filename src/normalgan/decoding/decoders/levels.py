@@ -1,4 +1,4 @@
-"""Levels: pictures of 16 bits a channel and of floats, which Pillow would round; OpenCV decodes them."""
+"""Levels: decode pictures of 16 bits a channel and of floats with OpenCV, because Pillow would round them."""
 
 from typing import Any
 
@@ -26,7 +26,7 @@ def is_tiff(content: bytes) -> bool:
 
 
 def exact_levels(content: bytes, least: int, most: int) -> Any:
-    """Return the pixels of such a picture as an array (h, w) or (h, w, 3 or 4): red, green, blue, opacity.
+    """Return the unrounded pixels, (h, w), or (h, w, 3 or 4) as red, green, blue, opacity.
 
     Raises:
         RefusedError: if it cannot be decoded.
@@ -62,7 +62,7 @@ def float_white(most: float) -> float:
 
 
 def viewed(levels: Any, longest: int, grey: bool) -> Any:
-    """Return levels (h, w) or (h, w, C), reduced and grey on white as `decode` does it."""
+    """Return levels (h, w) or (h, w, C), reduced and turned to grey on white as by `decode`."""
     import cv2
     import numpy as np
 

@@ -1,4 +1,4 @@
-"""Limits: what the system lets the child process do."""
+"""Limits: restrict the memory, time and files of the child process."""
 
 import sys
 
@@ -6,7 +6,7 @@ __all__ = ["limit", "limit_time"]
 
 
 def limit(memory: int) -> None:
-    """Take from this process what decoding does not need: files, and memory without bound."""
+    """Forbid this process to open files, and limit its memory."""
     try:
         import resource
     except ImportError:  # Windows has nothing like it
@@ -22,7 +22,7 @@ def limit(memory: int) -> None:
 
 
 def limit_time(seconds: int) -> None:
-    """Have the system end this process if the next picture takes too much processor time."""
+    """Limit the processor time for the next picture; the system then ends this process."""
     if sys.platform == "win32":
         return
     import resource

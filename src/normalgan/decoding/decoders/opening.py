@@ -1,4 +1,4 @@
-"""Opening: a picture whose pixels are not decoded yet, what refuses one, and the form of what is sent."""
+"""Opening: open a picture without decoding it, its errors, and the header of an array."""
 
 import io
 from importlib import import_module
@@ -57,11 +57,11 @@ class RefusedError(Exception):
 
 
 def opened(content: bytes) -> "Image":
-    """Return a picture whose pixels are not decoded yet.
+    """Open a picture without decoding its pixels.
 
     Raises:
-        UnidentifiedImageError: if it begins as no format that Pillow decodes.
-        OSError: if it begins as one, and is damaged.
+        UnidentifiedImageError: if Pillow does not know its format.
+        OSError: if it is damaged.
     """
     from PIL import Image, UnidentifiedImageError
 
@@ -83,7 +83,7 @@ def opened(content: bytes) -> "Image":
 
 
 def import_plugin(plugin: str) -> None:
-    """Import what decodes a format; Pillow brings all but one.
+    """Import the plug-in of a format that Pillow does not include.
 
     Raises:
         ImportError: if it is not installed.
@@ -104,7 +104,7 @@ def check_sides(width: int, height: int, least: int, most: int) -> None:
 
 
 def with_form(pixels: Any) -> dict[str, Any]:
-    """Return the type and the shape of an image or an array; that of its file is the same."""
+    """Return the type and the shape of an image or an array, and that of its file."""
     if hasattr(pixels, "dtype"):
         dtype, shape = pixels.dtype.name, pixels.shape
     else:
@@ -114,6 +114,6 @@ def with_form(pixels: Any) -> dict[str, Any]:
 
 
 def first_line(error: BaseException) -> str:
-    """Return the first line of what an error says; its kind if it says nothing."""
+    """Return the first line of an error's message, or its class if it has none."""
     lines = str(error).strip().splitlines()
     return lines[0] if lines else type(error).__name__

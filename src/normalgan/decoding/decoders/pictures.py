@@ -1,4 +1,4 @@
-"""Pictures: a file of any format to pixels, whole, in frames or in layers."""
+"""Pictures: decode a file of any format, as a whole, in frames or in layers."""
 
 import itertools
 from collections.abc import Iterator
@@ -110,7 +110,7 @@ def decode(
 
 
 def frames(content: bytes, least: int, most: int, seconds: int) -> Iterator[Message]:
-    """Yield how many frames an animation has and how often they are shown, and then each frame, whole.
+    """Yield the number of frames and of loops of an animation, and then each full frame.
 
     Raises:
         RefusedError: if it, or a frame of it, cannot be decoded.
@@ -177,7 +177,7 @@ def _pages(image: Any, least: int, most: int, seconds: int) -> Iterator[Message]
 
 
 def layers(content: bytes, least: int, most: int, seconds: int) -> Iterator[Message]:
-    """Yield what a layered file is, and then its visible layers, the lowest first.
+    """Yield a description of a layered file, and then its visible layers, the lowest first.
 
     Raises:
         RefusedError: if it has none, or they cannot be decoded; before anything is yielded.
@@ -215,7 +215,7 @@ def layers(content: bytes, least: int, most: int, seconds: int) -> Iterator[Mess
 
 
 def tileset(content: bytes, least: int, most: int) -> Iterator[Message]:
-    """Yield the size of a tile of an Aseprite file, and then all tiles, one below the other.
+    """Yield the size of a tile of an Aseprite file, and then all tiles, stacked vertically.
 
     Raises:
         RefusedError: if it has none, or it cannot be decoded.
@@ -243,7 +243,7 @@ def _check_parts(count: int, pixels: int, name: str) -> None:
 
 
 def turned_upright(image: "Image") -> "Image":
-    """Return an image turned as its camera says; as it lies, if what the camera wrote is damaged."""
+    """Return an image turned as its EXIF data says, or unchanged if these are damaged."""
     from PIL import ImageOps
 
     try:
@@ -255,7 +255,7 @@ def turned_upright(image: "Image") -> "Image":
 
 
 def plain(image: "Image") -> "Image":
-    """Return an image of any mode in one of `MODES`."""
+    """Convert an image of any mode to one of `MODES`."""
     if image.mode.startswith("I"):
         return _deep(image)
     if image.mode in {"RGBA", "LA", "PA", "RGBa", "La"} or "transparency" in image.info:
@@ -295,7 +295,7 @@ def _deep(image: "Image") -> "Image":
 
 
 def reduced(image: "Image", longest: int) -> "Image":
-    """Return an image with each pixel the mean of those it takes the place of."""
+    """Return a smaller image in which each pixel is the mean of those it replaces."""
     from PIL import Image
 
     scale = longest / max(image.size)
@@ -308,7 +308,7 @@ def reduced(image: "Image", longest: int) -> "Image":
 
 
 def _grey(image: "Image") -> "Image":
-    """Return how bright an image of one of `MODES` is on white paper."""
+    """Return the brightness of an image of one of `MODES` on white paper."""
     from PIL import Image
 
     if image.mode == "RGBA":
@@ -317,7 +317,7 @@ def _grey(image: "Image") -> "Image":
 
 
 def _layered(content: bytes, least: int, most: int) -> Any:
-    """Return a layered file of a paint program, of which nothing is decoded yet; None of any other file.
+    """Open a paint program's layered file without decoding it; return None for any other file.
 
     Raises:
         RefusedError: if it cannot be read, or is of no possible size.
@@ -348,7 +348,7 @@ def _layered_frames(layered: Any) -> Iterator[Message]:
 
 @contextmanager
 def _unreadable_refused() -> Iterator[None]:
-    """Refuse a layered file whose reader says that it cannot be read."""
+    """Turn `UnreadableError` into `RefusedError`."""
     from .layered_files import UnreadableError
 
     try:
@@ -358,7 +358,7 @@ def _unreadable_refused() -> Iterator[None]:
 
 
 def _refuse_foreign(content: bytes) -> None:
-    """Raise `RefusedError` if a file is of a paint program whose files cannot be read."""
+    """Raise `RefusedError` for an unsupported paint program's file."""
     from .layered_files import foreign
 
     told = foreign(content)
@@ -367,5 +367,5 @@ def _refuse_foreign(content: bytes) -> None:
 
 
 def note_text(notes: object) -> str:
-    """Return what is to be said of a picture, in one line of bounded length."""
+    """Return a note on a picture as one line of bounded length."""
     return " ".join(str(notes).split())[:_MOST_NOTES]

@@ -1,4 +1,4 @@
-"""SVG: links to other files are removed, and the rest is drawn."""
+"""SVG: remove links to other files, and draw the rest."""
 
 import base64
 import binascii
@@ -21,7 +21,7 @@ _EMBEDDED = re.compile(r"data:image/(?:png|jpe?g|gif|webp);base64,", re.IGNORECA
 
 
 def is_svg(content: bytes) -> bool:
-    r"""Return whether a file is XML with an SVG in it; a picture whose notes hold one is none.
+    r"""Return whether a file is an SVG; a picture with an SVG in its metadata is not one.
 
     >>> is_svg(b'<?xml version="1.0"?><!-- long --><svg/>'), is_svg(b"\x89PNG... <svg")
     (True, False)
@@ -33,7 +33,7 @@ def is_svg(content: bytes) -> bool:
 
 
 def draw_svg(content: bytes, side: int, most: int) -> bytes:
-    """Return an SVG as PNG, transparent where it has nothing.
+    """Draw an SVG and return it as PNG, transparent where it is empty.
 
     Args:
         content: the file.
@@ -68,7 +68,7 @@ def draw_svg(content: bytes, side: int, most: int) -> bytes:
 def sanitize_svg(content: bytes, most: int) -> str:
     """Return a copy of an SVG, with its entities expanded and without links to anything outside it.
 
-    It is written again, not only checked, because another parser may read the same bytes differently.
+    It is rewritten, not only checked, because another parser may read the same bytes differently.
 
     Args:
         content: the file, in any encoding that XML knows.
@@ -120,10 +120,10 @@ def sanitize_svg(content: bytes, most: int) -> str:
 
 
 def _allowed(name: str, attributes: dict[str, str], most: int) -> Iterator[tuple[str, str]]:
-    """Yield an element's attributes, without links to elsewhere.
+    """Yield an element's attributes without external links.
 
     Raises:
-        RefusedError: if it would draw what a link leads to.
+        RefusedError: if it would draw an external file.
     """
     for key, value in attributes.items():
         if _local(key) == "href":
@@ -136,7 +136,7 @@ def _allowed(name: str, attributes: dict[str, str], most: int) -> Iterator[tuple
 
 
 def _check_embedded(link: str, most: int) -> None:
-    """Raise `RefusedError` if a picture in an SVG lies elsewhere, or is larger than a drawing may be."""
+    """Raise `RefusedError` if a picture in an SVG is not embedded, or is too large."""
     start = _EMBEDDED.match(link)
     if start is None:
         shown = link if len(link) <= 60 else f"{link[:57]}…"

@@ -1,4 +1,4 @@
-"""The program of the child process that decodes pictures; `normalgan.decoding` says what it is for.
+"""The program of the child process that decodes pictures; see `normalgan.decoding`.
 
 It answers requests over a `multiprocessing.connection` until that ends. Each message is JSON or pixels, and
 none is a pickle.
@@ -32,10 +32,10 @@ def main(handle: int, needs: str, seconds: int, memory: int, folders: list[str])
 
     Args:
         handle: of the connection.
-        needs: what `needed` says of the pictures that will come.
+        needs: the libraries of `needed` for the pictures that will come.
         seconds: of processor time for one picture.
         memory: bytes of address space on top of what the libraries map.
-        folders: where the libraries lie.
+        folders: where the libraries are installed.
     """
     from multiprocessing import connection as connections
 
@@ -71,7 +71,7 @@ def main(handle: int, needs: str, seconds: int, memory: int, folders: list[str])
 
 
 def needed(content: bytes, exact: bool = False) -> str:
-    """Return which library a picture needs besides what all have; empty if none."""
+    """Return the additional library that a picture needs; empty if none."""
     found = format_of(content[:64])
     name = found.name if found is not None else ""
     if name in {"PSD", "HEIC"}:
@@ -80,7 +80,7 @@ def needed(content: bytes, exact: bool = False) -> str:
 
 
 def import_all(needs: str) -> None:
-    """Import all that decoding needs: once the limits hold, no file can be opened, not even for that."""
+    """Import all that decoding needs, because no file can be opened once the limits hold."""
     modules = [
         "resvg_py",
         "xml.etree.ElementTree",
@@ -109,7 +109,7 @@ def import_all(needs: str) -> None:
 
 
 def _answers(request: dict[str, Any], content: bytes, seconds: int) -> Iterator[Message]:
-    """Yield what is to be said of a file, among it how many pictures come, and then each picture."""
+    """Yield the description of a file, with the number of pictures, and then each picture."""
     least, most = request["sides"]
     match request["what"]:
         case "frames":

@@ -133,7 +133,7 @@ def _name(image: Any) -> str:
 
 
 def _quarters(rotated: Any, clockwise: bool = True) -> int:
-    """Return how many quarters a sprite is turned clockwise by what its atlas says of it."""
+    """Return a sprite's clockwise rotation in quarter turns from its atlas entry."""
     if isinstance(rotated, str):
         rotated = {"true": True, "y": True, "yes": True}.get(rotated.strip().lower(), rotated)
     degrees = _QUARTER if rotated is True else _number(rotated) or 0
@@ -142,7 +142,7 @@ def _quarters(rotated: Any, clockwise: bool = True) -> int:
 
 
 def _json(text: str) -> list[Page] | None:
-    """Parse TexturePacker's JSON as a hash, an array or of several sheets, and what is written like it."""
+    """Parse TexturePacker's JSON (hash, array or several sheets) and similar files."""
     if not text.lstrip().startswith(("{", "[")):
         return None
     try:
@@ -368,7 +368,7 @@ _BINARY = {b"\x89PNG": "PNG", b"\xff\xd8\xff": "JPEG", b"GIF8": "GIF", b"RIFF": 
 
 
 def _looks_like(content: bytes, text: str) -> str:
-    """Return what a file is that is not an atlas, a part of a sentence."""
+    """Return the kind of a file that is not an atlas, for a message."""
     picture = next((name for start, name in _BINARY.items() if content.startswith(start)), None)
     if picture is not None:
         return f"is a {picture} picture"

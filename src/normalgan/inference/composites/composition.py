@@ -21,7 +21,7 @@ def compose(maps: Sequence[NormalMap]) -> NormalMap:
 
     A part hides what is behind it. Along its soft edge, and where it is translucent, its normals and those
     behind are averaged by how much of each is seen ("over" of Porter and Duff 1984). Off all parts the
-    normals are those of the nearest one, so that none of what lies farther away seeps into an edge.
+    normals are those of the nearest one, so that edges keep their own normals.
 
     Args:
         maps: of one size (H, W), the hindmost first; one alone is returned as it is.

@@ -20,7 +20,7 @@ Inferred = tuple[Floats, Floats | None]
 
 @dataclass(frozen=True, eq=False)
 class Context:
-    """What the network is shown of all parts of a drawing.
+    """The network's view of all parts of a drawing.
 
     Args:
         frame: the square around all of them.
@@ -35,7 +35,7 @@ def context_of(parts: Iterable[Prepared]) -> Context:
     """Return the lines of all parts of a drawing; the object of a part hides the lines behind it.
 
     Args:
-        parts: of one size, the hindmost first; one at least. Each is asked for once, and none is kept.
+        parts: of one size, the hindmost first; at least one. Each is read once, and none is kept.
     """
     parts = iter(parts)
     first = next(parts)
@@ -50,7 +50,8 @@ def context_of(parts: Iterable[Prepared]) -> Context:
 def ways_to_see(part: Prepared, context: Context | None) -> list[Prepared]:
     """Return a part as it is seen alone, and then among the others; add hints afterwards.
 
-    Where the network has a say in what is object, the part is seen alone, or all others were object too.
+    Where the network decides on the object, the part is seen alone; otherwise all other parts would be
+    object too.
 
     Args:
         part: as `prepare` gives it.
@@ -64,7 +65,7 @@ def ways_to_see(part: Prepared, context: Context | None) -> list[Prepared]:
 def surest(
     ways: Sequence[Prepared], infer: Callable[[Prepared], Inferred]
 ) -> tuple[Prepared, Floats, Floats | None]:
-    """Return the way to see a part in which the network expects the least error, and what it predicts then.
+    """Return the view of a part for which the network expects the least error, and its prediction.
 
     A head without its body is a wedge, so a part of a body is best seen among the others. A figure before
     scenery is whole, and lines about it mislead. The network's confidence tells them apart.

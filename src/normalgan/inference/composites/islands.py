@@ -72,7 +72,7 @@ def find_islands(sheet: Decoded) -> list[Cell]:
 
 
 def drawn(sheet: Decoded) -> BoolMask:
-    """Return where a sheet is opaque, or else its lines and what they enclose, (H, W)."""
+    """Return where a sheet is opaque, or else its lines and the area they enclose, (H, W)."""
     opaque = _opaque(sheet)
     return _lines(sheet) if opaque is None else opaque
 
@@ -86,7 +86,7 @@ def _opaque(sheet: Decoded) -> BoolMask | None:
 
 
 def _lines(sheet: Decoded) -> BoolMask:
-    """Return the lines of a sheet and what they enclose, (H, W)."""
+    """Return the lines of a sheet and the area they enclose, (H, W)."""
     picture = to_picture(sheet)
     worked = picture.size if max(picture.size) <= MOST_WORKED else fitted(picture.size, MOST_WORKED)
     lines = enclosed_by(clean(picture.resized(worked)).ink > _INK)

@@ -93,7 +93,7 @@ class LayeredJob:
         return "; ".join(said), held, found.partial or bool(failed)
 
     def _context(self, job: Job, found: DecodedLayers, drawn: list[DecodedLayer]) -> Context | None:
-        """Return what the network sees of all layers; None of a single one, and of an animation's."""
+        """Return the network's view of all layers; None of a single one, and of an animation's."""
         if len(found.durations) > 1:
             return None
 
@@ -140,7 +140,7 @@ class LayeredJob:
         return predicted, said[0] if said else "", held
 
     def _among(self, member: Member, context: Context) -> NormalMap | InputError:
-        """Return the map of a layer, seen alone or among the others, or what is wrong with the layer."""
+        """Return the map of a layer, seen alone or among the others, or its error."""
         backend = self.predictor.backend
         try:
             ways = ways_to_see(prepare_member(self.predictor, member, self.size), context)

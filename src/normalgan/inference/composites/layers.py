@@ -52,8 +52,8 @@ def layered_kind(path: Path, content: bytes | None = None) -> LayeredKind | None
 def read_layers(path: Path, content: bytes | None = None) -> DecodedLayers:
     """Read the visible layers of a .psd, .kra, .ora, .ase or .aseprite, the lowest first.
 
-    Hidden ones, those that only alter others, and those that nothing is drawn on are left out. Each is cut to
-    what is opaque in it, and comes with its place, its opacity and the names of its groups.
+    Hidden ones, those that only alter others, and those that nothing is drawn on are left out. Each is
+    cropped to its opaque part, and has a place, an opacity and the names of its groups.
 
     Args:
         path: its file, or what to call it.

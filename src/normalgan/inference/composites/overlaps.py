@@ -19,7 +19,7 @@ _HALF = 0.5
 
 
 def separate(cells: Sequence[Cell], sheet: Decoded) -> tuple[list[Cell], list[str]]:
-    """Return cells of which no two write the same drawn pixel.
+    """Return cells that do not share a drawn pixel.
 
     Packers let the boxes of sprites overlap where their corners are empty. A connected part of the drawing
     belongs to the box that holds most of it, and to the smaller one of two that hold as much.
@@ -29,8 +29,8 @@ def separate(cells: Sequence[Cell], sheet: Decoded) -> tuple[list[Cell], list[st
         sheet: its pixels, not reduced.
 
     Returns:
-        The cells in their order, those that overlap with what is their own, and for each two that show the
-        same part a warning, which is part of a sentence.
+        The cells in their order, overlapping ones with their own part marked, and a warning for each two
+        that show the same part.
     """
     counts = np.zeros(sheet.pixels.shape[:2], np.uint16)
     for cell in cells:

@@ -98,7 +98,7 @@ class Packing:
         below: Path | None = None,
         units: tuple[float, float] | None = None,
     ) -> AtlasCells:
-        """Return where the drawings of a sheet lie, and what is wrong with others.
+        """Return the cells of a sheet's drawings, and the faults of others.
 
         Args:
             sheet: its pixels, not reduced.

@@ -57,7 +57,7 @@ def predict_series(
     steady: bool = False,
     size: int | None = None,
 ) -> Iterator[NormalMap | InputError]:
-    """Yield the map of each drawing, or what is wrong with it.
+    """Yield the map of each drawing, or its error.
 
     Args:
         predictor: the network.
@@ -106,8 +106,8 @@ def predict_series(
 def steadied(seen: Sequence[Floats], preds: Sequence[Floats]) -> list[Floats]:
     """Return what was predicted for the frames of an animation, each averaged with its neighbours.
 
-    A neighbour counts at a pixel as far as its lines about it are those of the frame itself: the difference
-    of both drawings, blurred over a window, tells. Blank paper is alike everywhere, so the normals must be
+    At each pixel a neighbour's weight is the similarity of its lines to those of the frame: the difference
+    of both drawings, blurred over a window. Blank paper is alike everywhere, so the normals must be
     alike too: a ball that has moved on by a few pixels is another surface. Where something moves, a frame
     keeps its own; where it moves slowly, frames farther apart count by way of those between them.
 

@@ -121,7 +121,7 @@ def drawings_in(
     mask: MaskOrSource,
     flips: Sequence[tuple[float, float]],
 ) -> list[tuple[Cell, Member]]:
-    """Return what is drawn in each cell of a sheet, without empty cells; arguments as `predict_sheet`."""
+    """Return the drawing of each cell of a sheet, without empty cells; arguments as `predict_sheet`."""
     members = [(cell, _member(cell, sheet.pixels, hints, mask, flips)) for cell in cells]
     return [(cell, member) for cell, member in members if member is not None]
 
@@ -129,7 +129,7 @@ def drawings_in(
 def _repeated(
     predictor: Predictor, drawn: Sequence[tuple[Cell, Member]]
 ) -> Iterator[tuple[Cell, NormalMap | InputError]]:
-    """Yield cells whose drawings repeat, each with its map or what is wrong with it."""
+    """Yield cells whose drawings repeat, each with its map or its error."""
 
     def predict(each: tuple[Cell, Member]) -> NormalMap:
         cell, member = each
@@ -197,7 +197,7 @@ def _assembled(
 def _findings(
     done: Sequence[tuple[Cell, NormalMap | InputError]], others: Sequence[str]
 ) -> tuple[Finding, ...]:
-    """Return what is to be said about the cells, if anything is."""
+    """Return the findings about the cells."""
     said = [(cell, left_flat(each) if isinstance(each, InputError) else each.warning) for cell, each in done]
     named = [*others, *(f"{cell.name}: {words}" for cell, words in said if words)]
     more = f"; and so on, {len(named)} in all" if len(named) > _NAMED else ""

@@ -1,4 +1,4 @@
-"""Tilesets: each tile is predicted with what it is placed beside, so that tiles fit side by side."""
+"""Tilesets: each tile is predicted next to its possible neighbours, so that tiles fit together."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -108,7 +108,7 @@ class _Tiles:
 
     @classmethod
     def of(cls, picture: Picture, drawn: BoolMask, grid: TileGrid) -> "_Tiles":
-        """Return the tiles of a picture, of which (H, W) is drawn on."""
+        """Return the tiles of a picture whose drawn pixels are (H, W)."""
         alpha = np.ones(picture.size, np.float32) if picture.alpha is None else picture.alpha
         cut = _cut(np.dstack([picture.colour * alpha[..., None], alpha, drawn]), grid)
         wraps, joins = np.zeros((2, 2, *cut.shape[:2]), np.bool_)
@@ -148,7 +148,7 @@ class _Tiles:
         return together + alone
 
     def fitted(self, normals: Floats, mask: BoolMask) -> Floats:
-        """Return normals (H, W, 3) with the edges of tiles that may meet equal, and what is near adjusted."""
+        """Return normals (H, W, 3) that are equal at the edges of tiles that may meet."""
         normals = normals.copy()
         edges = [self._edges(axis) for axis in (0, 1)]
         for _ in range(_PASSES):
@@ -166,7 +166,7 @@ class _Tiles:
             yield int(axis), int(tile), int(tile + (1 if axis else self.counts[1]))
 
     def _repeated(self, tile: int) -> Tile | None:
-        """Return the ways in which a tile repeats if it needs no other beside it; else None."""
+        """Return the directions in which a tile repeats itself; None if it needs neighbours."""
         row, column = divmod(tile, self.counts[1])
         needs = [
             bool(self.joins[axis, row, column])
@@ -223,7 +223,7 @@ class _Tiles:
 
 
 def _drawn(picture: Picture, grid: TileGrid) -> tuple[BoolMask, Floats | None]:
-    """Return where a tileset is drawn on, (H, W), and its opacity, if that tells where its objects are.
+    """Return the drawn pixels of a tileset, (H, W), and its opacity, if it shows the objects.
 
     In an opaque one white at most corners of the tiles is paper, and another colour at all of the edges of
     most tiles is their ground. One without either is all object, as of a terrain.
@@ -251,7 +251,7 @@ def _cut(picture: Floats, grid: TileGrid) -> Floats:
 
 
 def _fit(before: Floats, behind: Floats, axis: int) -> tuple[BoolMask, BoolMask]:
-    """Return which tiles (rows, columns, h, w, 5) go on in others, below (axis 0) or to the right (axis 1).
+    """Return which tiles (rows, columns, h, w, 5) continue below (axis 0) or to the right (axis 1).
 
     Args:
         before: colours times opacity, opacity, and whether something is drawn.
@@ -290,7 +290,7 @@ def _connected(count: int, pairs: Sequence[tuple[int, int]]) -> NDArray[np.int32
 def _adjust(
     normals: Floats, weights: Floats, edges: Sequence[tuple[int, int, int]], sides: tuple[int, int]
 ) -> None:
-    """Give edges their mean normals, in place, and what is near in their tiles a part of the change.
+    """Give edges their mean normals, in place, and adjust the normals near them.
 
     Args:
         normals: (H, W, 3), the tiles one below the other.

@@ -136,7 +136,7 @@ def _solved(
     """Return the heights (n,) on the mask.
 
     Where the surface breaks is found at half the size first, and so on down to ten thousand pixels: there
-    each round costs little, and what lies far apart is but a few pixels away.
+    each round is cheap, and distant pixels are only a few steps apart.
     """
     start = None
     if jumps and np.count_nonzero(mask) > _SMALL:

@@ -17,7 +17,7 @@ def without_twins(
     """Drop one of each pair of a layered file and its export; return the rest, and the messages about it.
 
     A paint program keeps ``fox.kra`` and exports ``fox.png`` beside it. The picture is what an engine shows,
-    at its size, so that the map is made of it; ``layers`` are in the layered file alone.
+    so the map is made from it; ``layers`` are in the layered file alone.
 
     Example:
         >>> pair = [DrawingFiles(Path("art", name)) for name in ("fox.kra", "fox.png")]

@@ -69,12 +69,12 @@ class DrawingFiles:
 
 @dataclass(frozen=True)
 class Job:
-    """One drawing to be predicted.
+    """One drawing to predict.
 
     Args:
         files: what is read.
         target: the normal map.
-        stem: what the names of everything else begin with.
+        stem: stem of the names of all other outputs.
         exact: whether the user named the file of the map, so that its kind is settled.
     """
 
@@ -288,7 +288,7 @@ def _companions(
 def _check_names(
     jobs: Sequence[Job], others: Sequence[str], also_read: Sequence[Path], may_clash: bool = False
 ) -> None:
-    """Raise `InputError` if something would be written over what is read, or twice.
+    """Raise `InputError` if an input would be overwritten, or a file written twice.
 
     With ``may_clash`` it is twice for one drawing that counts.
     """

@@ -34,7 +34,7 @@ class Watcher:
         self._last: dict[Path, Stamp | None] = {}
 
     def saved(self, files: Mapping[Path, Iterable[Path]]) -> list[Path]:
-        """Return the drawings that are to be predicted; each once."""
+        """Return the drawings to predict; each once."""
         now = {path: _stamp(path, beside) for path, beside in files.items()}
         settled = [
             path

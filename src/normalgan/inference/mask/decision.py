@@ -1,4 +1,4 @@
-"""Decision: the object in a drawing, from its lines, the reader's presence and the user's flips; and why."""
+"""Decision: find the object from the lines, the reader's presence and the user's flips, and explain it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -103,7 +103,7 @@ class Decision:
 
 
 def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, float]] = ()) -> Decision:
-    """Return the object that lines and the reader's presence tell together.
+    """Return the object by the lines and the reader's presence.
 
     Each region that lines enclose is object or hole as a whole, by its mean presence. Where an outline is
     open, presence closes it. Without a reading, all that lines enclose is object.
@@ -176,7 +176,7 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
 
 
 def _enclosed(stats: NDArray[np.int32], size: tuple[int, int]) -> BoolMask:
-    """Return which regions do not reach the picture's edge; number 0, the lines, is none."""
+    """Return which regions do not reach the picture's edge; number 0 is the lines."""
     left, top = stats[:, cv2.CC_STAT_LEFT], stats[:, cv2.CC_STAT_TOP]
     right, bottom = left + stats[:, cv2.CC_STAT_WIDTH], top + stats[:, cv2.CC_STAT_HEIGHT]
     enclosed: BoolMask = (left > 0) & (top > 0) & (right < size[1]) & (bottom < size[0])
@@ -187,7 +187,7 @@ def _enclosed(stats: NDArray[np.int32], size: tuple[int, int]) -> BoolMask:
 def _voted(
     inked: BoolMask, regions: NDArray[np.int32], enclosed: BoolMask, outline: BoolMask, presence: Floats
 ) -> BoolMask:
-    """Return the object (h, w): regions by their votes, with the lines about them."""
+    """Return the object (h, w): the regions voted for, with the lines around them."""
     # A cell is a part of a region that the outline treats alike.
     count = len(enclosed)
     cells = np.where(inked, 0, 2 * regions + outline)
@@ -215,7 +215,7 @@ def _voted(
 
 
 def _without_guesses(solid: BoolMask, outline: BoolMask, presence: Floats) -> BoolMask:
-    """Return the object without areas off the outline that are specks, or of which the reader is unsure."""
+    """Return the object without specks and unsure areas outside the outline."""
     added = solid & ~outline
     count, labels, stats, _ = cv2.connectedComponentsWithStats(added.astype(np.uint8), connectivity=4)
     area = stats[:, cv2.CC_STAT_AREA]
@@ -236,7 +236,7 @@ def _closed(inked: BoolMask, mask: BoolMask) -> float:
 def _region_at(
     x: float, y: float, shape: tuple[int, int], regions: NDArray[np.int32], enclosed: BoolMask
 ) -> int:
-    """Return the number of the enclosed region at a point of the drawing, or of the nearest one beside it."""
+    """Return the number of the enclosed region at a point of the drawing, or of the nearest one."""
     height, width = regions.shape
     column, row = x * width / shape[1], y * height / shape[0]
     reach = int(_NEAR * max(height, width)) + 1
@@ -263,7 +263,7 @@ def _unsure(
     total: int,
     shape: tuple[int, int],
 ) -> list[Finding]:
-    """Return the finding about regions of which the reader is unsure, the largest first, if there are any."""
+    """Return the finding about regions that the reader is unsure of, the largest first, if any."""
     low, high, share = _UNSURE
     doubtful = asked & (votes > low) & (votes < high) & (sizes > share * max(total, 1))
     numbers = np.flatnonzero(doubtful)
@@ -275,7 +275,7 @@ def _unsure(
 
 
 def _open(small: BoolMask, inked: BoolMask, shape: tuple[int, int]) -> list[Finding]:
-    """Return the finding about the longest stretch of an object's edge that no line bounds, if it is long."""
+    """Return the finding about the longest part of an object's edge without a line, if it is long."""
     reach = np.ones((2 * _REACH + 1, 2 * _REACH + 1), np.uint8)
     # What the picture's border cuts off needs no line there.
     bounded = cv2.dilate(inked.astype(np.uint8), reach, borderValue=1)

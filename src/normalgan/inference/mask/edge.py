@@ -1,4 +1,4 @@
-"""Edge: where an object ends, to a part of a pixel, by the ink of its outline at the drawing's own size."""
+"""Edge: find an object's edge to a fraction of a pixel from its outline at the drawing's own size."""
 
 from typing import Any
 
@@ -32,7 +32,7 @@ _SQUARE, _WIDE = np.ones((3, 3), np.uint8), np.ones((5, 5), np.uint8)
 
 
 def snap(mask: BoolMask, ink: Floats, reach: float) -> Floats:
-    """Return how much of each pixel (H, W) an object covers, whose mask is known to a few pixels.
+    """Return the coverage (H, W) of an object whose mask is accurate to a few pixels.
 
     Lines divide the drawing into regions, and each region belongs to the object or not, as most of it does.
     Where a gap joins two regions, inside and outside meet half-way between the places where the mask is sure.
@@ -67,7 +67,7 @@ def snap(mask: BoolMask, ink: Floats, reach: float) -> Floats:
 
 
 def _body(mask: BoolMask, ink: Floats, inked: BoolMask, reach: float) -> BoolMask:
-    """Return an object with all of its ink, from its mask and the drawing's lines.
+    """Return the object with all of its ink, from its mask and the drawing's lines.
 
     Args:
         mask: (H, W), the object, whose edge may be off.
@@ -89,7 +89,7 @@ def _body(mask: BoolMask, ink: Floats, inked: BoolMask, reach: float) -> BoolMas
 
 
 def _finish(rough: BoolMask, inked: BoolMask) -> BoolMask:
-    """Return an object whose edge is off by two pixels at most, with the ink that is there."""
+    """Return the object with the ink at its edge, which is off by at most two pixels."""
     lines = inked.view(np.uint8)
     grown = np.asarray(cv2.dilate(rough.view(np.uint8), _WIDE), np.uint8)
     shrunk = np.asarray(cv2.erode(rough.view(np.uint8), _WIDE), np.uint8)
@@ -104,7 +104,7 @@ def _finish(rough: BoolMask, inked: BoolMask) -> BoolMask:
 
 
 def soft_edge(mask: BoolMask) -> Floats:
-    """Return a mask as opacity (H, W): its staircase becomes an edge of a pixel."""
+    """Return a mask as opacity (H, W) with an anti-aliased edge."""
     soft = np.asarray(cv2.GaussianBlur(mask.astype(np.float32), (0, 0), 1.0), np.float32)
     soft -= 0.5
     soft *= 1.6
@@ -113,7 +113,7 @@ def soft_edge(mask: BoolMask) -> Floats:
 
 
 def _divide(mask: BoolMask, inked: BoolMask, reach: float) -> tuple[BoolMask, BoolMask]:
-    """Return which pixels between the lines are object, and which lie in regions narrower than ``reach``."""
+    """Return the object's pixels between the lines, and those in regions narrower than ``reach``."""
     free = ~inked
     count, labels = cv2.connectedComponents(free.view(np.uint8), connectivity=4)
     depth = np.asarray(cv2.distanceTransform(free.view(np.uint8), cv2.DIST_L2, 3), np.float32)
@@ -136,7 +136,7 @@ def _divide(mask: BoolMask, inked: BoolMask, reach: float) -> tuple[BoolMask, Bo
 
 
 def _meet(mask: BoolMask, mixed: BoolMask, depth: Floats, reach: float) -> BoolMask:
-    """Return which pixels of regions with a gap are object: inside and outside grow until they meet."""
+    """Return the object's pixels in regions with a gap: inside and outside grow until they meet."""
     within = cv2.distanceTransform(mask.view(np.uint8), cv2.DIST_L2, 3)
     beyond = cv2.distanceTransform((~mask).view(np.uint8), cv2.DIST_L2, 3)
     # Far from any line, nothing is known but the mask.
@@ -181,7 +181,7 @@ def _own_ink(mask: BoolMask, inside: BoolMask, inked: BoolMask) -> BoolMask:
 
 
 def _tips(body: BoolMask, inked: BoolMask, slits: BoolMask, span: int) -> BoolMask:
-    """Return the tips in which two lines of an outline meet, beyond what they enclose.
+    """Return the tips where two lines of an outline meet, beyond the area that they enclose.
 
     A line that shot beyond its goal is as wide as any; where two meet, their ink is wider.
 
@@ -210,7 +210,7 @@ def _tips(body: BoolMask, inked: BoolMask, slits: BoolMask, span: int) -> BoolMa
 
 
 def _soft(body: BoolMask, inked: BoolMask, share: Floats) -> Floats:
-    """Return how much of each pixel an object covers: as much as its ink does, or an edge of a pixel."""
+    """Return the coverage of each pixel: that of the ink, or an anti-aliased edge."""
     covered = soft_edge(body)
     outside = cv2.dilate((~body).view(np.uint8), _CROSS) > 0  # no farther: a thin line's inner edge is inside
     line = cv2.dilate((body & inked).view(np.uint8), _WIDE) > 0
@@ -224,5 +224,5 @@ def _soft(body: BoolMask, inked: BoolMask, share: Floats) -> Floats:
 
 
 def _region_sums(labels: NDArray[Any], count: int, marked: BoolMask | None = None) -> NDArray[np.intp]:
-    """Return how many pixels each region (H, W) has, (count,), or how many marked ones."""
+    """Return the number of pixels of each region (H, W), or of its marked pixels, (count,)."""
     return np.bincount(labels.ravel() if marked is None else labels[marked], minlength=count)

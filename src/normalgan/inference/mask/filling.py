@@ -1,4 +1,4 @@
-"""Filling: what the lines of a drawing enclose, with small gaps closed by thicker lines."""
+"""Filling: the area that lines enclose, with small gaps closed by thicker lines."""
 
 import cv2
 import numpy as np
@@ -66,7 +66,7 @@ class Filling:
             self._take(gap * self._span)
 
     def _take(self, gap: float) -> None:
-        """Add what is enclosed by lines made thicker by ``gap`` on either side."""
+        """Add the area enclosed by lines made thicker by ``gap`` on either side."""
         thick = _thicker(self._inked, gap)
         fresh = enclosed_by(thick) & ~thick & ~self._inside
         if not fresh.any():
@@ -78,7 +78,7 @@ class Filling:
 
 
 def _grown(seeds: BoolMask, barrier: BoolMask, reach: float) -> BoolMask:
-    """Return seeds with all within ``reach`` pixels that is not behind a barrier."""
+    """Grow seeds by ``reach`` pixels without crossing a barrier."""
     box = around(seeds, int(reach) + 1)
     free = (~barrier[box] & _thicker(seeds[box], reach + 0.5)).astype(np.uint8)
     grown = seeds[box].astype(np.uint8)
@@ -92,7 +92,7 @@ def _grown(seeds: BoolMask, barrier: BoolMask, reach: float) -> BoolMask:
 
 
 def _thicker(marked: BoolMask, reach: float) -> BoolMask:
-    """Return what is marked (H, W) and all within ``reach`` pixels of it."""
+    """Dilate marked pixels (H, W) by ``reach`` pixels."""
     if reach < 1:
         return marked
     if reach < _WINDOW:

@@ -1,4 +1,4 @@
-"""Masks: pictures that say where the object is in a drawing; one rule, wherever they come from."""
+"""Masks: pictures that say where the object is in a drawing."""
 
 from pathlib import Path
 
@@ -18,9 +18,9 @@ ENDINGS = ("_mask.png", ".png")
 
 
 def mask_of(picture: Picture, shape: tuple[int, int], name: str = "the mask") -> BoolMask:
-    """Return the object (H, W) that a picture shows: what is opaque on nothing, else what is white on black.
+    """Return the object (H, W) of a mask picture: its opaque part, or else its white part.
 
-    Where something is transparent, the opacity alone tells, whatever the colour of what is opaque.
+    If anything is transparent, only the opacity counts, not the colour.
 
     Args:
         picture: of the mask.

@@ -1,4 +1,4 @@
-"""Outline mask: the object that the lines of a drawing enclose, past gaps."""
+"""Outline mask: the object that lines with gaps enclose."""
 
 from dataclasses import dataclass
 
@@ -17,12 +17,12 @@ _FAILED = 0.5
 
 @dataclass(frozen=True)
 class Outline:
-    """What the lines of a drawing enclose, to a few pixels.
+    """The area that the lines of a drawing enclose, accurate to a few pixels.
 
     Args:
         mask: (h, w), the inside and the lines around it.
         closed: share of the ink that lies in or around the inside; low where an outline has wide gaps.
-        guessed: whether a gap was closed that is so wide that it may have been meant.
+        guessed: whether a gap was closed that may be intended.
     """
 
     mask: BoolMask
@@ -31,7 +31,7 @@ class Outline:
 
 
 def fill_outline(inked: BoolMask) -> Outline:
-    """Return what lines (h, w) enclose.
+    """Return the area that lines (h, w) enclose.
 
     Lines are made thicker in steps, which closes wider and wider gaps, until nearly all of them enclose
     something. Wide gaps are closed only if most of the outline is open. Areas that cannot be reached from

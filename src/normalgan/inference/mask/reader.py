@@ -1,4 +1,4 @@
-"""Reader: a small network that tells ink from ground and object from air in a picture as it comes."""
+"""Reader: a small network that finds the ink and the object in a raw picture."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -29,7 +29,7 @@ _REACH = 3
 
 @dataclass(frozen=True)
 class Reading:
-    """What the network sees in a picture, at the network's size.
+    """The network's output for a picture, at the network's size.
 
     Args:
         ink: (h, w), probability that a pixel is a line of a drawing.
@@ -42,15 +42,15 @@ class Reading:
     middle: Floats
 
     def presence_at(self, shape: tuple[int, int]) -> Floats:
-        """Return the presence with (H, W) pixels."""
+        """Return the presence at a size of (H, W) pixels."""
         return np.asarray(cv2.resize(self.presence, shape[::-1], interpolation=cv2.INTER_LINEAR), np.float32)
 
 
 def read(picture: Picture) -> Reading:
-    """Return what the network sees.
+    """Return the network's output.
 
     Args:
-        picture: as it comes; where it is transparent, it is laid over white, or black if it is light.
+        picture: the raw drawing; transparent parts become white, or black if the drawing is light.
     """
     shape = picture.size
     side = min(max(*shape, _SIDES[0]), _SIDES[1])
@@ -67,7 +67,7 @@ def read(picture: Picture) -> Reading:
 
 
 def drop_ground(ink: Floats, reading: Reading) -> Floats:
-    """Return lines (h, w) without those of the ground: rules, squares, captions, folds.
+    """Return lines (h, w) without those of the paper: rules, squares, captions, folds.
 
     Lines that are improbable all along are left out. If they are many, as on ruled paper, they are left out
     pixel by pixel, also where they touch the drawing.
@@ -101,12 +101,12 @@ def drop_ground(ink: Floats, reading: Reading) -> Floats:
 
 
 def lines_of(reading: Reading, shape: tuple[int, int]) -> Floats:
-    """Return the lines with (H, W) pixels as the network sees them."""
+    """Return the network's lines at a size of (H, W) pixels."""
     return np.clip(resize(reading.ink, shape), 0, 1)
 
 
 def _opaque(picture: Picture) -> Floats:
-    """Return colours (h, w, 3) laid over white; over black if what is opaque is light."""
+    """Return colours (h, w, 3) over white, or over black if the opaque part is light."""
     if picture.alpha is None:
         return picture.colour
     alpha = picture.alpha

@@ -34,7 +34,7 @@ def extend(normals: Floats, known: NDArray[np.bool_], needed: NDArray[np.bool_])
 
 
 def _pushed_and_pulled(values: Floats, known: NDArray[np.bool_], sweeps: int) -> Floats:
-    """Return values (H, W, 3) that go on from where they are known; they matter only where they are not."""
+    """Return values (H, W, 3) extended from where they are known; they matter only where they are not."""
     mask = known.view(np.uint8)
     whole = cv2.cvtColor(values, cv2.COLOR_BGR2BGRA)  # the fourth value is 1
     levels = [np.asarray(cv2.copyTo(whole, mask, np.zeros_like(whole)), np.float32)]

@@ -55,7 +55,7 @@ class Frame:
         return cls(shape, (left + right - side) / 2, (top + bottom - side) / 2, side, size)
 
     def cut(self, ink: Floats) -> Floats:
-        """Return what the model is shown of a drawing (H, W), (size, size) ink in [0, 1]."""
+        """Return the model's input for a drawing (H, W), (size, size) ink in [0, 1]."""
         shown = self.shrink(ink)
         return np.asarray(np.minimum(shown / _darkness(shown), 1), np.float32)
 
@@ -93,7 +93,7 @@ class Frame:
         return np.concatenate([unit, hinted], axis=-1).transpose(2, 0, 1)
 
     def restore(self, predicted: Floats) -> Floats:
-        """Bring what the model predicted, (size, size, C), to the drawing's own place and size, (H, W, C)."""
+        """Map a prediction (size, size, C) back to the drawing's place and size, (H, W, C)."""
         scale = round(self.side) / self.size
         # Maps pixel centres of the model to those of the drawing.
         x0, y0 = round(self.left) + (scale - 1) / 2, round(self.top) + (scale - 1) / 2
@@ -122,7 +122,7 @@ def bounds_of(ink: Floats) -> Bounds:
 
 
 def box_of(marked: NDArray[np.bool_]) -> Bounds:
-    """Return the box of what is marked (H, W); an empty one if nothing is.
+    """Return the bounding box of marked pixels (H, W); an empty one if nothing is.
 
     >>> box_of(np.pad(np.ones((2, 3), bool), 1))
     (1, 3, 1, 4)

@@ -57,7 +57,7 @@ def render_model_input(ink: Floats, frame: Frame, widths: LineWidths) -> Floats:
 
 
 def _is_known(ink: Floats, frame: Frame, widths: LineWidths) -> bool:
-    """Return whether all lines surely have a known width, and none is a filled area.
+    """Return whether all lines have a known width and none is a filled area.
 
     The test uses half the resolution, where a width is exact to one pixel. If that could matter, it returns
     False.

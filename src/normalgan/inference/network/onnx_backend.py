@@ -135,7 +135,7 @@ class OnnxBackend:
             hints: (4, S, S) unit normals at the hints, and where they are; None for no hints.
 
         Raises:
-            InputError: if the model does not predict what a generator predicts, or takes too long.
+            InputError: if the output is not that of a generator, or the model takes too long.
         """
         if hints is None:
             hints = np.zeros((4, self.size, self.size), np.float32)
@@ -188,7 +188,7 @@ class OnnxBackend:
 
 @cache
 def _limit_memory() -> None:
-    """Have ONNX Runtime refuse to take more memory than `MEMORY`; once for all sessions of a process."""
+    """Limit the memory of all ONNX Runtime sessions of this process to `MEMORY`."""
     where = onnxruntime.OrtMemoryInfo(
         "Cpu", onnxruntime.OrtAllocatorType.ORT_ARENA_ALLOCATOR, 0, onnxruntime.OrtMemType.DEFAULT
     )

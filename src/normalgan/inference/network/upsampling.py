@@ -40,7 +40,7 @@ _LARGEST = 4.0
 
 @dataclass(frozen=True)
 class Coarse:
-    """What the network predicted, at its own size.
+    """The network's prediction at its own size.
 
     Args:
         normals: (S, S, 3), unit; zero where the network predicted nothing.
@@ -138,7 +138,7 @@ def upsampler(*, refined: bool, threads: int = 1) -> Upsampler:
 
 
 def planes(normals: Floats, ink: Floats, mask: BoolMask) -> Floats:
-    """Return what the refiner is shown, (6, H, W): normals, lines, mask, distance from the silhouette.
+    """Return the refiner's input, (6, H, W): normals, lines, mask, distance from the silhouette.
 
     Args:
         normals: (H, W, 3), enlarged.

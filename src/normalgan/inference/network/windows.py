@@ -79,7 +79,7 @@ def predict_windows(
     origin: tuple[int, int],
     hints: Hints | None = None,
 ) -> tuple[Floats, Floats | None]:
-    """Return what a network predicts in windows, brought together: as `Backend.predict`, in another frame.
+    """Return a network's predictions in windows, merged: as `Backend.predict`, in another frame.
 
     Args:
         backend: the network.

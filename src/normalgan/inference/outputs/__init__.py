@@ -1,4 +1,4 @@
-"""Outputs: what is written for a drawing, one file for each kind; a new one is imported here."""
+"""Outputs: the files written for a drawing, one module for each kind; a new one is imported here."""
 
 from normalgan.inference.outputs.base import OUTPUTS, Output
 from normalgan.inference.outputs.height import Height

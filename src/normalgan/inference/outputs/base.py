@@ -44,7 +44,7 @@ class Output(ABC):
 
     @property
     def endings(self) -> tuple[str, ...]:
-        """What the names of its files end in, after the drawing's, such as ``_height.png``."""
+        """The endings of its file names, after the drawing's name, such as ``_height.png``."""
         return (f"_{self.name}.{self.format}",)
 
     @property

@@ -23,7 +23,7 @@ class Convention:
         y: where green points.
         bits: of each channel.
         suffix: of the map's name.
-        sidecar: what is added to the map's name for the file that tells the engine how to import it.
+        sidecar: ending of the file that tells the engine how to import the map.
     """
 
     y: Green

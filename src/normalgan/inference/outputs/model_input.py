@@ -13,7 +13,7 @@ __all__ = ["ModelInput"]
 @OUTPUTS.register
 @dataclass(frozen=True)
 class ModelInput(Output):
-    """What the model saw, dark lines on white.
+    """The model's input, dark lines on white.
 
     Args:
         format: of the picture.

@@ -26,7 +26,7 @@ class Normal(Output):
     Args:
         format: format of the map; exr and tiff hold floats; by default that of the file that -o names,
             else png.
-        suffix: what the name of the map ends in, after that of the drawing.
+        suffix: ending of the map's name, after that of the drawing.
         bits: bits of each channel of a PNG.
         y: where green points: up as in OpenGL, down as in DirectX.
         alpha: write the mask of the object as alpha channel.
@@ -68,7 +68,7 @@ class Normal(Output):
 
     @property
     def endings(self) -> tuple[str, ...]:
-        """What the map's name ends in, such as ``_normal.png``."""
+        """The ending of the map's name, such as ``_normal.png``."""
         return (f"{self.suffix}.{self.format}",)
 
     def encode(self, preds: NormalMap) -> dict[str, bytes]:

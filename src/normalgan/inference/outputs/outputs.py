@@ -1,4 +1,4 @@
-"""Outputs: all that is written for a drawing, its normal map and what else was asked for."""
+"""Outputs: all files of a drawing: its normal map and the other outputs."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
@@ -26,12 +26,12 @@ class Outputs:
 
     @property
     def ending(self) -> str:
-        """What a map's name ends in, such as ``_normal.png``."""
+        """The ending of a map's name, such as ``_normal.png``."""
         return self.normal.endings[0]
 
     @property
     def beside(self) -> list[str]:
-        """What the names of everything else end in."""
+        """The endings of all other names."""
         return [ending for output in self.others for ending in output.endings]
 
     @property
@@ -57,7 +57,7 @@ def settings_of(kind: type[Output]) -> list[str]:
 
 
 def outputs_of(settings: Mapping[str, Any]) -> Outputs:
-    """Return what the options of a command ask for.
+    """Return the outputs that a command's options ask for.
 
     Args:
         settings: the value of each option, those of every output in `OUTPUTS`, and of `Normal` as far as the

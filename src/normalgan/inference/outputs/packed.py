@@ -44,7 +44,7 @@ class OcclusionRoughnessMetallic(Output):
     label: ClassVar[str] = "Occlusion, roughness, metallic"
 
     def encode(self, preds: NormalMap) -> dict[str, bytes]:
-        """Return the content of the file; nothing is metallic, because no drawing tells metal."""
+        """Return the content of the file; nothing is metallic, because drawings do not show it."""
         rough = 1 - specular_of(preds)
         channels = cv2.merge([np.zeros_like(rough), rough, occlusion_of(preds)])  # blue first
         return {self.endings[0]: pack_png(np.rint(255 * np.clip(channels, 0, 1)).astype(np.uint8))}

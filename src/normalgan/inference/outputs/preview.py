@@ -138,7 +138,7 @@ def preview_gif(normals: Floats, opacity: Opacity, frames: int = 36, seconds: fl
 
 
 def _soften(normals: Floats, opacity: Opacity) -> tuple[Floats, Floats]:
-    """Return normals that go on past the outline, and how much of each pixel they cover, (H, W, 1).
+    """Return normals extended past the outline, and their coverage of each pixel, (H, W, 1).
 
     An outline that is only there or not is a staircase; it is blurred by less than a pixel.
     """
@@ -155,7 +155,7 @@ def _soften(normals: Floats, opacity: Opacity) -> tuple[Floats, Floats]:
 
 
 def _ball(side: int, light: tuple[float, float, float], behind: Floats) -> Floats:
-    """Return a lit ball that fills a square of ``side`` pixels, over what is behind it."""
+    """Return a lit ball in a square of ``side`` pixels, over a background."""
     along = (np.arange(side * _FINE) + 0.5) / (side * _FINE) * 2 - 1
     x, y = np.meshgrid(along, -along)
     depth = 1 - x**2 - y**2

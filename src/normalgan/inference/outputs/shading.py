@@ -1,4 +1,4 @@
-"""Shading maps: what else engines shade by: ambient occlusion, curvature and specular."""
+"""Shading maps for engines: ambient occlusion, curvature and specular."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -87,7 +87,7 @@ class Specular(Output):
 
 
 def _once(compute: Callable[[NormalMap], Floats]) -> Callable[[NormalMap], Floats]:
-    """Compute a picture of a map once, however many outputs are made of it."""
+    """Compute a picture of a map once for all outputs that use it."""
     known: WeakKeyDictionary[NormalMap, Floats] = WeakKeyDictionary()
 
     @wraps(compute)

@@ -96,7 +96,7 @@ def is_drawing(path: Path) -> bool:
 def find_companion(
     drawing: Path, source: Path, endings: Sequence[str], below: Path | None = None
 ) -> Path | None:
-    """Return what lies beside a drawing, such as its hints or its mask.
+    """Return a file beside a drawing, such as its hints or its mask.
 
     Args:
         drawing: the drawing's file.
@@ -126,7 +126,7 @@ def without_companions(paths: Sequence[Path], companions: Sequence[str]) -> list
 
 
 def read_content(path: Path, content: bytes | None = None) -> bytes:
-    """Return what is in the file of a drawing, not decoded yet.
+    """Return the bytes of a drawing's file.
 
     Args:
         path: the file, or its name in messages.
@@ -155,7 +155,7 @@ def read_pixels(
     grey: bool = False,
     exact: bool = False,
 ) -> Decoded:
-    """Read a picture of any format upright; an SVG is drawn, transparent where it has nothing.
+    """Read a picture of any format upright; an SVG is drawn, transparent where it is empty.
 
     Everything that reads a picture reads it so: it is decoded in a process of its own (`normalgan.decoding`).
 
@@ -168,7 +168,7 @@ def read_pixels(
         exact: whether the levels are wanted as they are stored, 16 bits a channel or floats.
 
     Raises:
-        InputError: if it is missing, no image, or of no possible size, or takes too much to be decoded.
+        InputError: if it is missing, not an image, of an invalid size, or too expensive to decode.
     """
     data = read_content(path, content)
     return decode(str(path), data, (SMALLEST, LARGEST), svg_side, longest, grey, exact)

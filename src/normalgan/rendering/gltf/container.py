@@ -40,7 +40,7 @@ class Container:
         """Return entry number ``index`` of a list of the JSON, such as ``accessors``.
 
         Raises:
-            InputError: if there is none of that number.
+            InputError: if there is no such entry.
         """
         items = self.tree.get(kind, [])
         # Not items[index]: Python would take -1 for the last.

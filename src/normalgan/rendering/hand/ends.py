@@ -36,7 +36,7 @@ def miss_ends(stroke: Stroke, overshoot: float, gap: float, step: float, rng: np
 
 
 def _longer(stroke: Stroke, count: int, step: float) -> Stroke:
-    """Return the stroke with ``count`` more points at its end, which go on in its direction and bend."""
+    """Return the stroke with ``count`` more points at its end, which continue its direction and curve."""
     look = min(_LOOK, (len(stroke.points) - 1) // 2)
     near, middle, far = (stroke.points[-1 - k * look] for k in range(3))
     heading, earlier = _angle(near - middle), _angle(middle - far)

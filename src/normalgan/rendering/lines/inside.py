@@ -26,7 +26,7 @@ class Inside:
 
     Args:
         width: of a strong stroke in pixels of the sketch.
-        strength: that a stroke must reach; it goes on down to a third of it.
+        strength: that a stroke must reach; it continues down to a third of it.
         shortest: strokes shorter than this are left out.
         bridge: gaps up to this do not break a stroke.
         apart: strokes that on average keep nearer than this to a contour are left out.

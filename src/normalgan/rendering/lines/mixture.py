@@ -19,7 +19,7 @@ class Mixture(LineDrawing):
     """Draws each picture in one of several styles, chosen at random.
 
     Args:
-        styles: the styles, each with its own settings; one style may come twice, with other settings.
+        styles: the styles, each with its own settings; a style may occur twice with different settings.
         weights: how often each style is chosen, as numbers in proportion to one another; none makes all
             alike.
 

@@ -37,8 +37,8 @@ class ObjectSpaceSuggestive(OutlinedDrawing):
             fraction of the frame's side.
         smoothing: standard deviation of the smoothing of the curvature, as a fraction of the object's
             radius.
-        strength: how fast the radial curvature must change for a stroke, of an object of radius 1; a
-            stroke once begun goes on down to a third of it.
+        strength: how fast the radial curvature must change for a stroke, of an object of radius 1; a stroke
+            that has begun continues down to a third of it.
         theta: degrees between normal and view vector below which no stroke is drawn.
         shortest_contour: contours that span less than this fraction of the frame's side are left out.
         shortest: strokes inside that are shorter than this fraction of the frame's side are left out.

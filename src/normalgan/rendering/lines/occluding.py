@@ -25,7 +25,7 @@ class OccludingContours(LineDrawing):
     Args:
         line_width: width of a line in pixels of the sketch, at any sketch size.
         gap: how far the surface must jump back for a contour, beyond what its slope explains, as a
-            fraction of the frame's side; a contour once begun goes on down to a third of it.
+            fraction of the frame's side; a contour that has begun continues down to a third of it.
         crease: angle in degrees between neighbouring normals from which an edge is drawn; None draws none.
         shortest: contours that span less than this fraction of the frame's side are left out.
         resolution: side in pixels of the maps that lines are found in, rounded up to a multiple of the

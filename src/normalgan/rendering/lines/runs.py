@@ -10,10 +10,10 @@ __all__ = ["worthy_runs"]
 def worthy_runs(
     points: Doubles, strength: Doubles, least: float, seed: float, bridge: float, shortest: float
 ) -> list[slice]:
-    """Return the stretches of a path that are drawn, two points or more each.
+    """Return the stretches of a path to draw, of at least two points each.
 
-    A stretch goes on where the strength is ``least`` or more, passes over gaps no longer than
-    ``bridge``, is somewhere as strong as ``seed``, and ``shortest`` long or longer.
+    A stretch has a strength of at least ``least`` but for gaps up to ``bridge`` long, reaches ``seed``
+    somewhere, and is at least ``shortest`` long.
 
     >>> points = np.stack([np.arange(8.0), np.zeros(8)], axis=1)
     >>> strength = np.array([0, 2, 2, 0, 3, 2, 0, 2.0])

@@ -36,8 +36,8 @@ class SuggestiveContours(OutlinedDrawing):
         gap: how far the surface must jump back for a contour, beyond what its slope explains, as a
             fraction of the frame's side.
         smoothing: standard deviation of the smoothing of the normals, as a fraction of the frame's side.
-        strength: how sharp a valley must be for a stroke: t for a frame of side 1; a stroke once begun
-            goes on down to a third of it.
+        strength: how sharp a valley must be for a stroke: t for a frame of side 1; a stroke that has begun
+            continues down to a third of it.
         theta: degrees between normal and view vector below which no stroke is drawn.
         shortest_contour: contours that span less than this fraction of the frame's side are left out.
         shortest: strokes inside that span less than this fraction of the frame's side are left out.

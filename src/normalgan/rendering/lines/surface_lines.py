@@ -37,7 +37,7 @@ class EdgeMarks:
         return between
 
     def only(self, kept: BoolMask) -> "EdgeMarks":
-        """Return those of which ``kept`` (N,) is true."""
+        """Return the lines for which ``kept`` (N,) is true."""
         return EdgeMarks(self.edges[kept], self.share[kept])
 
 

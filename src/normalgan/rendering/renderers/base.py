@@ -28,7 +28,7 @@ class Renderer(ABC):
         """
 
     def check(self) -> None:
-        """Raise `InputError` if this machine lacks what the renderer needs; say what to install."""
+        """Raise `InputError` if this machine lacks a requirement of the renderer; say what to install."""
 
 
 RENDERERS: Registry[Renderer] = Registry(Renderer, "normalgan.renderers")  # type: ignore[type-abstract]

@@ -22,7 +22,7 @@ _MOMENTS = 16
 
 
 class ClipMeshes:
-    """The moments of one clip of a rigged glTF file.
+    """Sampled times of one clip of a rigged glTF file.
 
     All are moved and scaled alike, by the box of the whole clip: what stands still stays where it is.
 

@@ -15,8 +15,8 @@ End = tuple[int, int]  # a piece and which of its ends: 0 or -1
 def chain(points: Doubles, links: Indices, reach: float = 6.0, sharpest: float = 60.0) -> list[Indices]:
     """Return paths that together run once through every link.
 
-    A path goes on through a junction, a point of more than two links, into the path that leaves it most
-    nearly straight on; so where one contour ends on another, the other stays whole.
+    At a junction, a point with more than two links, a path continues in the straightest direction. So where
+    one contour ends on another, the other stays whole.
 
     Args:
         points: (N, 2) positions.
@@ -85,7 +85,7 @@ def _walk(path: Piece, neighbours: Neighbours, inner: list[bool], walked: list[b
 def _straight_on(
     points: Doubles, pieces: list[Piece], degree: Indices, reach: float, least: float
 ) -> dict[End, End]:
-    """Return for each end of a piece that goes on through a junction, the end it goes on at."""
+    """Return, for each end of a piece that continues through a junction, the end it continues at."""
     meeting: dict[int, list[End]] = defaultdict(list)
     for number, piece in enumerate(pieces):
         for side in (0, -1):

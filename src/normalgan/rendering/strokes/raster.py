@@ -105,7 +105,7 @@ def _cut(stroke: Stroke) -> tuple[Doubles, Doubles]:
 def _dots(segments: _Segments, size: int) -> tuple[Indices, Indices, Indices, Floats]:
     """Return the stroke, row and column of each pixel that segments put ink on, and how much, (D,) each.
 
-    The segments' squares have one side. A pixel may come several times.
+    The squares of all segments have the same side. A pixel may occur several times.
     """
     side = int(segments.side[0])
     low = np.minimum(segments.start, segments.start + segments.step) - segments.reach[:, None]

@@ -59,7 +59,7 @@ class Joint:
         return share, np.where(self.near, 6 * along * (1 - along) / (2 * self.band), 0.0)
 
     def bend(self, points: Doubles, axis: Doubles, angle: float) -> Deformed:
-        """Turn what lies beyond the joint.
+        """Turn the vertices beyond the joint.
 
         Args:
             points: (V, 3).

@@ -12,7 +12,7 @@ _Part = Annotated[float, Range(0, 0.9)]  # so that nothing shrinks to nothing
 
 @dataclass(frozen=True)
 class Variation:
-    """How far individuals differ from the mesh that they are made of; without any strength it is the mesh.
+    """How far variants differ from their mesh; without any strength it is the mesh.
 
     Args:
         scale: lengthening or shortening along, up and sideways, each by itself: 0.1 is up to a tenth.

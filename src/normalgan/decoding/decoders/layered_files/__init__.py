@@ -62,7 +62,7 @@ _FOREIGN_ZIPS = {
 
 
 def foreign(content: bytes) -> str | None:
-    """Return what a file of a paint program is that cannot be read, and the way out; None of any other.
+    """Return what an unreadable paint program's file is and how to convert it; None for other files.
 
     >>> foreign(b"gimp xcf v011")
     'is a GIMP file, which cannot be read; export it from GIMP as PSD or ORA'
@@ -72,7 +72,7 @@ def foreign(content: bytes) -> str | None:
 
 
 def open_layered(kind: str, content: bytes, check_size: Callable[[int, int], None]) -> LayeredFile:
-    """Return a layered file, of which no picture is decoded yet.
+    """Open a layered file without decoding its pictures.
 
     Args:
         kind: name of its format.
@@ -80,7 +80,7 @@ def open_layered(kind: str, content: bytes, check_size: Callable[[int, int], Non
         check_size: as `LayeredFile` has it.
 
     Raises:
-        UnreadableError: if it is broken, of an unknown version, or of a program whose files cannot be read.
+        UnreadableError: if it is broken, of an unknown version, or of an unsupported program.
     """
     match kind:
         case "PSD":

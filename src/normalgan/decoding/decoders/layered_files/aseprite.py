@@ -38,8 +38,8 @@ class _Tileset:
     Args:
         size: (width, height) of a tile.
         count: of the tiles.
-        pixels: of all, one below the other; None if they lie in another file.
-        zero_is_empty: whether the tile 0 shows nothing.
+        pixels: of all, stacked vertically; None if they are in another file.
+        zero_is_empty: whether tile 0 is empty.
     """
 
     size: tuple[int, int]
@@ -114,7 +114,7 @@ class AsepriteFile(LayeredFile):
         return next(self.frames())[0]
 
     def frames(self) -> "Iterator[tuple[Image, int]]":
-        """Yield what each frame shows, and how many milliseconds it is shown."""
+        """Yield each frame with its duration in milliseconds."""
         for number, duration in enumerate(self.durations):
             shown = flattened(self.size, self._cels_of(number))
             if not number and self._broken and not self._drawn:
@@ -122,7 +122,7 @@ class AsepriteFile(LayeredFile):
             yield shown, duration
 
     def tileset(self) -> "tuple[Image, tuple[int, int]]":
-        """Return the tiles of its first visible tilemap, one below the other, and the size of one."""
+        """Return the tiles of the first visible tilemap, stacked vertically, and the size of one."""
         for number, layer in enumerate(self._layers):
             found = None if layer.tileset is None or not layer.visible else self._tilesets.get(layer.tileset)
             if found is not None and found.pixels:
@@ -144,7 +144,7 @@ class AsepriteFile(LayeredFile):
             yield from self._cels_of(frame)
 
     def _cels_of(self, frame: int) -> list[Layer]:
-        """Return what the visible layers show in a frame, the lowest first."""
+        """Return the cels of the visible layers in a frame, the lowest first."""
         found = []
         for number, layer in enumerate(self._layers):
             if not layer.visible or number not in self._cels[frame]:
@@ -228,7 +228,7 @@ class AsepriteFile(LayeredFile):
         self._palette[index] = colour
 
     def _take_old_palette(self, data: bytes, brightest: int) -> None:
-        """Take the colours of a chunk in which runs of them follow one another."""
+        """Read the colours of an old palette chunk, which holds runs of them."""
         (runs,) = struct.unpack_from("<H", data)
         at, index = 2, 0
         for _ in range(runs):
@@ -242,7 +242,7 @@ class AsepriteFile(LayeredFile):
                 at, index = at + 3, index + 1
 
     def _cel(self, number: int, frame: int) -> "tuple[int, int, int, Image] | None":
-        """Return left, top, opacity and picture of what a layer shows in a frame; None of nothing."""
+        """Return left, top, opacity and picture of a cel; None for an empty one."""
         data = self._cels[frame][number]
         left, top, own, kind = struct.unpack_from("<2xhhBH", data)
         if kind == 1:  # as in an earlier frame; nothing, if that has no such cel
@@ -278,7 +278,7 @@ class AsepriteFile(LayeredFile):
         return Image.merge("RGBA", [index.point([each[band] for each in palette]) for band in range(4)])
 
     def _tilemap(self, number: int, frame: int, data: bytes) -> "Image | None":
-        """Return the picture of a cel of tiles; None if its tileset lies in another file."""
+        """Return the picture of a tilemap cel; None if its tileset is in another file."""
         from PIL import Image
 
         columns, rows, bits, numbers, *flips = struct.unpack_from("<HHHIIII", data, 16)

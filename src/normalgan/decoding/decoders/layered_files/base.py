@@ -1,4 +1,4 @@
-"""LayeredFile: the base of all formats of layered files, with the layers and the notes that they yield."""
+"""LayeredFile: base class of layered file formats, with its layers and notes."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
@@ -19,7 +19,7 @@ class UnreadableError(Exception):
 
 
 class Notes:
-    """What of a layered file is not shown as its own program shows it."""
+    """Differences between a layered file as decoded and as its own program shows it."""
 
     def __init__(self) -> None:
         self._said: dict[str, list[str]] = {}
@@ -32,15 +32,15 @@ class Notes:
         self.add(name, words, reason)
 
     def add(self, name: str, words: str, reason: str = "effect") -> None:
-        """Note something of a layer."""
+        """Add a note on a layer."""
         self._said[f"{name!r}: {words}"] = [name, reason]
 
     def add_blend(self, name: str, mode: str) -> None:
-        """Note a blend mode that is not shown."""
+        """Add a note on an unsupported blend mode."""
         self.add(name, f"blend mode {mode.replace('_', ' ').lower()} shown as normal")
 
     def add_file(self, words: str) -> None:
-        """Note something of the whole file."""
+        """Add a note on the whole file."""
         self._said[words] = ["", "frame"]
 
     @property
@@ -82,7 +82,7 @@ class Layer:
 
 
 class LayeredFile(ABC):
-    """A layered file of one format. Making one reads how it is built; no picture in it is decoded yet.
+    """A layered file of one format. Opening one reads its structure; its pictures are decoded later.
 
     Args:
         content: of the file.
@@ -103,11 +103,11 @@ class LayeredFile(ABC):
         """How many milliseconds each frame is shown; one of 0 if the file does not move."""
 
     def frames(self) -> "Iterator[tuple[Image, int]]":
-        """Yield what each frame shows, and how many milliseconds it is shown."""
+        """Yield each frame with its duration in milliseconds."""
         yield self.composite(), 0
 
     def tileset(self) -> "tuple[Image, tuple[int, int]]":
-        """Return the tiles of its first visible tilemap, one below the other, and the size of one.
+        """Return the tiles of the first visible tilemap, stacked vertically, and the size of one.
 
         Raises:
             UnreadableError: if it has none.
@@ -142,7 +142,7 @@ class LayeredFile(ABC):
 
     @abstractmethod
     def composite(self) -> "Image":
-        """Return what the file shows; the first frame of an animation.
+        """Return the composite, of an animation that of the first frame.
 
         Raises:
             UnreadableError: if it cannot be read.
@@ -150,15 +150,15 @@ class LayeredFile(ABC):
 
     @abstractmethod
     def _read_size(self) -> tuple[int, int]:
-        """Return (width, height) by the header."""
+        """Return (width, height) from the header."""
 
     @abstractmethod
     def _read_layers(self) -> Iterator[Layer]:
-        """Yield the visible layers, the lowest first, as large as the file has them."""
+        """Yield the visible layers, the lowest first, at their size in the file."""
 
 
 def flattened(size: tuple[int, int], found: Iterable[Layer]) -> "Image":
-    """Return what layers show together, the lowest first."""
+    """Return the composite of layers, given from the lowest up."""
     from PIL import Image
 
     canvas = Image.new("RGBA", size)

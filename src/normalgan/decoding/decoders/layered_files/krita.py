@@ -36,7 +36,7 @@ class KritaFile(LayeredZip):
     """A Krita file."""
 
     def composite(self) -> "Image":
-        """Return the picture that Krita merged; without one the layers."""
+        """Return the merged picture that Krita saved, or else the composite of the layers."""
         shown = super().composite()
         if self._moment is not None and "mergedimage.png" in self.zip.namelist():
             self.notes.add_file(f"{_ANIMATED} the picture that Krita merged when it was saved {_WAY_OUT}")
@@ -58,7 +58,7 @@ class KritaFile(LayeredZip):
 
     @cached_property
     def _moment(self) -> int | None:
-        """The time at which an animated file was saved; None of one that does not move."""
+        """The current time of an animated file; None for a still one."""
         times = {time for each in self._root.iter("layer") for time, _ in _keyframes(self.zip, each)}
         if len(times) < 2:
             return None
@@ -71,7 +71,7 @@ class KritaFile(LayeredZip):
     def _group(
         self, group: Any, path: tuple[str, ...], opacity: int, masks: "tuple[Image, ...]"
     ) -> Iterator[Layer]:
-        """Yield the layers of a group, the lowest first; ``masks`` are those of its groups."""
+        """Yield the layers of a group, the lowest first; ``masks`` are those of the groups above."""
         from PIL import ImageChops
 
         for each in reversed(group if group is not None else ()):
@@ -110,7 +110,7 @@ class KritaFile(LayeredZip):
             self.notes.add(name, "layer style left out")
 
     def _masks(self, layer: Any, name: str) -> "list[Image]":
-        """Return the transparency masks of a layer, each as large as the whole; note the others."""
+        """Return the transparency masks of a layer at the size of the picture; add notes on other masks."""
         found = []
         for each in layer.findall("masks/mask"):
             kind = each.get("nodetype", "")
@@ -124,7 +124,7 @@ class KritaFile(LayeredZip):
         return found
 
     def _paint(self, layer: Any) -> "Image":
-        """Return the picture of a paint layer, as large as the whole."""
+        """Return a paint layer at the size of the picture."""
         space = layer.get("colorspacename", "RGBA")
         bands = {"RGBA": "BGRA", "GRAYA": "LA"}.get(space)
         if bands is None:
@@ -139,7 +139,7 @@ class KritaFile(LayeredZip):
         return self._pixels(name, at, bands)
 
     def _pixels(self, filename: str, at: tuple[int, int], bands: str) -> "Image":
-        """Return what a file of tiles holds, as large as the whole.
+        """Return the pixels in a file of tiles, at the size of the picture.
 
         The format is that of Krita's ``KisTiledDataManager`` and ``KisTileCompressor2``: lines of text, and
         then tiles, each with a line that says where it lies, and its bytes, one plane after the other, packed
@@ -175,7 +175,7 @@ class KritaFile(LayeredZip):
 
 
 def _keyframes(file: zipfile.ZipFile, layer: Any) -> list[tuple[int, Any]]:
-    """Return the times of a layer's frames, and what describes each."""
+    """Return the times of a layer's keyframes, each with its XML element."""
     name = layer.get("keyframes")
     if not name:
         return []
@@ -187,7 +187,7 @@ def _keyframes(file: zipfile.ZipFile, layer: Any) -> list[tuple[int, Any]]:
 
 
 def _path(file: zipfile.ZipFile, name: str) -> str:
-    """Return the name in the ZIP of a file of a layer; it lies in a folder named after the document."""
+    """Return the path in the ZIP of a layer's file, which is in a folder named after the document."""
     ending = f"/layers/{name}"
     return next((each for each in file.namelist() if each.endswith(ending)), ending[1:])
 
@@ -217,7 +217,7 @@ def _from_bands(data: bytes, bands: str, size: tuple[int, int]) -> "Image":
 
 
 def _unpacked(packed: bytes, count: int) -> bytes:
-    r"""Return bytes that LZF has packed.
+    r"""Return bytes decompressed from LZF.
 
     Raises:
         ValueError: if they are not as many as ``count``.

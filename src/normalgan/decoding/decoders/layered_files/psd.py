@@ -23,7 +23,7 @@ class PsdFile(LayeredFile):
     """A PSD or PSB."""
 
     def composite(self) -> "Image":
-        """Return the picture that Photoshop merged; without one the layers as psd-tools shows them."""
+        """Return the merged picture that Photoshop saved, or else the layers as psd-tools composites them."""
         found = self._psd.topil() if self._psd.has_preview() else self._psd.composite()
         if found is None:
             raise UnreadableError("holds no picture")
@@ -84,7 +84,7 @@ def _group(psd: Any, group: Any, chain: tuple[Any, ...], opacity: int, notes: No
 
 
 def _layer(psd: Any, layer: Any, chain: tuple[Any, ...], opacity: int, notes: Notes) -> Layer | None:
-    """Return a layer of a PSD as psd-tools shows it alone; None if it shows nothing."""
+    """Return a layer of a PSD as psd-tools composites it; None for an empty one."""
     from psd_tools.constants import Tag
 
     name, groups, kind = layer.name, tuple(each.name for each in chain), layer.kind
@@ -129,7 +129,7 @@ def _layer(psd: Any, layer: Any, chain: tuple[Any, ...], opacity: int, notes: No
 
 
 def _alone(psd: Any, layer: Any, chain: tuple[Any, ...], box: tuple[int, int, int, int]) -> "Image":
-    """Return a layer with its masks, those of its groups and its effects, without opacity, RGBA."""
+    """Return a layer as RGBA with its effects, its masks and those of its groups, but without opacity."""
     import numpy as np
     from PIL import Image
     from psd_tools.composite import composite as render
@@ -145,7 +145,7 @@ def _alone(psd: Any, layer: Any, chain: tuple[Any, ...], box: tuple[int, int, in
 
 
 def _drawn_effects(layer: Any, notes: Notes) -> set[str]:
-    """Return the effects of a layer that psd-tools draws; note the others."""
+    """Return the effects of a layer that psd-tools draws; add notes on the others."""
     if not layer.has_effects() or not layer.effects.enabled:
         return set()
     found = {type(each).__name__: each for each in layer.effects if each.enabled}
@@ -166,7 +166,7 @@ def _has_mask(layer: Any) -> bool:
 
 
 def _cut(layer: Layer, base: Layer) -> None:
-    """Multiply the opacity of a layer's picture by that of its base's."""
+    """Multiply a layer's opacity by that of the layer it is clipped to."""
     from PIL import Image, ImageChops
 
     whole = Image.new("L", layer.image.size)

@@ -1,4 +1,4 @@
-"""ZIP files of paint programs: what OpenRaster and Krita have in common."""
+"""ZIP files of paint programs: the common parts of OpenRaster and Krita."""
 
 import io
 import zipfile
@@ -23,7 +23,7 @@ class LayeredZip(LayeredFile):
     """A ZIP with an XML file that describes its layers, and usually the picture that they show together."""
 
     def composite(self) -> "Image":
-        """Return the picture that the program merged; without one the layers."""
+        """Return the merged picture that the program saved, or else the composite of the layers."""
         if _MERGED not in self.zip.namelist():  # MyPaint leaves it out
             return flattened(self.size, self._read_layers())
         return png_of(member_of(self.zip, _MERGED))
@@ -44,11 +44,11 @@ class LayeredZip(LayeredFile):
 
     @abstractmethod
     def _described_size(self) -> tuple[str, str]:
-        """Return width and height as the XML has them; empty where it has none."""
+        """Return width and height from the XML; empty if it has none."""
 
 
 def open_zip(content: bytes) -> zipfile.ZipFile:
-    """Return a ZIP, of which the list of files has been read."""
+    """Open a ZIP."""
     try:
         return zipfile.ZipFile(io.BytesIO(content))
     except (zipfile.BadZipFile, ValueError) as error:
@@ -70,14 +70,14 @@ def member_of(file: zipfile.ZipFile, name: str) -> bytes:
 
 
 def _stored_name(file: zipfile.ZipFile, name: str) -> str:
-    """Return a name as the ZIP has it: without the flag for Unicode, UTF-8 is taken for the old code page."""
+    """Return a name as stored in the ZIP: without the Unicode flag, Python decodes UTF-8 as cp437."""
     if name in file.NameToInfo:
         return name
     return name.encode("utf-8", "replace").decode("cp437")
 
 
 def png_of(data: bytes) -> "Image":
-    """Return a PNG, whose pixels are not decoded yet."""
+    """Open a PNG without decoding its pixels."""
     from PIL import Image
 
     return Image.open(io.BytesIO(data), formats=("PNG",))
