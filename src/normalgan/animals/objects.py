@@ -485,7 +485,7 @@ def _dents(core: _Piece, both_sides: bool, rng: Rng) -> Part:
 
 
 def _grow_piece(kind: str, root: Doubles, size: float, middle: bool, rng: Rng) -> _Piece:
-    """Return a piece that holds its root and grows out of it in some direction."""
+    """Return a part that starts in its root and grows in some direction."""
     way = rng.normal(size=3)
     if middle:
         way[2] = 0.0  # along the mirror

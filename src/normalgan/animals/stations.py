@@ -129,7 +129,7 @@ class Spine:
         return Frame(origin, yaw(float(np.rad2deg(angle))))
 
     def place(self, points: ArrayLike) -> Doubles:
-        """Return (n, 3) or (n, 2) points of the straight body where the bent one has them, (n, 3)."""
+        """Map points (n, 3) or (n, 2) of the straight body to the bent one, (n, 3)."""
         return np.array([self.frame(float(x)).place([0.0, y, z]) for x, y, z in in_space(points)])
 
     def sweep(self, profile: Profile) -> Sweep:

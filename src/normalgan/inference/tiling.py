@@ -125,7 +125,7 @@ def predict_tile(
 
 
 def _frame_of(around: Floats, window: Window) -> Frame:
-    """Return the frame about a whole picture (H, W) whose pixels are as large as those of a window's."""
+    """Return the frame of a whole picture (H, W) at the scale of a window."""
     pixel = round(window.frame.side) / window.frame.size
     size = ceil(max(around.shape) / pixel)
     side = size * pixel

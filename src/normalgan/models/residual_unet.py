@@ -200,7 +200,7 @@ def check_levels(network: nn.Module, widths: Sequence[int], blocks: Sequence[int
     """Check that a network has a width and a number of blocks for each of its levels.
 
     Raises:
-        InputError: if it has not, or has fewer than two levels.
+        InputError: if the lists differ in length, or there are fewer than two levels.
     """
     if len(widths) != len(blocks) or len(widths) < 2:
         raise InputError(

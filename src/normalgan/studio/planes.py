@@ -56,7 +56,7 @@ class KeptPlanes:
         self._kept: OrderedDict[str, tuple[int, Planes]] = OrderedDict()
 
     def take(self, tab: str, fields: Fields, pixels: memoryview) -> Planes:
-        """Return the planes of a request: name to (H, W, C), not to be written to.
+        """Return the planes of a request by name, (H, W, C), read-only.
 
         Args:
             tab: who asks, and for which layer.

@@ -52,7 +52,7 @@ def layered_kind(path: Path, content: bytes | None = None) -> LayeredKind | None
 def read_layers(path: Path, content: bytes | None = None) -> DecodedLayers:
     """Read the visible layers of a .psd, .kra, .ora, .ase or .aseprite, the lowest first.
 
-    Hidden ones, those that only alter others, and those that nothing is drawn on are left out. Each is
+    Hidden layers, adjustment layers and empty layers are left out. Each is
     cropped to its opaque part, and has a place, an opacity and the names of its groups.
 
     Args:

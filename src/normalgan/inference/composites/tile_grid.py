@@ -1,4 +1,4 @@
-"""Tile grid: where the tiles of a tileset lie, by their size or by a tileset of Tiled."""
+"""Tile grid: the places of a tileset's tiles, from their size or from a file of Tiled."""
 
 import json
 import re

@@ -74,7 +74,7 @@ def _finer(frame: Frame, times: int) -> Frame:
 
 
 def line_width(inked: BoolMask) -> float:
-    """Return how wide most of the lines of a drawing (H, W) are in pixels, by the length of their edges.
+    """Return the usual width in pixels of the lines of a drawing (H, W), from the length of their edges.
 
     >>> inked = np.zeros((60, 60), bool)
     >>> inked[10:15] = inked[30:35] = True

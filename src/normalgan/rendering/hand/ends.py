@@ -14,7 +14,7 @@ _BEND = np.deg2rad(40)  # the most that an overshoot turns
 
 
 def miss_ends(stroke: Stroke, overshoot: float, gap: float, step: float, rng: np.random.Generator) -> Stroke:
-    """Return the stroke with each end too long or too short, with equal chance, by exponential lengths.
+    """Return the stroke with each end lengthened or shortened, with equal chance, by an exponential length.
 
     Args:
         stroke: with points ``step`` pixels apart.
