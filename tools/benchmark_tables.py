@@ -498,64 +498,10 @@ def card() -> list[str]:
     return table(evaluations(), columns, "test set")[1:]
 
 
-def speedrun() -> list[str]:
-    """Return the section on ideas for faster training."""
-    log = [json.loads(line) for line in (RESULTS / "speedrun.jsonl").read_text(encoding="utf-8").splitlines()]
-    ideas: dict[str, dict[int, float | None]] = defaultdict(dict)
-    notes: dict[str, str] = {}
-    for line in log:
-        if (line["track"], line["device"]) == (log[-1]["track"], "one core, AVX512"):
-            ideas[line["idea"]][line["seed"]] = line["cost_to_target"]
-            notes[line["idea"]] = line["note"]
-    lines = [
-        "",
-        "## Speedrun",
-        "",
-        "Seconds of one core (AMD EPYC, AVX-512) until a validation error of 20° at 64 pixels, by seed. Each",
-        "idea changes the record before it. A few seconds between single seeds are noise.",
-        *("", "```sh", "python benchmarks/speedrun.py", "```", ""),
-        "| idea | seed 0 | 1 | 2 | mean | note |",
-        "| --- | ---: | ---: | ---: | ---: | --- |",
-    ]
-    for idea, seconds in ideas.items():
-        words = {seed: "not reached" if cost is None else f"{cost:.0f}" for seed, cost in seconds.items()}
-        known = [cost for cost in seconds.values() if cost is not None]
-        mean = f"{sum(known) / len(known):.0f}" if len(seconds) == len(known) > 1 else ""
-        lines.append(
-            "| " + " | ".join([idea, *(words.get(seed, "") for seed in (0, 1, 2)), mean, notes[idea]]) + " |"
-        )
-    return lines
-
-
-def rendering() -> list[str]:
-    """Return the section on how fast samples are made."""
-    found = read("rendering")
-    made: dict[tuple[str, str], dict[tuple[int, int], str]] = defaultdict(dict)
-    for row in found["rows"]:
-        cell = f"{row['samples_per_second']:.1f} ({row['peak_memory_mb']})"
-        renderer = row["renderer"].removesuffix("Renderer")
-        made[renderer, row["lines"] or "maps alone"][row["size"], row["faces"]] = cell
-    columns = sorted({column for cells in made.values() for column in cells})
-    lines = [
-        "",
-        "## Rendering speed",
-        "",
-        "Samples a second on one core, and the peak of memory in MB, by picture size and faces of the mesh.",
-        f"Medians of {found['rounds']} rounds on an {found['machine']['cpu']}:",
-        *("", "```sh", "python benchmarks/rendering.py -o docs/results/rendering.json", "```", ""),
-        f"| renderer | lines | {' | '.join(f'{size} px, {faces // 1000}k' for size, faces in columns)} |",
-        f"| --- | --- |{' ---: |' * len(columns)}",
-    ]
-    return lines + [
-        f"| {renderer} | {style} | {' | '.join(cells[column] for column in columns)} |"
-        for (renderer, style), cells in made.items()
-    ]
-
-
 def page() -> str:
     """Return the whole page."""
     parts: tuple[Callable[[], list[str]], ...] = (comparison, larger, folds, placement, thresholds)
-    parts += (critic, ablation, drawings, people, shipped, speedrun, rendering)
+    parts += (critic, ablation, drawings, people, shipped)
     return INTRODUCTION + "\n".join(line for part in parts for line in part()) + "\n"
 
 
