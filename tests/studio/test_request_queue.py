@@ -4,7 +4,6 @@ from threading import Event
 
 import pytest
 
-from normalgan.studio.refusals import TooManyError
 from normalgan.studio.request_queue import GivenUpError, RequestQueue, Stop
 
 
@@ -132,23 +131,6 @@ def test_a_failure_goes_to_the_one_who_asked() -> None:
         await asyncio.sleep(0)
         late.finish.set()
         assert [await old, await new] == [None, "new"]
-
-    asyncio.run(play())
-
-
-def test_only_so_many_tabs_wait() -> None:
-    async def play() -> None:
-        queue = RequestQueue(most=2)
-        running = Work("1")
-        tasks = [ask(queue, "a", 1, running)]
-        await until(running.begun)
-        tasks += [ask(queue, tab, 1, lambda: "done") for tab in "bc"]
-        await asyncio.sleep(0)
-        with pytest.raises(TooManyError, match="too many drawings are waiting"):
-            await queue.do("d", 1, lambda: "never", never)
-        tasks.append(ask(queue, "b", 2, lambda: "newer"))  # takes the place that it has
-        running.finish.set()
-        assert await asyncio.gather(*tasks) == ["1", None, "done", "newer"]
 
     asyncio.run(play())
 

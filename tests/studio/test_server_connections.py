@@ -1,4 +1,3 @@
-import json
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -63,19 +62,6 @@ def test_a_request_whose_tab_has_gone_is_not_worked_for(served: Studio) -> None:
     served.ask("POST", "/api/height", asking(1, tab="one", hints=hints[20], **large))
     for_one = worked(served) - start - for_those
     assert for_those < 5 * for_one  # and not fifteen times: at most what had begun was finished
-
-
-def test_too_many_tabs_at_once_are_told_to_wait(served: Studio) -> None:
-    sent = [send(served, "/api/height", asking(1, tab="many", **slow()))]
-    with paused(served):
-        sent += [send(served, "/api/height", asking(1, tab=f"many-{i}")) for i in range(23)]
-    answers = [connection.getresponse() for connection in sent]
-    refused = [json.loads(answer.read()) for answer in answers if answer.status == 429]
-    for connection in sent:
-        connection.close()
-    assert {answer.status for answer in answers} == {200, 429}
-    assert len(refused) == 24 - 1 - 16
-    assert refused[0] == {"error": "too many drawings are waiting; try again in a moment."}
 
 
 def test_a_body_without_end_is_refused_and_not_kept(served: Studio) -> None:

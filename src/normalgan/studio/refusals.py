@@ -9,7 +9,6 @@ __all__ = [
     "MissingError",
     "RefusedError",
     "TooLargeError",
-    "TooManyError",
     "TooSlowError",
     "WrongTypeError",
 ]
@@ -61,9 +60,3 @@ class WrongTypeError(RefusedError):
     """The body has a type that is not accepted."""
 
     status = 415
-
-
-class TooManyError(RefusedError):
-    """Too many requests wait."""
-
-    status = 429

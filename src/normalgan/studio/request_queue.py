@@ -7,8 +7,6 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
-from normalgan.studio.refusals import TooManyError
-
 __all__ = ["GivenUpError", "RequestQueue", "Stop"]
 
 T = TypeVar("T")
@@ -51,13 +49,9 @@ class RequestQueue:
     A tab that asks again before its turn keeps its place, and its older request is dropped. A started task is
     finished, because a tab that asks all the time would never get a result; only drafts are abandoned for
     final requests.
-
-    Args:
-        most: tabs that may wait.
     """
 
-    def __init__(self, most: int = 16) -> None:
-        self._most = most
+    def __init__(self) -> None:
         self._thread = ThreadPoolExecutor(1, "queue")
         self._newest: OrderedDict[str, int] = OrderedDict()
         self._waiting: OrderedDict[str, _Entry[object]] = OrderedDict()
@@ -82,13 +76,10 @@ class RequestQueue:
                 no draft.
 
         Raises:
-            TooManyError: if too many tabs wait.
             Exception: what the work raises.
         """
         if number < self._newest.get(tab, number):
             return None
-        if tab not in self._waiting and len(self._waiting) >= self._most:
-            raise TooManyError("too many drawings are waiting; try again in a moment.")
         self._remember(tab, number)
         entry: _Entry[T] = _Entry(tab, work, stop, asyncio.get_running_loop().create_future())
         older, self._waiting[tab] = self._waiting.get(tab), entry  # type: ignore[assignment]

@@ -31,7 +31,7 @@ def failed(sentence: str, status: int, headers: dict[str, str] | None = None) ->
 def refused(error: InputError) -> JSONResponse:
     """Return the response to an `InputError`."""
     status = error.status if isinstance(error, RefusedError) else 500 if isinstance(error, RunError) else 400
-    return failed(str(error), status, {"Retry-After": "1"} if status == 429 else None)
+    return failed(str(error), status)
 
 
 class ResponseMiddleware:

@@ -2,11 +2,10 @@
 
 import time
 import warnings
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Callable, Collection
 from concurrent.futures import CancelledError
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, suppress
 from queue import Empty, SimpleQueue
-from threading import Timer
 from types import TracebackType
 from typing import Any, Self, TypeVar
 from uuid import uuid4
@@ -23,7 +22,6 @@ R = TypeVar("R")
 
 _LOOK = 1.0  # seconds between two looks at who is there
 _PATIENCE = 60.0  # seconds without any worker, after which it ends
-_SILENCE = 60.0  # seconds without a result or an answer, after which it is said what is waited for
 
 
 class Cluster(Pool):
@@ -42,8 +40,7 @@ class Cluster(Pool):
         self._client: Any = None
         self._workers: set[str] = set()
         self._sent_away: set[str] = set()
-        self._paused: list[str] = []
-        self._looked = self._seen = self._heard = 0.0
+        self._looked = self._seen = 0.0
         self._ended: SimpleQueue[Any] = SimpleQueue()
 
     def __enter__(self) -> Self:
@@ -82,17 +79,12 @@ class Cluster(Pool):
         key = f"normalgan-{function.__name__}-{uuid4().hex}"
         future = self._client.submit(eval, *order(function, task), key=key, pure=False)
         future.add_done_callback(self._ended.put)
-        self._heard = time.monotonic()
         return future
 
     def wait(self, under_way: Collection[Any]) -> Collection[Any]:
-        """Wait a second for a task to end; look at who is there, and say so if nothing is heard for long."""
+        """Wait a second for a task to end, and look at who is there."""
         future = _next(self._ended)
         self._watch()
-        if future is not None or time.monotonic() - self._heard > _SILENCE:
-            self._heard = time.monotonic()
-            if future is None:
-                self._tell_of_waiting(len(under_way))
         return [future] if future in under_way else []
 
     def outcome(self, future: Any) -> Any:
@@ -156,39 +148,14 @@ class Cluster(Pool):
             self._client.retire_workers(list(unfit))
         return bool(unfit)
 
-    def _tell_of_waiting(self, tasks: int) -> None:
-        full = f", of which {', '.join(self._paused)} paused, out of memory" if self._paused else ""
-        warnings.warn(
-            f"no result from {self.where} for {_SILENCE:.0f} seconds; waiting for {tasks} tasks on "
-            f"{len(self._workers)} workers{full}.",
-            stacklevel=3,
-        )
-
-    @contextmanager
-    def _tell_if_unanswered(self) -> Iterator[None]:
-        """Say so if the scheduler is long silent while it is asked something: a frozen one never answers."""
-        text = f"the scheduler at {self.where} has not answered for {_SILENCE:.0f} seconds; waiting for it."
-        timer = Timer(_SILENCE, warnings.warn, [text], {"stacklevel": 2})
-        timer.daemon = True
-        timer.start()
-        try:
-            yield
-        finally:
-            timer.cancel()
-
     def _look(self) -> dict[str, str]:
         """Note which workers there are; return the flaws of new ones, by address."""
         self._looked = time.monotonic()
         if not self._connected():
             raise self._lost()
-        with self._tell_if_unanswered():
-            there = self._client.scheduler_info(n_workers=-1)["workers"]
-            threads = {address: there[address]["nthreads"] for address in there}
-            unfit = flaws(
-                self._client, {a: threads[a] for a in threads if a not in self._workers | self._sent_away}
-            )
-        # What Dask does to a worker at its memory limit.
-        self._paused = [address for address in there if there[address].get("status") == "paused"]
+        there = self._client.scheduler_info(n_workers=-1)["workers"]
+        known = self._workers | self._sent_away
+        unfit = flaws(self._client, {a: there[a]["nthreads"] for a in there if a not in known})
         self._workers = set(there) - set(unfit) - self._sent_away
         if self._workers or unfit:
             self._seen = self._looked
