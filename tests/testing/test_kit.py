@@ -788,11 +788,11 @@ RENDERERS: Cases = [
         {
             "NoMaps": (
                 lambda right, *given: (right(*given).normal, right(*given).depth),
-                "returned tuple; render must return the Maps of a mesh seen by a camera, size × size pixels",
+                "gave tuple; a renderer gives normalgan.rendering.Maps",
             ),
             "RendersDoubles": (
                 normals_times(np.float64(1) * np.ones(3)),
-                r"returned normal \(33, 33, 3\) of float64 for 33 pixels; it must be .* of float32",
+                "gave a normal of float64; it must be float32",
             ),
             "Long": (
                 normals_times(np.float32(2)),
@@ -874,15 +874,15 @@ LINE_STYLES: Cases = [
         {
             "BarePoints": (
                 lambda right, points, width, rng: points,
-                "returned list of ndarray; trace must return the exact lines of the drawing, each a Stroke",
+                "gave list of ndarray; a line style gives a list of Stroke",
             ),
             "Unplaced": (
                 lambda right, points, width, rng: right(points * np.nan, width, rng),
-                "traced a stroke whose points are no numbers; they must be finite",
+                "gave a stroke whose points are no numbers; they must be finite",
             ),
             "Magnified": (
                 lambda right, points, width, rng: right(points * 4, width, rng),
-                r"traced a stroke from \d+ to \d+ pixels in a sketch of 96; points are in pixels",
+                r"gave a stroke from \d+\.\d+ to \d+\.\d+ pixels, up to .* wide, for a sketch of 96; points",
             ),
             "Thin": (
                 lambda right, points, width, rng: right(points, 0 * width, rng),

@@ -243,16 +243,16 @@ class _Batch:
         work = JobPredictor(
             predictor,
             self._writer,
-            settings.size,
-            self._packing,
-            settings.frame,
-            settings.strength,
-            settings.layers,
-            settings.tile,
-            settings.single,
-            _points(settings.hole or ()),
-            None if settings.explain is None else Path(settings.explain),
-            Sprite(settings.detail, settings.pixel_art),
+            size=settings.size,
+            packing=self._packing,
+            frame=settings.frame,
+            strength=settings.strength,
+            layers=settings.layers,
+            tile=settings.tile,
+            single=settings.single,
+            holes=_points(settings.hole or ()),
+            explain=None if settings.explain is None else Path(settings.explain),
+            sprite=Sprite(settings.detail, settings.pixel_art),
         )
         written = work.together(jobs) if self._alike and len(jobs) > 1 else stream(jobs, work)
         watched = len(jobs) > 1 and sys.stderr.isatty()

@@ -1,18 +1,25 @@
 """Checks of a line style."""
 
 import copy
+from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
 
 from normalgan.animals import Animal
-from normalgan.contracts import class_name
+from normalgan.rendering.checks import check_strokes
 from normalgan.rendering.lines import LineDrawing
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers import EmbreeRenderer
 from normalgan.rendering.strokes import Stroke, rasterise
 from normalgan.rendering.view import View
-from normalgan.testing.conformance import Check, demand, global_randomness_untouched, promised
+from normalgan.testing.conformance import (
+    Check,
+    demand,
+    global_randomness_untouched,
+    held_to_contract,
+    promised,
+)
 from normalgan.testing.settings import frozen_check, settings_checks
 from normalgan.testing.solids import away, camera
 
@@ -50,19 +57,13 @@ def _view(size: int = _SIZE, field_of_view: float | None = None) -> View:
     return View(mesh, camera(mesh, field_of_view), EmbreeRenderer(), size)
 
 
-def _trace(style: LineDrawing, view: View, seed: int = 0) -> list[Stroke]:
-    strokes = style.trace(view, np.random.default_rng(seed))
-    good = isinstance(strokes, list) and all(isinstance(stroke, Stroke) for stroke in strokes)
-    first = f" of {class_name(strokes[0])}" if isinstance(strokes, list) and strokes else ""
-    demand(good, style, f"returned {class_name(strokes)}{first}", _STROKES)
-    return strokes
+def _trace(style: LineDrawing, view: View, seed: int = 0) -> Sequence[Stroke]:
+    with held_to_contract():
+        return check_strokes(style, style.trace(view, np.random.default_rng(seed)), view.size)
 
 
 def _strokes(style: LineDrawing) -> None:
-    for stroke in _trace(style, _view()):
-        for name in ("points", "width", "darkness"):
-            finite = bool(np.isfinite(getattr(stroke, name)).all())
-            demand(finite, style, f"traced a stroke whose {name} are no numbers", "they must be finite")
+    _trace(style, _view())
 
 
 def _within(style: LineDrawing) -> None:
