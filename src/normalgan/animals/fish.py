@@ -196,7 +196,7 @@ _LID = np.array([(0.05, 0.50, -0.022), (0.012, 0.34, -0.008), (0.0, 0.0, 0.0), (
 
 
 def _grooves(kind: Fish, spine: Spine, stretch: Doubles) -> list[Part]:
-    """Return mouth and gills, to dig."""
+    """Return mouth and gills, to subtract."""
     gills = kind.gills
     height = gills.height
 

@@ -68,7 +68,7 @@ class Part:
         return replace(self, shapes=tuple(shape.thickened(thinnest) for shape in self.shapes))
 
     def placed(self, frame: Frame, size: float = 1.0) -> Self:
-        """Return it scaled by ``size``, its blend too, and carried along with a frame."""
+        """Return it scaled by ``size``, with its blend, and placed in a frame."""
         shapes = tuple(shape.placed(frame, size) for shape in self.shapes)
         ripple = None if self.ripple is None else Ripple(*(size * length for length in self.ripple))
         return replace(self, shapes=shapes, blend=self.blend * size, ripple=ripple)

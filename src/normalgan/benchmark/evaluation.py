@@ -74,7 +74,7 @@ class Evaluation:
 
     @cached_property
     def device(self) -> torch.device:
-        """Where the methods are measured: a GPU if the scale allows one and it is there."""
+        """The device that methods are measured on: a GPU if the scale allows one and there is one."""
         allowed = self.shared["trainer"]["accelerator"] in {"auto", "gpu", "cuda"}
         return torch.device("cuda" if allowed and torch.cuda.is_available() else "cpu")
 

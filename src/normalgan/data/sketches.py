@@ -78,7 +78,7 @@ class SketchDataset(Dataset[SketchSample]):
             raise InputError(f"none of the {len(files)} sketches can be used; the first: {self.unusable[0]}")
 
     def prepared(self, name: str) -> Prepared:
-        """Return the drawing of this name as far as it gets without the generator."""
+        """Return the drawing of this name, prepared for the generator."""
         with self._lock:
             if name in self._kept:
                 self._kept.move_to_end(name)

@@ -172,7 +172,7 @@ def _inflated(inside: Floats, level: float) -> Floats:
 
 
 def _slopes(values: Floats) -> tuple[Floats, Floats]:
-    """Return by how much values (h, w) rise a pixel downwards and to the right."""
+    """Return the gradient of values (h, w), downwards and to the right, in units of a pixel."""
     down, right = np.gradient(values)
     return np.asarray(down, np.float32), np.asarray(right, np.float32)
 

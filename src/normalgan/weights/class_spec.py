@@ -79,7 +79,7 @@ class ClassSpec:
         return cls(f"{kind.__module__}.{kind.__qualname__}", {k: _lists(v) for k, v in settings.items()})
 
     def to_json(self) -> str:
-        """Return the part as text, its class by the name that it has here."""
+        """Return the part as JSON."""
         return json.dumps({"class_path": self.name, "init_args": dict(self.settings)})
 
     @classmethod

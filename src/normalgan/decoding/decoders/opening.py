@@ -49,7 +49,7 @@ class UnknownTiffError(Exception):
 
 
 class DamagedError(OSError):
-    """A picture of a known format that its decoder does not know."""
+    """A damaged picture of a known format."""
 
 
 class RefusedError(Exception):

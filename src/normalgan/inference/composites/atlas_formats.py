@@ -41,7 +41,7 @@ class Frame:
 
 @dataclass(frozen=True)
 class Page:
-    """What an atlas says of one sheet.
+    """The entries of an atlas for one sheet.
 
     Args:
         image: name of the sheet's file without its folder; empty if the atlas does not name it.

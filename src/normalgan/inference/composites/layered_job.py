@@ -161,7 +161,7 @@ def goes_in_one(outputs: Outputs) -> bool:
 
 
 def layered_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
-    """Return where the predicted layers of a file go; of files of their own that of the first.
+    """Return the path of the predicted layers of a file, or of the first if each gets its own file.
 
     Raises:
         InputError: if the file has no layers, or one file was named for them.

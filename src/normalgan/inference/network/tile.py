@@ -25,7 +25,7 @@ def check_tile(tile: str | None) -> None:
 
 
 def repeats(tile: Tile | None) -> tuple[bool, bool]:
-    """Return whether there are repeats below each other, and whether side by side.
+    """Return whether the map repeats vertically, and whether horizontally.
 
     >>> repeats("x"), repeats(None)
     ((False, True), (False, False))
