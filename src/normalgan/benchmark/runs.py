@@ -136,7 +136,7 @@ def timed(settings: Settings, images: int, samples: int, seconds: float | None) 
     """Return settings under which the generator learns from a number of images, or for a span of time.
 
     Epochs are rounded to whole ones; with ``n_critic`` n it takes n batches until the generator steps. A
-    cosine schedule ends with the run. Under a budget of time the schedule is that of the clock.
+    cosine schedule ends with the run. Under a time budget the schedule follows the clock.
 
     Args:
         settings: of a row.

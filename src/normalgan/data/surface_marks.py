@@ -294,6 +294,6 @@ def _ink(picture: NDArray[np.uint8]) -> Floats:
 
 
 def _pixels(ink: Floats, length: float) -> int:
-    """Return a length, in pixels of a sketch of 256, in pixels of this one."""
+    """Convert a length from pixels of a 256-pixel sketch to pixels of this one."""
     side: int = ink.shape[1]
     return max(round(length * side / 256), 1)

@@ -24,7 +24,7 @@ class UNetGenerator(Generator):
     Args:
         size: side of the pictures; sets the depth. Linked to the size of the data on the command line.
         width: channels of the first layer.
-        depth: layers down, and again up; None for as many as lead to a single pixel (8 at 256).
+        depth: number of layers down, and of layers up; None goes down to a single pixel (8 at 256).
         kernel: side of the convolutions: 4 in pix2pix, 5 in Sketch2Normal.
         norm: batch, instance or none. With one picture a batch, batch and instance are the same in training.
         bias: whether layers before a norm have a bias too, as in Sketch2Normal.
@@ -74,7 +74,7 @@ class UNetDiscriminator(Discriminator):
     Args:
         size: side of the pictures; sets the depth. Linked to the size of the data on the command line.
         width: channels of the first layer.
-        depth: layers down, and again up; None for as many as lead to a single pixel (8 at 256).
+        depth: number of layers down, and of layers up; None goes down to a single pixel (8 at 256).
         kernel: side of the convolutions.
         norm: batch, instance or none; a gradient penalty forbids batch.
         encoder_head: add one score of the whole picture, taken at the innermost layer.

@@ -301,7 +301,7 @@ def _same_bytes(storage: Storage, sums: Mapping[str, tuple[int, str]]) -> bool:
 
 
 def damaged(storage: Storage, split: str, numbers: Sequence[int]) -> list[int]:
-    """Return those of some shards that are not, byte for byte, what was once written."""
+    """Return the shards whose bytes differ from those that were written."""
     sums = {number: _read_sums(storage, split, number) for number in numbers}
     return [number for number, known in sums.items() if known is None or not _same_bytes(storage, known)]
 

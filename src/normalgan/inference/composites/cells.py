@@ -73,7 +73,7 @@ class Cell:
         return [self._upright_point(x, y) for x, y in inside]
 
     def _upright_point(self, x: P, y: P) -> tuple[P, P]:
-        """Return x and y in its box as they are in its own upright pixels."""
+        """Convert x and y from its box to its own upright pixels."""
         width, height = self.width, self.height
         for _ in range(self.turned):
             x, y, width, height = y, width - x, height, width

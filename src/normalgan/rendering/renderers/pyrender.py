@@ -27,7 +27,7 @@ _context: "FloatContext | None" = None
 class PyrenderRenderer(Renderer):
     """OpenGL through pyrender and EGL; faster than Embree from 512 pixels on; needs system libraries.
 
-    Where there is no graphics card, Mesa's software driver does. ``PYOPENGL_PLATFORM=egl``,
+    Without a graphics card, Mesa's software driver renders. ``PYOPENGL_PLATFORM=egl``,
     ``PYGLET_HEADLESS=1`` and ``LP_NUM_THREADS=0`` are set unless the environment sets them. All rendering
     of a process must happen in one thread.
     """

@@ -403,7 +403,7 @@ def draw_posture(kind: str, rng: np.random.Generator) -> Posture:
 
 
 def in_posture(rig: Rig, skeleton: Skeleton, posture: Posture) -> Doubles:
-    """Return where (N, 4, 4) the nodes are in a posture.
+    """Return the matrices (N, 4, 4) of the nodes in a posture.
 
     Args:
         rig: the rig, whose nodes are taken at rest.
