@@ -44,7 +44,7 @@ LIGHT = (
 )
 """Rooms that never import torch, but for the modules in `HEAVY`."""
 HEAVY = {
-    *("cli/parser.py", "cli/training.py", "cli/discovery.py", "cli/normal_map_writer.py"),
+    *("cli/parser.py", "cli/training.py", "cli/trainer.py", "cli/discovery.py", "cli/normal_map_writer.py"),
     "inference/network/torch_backend.py",
 }
 """The exceptions, which no light module imports until it needs them."""

@@ -57,7 +57,7 @@ def mesh_interval(runs: Sequence[Result], given: str, name: str) -> Interval | N
 
 
 def difference_interval(
-    runs: Sequence[Result], reference: Sequence[Result], given: str, name: str, beside: str | None = None
+    runs: Sequence[Result], reference: Sequence[Result], given: str, name: str
 ) -> Interval | None:
     """Return the difference of a method's figure from the reference's, with its interval over meshes.
 
@@ -70,9 +70,8 @@ def difference_interval(
         reference: of the other one.
         given: the hints, ``15`` or ``own``.
         name: of the figure; one that is a mean over pixels.
-        beside: the hints of the reference; None if the same.
     """
-    one, other = _tables(runs, given, name), _tables(reference, beside or given, name)
+    one, other = _tables(runs, given, name), _tables(reference, given, name)
     if one is None or other is None or one[0] != other[0]:
         return None
     draws = draws_of(len(one[0]))

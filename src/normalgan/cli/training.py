@@ -14,7 +14,7 @@ from typing import Any
 import yaml
 from jsonargparse import Namespace, get_loader, set_loader, set_parsing_settings
 from lightning.fabric.utilities.exceptions import MisconfigurationException
-from lightning.pytorch import LightningModule, Trainer
+from lightning.pytorch import Trainer
 from lightning.pytorch.callbacks import (
     Callback,
     EarlyStopping,
@@ -22,7 +22,7 @@ from lightning.pytorch.callbacks import (
     RichModelSummary,
     RichProgressBar,
 )
-from lightning.pytorch.cli import LightningArgumentParser, LightningCLI, SaveConfigCallback
+from lightning.pytorch.cli import LightningArgumentParser, LightningCLI
 from lightning.pytorch.utilities import rank_zero_only
 from lightning.pytorch.utilities.exceptions import SIGTERMException
 
@@ -46,6 +46,7 @@ from normalgan.cli.number_types import Strength
 from normalgan.cli.output_options import add_output_options
 from normalgan.cli.parser import Parser, help_of, with_shipped_configs
 from normalgan.cli.parser_errors import refusal
+from normalgan.cli.trainer import RenderingTrainer, SaveConfig, check_trainer
 from normalgan.cli.training_help import SECTIONS, asked_for
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, brief
@@ -61,12 +62,8 @@ from normalgan.weights.local_classes import no_local_classes
 from normalgan.weights.shipped import SHIPPED, SHIPPED_NAME
 
 __all__ = [
-    "INSTEAD",
     "SAFE_CONFIG",
     "NormalGANCLI",
-    "RenderingTrainer",
-    "SaveConfig",
-    "check_trainer",
     "resolved_settings",
     "run",
     "training_parser",
@@ -76,67 +73,13 @@ SAFE_CONFIG = "--safe-config"
 """The option under which only registered classes are imported and built."""
 _OUTPUTS = (
     *("trainer.default_root_dir", "trainer.logger", "trainer.model_registry", "checkpoint.filename"),
-    *("data.cache", "data.storage.local_cache", "output.folder", "cluster"),
+    *("data.cache", "output.folder", "cluster"),
 )
 """What writes, or runs elsewhere: `SAFE_CONFIG` takes it from the command line alone."""
 
 _OPTIMIZER = {"class_path": "torch.optim.RMSprop", "init_args": {"lr": 5e-5, "alpha": 0.9}}
-
-
-INSTEAD = {
-    "gradient_clip_val": "model.gradient_clip",
-    "gradient_clip_algorithm": "model.gradient_clip, which is a norm",
-    "accumulate_grad_batches": "a larger data.batch_size",
-}
-"""Settings of the trainer that do nothing under manual optimisation, and what does that instead."""
 _LOADERS = {"train_dataloaders", "val_dataloaders", "dataloaders"}
-"""What the Trainer's methods take that is no setting: the data module has it."""
-
-
-def check_trainer(settings: Mapping[str, Any]) -> None:
-    """Refuse settings that do not work with manual optimisation.
-
-    Raises:
-        InputError: if such a setting was given; the sentence names the one to use.
-    """
-    for name, instead in INSTEAD.items():
-        if settings[name] not in {None, 1 if name == "accumulate_grad_batches" else None}:
-            raise InputError(
-                f"trainer.{name} cannot be used, because optimisers are stepped by hand; use {instead}."
-            )
-
-
-class RenderingTrainer(Trainer):
-    """How and where to train: Lightning's Trainer."""
-
-    def render(self, model: NormalGAN, datamodule: MeshDataModule, cluster: str | None = None) -> None:
-        """Render the samples of every split to disk, and stop there.
-
-        Args:
-            model: not used.
-            datamodule: which samples.
-            cluster: a Dask cluster to render on instead of this machine: tcp://host:port, a scheduler file
-                (.json), or local:N for N processes here.
-        """
-        datamodule.render(cluster)
-
-
-class SaveConfig(SaveConfigCallback):
-    """Keeps the settings of training beside the run; those of a later test do not take their place."""
-
-    def setup(self, trainer: Trainer, pl_module: LightningModule, stage: str) -> None:
-        """Write them when training starts."""
-        if stage == "fit":
-            super().setup(trainer, pl_module, stage)
-
-    def on_train_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        """Write the batch size that is used, if a callback such as BatchSizeFinder has changed it."""
-        size = getattr(getattr(trainer, "datamodule", None), "batch_size", None)
-        if self.config is None or size is None or self.config["data"]["batch_size"] == size:
-            return
-        self.config["data"]["batch_size"] = size
-        self.already_saved = False
-        super().setup(trainer, pl_module, "fit")
+"""Arguments of the Trainer's methods that are not settings, because the data module provides them."""
 
 
 class NormalGANCLI(LightningCLI):

@@ -1,0 +1,66 @@
+"""The trainer of the training commands: Lightning's, with `render`, and without settings that do nothing."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from lightning.pytorch import LightningModule, Trainer
+from lightning.pytorch.cli import SaveConfigCallback
+
+from normalgan.data.datamodule import MeshDataModule
+from normalgan.errors import InputError
+from normalgan.gan import NormalGAN
+
+__all__ = ["RenderingTrainer", "SaveConfig", "check_trainer"]
+
+_INSTEAD = {
+    "gradient_clip_val": "model.gradient_clip",
+    "gradient_clip_algorithm": "model.gradient_clip, which is a norm",
+    "accumulate_grad_batches": "a larger data.batch_size",
+}
+"""Settings of the trainer that do nothing under manual optimisation, and what does that instead."""
+
+
+def check_trainer(settings: Mapping[str, Any]) -> None:
+    """Refuse settings that do not work with manual optimisation.
+
+    Raises:
+        InputError: if such a setting was given; the sentence names the one to use.
+    """
+    for name, instead in _INSTEAD.items():
+        if settings[name] not in {None, 1 if name == "accumulate_grad_batches" else None}:
+            raise InputError(
+                f"trainer.{name} cannot be used, because optimisers are stepped by hand; use {instead}."
+            )
+
+
+class RenderingTrainer(Trainer):
+    """How and where to train: Lightning's Trainer."""
+
+    def render(self, model: NormalGAN, datamodule: MeshDataModule, cluster: str | None = None) -> None:
+        """Render the samples of every split to disk, and stop there.
+
+        Args:
+            model: not used.
+            datamodule: which samples.
+            cluster: a Dask cluster to render on instead of this machine: tcp://host:port, a scheduler file
+                (.json), or local:N for N processes here.
+        """
+        datamodule.render(cluster)
+
+
+class SaveConfig(SaveConfigCallback):
+    """Keeps the settings of training beside the run; those of a later test do not take their place."""
+
+    def setup(self, trainer: Trainer, pl_module: LightningModule, stage: str) -> None:
+        """Write them when training starts."""
+        if stage == "fit":
+            super().setup(trainer, pl_module, stage)
+
+    def on_train_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
+        """Write the batch size that is used, if a callback such as BatchSizeFinder has changed it."""
+        size = getattr(getattr(trainer, "datamodule", None), "batch_size", None)
+        if self.config is None or size is None or self.config["data"]["batch_size"] == size:
+            return
+        self.config["data"]["batch_size"] = size
+        self.already_saved = False
+        super().setup(trainer, pl_module, "fit")
