@@ -115,7 +115,7 @@ def _eyes(at: ArrayLike, radii: ArrayLike, turn: float = 0.0) -> Part:
 
 
 def _ringed(points: ArrayLike, radii: ArrayLike, rings: int, depth: float, flat: float = 1.0) -> Sweep:
-    """Return a tube with ``rings`` rings, ``depth`` the part of the radius by which it narrows between them.
+    """Return a tube with ``rings`` rings; between them its radius is smaller by the share ``depth``.
 
     Args:
         points: the curve's stations.

@@ -56,7 +56,7 @@ class Method:
 
     @property
     def takes_hints(self) -> bool:
-        """Whether it was made to be given hints; one that was not is given none."""
+        """Whether it takes hints."""
         return not isinstance(self.sampler, NoHints)
 
 

@@ -31,7 +31,7 @@ class Loadable(Protocol):
 
 
 class SampleRecipe(Protocol):
-    """How to make samples of what was loaded; a recipe makes equal samples in any order."""
+    """How to make samples of loaded objects; samples do not depend on the order in which they are made."""
 
     @property
     def noun(self) -> str:

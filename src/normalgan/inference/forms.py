@@ -178,6 +178,6 @@ def _slopes(values: Floats) -> tuple[Floats, Floats]:
 
 
 def _depth(inside: BoolMask) -> Floats:
-    """Return how far (h, w) each pixel lies within an area, in pixels; beyond the picture is outside."""
+    """Return each pixel's distance (h, w) to the edge of an area, in pixels; the picture's rim is an edge."""
     padded = np.pad(inside.astype(np.uint8), 1)
     return np.asarray(cv2.distanceTransform(padded, cv2.DIST_L2, 5)[1:-1, 1:-1], np.float32)

@@ -56,7 +56,7 @@ def float_white(most: float) -> float:
     """Return the value of white in a picture of floats, whose range no standard fixes.
 
     Args:
-        most: its largest value. Up to 16 white is 1, as in HDR pictures; above, it is that of 8 or 16 bits.
+        most: its largest value. Up to 16, white is 1, as in HDR pictures; above that, white is 255 or 65535.
     """
     return 1.0 if most <= 16 else 255.0 if most <= 255 else 65535.0
 

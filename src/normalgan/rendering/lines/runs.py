@@ -25,7 +25,7 @@ def worthy_runs(
     Args:
         points: (P, 2) of the path.
         strength: (P,).
-        least: strength at which a stretch goes on.
+        least: strength down to which a stretch continues.
         seed: strength that a stretch must reach.
         bridge: in units of the points.
         shortest: in units of the points, along the path.

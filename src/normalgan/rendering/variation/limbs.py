@@ -21,8 +21,8 @@ REACH = 3.0
 def belly(points: Doubles, faces: NDArray[np.integer], up: int) -> float:
     """Return the height at which an object's legs end: below it, its level sections are small.
 
-    The area of a section is that of what lies above, projected down (Gauss's theorem; the surface
-    is taken for closed).
+    The area of a section is that of what lies above, projected down (Gauss's theorem; the surface is assumed
+    to be closed).
 
     Args:
         points: (V, 3).
