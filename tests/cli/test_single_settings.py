@@ -5,7 +5,8 @@ from typing import Any
 
 import pytest
 
-from normalgan.cli.training import SaveConfig, resolved_settings
+from normalgan.cli.trainer import SaveConfig
+from normalgan.cli.training import resolved_settings
 from small import QUIET
 
 pytestmark = pytest.mark.filterwarnings(*QUIET)

@@ -209,7 +209,7 @@ BAD: dict[str, tuple[bytes | str, str]] = {
         gltf(6, None, put("extensionsRequired", value=["EXT_mesh_gpu_instancing"])),
         "it needs the extension EXT_mesh_gpu_instancing, which is not read; export it without",
     ),
-    "none.gltf": (gltf(6, None, put("meshes", 0, value=7)), "entry 0 of its meshes is no object"),
+    "none.gltf": (gltf(6, None, put("meshes", 0, value=7)), "damaged, or not of the kind .gltf"),
     "strange.gltf": (
         gltf(6, None, put("nodes", 0, "mesh", value="a")),
         "refers to entry a of its 1 meshes",

@@ -69,7 +69,6 @@ FOREIGN: dict[str, dict[str, object]] = {
     },
     "checkpoint.filename": {"checkpoint": {"filename": "../../other/checkpoints/last"}},
     "data.cache": {"data": {"cache": "reference::{folder}/unsafe_class.json"}},
-    "data.storage.local_cache": {"data": {"storage": {"local_cache": "other"}}},
     "output.folder": {"output": {"folder": "other"}},
 }
 """Settings that say where is written, by the name of each."""
