@@ -3,7 +3,8 @@
 measure.py [FOLDER…] [--pages VIEWS] [--holes] [--sheet OUT.png]
 
 A drawing NAME.png of a FOLDER is compared with NAME_mask.png, if that is there. --pages makes pages of meshes
-that the reader was not trained on, eight of each kind. --holes draws eight things with holes through them.
+that the reader was not trained on, eight of each kind, and takes such clip art as it was drawn and by its
+lines alone. --holes draws eight things with holes through them.
 """
 
 import argparse
@@ -15,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pages import KINDS, page
 from pierced import drawings
-from shapes import Views
+from shapes import Shape, Views
 
 from normalgan.errors import InputError
 from normalgan.inference.mask.masks import OUTLINE
@@ -66,6 +67,8 @@ def iou(mask: NDArray[np.bool_] | None, truth: NDArray[np.bool_]) -> float:
 def measure_pages(views: Path, measured: Measured) -> None:
     """Print the mean IoU on rendered pages by kind."""
     shapes = Views(views, held_out=True).shapes
+    measure_clipart([shape for shape in shapes if shape.paint is not None], measured)
+    shapes = [shape for shape in shapes if shape.paint is None]
     means = []
     for kind in KINDS:
         rng, scores = np.random.default_rng(11), []
@@ -77,6 +80,31 @@ def measure_pages(views: Path, measured: Measured) -> None:
         means.append(np.mean(scores, 0))
         _say_row(kind, means[-1])
     _say_row("mean", np.mean(means, 0))
+
+
+def measure_clipart(shapes: list[Shape], measured: Measured) -> None:
+    """Print the mean and the worst tenth of the IoU on clip art, in colours and by its lines."""
+    scores: dict[str, list[list[float]]] = {"clip art": [], "its lines": []}
+    for shape in shapes:
+        drawn = cv2.imdecode(shape.paint, cv2.IMREAD_UNCHANGED)
+        opacity = drawn[..., 3:].astype(np.float32) / 255
+        colour = drawn[..., 2::-1] / np.float32(255) * opacity + 1 - opacity
+        shown = {"clip art": colour}
+        if shape.lined:
+            lines = np.clip((colour.max(2) - 70 / 255) * 255 / 80, 0, 1)
+            shown["its lines"] = np.repeat(lines[..., None], 3, 2)
+        for name, picture in shown.items():
+            masks = measured.masks(Picture(np.ascontiguousarray(picture), None))
+            scores[name].append([iou(mask, _sized(opacity, mask)) for mask in masks.values()])
+    for name, found in scores.items():
+        if found:
+            _say_row(f"{name} ({len(found)})", np.mean(found, 0))
+            _say_row("  worst tenth", np.quantile(found, 0.1, axis=0))
+
+
+def _sized(opacity: NDArray[np.float32], mask: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
+    size = (1, 1) if mask is None else mask.shape[::-1]
+    return cv2.resize(opacity, size, interpolation=cv2.INTER_AREA) > 0.5
 
 
 def _say_row(kind: str, scores: NDArray[np.float64]) -> None:

@@ -188,6 +188,9 @@ class _Writer:
             shape = doodle(rng)
         else:
             shape = self.shapes[rng.integers(len(self.shapes))]
+        if shape.paint is not None and self.chance(0.6):
+            self._paste(shape, box, style)
+            return
         move = self._placement(shape, cx, cy, span)
         contours = [_moved(move, group) for group in shape.contours]
         mask = self._filled(contours)
@@ -195,6 +198,8 @@ class _Writer:
             return
         span = max(span, 8)
         strokes = [(s, k < shape.outlines) for k, s in enumerate(_moved(move, shape.strokes))]
+        if self.kind != "clean" and not shape.bare and self.chance(0.14):
+            mask, strokes = self._ended(mask, strokes)
         if self.chance(0.35):
             strokes += [(spot, False) for spot in self._spots(mask, span)]
         if style.double and span > 60:
@@ -202,8 +207,7 @@ class _Writer:
         bare = _moved(move, shape.bare)
         if shape.normal is not None and not bare and self.chance(0.06):
             bare = self._whiskers(contours, span)
-        over = 1.0
-        painted, _colours = None, None
+        painted = None
         solid = bool(mask.max(initial=0) > 0.5)
         if solid and self.rng.random() < self.coloured:
             painted = self._painted(shape, mask, move, strokes, style)
@@ -252,23 +256,107 @@ class _Writer:
         if painted is not None or self.kind in {"inverted", "flat"}:
             self.ink_weight[target > 0.5] = 2.0
         present = np.maximum(mask, np.where(whisker > 0.3, whisker, 0))
-        thin = whisker > 0.3
         # overlapping objects: the later one covers the earlier one's middle
         self.ink = np.maximum(self.ink * (1 - mask), target)
-        inside = present > 0.5
+        self._place_middle(present > 0.5)
+        self.presence = np.maximum(self.presence, present)
+        self._weigh(contours, mask, whisker > 0.3, drawn)
+        if solid and style.construction and painted is None:
+            self._construction(contours, span, style)
+
+    def _ended(self, mask, strokes):
+        """Leave off a part, with no line where it would go on: a bust, a hand without its arm."""
+        rng = self.rng
+        way = np.array([rng.normal(0, 0.4), 1.0]) if self.chance(0.7) else rng.normal(0, 1, 2)
+        away = np.add.outer(np.arange(self.h) * way[1], np.arange(self.w) * way[0])
+        last = np.quantile(away[mask > 0.5], rng.uniform(0.45, 0.92))
+        kept = [(line[a:b], o) for line, o in strokes for a, b in _runs(line @ way <= last) if b - a > 1]
+        return mask * (away <= last).astype(np.float32), kept
+
+    def _place_middle(self, inside) -> None:
         ys, xs = np.nonzero(inside)
         if len(xs):
             mx, my = (xs.min() + xs.max()) / 2, (ys.min() + ys.max()) / 2
             self.middle[0][inside] = (mx - xs) / self.long
             self.middle[1][inside] = (my - ys) / self.long
-        self.presence = np.maximum(self.presence, present)
-        self._weigh(contours, mask, thin, drawn)
-        if solid and style.construction and painted is None:
-            self._construction(contours, span, style)
-        if not outline_drawn or over < 1:
-            pass
 
-    def _placement(self, shape: Shape, cx, cy, span):
+    def _paste(self, shape: Shape, box, style: "_Style") -> None:
+        """Draw clip art as it was drawn: in its colours, or by its dark lines alone."""
+        rng = self.rng
+        contours, lines, colour, mask = self._warped(shape, box)
+        if (mask > 0.5).sum() < 20:
+            return
+        if lines:
+            dark = mask * np.clip((150 - colour.max(2)) / 80, 0, 1)
+            dark *= self._kept(contours, box[2], style)
+            if style.covered or self.see_through == 0:
+                cover = mask * (1 - self.see_through)
+                self.page = self.page * (1 - cover[..., None]) + np.float32(style.cover) * cover[..., None]
+            shade = dark[..., None] * style.darkness
+            self.page = self.page * (1 - shade) + np.float32(style.pen) * shade
+            target = dark
+        else:
+            if self.chance(0.2):
+                colour = np.repeat(colour.mean(2, keepdims=True), 3, 2)
+            if self.chance(0.2):
+                colour = 255 * (colour / 255) ** np.exp(rng.normal(0, 0.4))
+            self.page = self.page * (1 - mask[..., None]) + colour * mask[..., None]
+            dark = mask * np.clip((150 - colour.max(2)) / 80, 0, 1) if shape.lined else 0.0 * mask
+            target = np.maximum(dark, self._rim(mask, np.float32(colour), None) * (dark < 0.3))
+            self.ink_weight[(mask > 0.5) & (target < 0.3)] = 0.5
+        self.ink = np.maximum(self.ink * (1 - mask), target)
+        count, labels, stats, _ = cv2.connectedComponentsWithStats((mask > 0.5).astype(np.uint8))
+        self._place_middle(mask > 0.5)
+        large = stats[:, cv2.CC_STAT_AREA] > 0.25 * stats[1:, cv2.CC_STAT_AREA].max(initial=0)
+        for k in range(1, count):  # several things in one file are several objects
+            if large[k]:
+                self._place_middle(labels == k)
+        self.presence = np.maximum(self.presence, mask)
+        self._weigh(contours, mask, np.zeros(mask.shape, bool), target)
+
+    def _warped(self, shape: Shape, box):
+        """Return the contours of clip art, whether only its lines are drawn, its colours and opacity."""
+        cx, cy, span = box
+        span = max(span, 16)
+        move = self._placement(shape, cx, cy, span, bent=False)
+        contours = [_moved(move, group) for group in shape.contours]
+        drawn = cv2.imdecode(shape.paint, cv2.IMREAD_UNCHANGED)
+        side = len(drawn)
+        corners = move(np.array([[0, 0], [1, 0], [0, 1]], np.float32))
+        share = float(np.sqrt(abs(np.linalg.det(corners[1:] - corners[0])))) / side
+        lines = shape.lined and self.chance(0.75)
+        if lines and share < 1 and self.chance(0.5):  # of thin lines little would be left
+            drawn[..., :3] = cv2.erode(drawn[..., :3], np.ones((3, 3), np.uint8))
+        if share < 0.7:
+            small = max(round(side * share), 8)
+            opacity = drawn[..., 3:].astype(np.float32) / 255
+            paint = cv2.resize(drawn[..., :3] * opacity, (small, small), interpolation=cv2.INTER_AREA)
+            opacity = cv2.resize(opacity, (small, small), interpolation=cv2.INTER_AREA)
+        else:
+            small, opacity = side, drawn[..., 3].astype(np.float32) / 255
+            paint = drawn[..., :3] * opacity[..., None]
+        ends = np.array([[0, 0], [small, 0], [0, small]], np.float32) - 0.5
+        warp = cv2.getAffineTransform(ends, corners - 0.5)
+        paint = cv2.warpAffine(paint, warp, (self.w, self.h), flags=cv2.INTER_LINEAR)
+        mask = cv2.warpAffine(opacity, warp, (self.w, self.h), flags=cv2.INTER_LINEAR)
+        colour = np.clip(paint / np.maximum(mask[..., None], 1e-3), 0, 255).astype(np.float32)
+        return contours, lines, colour, mask
+
+    def _kept(self, contours, span, style: "_Style") -> Floats:
+        """Return 0 where the lines of an outline were left out, and a pencil's uneven tone elsewhere."""
+        rng = self.rng
+        kept = np.ones((self.h, self.w), np.float32)
+        if style.pressure:
+            kept -= 0.6 * style.pressure * np.clip(_clouds(rng, self.h, self.w, span / 5), 0, 1)
+        if self.damage:
+            width = rng.uniform(0.02, 0.12) * span
+            for contour in (each for group in contours for each in group):
+                for _ in range(rng.poisson(self.damage * len(contour) / 200)):
+                    at = np.rint(contour[rng.integers(len(contour))]).astype(int)
+                    cv2.circle(kept, at.tolist(), max(round(width * rng.uniform(0.1, 0.5)), 1), 0.0, -1)
+        return kept
+
+    def _placement(self, shape: Shape, cx, cy, span, bent: bool = True):
         rng = self.rng
         points = np.concatenate([c for group in shape.contours for c in group] + shape.bare)
         low, high = points.min(0), points.max(0)
@@ -288,8 +376,9 @@ class _Writer:
             for _ in range(3)
         ]
         bend = rng.choice([0, 0.004, 0.012, 0.02]) if self.kind != "clean" else rng.choice([0, 0, 0.006])
+        bend *= bent
 
-        def bent(p):
+        def turned(p):
             p = p - (low + high) / 2
             q = p.copy()
             for f, one, two in waves:
@@ -297,11 +386,11 @@ class _Writer:
                 q[:, 1] += bend * np.sin(f * p[:, 0] + two)
             return q @ matrix.T
 
-        corners = bent(points)
+        corners = turned(points)
         lo, hi = corners.min(0), corners.max(0)
         scale = span / max((hi - lo).max(), 1e-3)
         centre = (lo + hi) / 2
-        return lambda p: ((bent(p) - centre) * scale + np.array([cx, cy])).astype(np.float32)
+        return lambda p: ((turned(p) - centre) * scale + np.array([cx, cy])).astype(np.float32)
 
     def _filled(self, groups) -> Floats:
         """Return the even-odd filling, antialiased by four times four samples."""

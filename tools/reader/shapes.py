@@ -1,4 +1,4 @@
-"""Objects for the pages that the reader learns from: views of meshes, and doodles of plain shapes.
+"""Objects for the pages that the reader learns from: views of meshes, clip art, and doodles of plain shapes.
 
 An object is contours, whose even-odd filling is its mask, and strokes, in a square from 0 to 1.
 """
@@ -28,6 +28,8 @@ class Shape:
         outlines: how many of the first strokes are occluding contours; the others lie inside.
         normal: (n, n, 3), or None.
         bare: strokes that are parts of the object by themselves: whiskers, legs of one line.
+        paint: how it was drawn, (n, n, 4) uint8, BGRA, as a PNG; None of what is no clip art.
+        lined: whether dark lines bound what ``paint`` shows.
     """
 
     name: str
@@ -36,6 +38,8 @@ class Shape:
     outlines: int
     normal: NDArray[np.float32] | None = None
     bare: list[Points] = field(default_factory=list)
+    paint: NDArray[np.uint8] | None = None
+    lined: bool = False
 
     @property
     def pierced(self) -> bool:
@@ -45,7 +49,7 @@ class Shape:
 
 
 class Views:
-    """The views that `views.py` stored; every sixteenth mesh is held out."""
+    """The views that `views.py` and `clipart.py` stored; every sixteenth mesh or drawing is held out."""
 
     def __init__(self, folder: Path, held_out: bool, most: int | None = None) -> None:
         self.folder, self.held_out = folder, held_out
@@ -69,7 +73,16 @@ class Views:
                                 name,
                                 {
                                     key: stored[f"{number}.{key}"]
-                                    for key in ("mask", "normal", "points", "lengths", "outlines")
+                                    for key in (
+                                        "mask",
+                                        "normal",
+                                        "points",
+                                        "lengths",
+                                        "outlines",
+                                        "paint",
+                                        "lined",
+                                    )
+                                    if f"{number}.{key}" in stored
                                 },
                             )
                         )
@@ -85,8 +98,15 @@ def _view(name: str, stored: dict[str, NDArray]) -> Shape:
     contours = [_smooth((c[:, 0].astype(np.float32) - 0.5) / (2 * size)) for c in found if len(c) > 8]
     points = stored["points"].astype(np.float32) / (POINT * size)
     strokes = np.split(points, np.cumsum(stored["lengths"])[:-1])
+    normal = stored["normal"].astype(np.float32) / 127 if "normal" in stored else None
     return Shape(
-        name, [contours], strokes, int(stored["outlines"]), stored["normal"].astype(np.float32) / 127
+        name,
+        [contours],
+        strokes,
+        int(stored["outlines"]),
+        normal,
+        paint=stored.get("paint"),
+        lined=bool(stored.get("lined", False)),
     )
 
 
@@ -101,8 +121,8 @@ def _smooth(closed: Points) -> Points:
 def doodle(rng: Rng, kind: str | None = None) -> Shape:
     """Return a figure of round and pointed parts, as children and sign painters draw."""
     kind = kind or rng.choice(
-        ["figure", "animal", "blob", "thing", "stick", "ring", "snow", "frame"],
-        p=[0.22, 0.19, 0.1, 0.12, 0.08, 0.1, 0.04, 0.15],
+        ["figure", "animal", "blob", "thing", "stick", "ring", "snow", "frame", "plain"],
+        p=[0.2, 0.17, 0.1, 0.12, 0.08, 0.08, 0.04, 0.09, 0.12],
     )
     return _Doodle(rng).draw(kind)
 
@@ -507,6 +527,22 @@ class _Doodle:
                             np.float32,
                         )
                     )
+
+    def _plain(self):
+        """One closed line with nothing in it: a disc, a square, a triangle."""
+        rng = self.rng
+        if rng.random() < 0.6:
+            size = rng.uniform(0.1, 0.3)
+            flat = size * (1.0 if rng.random() < 0.4 else rng.uniform(0.3, 1))
+            outline = self.ellipse(
+                0.5, 0.5, size, flat, turn=rng.uniform(0, 3.14), wobble=rng.choice([0, 0.03])
+            )
+        else:
+            n = rng.integers(3, 7)
+            t = np.arange(n) * 2 * np.pi / n + rng.uniform(0, 6.28)
+            r = 0.3 * (1 + (rng.normal(0, 0.15, n) if rng.random() < 0.5 else 0))
+            outline = _dense(np.stack([0.5 + r * np.cos(t), 0.5 + r * np.sin(t)], 1).astype(np.float32))
+        self.parts.append((outline, True))
 
     def _blob(self):
         rng = self.rng

@@ -40,8 +40,8 @@ class Pages(IterableDataset):
         for number in count():
             if number % RELOAD == 0:
                 views.reload()
-                # Every eighth object has a hole, where otherwise every thirtieth would.
-                pierced = views.pierced * max(len(views.shapes) // (8 * max(len(views.pierced), 1)), 1)
+                # Of meshes alone every thirtieth object has a hole; now every eighth at least.
+                pierced = views.pierced * (len(views.shapes) // (8 * max(len(views.pierced), 1)))
                 shapes = views.shapes + pierced
                 print(len(views.shapes), "views,", len(views.pierced), "with holes", flush=True)
             size, pages = SIZES[rng.integers(len(SIZES))]
