@@ -58,6 +58,20 @@ _NONSENSE = (EOFError, OSError, ValueError, KeyError, TypeError)
 
 
 @dataclass(frozen=True)
+class LayerNote:
+    """A layer that is left out, or not shown as its program shows it.
+
+    Args:
+        name: as the file has it; empty for the whole file.
+        reason: of a layer that is left out ``damaged``, ``no_pixels`` of its own, or ``foreign``, which only
+            its program can draw; else ``effect``, or ``frame`` if one frame of an animation is used.
+    """
+
+    name: str
+    reason: str
+
+
+@dataclass(frozen=True)
 class Decoded:
     """A picture's pixels, upright.
 
@@ -66,12 +80,14 @@ class Decoded:
         shape: (H, W) of the file; that of the pixels unless they were reduced.
         note: what of it is not shown as its program shows it, a part of a sentence; empty if all is.
         partial: whether a layer of it is missing.
+        notes: the same as ``note``, layer by layer.
     """
 
     pixels: Pixels
     shape: tuple[int, int]
     note: str = ""
     partial: bool = False
+    notes: tuple[LayerNote, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -129,20 +145,6 @@ class DecodedLayer:
     frame: int
     pixels: NDArray[np.uint8]
     clipped_to: int = -1
-
-
-@dataclass(frozen=True)
-class LayerNote:
-    """A layer that is left out, or not shown as its program shows it.
-
-    Args:
-        name: as the file has it; empty for the whole file.
-        reason: of a layer that is left out ``damaged``, ``no_pixels`` of its own, or ``foreign``, which only
-            its program can draw; else ``effect``, or ``frame`` if one frame of an animation is used.
-    """
-
-    name: str
-    reason: str
 
 
 @dataclass(frozen=True)
@@ -245,7 +247,7 @@ class _Question(Generic[T]):
 
 def _picture(answer: _Answer, most: int) -> Decoded:
     said, ((_, found),) = answer
-    return replace(found, note=_note(said), partial=_partial(said))
+    return replace(found, note=_note(said), partial=_partial(said), notes=_notes(said))
 
 
 def _frames(answer: _Answer, most: int) -> Parts:
@@ -272,8 +274,7 @@ def _layers(answer: _Answer, most: int) -> DecodedLayers:
         )
         opacity, base = _whole(header["opacity"], 0, 255), _whole(header["base"], -1, 2**16)
         layers.append(DecodedLayer(own, tuple(groups), opacity, *place, pixels, base))
-    notes = tuple(LayerNote(_printable(name), _printable(reason)) for name, reason in said["notes"])
-    return DecodedLayers((height, width), durations, layers, _note(said), _partial(said), notes)
+    return DecodedLayers((height, width), durations, layers, _note(said), _partial(said), _notes(said))
 
 
 def _tileset(answer: _Answer, most: int) -> tuple[Decoded, tuple[int, int]]:
@@ -487,6 +488,11 @@ def _whole(value: Any, least: int, most: int) -> int:
 def _note(said: dict[str, Any]) -> str:
     """Return what of a file is not shown as its program shows it."""
     return _printable(said.get("note", ""))
+
+
+def _notes(said: dict[str, Any]) -> tuple[LayerNote, ...]:
+    """Return the same, layer by layer."""
+    return tuple(LayerNote(_printable(name), _printable(reason)) for name, reason in said["notes"])
 
 
 def _partial(said: dict[str, Any]) -> bool:

@@ -102,6 +102,7 @@ export class LineTool {
       const before = editor.doc;
       editor.commit(withStroke(before, raw));
       editor.commit(withStroke(before, line));
+      this.announce(text.shaped);
       return;
     }
     editor.draw(this.inks.of(editor.layer).draw(line, true), true);
@@ -163,7 +164,6 @@ export class LineTool {
     editor.draw(ALL, true);
     editor.guide = this.line;
     editor.mark();
-    this.announce(text.shaped);
   }
 
   /** Shows a straight line to where the pointer is; near a level, an upright or a diagonal it is exactly that. @param {Touch} touch */
@@ -218,11 +218,10 @@ export class HintTool {
     }
     // A direction is of the part that is seen there, whichever layer is worked on.
     const front = layerAt(doc, touch);
-    if (front && front.id !== layer.id) {
-      editor.work(front.id);
-      this.announce(say("layerWorked", { name: front.name }));
-    }
+    const other = front !== null && front.id !== layer.id;
+    if (other) editor.work(front.id);
     if (!this.#hold(touch)) this.add(touch, normalAt(this.map(), touch.x / doc.width, touch.y / doc.height));
+    if (other) this.announce(say("layerWorked", { name: front.name }));
   }
 
   /**
