@@ -102,7 +102,7 @@ export class LineTool {
       const before = editor.doc;
       editor.commit(withStroke(before, raw));
       editor.commit(withStroke(before, line));
-      this.announce(text.shaped);
+      this.announce(text.shaped); // still so, now that it is done
       return;
     }
     editor.draw(this.inks.of(editor.layer).draw(line, true), true);
@@ -164,6 +164,7 @@ export class LineTool {
     editor.draw(ALL, true);
     editor.guide = this.line;
     editor.mark();
+    this.announce(text.shaped);
   }
 
   /** Shows a straight line to where the pointer is; near a level, an upright or a diagonal it is exactly that. @param {Touch} touch */
