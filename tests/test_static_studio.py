@@ -125,10 +125,10 @@ def mug() -> NDArray[np.uint8]:
     return grey
 
 
-def open_blob() -> NDArray[np.uint8]:
+def open_blob(gap: slice = slice(112, 142)) -> NDArray[np.uint8]:
     """A blob (H, W) whose outline has a gap that no thicker line closes."""
     grey = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
-    grey[:, 112:142] = np.where(np.arange(len(grey))[:, None] > 128, 255, grey[:, 112:142])
+    grey[:, gap] = np.where(np.arange(len(grey))[:, None] > 128, 255, grey[:, gap])
     return grey
 
 
@@ -142,6 +142,14 @@ def test_the_reader_tells_the_object_as_in_python(studio: "Page", drawn: Any) ->
     asked = studio.evaluate(ASK, [*encoded(grey), {"source": "outline"}])
     lines = decoded(asked, grey.shape)[..., 3] > 127
     assert np.count_nonzero(lines != mask) > 500  # or the lines alone would tell it
+
+
+def test_an_edge_without_a_line_is_told_as_in_python(studio: "Page") -> None:
+    grey = open_blob(slice(80, 180))
+    (wanted,) = normalgan.load(SHIPPED)(grey).findings
+    (said,) = studio.evaluate(ASK, [*encoded(grey), {}])["findings"]
+    assert said["code"] == wanted.code == "edge"
+    np.testing.assert_allclose(said["places"], wanted.places, atol=3)
 
 
 def test_the_mask_brush_cuts_and_adds(studio: "Page") -> None:

@@ -266,7 +266,9 @@ def test_what_of_an_aseprite_file_cannot_be_shown_is_noted_and_the_rest_is_read(
     ]
     found = decode("a.ase", aseprite([chunks]), (8, 8192), 64)
     assert np.array_equal(found.pixels[..., :3], FLAT[..., :3])
-    notes = [(each.name, each.reason) for each in decode_layers("a.ase", aseprite([chunks]), (8, 8192)).notes]
+    layered = decode_layers("a.ase", aseprite([chunks]), (8, 8192))
+    assert set(layered.notes) == set(found.notes)
+    notes = [(each.name, each.reason) for each in found.notes]
     assert sorted(notes) == [("broken", "damaged"), ("ground", "foreign"), ("shade", "effect")]
     assert "'ground': tileset in another file left out; convert it to a layer" in found.note
     assert "'broken': cannot be read in frame 1" in found.note

@@ -1,5 +1,6 @@
-"""The studio holds to the rules of axe-core (WCAG 2 and best practices), in both themes and at two sizes."""
+"""The studio holds to the rules of axe-core (WCAG 2 and best practices), in both themes and at five sizes."""
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Literal
 
 import pytest
@@ -8,7 +9,7 @@ from studio_page import Server, Studio, open_studio
 from npm_package import read_from_package
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser
+    from playwright.sync_api import Browser, Page
 
 pytestmark = pytest.mark.slow  # a server and a browser, and a package of npm
 CHECK = """async () => (await axe.run(document, { resultTypes: ["violations"] })).violations
@@ -23,7 +24,9 @@ def axe() -> str:
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
-@pytest.mark.parametrize(("width", "height"), [(1280, 800), (390, 844)])
+@pytest.mark.parametrize(
+    ("width", "height"), [(390, 844), (844, 390), (1024, 768), (1440, 900), (2560, 1440)]
+)
 def test_axe_finds_nothing(
     opened: "Browser", server: Server, axe: str, width: int, height: int, theme: Literal["light", "dark"]
 ) -> None:
@@ -42,8 +45,8 @@ def test_axe_finds_nothing(
         _draw(studio)
         check("a point")
         page.locator("#layout-both").click()
-        if page.locator("#menu-toggle").is_visible():
-            for sheet in ("menu", "tools"):
+        for sheet in ("menu", "tools"):
+            if page.locator(f"#{sheet}-toggle").is_visible():
                 page.locator(f"#{sheet}-toggle").click()
                 check(f"the sheet of {sheet}")
                 page.keyboard.press("Escape")
@@ -53,25 +56,52 @@ def test_axe_finds_nothing(
         check("something went wrong")
         page.locator("#problem-close").click()
         page.evaluate("document.getElementById('view-lit').click()")
+        check("mask tool and material")
         page.locator("#lamp-more").click()
-        check("mask tool and lights")
+        page.locator("#light-both").check()
+        check("lights")
+        if page.locator("#looks-toggle").is_visible():
+            page.locator("#looks-toggle").click()
+            check("the sheet of looks")
+            page.keyboard.press("Escape")
+        page.keyboard.press("r")
+        page.keyboard.press("g")
+        check("the form of a layer")
         page.locator("#layers-toggle").click()
         check("layers")
         page.locator("#layers-close").click()
         page.locator("#paper summary").click()
         check("paper")
         page.keyboard.press("Escape")
-        for keys, dialog in (
-            ("Control+e", "export"),
-            ("?", "help"),
-            ("Control+o", "open"),
-            ("Control+s", "save"),
-        ):
-            page.keyboard.press(keys)
-            page.locator(f"#{dialog}-dialog").wait_for()
-            check(dialog)
-            page.keyboard.press("Escape")
-            page.locator(f"#{dialog}-dialog").wait_for(state="hidden")
+        _check_dialogs(page, check)
+
+
+def _check_dialogs(page: "Page", check: Callable[[str], None]) -> None:
+    for keys, dialog in (
+        ("Control+e", "export"),
+        ("?", "help"),
+        ("Control+o", "open"),
+        ("Control+s", "save"),
+    ):
+        page.keyboard.press(keys)
+        page.locator(f"#{dialog}-dialog").wait_for()
+        check(dialog)
+        page.keyboard.press("Escape")
+        page.locator(f"#{dialog}-dialog").wait_for(state="hidden")
+    page.locator("#paper summary").click()
+    page.locator("#paper-resize").click()
+    page.locator("#paper-dialog").wait_for()
+    check("paper")
+    page.keyboard.press("Escape")
+    page.locator("#paper-dialog").wait_for(state="hidden")
+    if page.locator("#menu-toggle").is_visible():
+        page.locator("#menu-toggle").click()
+    page.locator("#new").click()
+    page.locator("#choose").wait_for()
+    check("unsaved changes")
+    page.locator("#choose button[value=drop]").click()
+    page.locator("#new-dialog").wait_for()
+    check("new")
 
 
 def _draw(studio: Studio) -> None:

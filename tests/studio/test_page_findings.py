@@ -23,6 +23,34 @@ def ringed(studio: Studio, at: Point) -> bool:
     return bool(((red > 180) & (green < 100) & (blue < 100)).sum() > 40)
 
 
+@pytest.mark.parametrize("layout", ["drawing", "result", "both"])
+@pytest.mark.parametrize(("width", "height"), [(390, 844), (844, 390), (1024, 768)])
+def test_what_is_said_of_a_map_is_seen_whole_beside_layers(
+    opened: "Browser", server: Server, width: int, height: int, layout: str
+) -> None:
+    server.reset()
+    with open_page(opened, width=width, height=height) as page, sending_nothing_late(page):
+        studio = Studio(page, server.url)
+        studio.new()
+        page.locator("#layout-both").click()
+        with studio.repainting():
+            studio.circle()
+        with studio.repainting():
+            studio.pin(*OFF)
+        page.keyboard.press("Escape")
+        page.locator("#layers-toggle").click()
+        page.locator(f"#layout-{layout}").click()
+        page.mouse.move(2, 2)
+        seen = page.locator("#warning button").evaluate(
+            """(said) => {
+              const { left, right, top, bottom } = said.getBoundingClientRect();
+              const corners = [[left + 1, top + 1], [right - 1, bottom - 1], [left + 1, bottom - 1]];
+              return corners.every(([x, y]) => said.parentElement.contains(document.elementFromPoint(x, y)));
+            }"""
+        )
+        assert seen
+
+
 @pytest.mark.parametrize(
     ("locale", "words"),
     [

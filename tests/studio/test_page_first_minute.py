@@ -47,6 +47,24 @@ def test_a_sample_is_taken_and_the_first_steps_follow(opened: "Browser", server:
         assert page.locator("#first-steps").is_hidden()
 
 
+def test_first_steps_are_done_by_keys_and_in_any_order(opened: "Browser", server: Server) -> None:
+    with open_studio(opened, server.url) as studio:
+        page = studio.page
+        count = page.locator("#first-count")
+        with studio.repainting():
+            page.locator("#samples button").first.click()
+        page.keyboard.press("Control+e")
+        page.locator("#export-dialog").wait_for()
+        page.keyboard.press("Escape")
+        assert count.inner_text() == "2 / 4"
+        page.keyboard.press("2")
+        assert count.inner_text() == "3 / 4"
+        studio.size = 512, 512
+        studio.pin(256, 300)
+        page.keyboard.press("Escape")
+        page.locator("#first-steps").wait_for(state="hidden")
+
+
 def test_the_history_is_a_list_that_outlives_a_reload(opened: "Browser", server: Server) -> None:
     with open_studio(opened, server.url) as studio:
         page = studio.page

@@ -146,6 +146,24 @@ def test_layers_that_are_left_out_are_named_with_the_reason(studio: Studio, tmp_
     assert studio.page.locator("#problem-words").inner_text() == said
 
 
+def test_of_one_drawing_too_it_is_said_what_is_not_shown(studio: Studio, tmp_path: Path) -> None:
+    file = tmp_path / "fox.ora"
+    with (
+        zipfile.ZipFile(io.BytesIO(encode_layers("ora", SHAPE, STACK[1:3]))) as whole,
+        zipfile.ZipFile(file, "w") as other,
+    ):
+        for name in whole.namelist():
+            content = whole.read(name)
+            if name == "stack.xml":
+                content = content.replace(b'name="hat"', b'name="hat" composite-op="svg:multiply"')
+            if name != "mergedimage.png":
+                other.writestr(name, content)
+    with studio.repainting():
+        give(studio, file, "drawing")
+    said = "Imported “fox.ora”. Effects, masks or blend modes of these layers are not shown: “hat”."
+    assert studio.page.locator("#problem-words").inner_text() == said
+
+
 def test_layers_come_in_front_of_what_is_drawn(studio: Studio, tmp_path: Path) -> None:
     file = tmp_path / "fox.ora"
     file.write_bytes(encode_layers("ora", SHAPE, STACK[1:3]))

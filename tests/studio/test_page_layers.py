@@ -246,6 +246,8 @@ def test_beside_the_layers_every_control_has_its_room(
             studio.circle(256, 256, 40)
             page.locator("#form-round").click()
             assert page.locator("#form-soft").is_visible()
+            bars = page.locator(".bar").evaluate_all("(bars) => bars.map((each) => each.offsetHeight)")
+            assert bars[0] == bars[1]
             assert page.evaluate(cramped) == [], "a region with a form"
 
 
@@ -256,6 +258,7 @@ def test_layers_are_named_removed_and_undone(studio: Studio) -> None:
     page.keyboard.type("Arm")
     page.keyboard.press("Enter")
     assert names(studio) == ["Arm", "Layer 1"]
+    assert studio.status() == ""  # not that a layer of another name was added
     with studio.repainting():
         page.locator("#layer-list .eye").first.click()
     page.keyboard.press("p")

@@ -161,7 +161,7 @@ async function picture(file) {
   [canvas.width, canvas.height] = given.map((side) => Math.max(1, Math.round(side * scale)));
   canvas.getContext("2d")?.drawImage(image, 0, 0, canvas.width, canvas.height);
   const [, content] = canvas.toDataURL("image/png").split(",");
-  return json({ picture: content, width: canvas.width, height: canvas.height, given });
+  return json({ picture: content, width: canvas.width, height: canvas.height, given, layered: false, parts: 1, pages: false, notes: [] });
 }
 
 /** @param {string} path @param {RequestInit} options @returns {Promise<Response>} */

@@ -3,12 +3,14 @@
 import { snapOutline } from "./edge.js";
 import { INKED, decided, enlarged, fillOutline } from "./filling.js";
 import { lineWidth } from "./prepare.js";
-import { SQUARE, above, both, components, dilated, distance, ellipse, eroded, labelled, opposite, refitted, rint, sumOf, where, without } from "./raster.js";
+import { SQUARE, above, both, boxOf, components, dilated, distance, ellipse, eroded, labelled, opposite, refitted, rint, sumOf, where, without } from "./raster.js";
 import { presenceAt } from "./reader.js";
 
 const [HOLE, PART, EYE, ADDED, SURE, SPECK] = [0.3, 0.75, 0.004, 0.6, 0.72, 0.002];
 /** Mean presence between which the reader is unsure of a region, and the least share of the object to warn. */
 const [LOW, HIGH, SHARE] = [0.15, 0.7, 0.02];
+/** Share of the object's longer side that an edge without a line has at least to be told of, and how near a line bounds it. */
+const [OPEN, REACH] = [0.2, 4];
 
 /** @typedef {{mask: Uint8Array, covered: Float32Array, closed: number, guessed: boolean, unsure: import("./findings.js").Finding[]}} Decision
  *   the object, how much of each pixel it covers, the share of the lines in it or at it, whether a wide gap was closed, and what is to be said */
@@ -37,7 +39,10 @@ export function decide(ink, width, height, reading) {
     mask = voted({ inked, labels, enclosed, outline, presence, wide, high });
     if (!mask.includes(1)) mask = outline;
     closed = shareAt(inked, mask, wide, high);
-    unsure = doubts({ labels, boxes, enclosed, presence, wide, high }, mask, width / wide);
+    unsure = [
+      ...doubts({ labels, boxes, enclosed, presence, wide, high }, mask, width / wide),
+      ...openEdge(mask, above(small, INKED / 2), wide, high, width / wide),
+    ];
   }
   const covered = snapOutline(same ? mask : enlarged(mask, wide, high, width, height), ink, width, height);
   return { mask: above(covered, 0.5), covered, closed, guessed: !reading && filled.guessed, unsure };
@@ -131,4 +136,29 @@ function doubts({ labels, boxes, enclosed, presence, wide, high }, mask, scale) 
     return /** @type {[number, number]} */ ([(at % wide) * scale, Math.floor(at / wide) * scale]);
   });
   return [{ code: "regions", places, count: numbers.length }];
+}
+
+/**
+ * Returns what is to be said of the longest stretch of an object's edge that no line bounds, if it is long.
+ * @param {Uint8Array} mask @param {Uint8Array} inked @param {number} wide @param {number} high @param {number} scale as of `doubts`
+ * @returns {import("./findings.js").Finding[]}
+ */
+function openEdge(mask, inked, wide, high, scale) {
+  const box = boxOf(mask, wide, high);
+  if (!box) return [];
+  const bounded = dilated(inked, wide, high, Array.from({ length: 2 * REACH + 1 }, () => REACH));
+  const free = without(without(mask, eroded(mask, wide, high, SQUARE)), bounded);
+  // What the picture's border cuts off needs no line there.
+  for (let y = 0; y < high; y++) {
+    const level = y < REACH || y >= high - REACH;
+    for (let x = 0; x < wide; x++) if (level || x < REACH || x >= wide - REACH) free[y * wide + x] = 0;
+  }
+  const { labels, boxes } = components(free, wide, high, 8);
+  const longest = boxes.reduce((most, { area }, k) => (area > boxes[most].area ? k : most), 0);
+  if (!longest || boxes[longest].area < OPEN * Math.max(box[2] - box[0], box[3] - box[1])) return [];
+  const points = [...labels.keys()].filter((at) => labels[at] === longest).map((at) => [at % wide, Math.floor(at / wide)]);
+  const [x, y] = [0, 1].map((axis) => points.reduce((sum, point) => sum + point[axis], 0) / points.length);
+  const away = points.map((point) => Math.hypot(point[0] - x, point[1] - y));
+  const middle = points[away.indexOf(away.reduce((least, value) => Math.min(least, value), Infinity))];
+  return [{ code: "edge", places: [[middle[0] * scale, middle[1] * scale]] }];
 }

@@ -7,12 +7,13 @@ by the clock everywhere.
 """
 
 from normalgan.decoding.process import decode, decode_frames, decode_layers, decode_tileset, start
-from normalgan.decoding.results import Decoded, DecodedLayer, DecodedLayers, Part, Parts, Pixels
+from normalgan.decoding.results import Decoded, DecodedLayer, DecodedLayers, LayerNote, Part, Parts, Pixels
 
 __all__ = [
     "Decoded",
     "DecodedLayer",
     "DecodedLayers",
+    "LayerNote",
     "Part",
     "Parts",
     "Pixels",

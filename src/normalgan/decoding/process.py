@@ -126,7 +126,7 @@ class _Question(Generic[T]):
 
 def _picture(answer: _Answer, most: int) -> Decoded:
     said, ((_, found),) = answer
-    return replace(found, note=_note(said), partial=_partial(said))
+    return replace(found, note=_note(said), partial=_partial(said), notes=_notes(said))
 
 
 def _frames(answer: _Answer, most: int) -> Parts:
@@ -153,8 +153,7 @@ def _layers(answer: _Answer, most: int) -> DecodedLayers:
         )
         opacity, base = _whole(header["opacity"], 0, 255), _whole(header["base"], -1, 2**16)
         layers.append(DecodedLayer(own, tuple(groups), opacity, *place, pixels, base))
-    notes = tuple(LayerNote(_printable(name), _printable(reason)) for name, reason in said["notes"])
-    return DecodedLayers((height, width), durations, layers, _note(said), _partial(said), notes)
+    return DecodedLayers((height, width), durations, layers, _note(said), _partial(said), _notes(said))
 
 
 def _tileset(answer: _Answer, most: int) -> tuple[Decoded, tuple[int, int]]:
@@ -368,6 +367,11 @@ def _whole(value: Any, least: int, most: int) -> int:
 def _note(said: dict[str, Any]) -> str:
     """Return the note on how a file differs from what its program shows."""
     return _printable(said.get("note", ""))
+
+
+def _notes(said: dict[str, Any]) -> tuple[LayerNote, ...]:
+    """Return the same, layer by layer."""
+    return tuple(LayerNote(_printable(name), _printable(reason)) for name, reason in said["notes"])
 
 
 def _partial(said: dict[str, Any]) -> bool:

@@ -13,6 +13,20 @@ stored, if that is asked for, also of 16 bits or floats."""
 
 
 @dataclass(frozen=True)
+class LayerNote:
+    """A layer that is left out, or not shown as its program shows it.
+
+    Args:
+        name: as the file has it; empty for the whole file.
+        reason: of a layer that is left out ``damaged``, ``no_pixels`` of its own, or ``foreign``, which only
+            its program can draw; else ``effect``, or ``frame`` if one frame of an animation is used.
+    """
+
+    name: str
+    reason: str
+
+
+@dataclass(frozen=True)
 class Decoded:
     """A picture's pixels, upright.
 
@@ -21,12 +35,14 @@ class Decoded:
         shape: (H, W) of the file; that of the pixels unless they were reduced.
         note: how it differs from what its program shows, a part of a sentence; may be empty.
         partial: whether a layer of it is missing.
+        notes: the same as ``note``, layer by layer.
     """
 
     pixels: Pixels
     shape: tuple[int, int]
     note: str = ""
     partial: bool = False
+    notes: tuple[LayerNote, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -84,20 +100,6 @@ class DecodedLayer:
     frame: int
     pixels: NDArray[np.uint8]
     clipped_to: int = -1
-
-
-@dataclass(frozen=True)
-class LayerNote:
-    """A layer that is left out, or not shown as its program shows it.
-
-    Args:
-        name: as the file has it; empty for the whole file.
-        reason: of a layer that is left out ``damaged``, ``no_pixels`` of its own, or ``foreign``, which only
-            its program can draw; else ``effect``, or ``frame`` if one frame of an animation is used.
-    """
-
-    name: str
-    reason: str
 
 
 @dataclass(frozen=True)

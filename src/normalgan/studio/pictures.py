@@ -27,7 +27,7 @@ def import_picture(content: bytes, name: str = "the picture", part: int = 1) -> 
     """Return an image as base64 of a PNG with alpha, its width and height, and those ``given``.
 
     ``layered`` tells whether the file may have layers, which `import_layers` gives; ``parts``, how many
-    pages or frames it has; ``pages``, whether they are pages.
+    pages or frames it has; ``pages``, whether they are pages; ``notes``, as `import_layers` has them.
 
     Args:
         content: a file as `normalgan.inference.reading.picture.read_picture` reads it.
@@ -45,7 +45,7 @@ def import_picture(content: bytes, name: str = "the picture", part: int = 1) -> 
         picture = read_picture(Path(name), content)
     else:
         picture = to_picture(decode_frames(name, content, (SMALLEST, LARGEST)).parts[part - 1].decoded)
-    given = [picture.shape[1], picture.shape[0]]
+    given, notes = [picture.shape[1], picture.shape[0]], picture.notes
     if max(picture.size) > MOST_SIDE:
         picture = picture.resized(fitted(picture.size, MOST_SIDE))
     height, width = picture.size
@@ -58,6 +58,7 @@ def import_picture(content: bytes, name: str = "the picture", part: int = 1) -> 
         "layered": layered_kind(Path(name), content) is not None,
         "parts": parts,
         "pages": pages,
+        "notes": [asdict(each) for each in notes],
     }
 
 

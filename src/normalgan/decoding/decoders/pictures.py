@@ -26,10 +26,13 @@ from .svg import draw_svg, is_svg
 if TYPE_CHECKING:
     from PIL.Image import Image
 
+    from .layered_files import Notes
+
 __all__ = [
     "decode",
     "frames",
     "layers",
+    "note_parts",
     "note_text",
     "plain",
     "reduced",
@@ -204,8 +207,11 @@ def layers(content: bytes, least: int, most: int, seconds: int) -> Iterator[Mess
         more = f": {layered.notes}" if str(layered.notes) else ""
         raise RefusedError(f"has no visible layer that anything is drawn on{more}")
     durations, full = [min(each, 2**31) for each in layered.durations], [*layered.size[::-1]]
-    notes = [[name[:_LONGEST_NAME], reason] for name, reason in layered.notes.parts[:_MOST_NOTED]]
-    said = {"note": note_text(layered.notes), "partial": layered.notes.partial, "notes": notes}
+    said = {
+        "note": note_text(layered.notes),
+        "partial": layered.notes.partial,
+        "notes": note_parts(layered.notes),
+    }
     yield {"count": len(found), "full": full, "durations": durations, **said}, None
     for layer in found:
         names = [each[:_LONGEST_NAME] for each in (*layer.groups[:_DEEPEST], layer.name)]
@@ -364,6 +370,11 @@ def _refuse_foreign(content: bytes) -> None:
     told = foreign(content)
     if told is not None:
         raise RefusedError(told)
+
+
+def note_parts(notes: "Notes") -> list[list[str]]:
+    """Return the layers that are noted, and why, as many as are sent."""
+    return [[name[:_LONGEST_NAME], reason] for name, reason in notes.parts[:_MOST_NOTED]]
 
 
 def note_text(notes: object) -> str:

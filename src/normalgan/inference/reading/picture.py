@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from normalgan.arrays import Floats
-from normalgan.decoding import Decoded
+from normalgan.decoding import Decoded, LayerNote
 from normalgan.inference.reading.drawings import SVG_SIDE, read_pixels, to_unit
 
 __all__ = ["MOST_WORKED", "Picture", "Resize", "fitted", "read_picture", "resize", "to_picture", "to_pixels"]
@@ -29,6 +29,7 @@ class Picture:
         full: (H, W) of its file, if that has more pixels; None if it has the same.
         note: what of its file is not shown as its program shows it, a part of a sentence; empty if all is.
         partial: whether a layer of its file is missing.
+        notes: the same as ``note``, layer by layer.
     """
 
     colour: Floats
@@ -36,6 +37,7 @@ class Picture:
     full: tuple[int, int] | None = None
     note: str = ""
     partial: bool = False
+    notes: tuple[LayerNote, ...] = ()
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -97,11 +99,11 @@ def to_picture(decoded: Decoded) -> Picture:
     full = decoded.shape if decoded.shape != values.shape[:2] else None
     if values.ndim == 2:
         grey = np.asarray(cv2.cvtColor(values, cv2.COLOR_GRAY2RGB), np.float32)
-        return Picture(grey, None, full, decoded.note, decoded.partial)
+        return Picture(grey, None, full, decoded.note, decoded.partial, decoded.notes)
     if values.shape[2] == 4:
         values, alpha = values[..., :3], values[..., 3]
         alpha = alpha if alpha.min() < 1 else None
-    return Picture(values, alpha, full, decoded.note, decoded.partial)
+    return Picture(values, alpha, full, decoded.note, decoded.partial, decoded.notes)
 
 
 def to_pixels(picture: Picture) -> Decoded:

@@ -131,12 +131,13 @@ export async function exported(request) {
 }
 
 /**
+ * @typedef {{name: string, reason: string}} LayerNote a layer that is left out, or not shown as its program shows it
  * @typedef {{picture: string, width: number, height: number, given: [number, number], layered: boolean, parts: number,
- *   pages: boolean}} Imported picture: base64 of a PNG; given: width and height of the file; layered: whether it may
+ *   pages: boolean, notes: LayerNote[]}} Imported picture: base64 of a PNG; given: width and height of the file; layered: whether it may
  *   have layers; parts: how many pages or frames it has; pages: whether they are pages
  * @typedef {{name: string, opacity: number, picture: string, x: number, y: number, width: number, height: number}} ImportedLayer
  *   opacity: 0 to 1, which the picture does not have; x, y, width, height: where it lies in the whole
- * @typedef {{layers: ImportedLayer[], plain: string[], notes: {name: string, reason: string}[], frames: number, width: number, height: number, given: [number, number]}} ImportedLayers
+ * @typedef {{layers: ImportedLayer[], plain: string[], notes: LayerNote[], frames: number, width: number, height: number, given: [number, number]}} ImportedLayers
  *   layers: the hindmost first; plain: names of those that are all paper, and left out;
  *   notes: those that are not shown as their program shows them, and why
  */

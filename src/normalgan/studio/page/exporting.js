@@ -82,7 +82,10 @@ export class Exporting {
       this.status.say(text.exportEmpty, "warning");
       return;
     }
-    field("export-name").value = this.editor.doc.settings.name;
+    const { width, height, settings } = this.editor.doc;
+    field("export-name").value = settings.name;
+    field("export-name").placeholder = text.untitled.toLowerCase();
+    field("export-size").placeholder = String(Math.max(width, height));
     this.#rows();
     const way = await open($("export-dialog"));
     if (!way) return;

@@ -22,6 +22,7 @@ export function teach(editor, predictor, result) {
     { words: text.firstPoint, done: () => editor.layer.hints.length > 0 && editor.chosen < 0 },
     { words: text.firstExport, done: () => /** @type {HTMLDialogElement} */ ($("export-dialog")).open },
   ];
+  const done = steps.map(() => false);
   const strip = $("first-steps");
   const end = () => {
     at = steps.length;
@@ -32,21 +33,24 @@ export function teach(editor, predictor, result) {
   const look = () => {
     if (at >= steps.length) return;
     const before = at;
-    while (at < steps.length && steps[at].done()) at += 1;
+    steps.forEach((step, i) => { done[i] ||= step.done(); });
+    while (at < steps.length && done[at]) at += 1;
     if (at !== before) show();
   };
   const show = () => {
     remember(KEY, at);
     strip.hidden = false;
     $("first-words").textContent = steps[at]?.words ?? text.firstDone;
-    $("first-count").textContent = `${Math.min(at + 1, steps.length)} / ${steps.length}`;
-    if (at >= steps.length) setTimeout(end, LAST);
+    $("first-count").textContent = at < steps.length ? `${at + 1} / ${steps.length}` : "";
+    if (at < steps.length) return;
+    $("first-skip").textContent = text.close;
+    setTimeout(end, LAST);
   };
   $("first-skip").addEventListener("click", end);
   for (const name of ["change", "state"]) editor.addEventListener(name, look);
   predictor.addEventListener("painted", look);
-  $("views").addEventListener("click", look);
-  $("export").addEventListener("click", () => setTimeout(look));
+  result.addEventListener("view", look);
+  $("export-dialog").addEventListener("focusin", look); // it has the focus once it is open
   if (at < steps.length) show();
   else strip.hidden = true;
 }

@@ -11,7 +11,7 @@ import { say, text } from "./text.js";
 
 /**
  * @typedef {{picture: string, width: number, height: number, given: [number, number], parts: number, pages: boolean,
- *   layers: (() => Promise<import("./api.js").ImportedLayers>) | null}} Found layers: reads them; null: it has none
+ *   notes: import("./api.js").LayerNote[], layers: (() => Promise<import("./api.js").ImportedLayers>) | null}} Found layers: reads them; null: it has none
  */
 
 const TRACED = 0.5;
@@ -127,7 +127,7 @@ export class Importing {
    * @param {Found} found @param {Way} as @param {string} name @param {number} [part] which of its pages or frames it is
    */
   async #place(found, as, name, part = 1) {
-    const { width, height, given, parts, pages, layers } = found;
+    const { width, height, given, parts, pages, notes, layers } = found;
     const url = urlOf(found);
     await decodeAll([url]);
     const way = as || (await this.#ask(make("img", { src: url, alt: "", class: "thumbnail" }), layers !== null));
@@ -141,6 +141,7 @@ export class Importing {
       said = await this.#placeLayers(read, fresh, name);
       lost = notesOf(read.notes);
     } else {
+      lost = notesOf(notes.filter(({ reason }) => reason !== "frame")); // which frame it is is said anyway
       if (parts > 1) said = `${said} ${say(pages ? "importedPage" : "importedFrame", { number: part, count: parts })}`;
       const doc = fresh ? { ...this.editor.doc, width, height } : this.editor.doc;
       const placed = within(doc, width, height)({ x: 0, y: 0, width, height });
@@ -204,7 +205,7 @@ export class Importing {
 /** @param {string[]} names */
 const quoted = (names) => [...new Set(names)].map((each) => `“${each}”`).join(", ");
 
-/** Says which layers are not shown as their program shows them. @param {import("./api.js").ImportedLayers["notes"]} notes @returns {string[]} */
+/** Says which layers are not shown as their program shows them. @param {import("./api.js").LayerNote[]} notes @returns {string[]} */
 function notesOf(notes) {
   /** @type {Record<string, keyof typeof text>} */
   const words = { damaged: "importedDamaged", no_pixels: "importedNoPixels", foreign: "importedForeign", effect: "importedEffect", frame: "importedStill" };

@@ -79,19 +79,13 @@ export class Lights {
       this.falloff = field("light-falloff").valueAsNumber / 100;
       this.#changed();
     });
-    $("lamp-more").addEventListener("click", () => this.open($("lamp-options").hidden === true));
-    $("light-moved").addEventListener("click", () => {
-      this.moved = 1 - this.moved;
-      this.#changed();
-    });
+    for (const i of [0, 1]) {
+      $(`light-moves-${i + 1}`).addEventListener("click", () => {
+        this.moved = i;
+        this.#changed();
+      });
+    }
     this.#changed();
-  }
-
-  /** Shows all settings of the lights, or hides them. @param {boolean} open */
-  open(open) {
-    $("lamp-options").hidden = !open;
-    $("lamp-more").setAttribute("aria-expanded", String(open));
-    $("lamp-more").setAttribute("aria-pressed", String(open));
   }
 
   /** Moves a light over a point of the result. @param {number} x @param {number} y */
@@ -157,11 +151,11 @@ export class Lights {
   #changed() {
     for (const i of [0, 1]) field(`light-${i + 1}`).value = this.colours[i];
     field("light-both").checked = this.both;
-    $("light-2").hidden = !this.both;
-    $("light-moved").hidden = !this.both;
+    $("light-2").hidden = $("light-moved").hidden = !this.both;
+    $("light-help").hidden = this.both;
     field("light-intensity").value = String(Math.round(100 * this.intensities[this.moved]));
     field("light-falloff").value = String(Math.round(100 * this.falloff));
-    $("light-moved").textContent = this.moved ? text.lightMovesSecond : text.lightMovesFirst;
+    for (const i of [0, 1]) $(`light-moves-${i + 1}`).setAttribute("aria-pressed", String(this.moved === i));
     remember(KEY, { colours: this.colours, both: this.both, intensities: this.intensities, falloff: this.falloff });
     this.#shine();
   }

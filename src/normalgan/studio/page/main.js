@@ -53,7 +53,7 @@ const predictor = new Predictor(editor, inks, connection, tab);
 const result = new Result(predictor, status);
 const lights = new Lights(result.viewer, () => result.view, (each) => result.show(each));
 result.onLight = (/** @type {number[]} */ light) => lights.took(light);
-const materials = new Materials(editor, predictor, result, lights);
+const materials = new Materials(editor, predictor, result);
 const panes = new Panes(board, overlay, predictor, status);
 // Marks would hide the map from whoever only looks at it.
 overlay.marked = () => panes.layout === "result" || ["hint", "region", "brush"].includes(editor.tool);
@@ -99,7 +99,11 @@ const pointers = [{ each: board, chosen: tool }, { each: overlay, chosen: overRe
 followKeyboard(board, tool, status, (x, y) => arranging.nudge(x, y));
 followTools(editor, inks);
 offerSamples((doc, name) => {
-  projects.load(doc, null, false).then((shown) => shown && status.say(say("opened", { name }))).catch((error) => status.fail(error));
+  projects.load(doc, null, false).then((shown) => {
+    if (!shown) return;
+    if (panes.layout === "drawing") panes.show("both"); // its map is to be seen
+    status.say(say("opened", { name }));
+  }).catch((error) => status.fail(error));
 });
 followHistory(editor, announce);
 followPaper(editor, importing);
@@ -107,6 +111,13 @@ const nextForm = followForms(editor);
 const stepLayer = followLayers(editor, inks, announce);
 autosave.addEventListener("failed", (event) => status.fail(/** @type {CustomEvent} */ (event).detail));
 
+// What was done last is no news once something else is done; who does it says so after it.
+editor.addEventListener("change", (event) => /** @type {CustomEvent} */ (event).detail.live || status.clear());
+let { tool: chosenTool } = editor;
+editor.addEventListener("state", () => {
+  if (editor.tool !== chosenTool) status.clear();
+  chosenTool = editor.tool;
+});
 const drop = () => pointers.forEach((each) => each.cancel());
 /** @param {"undo" | "redo"} way @param {string} words */
 const step = (way, words) => {
@@ -118,6 +129,12 @@ const redo = () => step("redo", text.redone);
 const help = () => open($("help-dialog"));
 /** @type {HTMLInputElement[]} */
 const [newWidth, newHeight] = [$("new-width"), $("new-height")];
+const sides = /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-side]"));
+const showSide = () => {
+  for (const each of sides) {
+    each.setAttribute("aria-pressed", String([newWidth, newHeight].every(({ value }) => value === each.dataset.side)));
+  }
+};
 const create = async () => {
   if (!(await projects.mayLeave()) || !(await open($("new-dialog")))) return;
   projects.create(newWidth.valueAsNumber, newHeight.valueAsNumber);
@@ -130,6 +147,7 @@ const escape = () => {
     return;
   }
   drop();
+  status.clear();
   editor.set({ chosen: -1, area: -1, suggestions: [], selection: NOTHING });
 };
 /** The pane that is on show, and its middle. */
@@ -170,7 +188,7 @@ const clicks = {
 for (const [id, action] of Object.entries(clicks)) $(id).addEventListener("click", action);
 const letters = { p: "pen", b: "pen", e: "eraser", s: "select", h: "hint", r: "region", d: "brush", m: "mask", l: "light", v: "hand" };
 followKeys({
-  ...Object.fromEntries(Object.entries(letters).map(([key, tool]) => [key, () => editor.set({ tool })])),
+  ...Object.fromEntries(Object.entries(letters).map(([key, tool]) => [key, () => editor.set({ tool, area: -1, suggestions: [] })])),
   ...Object.fromEntries(VIEWS.map((view, i) => [String(i + 1), () => result.show(view)])),
   "[": () => widen(editor, -1), "]": () => widen(editor, 1),
   "ctrl+z": undo, "ctrl+shift+z": redo, "ctrl+y": redo,
@@ -185,11 +203,14 @@ followKeys({
   n: () => points.next(1), "shift+n": () => points.next(-1),
   y: () => editor.set({ symmetry: !editor.symmetry }), "ctrl+a": () => select.all(), "ctrl+d": () => arranging.duplicate(), Delete: remove, Backspace: remove, Escape: escape, "?": help,
 });
-for (const button of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll("[data-side]"))) {
+for (const button of sides) {
   button.addEventListener("click", () => {
     newWidth.value = newHeight.value = button.dataset.side ?? "";
+    showSide();
   });
 }
+for (const each of [newWidth, newHeight]) each.addEventListener("input", showSide);
+showSide();
 for (const cancel of document.querySelectorAll("[data-close]")) {
   cancel.addEventListener("click", () => cancel.closest("dialog")?.close(""));
 }

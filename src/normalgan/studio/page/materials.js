@@ -16,9 +16,8 @@ export class Materials {
    * @param {import("./editor.js").Editor} editor
    * @param {import("./predictor.js").Predictor} predictor
    * @param {import("./result.js").Result} result
-   * @param {import("./lights.js").Lights} lights
    */
-  constructor(editor, predictor, result, lights) {
+  constructor(editor, predictor, result) {
     this.editor = editor;
     this.predictor = predictor;
     this.result = result;
@@ -28,14 +27,17 @@ export class Materials {
     for (const each of MATERIALS) $(`material-${each}`).addEventListener("click", () => this.choose(each));
     predictor.addEventListener("painted", () => this.#colour());
     predictor.addEventListener("empty", () => this.#show());
-    let tool = "";
+    let { tool } = editor;
+    /** The tool before the light's, to which its button goes back. */
+    let beforeLight = tool;
     editor.addEventListener("state", () => {
       if (editor.tool === tool) return;
-      tool = editor.tool;
-      if (tool === "light") lights.open(true);
+      if (editor.tool === "light") beforeLight = tool;
+      ({ tool } = editor);
       this.#show();
     });
-    result.onView = () => this.#show();
+    $("lamp-more").addEventListener("click", () => editor.set({ tool: tool === "light" ? beforeLight : "light" }));
+    result.addEventListener("view", () => this.#show());
     this.#show();
   }
 
@@ -68,6 +70,7 @@ export class Materials {
   #show() {
     const { view } = this.result;
     for (const each of MATERIALS) $(`material-${each}`).setAttribute("aria-pressed", String(each === this.chosen));
+    $("lamp-more").setAttribute("aria-pressed", String(this.editor.tool === "light"));
     $("materials").hidden = !SHOWN.includes(view);
     $("lamp").hidden = !this.predictor.painted || (view === "map" && this.editor.tool !== "light");
   }

@@ -89,7 +89,8 @@ export function followPointers(board, tool, touched, tapped) {
     if (active && event.pointerType !== "touch") return;
     touched();
     canvas.setPointerCapture(event.pointerId);
-    board.focus.focus({ preventScroll: true });
+    // Its ring is for keys.
+    board.focus.focus(/** @type {FocusOptions} */ (/** @type {object} */ ({ preventScroll: true, focusVisible: false })));
     event.preventDefault();
     board.cursor = null;
     down.set(event.pointerId, { ...inPane(event), pen });

@@ -14,6 +14,8 @@ const GAP = 40;
 const STEP = 16;
 /** How far about its middle a mark reaches. */
 const MARK = 14;
+/** Height in pixels of a pane in which the card, one part below the other, would lie over what is around it. */
+const LOW = 236;
 
 export class Points {
   /**
@@ -261,8 +263,9 @@ export class Points {
     const chosen = this.#chosen();
     if (!chosen || this.popover.hidden) return;
     const { x, y } = this.board.camera.toPane(chosen.x, chosen.y);
-    const { offsetWidth: width, offsetHeight: height } = this.popover;
     const { pane } = this.board;
+    this.popover.classList.toggle("low", pane.height < LOW);
+    const { offsetWidth: width, offsetHeight: height } = this.popover;
     const at = this.dragged ?? this.#spot({ x, y }, width, height);
     /** @param {number} value @param {number} most */
     const clamp = (value, most) => Math.max(8, Math.min(most - 8, value));

@@ -88,7 +88,7 @@ export class Projects {
   /** @param {string} name @param {string | null} etag @returns {Promise<boolean>} whether it was saved */
   async #conflict(name, etag) {
     const ways = [{ value: "overwrite", text: text.overwrite }, { value: "copy", text: text.copy, strong: true }];
-    const way = await choose(text.conflictTitle, say(etag ? "conflict" : "taken", { name }), ways);
+    const way = await choose(etag ? text.conflictTitle : text.takenTitle, say(etag ? "conflict" : "taken", { name }), ways);
     if (way === "copy") return this.saveAs();
     if (way !== "overwrite") return false;
     const now = await projects.read(name).catch(() => ({ etag: null }));

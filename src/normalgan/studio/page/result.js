@@ -14,12 +14,14 @@ export const VIEWS = ["map", "lit", "matcap", "flat", "relief"];
 const viewOf = (tab) => /** @type {View} */ (tab.dataset.view);
 const KEY = "normalgan-view";
 
-export class Result {
+/** Events: `view` when another view is on show. */
+export class Result extends EventTarget {
   /**
    * @param {import("./predictor.js").Predictor} predictor
    * @param {import("./status.js").Status} status
    */
   constructor(predictor, status) {
+    super();
     /** What is on show. @type {View} */
     this.view = "map";
     this.predictor = predictor;
@@ -31,8 +33,6 @@ export class Result {
     this.onLight = () => {};
     /** Called when the map is repeated, or its pixels are shown, or no longer. @type {(way: "tiled" | "pixelated") => void} */
     this.onLook = () => {};
-    /** Called when another view is on show. @type {() => void} */
-    this.onView = () => {};
     this.viewer = createViewer($("viewer"), {
       text: text.viewerTexts, onError: (words) => this.#say(words), onMove: ({ light }) => this.onLight(light),
     });
@@ -63,7 +63,7 @@ export class Result {
     this.view = view;
     $("result").dataset.view = view;
     this.viewer.setView(view);
-    this.onView();
+    this.dispatchEvent(new Event("view"));
     this.predictor.wantHeight(view === "relief" && this.viewer.available);
   }
 

@@ -26,7 +26,7 @@ function followSheet(name) {
   show(false);
 }
 
-/** Lets the buttons of the header and of the tools open their sheets. */
+/** Lets the buttons of the header, of the tools and of the result open their sheets. */
 export function followSheets() {
-  for (const name of ["menu-toggle", "tools-toggle"]) followSheet(name);
+  for (const name of ["menu-toggle", "tools-toggle", "looks-toggle"]) followSheet(name);
 }

@@ -44,6 +44,11 @@ export class Status {
     else if (words !== text.loading) this.timer = setTimeout(() => { this.line.textContent = ""; }, STAYS);
   }
 
+  /** Forgets what was done: something else was done since, or will be. */
+  clear() {
+    if (this.line.textContent !== text.loading) this.say("");
+  }
+
   /** Says that the model is there, unless something else was said meanwhile. */
   ready() {
     if (this.line.textContent === text.loading) this.say(text.ready);

@@ -102,6 +102,7 @@ export class LineTool {
       const before = editor.doc;
       editor.commit(withStroke(before, raw));
       editor.commit(withStroke(before, line));
+      this.announce(text.shaped); // still so, now that it is done
       return;
     }
     editor.draw(this.inks.of(editor.layer).draw(line, true), true);
@@ -218,11 +219,10 @@ export class HintTool {
     }
     // A direction is of the part that is seen there, whichever layer is worked on.
     const front = layerAt(doc, touch);
-    if (front && front.id !== layer.id) {
-      editor.work(front.id);
-      this.announce(say("layerWorked", { name: front.name }));
-    }
+    const other = front !== null && front.id !== layer.id;
+    if (other) editor.work(front.id);
     if (!this.#hold(touch)) this.add(touch, normalAt(this.map(), touch.x / doc.width, touch.y / doc.height));
+    if (other) this.announce(say("layerWorked", { name: front.name }));
   }
 
   /**
