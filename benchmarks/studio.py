@@ -1,13 +1,14 @@
 """Times `normalgan studio` in Chromium at a person's pace.
 
 studio.py MODEL [--sides 256 512 1024] [--strokes 20] [--memory 0] [--starts 5]: a model by `normalgan
-export`. For each side of the drawing: strokes with pauses between them, from a stroke's end to its map on
-show; scribbling, four strokes a second, with the longest time without a new map; a pin turned by its
-ball, in maps a second; `--strokes 0` leaves that out. `--memory 500` then draws so many strokes and tells
-how much memory the page takes more than after the first twenty, and how much of that came in the first
-half. `--starts` loads the page so often in a new browser context, and once more in each: milliseconds
-until it can be drawn on, and how many requests that took. Needs Playwright, and Chromium on the PATH or
-as NORMALGAN_CHROMIUM. Prints JSON.
+export`, or the folder of the page without a server: site/draw after `make docs`. For each side of the
+drawing: strokes with pauses between them, from a stroke's end to its map on show; scribbling, four strokes
+a second, with the longest time without a new map; a pin turned by its ball, in maps a second;
+`--strokes 0` leaves that out. `--memory 500` then draws so many strokes and tells how much memory the page
+takes more than after the first twenty, and how much of that came in the first half. `--starts` loads the
+page so often in a new browser context, and once more in each: milliseconds until it can be drawn on, and
+how many requests that took. Needs Playwright, and Chromium on the PATH or as NORMALGAN_CHROMIUM. Prints
+JSON.
 """
 
 import argparse
@@ -244,11 +245,17 @@ def starts(browser: Browser, address: str, count: int) -> dict[str, Any]:
 
 @contextmanager
 def serving(model: Path) -> Iterator[str]:
-    """Run the studio and give its address."""
+    """Run the studio, or serve the files of the page without one, and give its address."""
     with TemporaryDirectory() as folder:
-        command = [sys.executable, "-m", "normalgan", "studio", "--no-browser", "--port", "0"]
+        command = ["normalgan", "studio", "--no-browser", "--port", "0", "--model", str(model), "--projects"]
+        command = [*command, folder]
+        if model.is_dir():
+            command = ["http.server", "0", "--bind", "127.0.0.1", "--directory", str(model)]
         server = subprocess.Popen(
-            [*command, "--model", str(model), "--projects", folder], stdout=subprocess.PIPE, text=True
+            [sys.executable, "-u", "-m", *command],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL if model.is_dir() else None,
+            text=True,
         )
         try:
             assert server.stdout is not None
@@ -303,7 +310,11 @@ def main() -> None:
             found: dict[str, Any] = {}
             if given.strokes:
                 found["stroke_to_map_ms"] = strokes(hand, given.strokes)
-                found["server_ms"] = {"p50": round(statistics.median(inside)), "worst": round(max(inside))}
+                if inside:
+                    found["server_ms"] = {
+                        "p50": round(statistics.median(inside)),
+                        "worst": round(max(inside)),
+                    }
                 found |= {"scribble": scribble(hand, 10), "turn": turn(hand, 5)}
             if given.memory:
                 processes = browser.new_browser_cdp_session().send("SystemInfo.getProcessInfo")["processInfo"]
