@@ -18,8 +18,6 @@ import { inkAt } from "./ink.js";
 const MOST_BYTES = 17 * 2 ** 20;
 /** Longer side of the map of a layer that is sent ahead: nobody looks at it. */
 const AHEAD = 64;
-/** Milliseconds after which a server that is busy is asked again. */
-const RETRY = 400;
 /** Longer side of the map while a gesture goes on: it follows the hand, and is refined when the hand rests. */
 const COARSE = { pen: 256, pin: 512 };
 /** Milliseconds after which a hand that draws is to have seen another map, and how many of them what is foreseen may be late. */
@@ -355,9 +353,6 @@ export class Predictor extends EventTarget {
       }
     }
     if (error instanceof Away) this.connection.lost();
-    if (error instanceof Refused && error.status === 429) {
-      setTimeout(() => this.refresh(), RETRY);
-    }
     this.dispatchEvent(new CustomEvent("failed", { detail: error }));
   }
 }

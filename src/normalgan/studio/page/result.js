@@ -1,6 +1,6 @@
 /** Result: the viewer with its tabs, fed by the predictor. */
 
-import { Lacking, Refused } from "./api.js";
+import { Lacking } from "./api.js";
 import { $ } from "./dom.js";
 import { followFindings } from "./findings.js";
 import { recalled, remember } from "./settings.js";
@@ -111,7 +111,6 @@ export class Result extends EventTarget {
     $("result").setAttribute("aria-busy", "false");
     this.status.note(""); // heights that were asked for do not come
     if (error instanceof Lacking) this.tell(error.findings);
-    else if (error instanceof Refused && error.status === 429) this.status.say(text.busy, "warning");
     else this.status.fail(error);
   }
 
