@@ -61,7 +61,7 @@ def hint_points(mask: Tensor, names: Sequence[str], seed: int, count: int) -> Te
 
 
 def placements(names: Sequence[str], counts: Sequence[int]) -> dict[str, HintSampler]:
-    """Return a sampler for each name and count, by the name of its figures.
+    """Return a sampler for each name and count, under the name that its figures have in the table.
 
     Args:
         names: of `PLACEMENTS`.

@@ -242,7 +242,7 @@ class MeshDataModule(LightningDataModule):
     def _later(self) -> list[str]:
         """Return the splits whose samples are made when they are first read.
 
-        Those of pairs are, while training, so that it begins at once; what is measured is complete before.
+        In training, samples of pairs are, so that it begins at once. A split that is measured is made first.
         """
         stage = self.trainer.state.fn if self.trainer is not None else None
         measured = {TrainerFn.FITTING: "", TrainerFn.VALIDATING: "val", TrainerFn.TESTING: "test"}

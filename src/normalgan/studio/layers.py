@@ -46,7 +46,7 @@ def take_layers(fields: Fields, kept: KeptPlanes, pixels: memoryview | None) -> 
         pixels: behind the fields; None if pictures are PNG in them.
 
     Raises:
-        BehindError: if a change is of what was not kept.
+        BehindError: if a layer is sent as a change to one that is not kept here.
         InputError: if a field cannot be used.
     """
     if "layers" not in fields:

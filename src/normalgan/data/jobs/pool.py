@@ -48,7 +48,7 @@ class Pool(ABC):
 
     @abstractmethod
     def submit(self, function: Callable[[T], R], task: T) -> Any:
-        """Have a task done; return a future of it."""
+        """Start a task; return its future."""
 
     @abstractmethod
     def wait(self, under_way: Collection[Any]) -> Collection[Any]:

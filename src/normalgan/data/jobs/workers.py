@@ -73,7 +73,7 @@ class Workers(Pool):
         return max(2 * self.count, 1)
 
     def submit(self, function: Callable[[T], R], task: T) -> "Future[R]":
-        """Have a task done; without processes it is done when this returns."""
+        """Start a task; without processes, run it before this returns."""
         if not self.count:
             done: Future[R] = Future()
             done.set_result(function(task))
