@@ -49,7 +49,7 @@ class Clock:
     @contextmanager
     def steps(self) -> Iterator[None]:
         """Time the steps of preparation."""
-        names = ("clean", "show", "fill_outline")
+        names = ("clean", "read", "decide", "render_model_input")
         patches = [
             patch.object(preparation, name, self.wrap(name, getattr(preparation, name))) for name in names
         ]
