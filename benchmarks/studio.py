@@ -3,12 +3,11 @@
 studio.py MODEL [--sides 256 512 1024] [--strokes 20] [--memory 0] [--starts 5]: a model by `normalgan
 export`, or the folder of the page without a server: site/draw after `make docs`. For each side of the
 drawing: strokes with pauses between them, from a stroke's end to its map on show; scribbling, four strokes
-a second, with the longest time without a new map; a pin turned by its ball, in maps a second;
-`--strokes 0` leaves that out. `--memory 500` then draws so many strokes and tells how much memory the page
-takes more than after the first twenty, and how much of that came in the first half. `--starts` loads the
-page so often in a new browser context, and once more in each: milliseconds until it can be drawn on, and
-how many requests that took. Needs Playwright, and Chromium on the PATH or as NORMALGAN_CHROMIUM. Prints
-JSON.
+a second, with the longest time without a new map; a pin turned by its ball, in maps a second. With
+`--strokes 0` none of this is timed. `--memory 500` draws 500 strokes and prints how much the page's memory
+grew after the first 20, and how much of that in the first half. `--starts 5` loads the page in five new
+browser contexts, twice in each, and prints the milliseconds until one can draw, and the number of requests.
+Needs Playwright, and Chromium on the PATH or as NORMALGAN_CHROMIUM. Prints JSON.
 """
 
 import argparse
@@ -247,10 +246,9 @@ def starts(browser: Browser, address: str, count: int) -> dict[str, Any]:
 def serving(model: Path) -> Iterator[str]:
     """Run the studio, or serve the files of the page without one, and give its address."""
     with TemporaryDirectory() as folder:
-        command = ["normalgan", "studio", "--no-browser", "--port", "0", "--model", str(model), "--projects"]
-        command = [*command, folder]
-        if model.is_dir():
-            command = ["http.server", "0", "--bind", "127.0.0.1", "--directory", str(model)]
+        studio = ["normalgan", "studio", "--no-browser", "--port", "0", "--model", str(model)]
+        files = ["http.server", "0", "--bind", "127.0.0.1", "--directory", str(model)]
+        command = files if model.is_dir() else [*studio, "--projects", folder]
         server = subprocess.Popen(
             [sys.executable, "-u", "-m", *command],
             stdout=subprocess.PIPE,

@@ -127,18 +127,24 @@ def test_a_page_of_a_tiff_can_be_chosen(studio: Studio, tmp_path: Path) -> None:
     assert studio.shown(150, 90)[2] > 0.5
 
 
-def test_layers_that_are_left_out_are_named_with_the_reason(studio: Studio, tmp_path: Path) -> None:
-    file = tmp_path / "fox.ora"
-    lost = b'<layer name="lost" src="data/none.png"/><layer name="hat" src="data/none.png"/>'
+def write_altered(file: Path, old: bytes, new: bytes, without: str = "") -> None:
+    """Write an OpenRaster file of two layers with one place in its list of layers changed."""
     with (
         zipfile.ZipFile(io.BytesIO(encode_layers("ora", SHAPE, STACK[1:3]))) as whole,
-        zipfile.ZipFile(file, "w") as torn,
+        zipfile.ZipFile(file, "w") as altered,
     ):
         for name in whole.namelist():
             content = whole.read(name)
             if name == "stack.xml":
-                content = content.replace(b"<layer", lost + b"<layer", 1)
-            torn.writestr(name, content)
+                content = content.replace(old, new, 1)
+            if name != without:
+                altered.writestr(name, content)
+
+
+def test_layers_that_are_left_out_are_named_with_the_reason(studio: Studio, tmp_path: Path) -> None:
+    file = tmp_path / "fox.ora"
+    lost = b'<layer name="lost" src="data/none.png"/><layer name="hat" src="data/none.png"/>'
+    write_altered(file, b"<layer", lost + b"<layer")
     with studio.repainting():
         give(studio, file, "layers")
     assert names(studio) == ["hat", "body"]
@@ -148,16 +154,8 @@ def test_layers_that_are_left_out_are_named_with_the_reason(studio: Studio, tmp_
 
 def test_of_one_drawing_too_it_is_said_what_is_not_shown(studio: Studio, tmp_path: Path) -> None:
     file = tmp_path / "fox.ora"
-    with (
-        zipfile.ZipFile(io.BytesIO(encode_layers("ora", SHAPE, STACK[1:3]))) as whole,
-        zipfile.ZipFile(file, "w") as other,
-    ):
-        for name in whole.namelist():
-            content = whole.read(name)
-            if name == "stack.xml":
-                content = content.replace(b'name="hat"', b'name="hat" composite-op="svg:multiply"')
-            if name != "mergedimage.png":
-                other.writestr(name, content)
+    multiplied = b'name="hat" composite-op="svg:multiply"'
+    write_altered(file, b'name="hat"', multiplied, without="mergedimage.png")
     with studio.repainting():
         give(studio, file, "drawing")
     said = "Imported “fox.ora”. Effects, masks or blend modes of these layers are not shown: “hat”."

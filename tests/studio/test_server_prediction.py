@@ -143,7 +143,7 @@ def test_the_object_stays_as_it_was_while_the_outline_is_open(model: Path, tmp_p
         apart = np.full_like(opened, 255)
         apart[20:22, 20:140] = 0
         anew = client.post("/api/predict", json=asking(3, picture=b64(png(apart))))
-        assert ("", "held") not in codes(anew)  # none of the held lines is left
+        assert ("", "held") not in codes(anew)  # no held line remains
 
 
 def test_a_draft_is_given_up_for_the_map_of_the_whole_stroke(

@@ -2,8 +2,9 @@
 
 clipart.py OUT [--leave-out FOLDER SHEET.csv…]
 
-It takes the Debian package openclipart-svg, which is in the public domain. What is in a FOLDER or on a sheet
-of contact_sheet.py is left out, and so is what begins with the same word, so that they stay unseen.
+The drawings are those of the Debian package openclipart-svg, which are in the public domain. To keep drawings
+for tests, name their FOLDER, or the table of a sheet by contact_sheet.py: they are left out, with all whose
+names begin with the same word.
 """
 
 import argparse
@@ -23,6 +24,7 @@ from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from contact_sheet import CLIPART
+from shapes import Points, smoothed
 from views import CHUNK, POINT
 
 SIZE = 384
@@ -32,6 +34,9 @@ _NO_OBJECTS = (
 )
 """Folders of the package."""
 _OF_A_SERIES = 12
+"""Most drawings whose names begin with the same word."""
+_MOST_INSIDE = 300
+"""Most lines inside a drawing."""
 _DARK = 80
 """Darker pixels are lines; clip art has black outlines or none."""
 
@@ -95,63 +100,63 @@ def tells_its_object(drawn: NDArray[np.uint8]) -> bool:
     return bool(opaque.mean() > 0.03 and dark < 0.7 and hollow < 0.3 and solid > 0.45 and len(outer) < 12)
 
 
-def lines_of(drawn: NDArray[np.uint8]) -> tuple[list[NDArray[np.float32]], int, bool]:
+def lines_of(drawn: NDArray[np.uint8]) -> tuple[list[Points], int, bool]:
     """Return strokes in pixels, how many are outlines, and whether dark lines bound the object."""
     opaque = (drawn[..., 3] > 127).astype(np.uint8)
     colour = cv2.bilateralFilter(np.ascontiguousarray(drawn[..., :3]), 5, 40, 3)
     dark = ((colour.max(2) < _DARK) & (opaque > 0)).astype(np.uint8)
-    inner = cv2.erode(opaque, np.ones((3, 3), np.uint8), borderValue=0)
-    rim = (opaque > inner) > 0
-    near = cv2.dilate(dark, np.ones((5, 5), np.uint8))
-    lined = bool(near[rim].mean() > 0.85)
-    outlines = []
+    rim = opaque > cv2.erode(opaque, np.ones((3, 3), np.uint8), borderValue=0)
+    lined = bool(cv2.dilate(dark, np.ones((5, 5), np.uint8))[rim].mean() > 0.85)
     found, _ = cv2.findContours(opaque, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
-    for contour in found:
-        if len(contour) > 12:
-            points = contour[:, 0].astype(np.float32) + 0.5
-            outlines.append(_smooth(np.concatenate([points, points[:1]])))
-    codes = (colour.astype(int) >> 6) @ np.array([16, 4, 1]) + 1
-    codes[(dark > 0) | (opaque == 0)] = 0
-    labels = np.zeros(codes.shape, np.int32)
-    for code in np.unique(codes[codes > 0]):
+    outlines = [_stroke(np.concatenate([c[:, 0], c[:1, 0]])) for c in found if len(c) > 12]
+    regions = _regions(colour, (dark == 0) & (opaque > 0)) * opaque
+    return outlines + _borders(regions)[:_MOST_INSIDE], len(outlines), lined
+
+
+def _regions(colour: NDArray[np.uint8], free: NDArray[np.bool_]) -> NDArray[np.int32]:
+    """Return for each pixel the number of the nearest area of one colour; areas lie where it is ``free``."""
+    codes = np.where(free, (colour.astype(int) >> 6) @ np.array([16, 4, 1]) + 1, 0)
+    regions = np.zeros(codes.shape, np.int32)
+    for code in np.unique(codes[free]):
         count, parts, stats, _ = cv2.connectedComponentsWithStats(
             (codes == code).astype(np.uint8), connectivity=4
         )
         for k in range(1, count):
             if stats[k, cv2.CC_STAT_AREA] > 60:
-                labels[parts == k] = labels.max() + 1
-    if not labels.any():
-        return outlines, len(outlines), lined
+                regions[parts == k] = regions.max() + 1
+    if not regions.any():
+        return regions
     _, nearest = cv2.distanceTransformWithLabels(
-        (labels == 0).astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
+        (regions == 0).astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
     )
     table = np.zeros(nearest.max() + 1, np.int32)
-    table[nearest[labels > 0]] = labels[labels > 0]
-    labels = table[nearest] * opaque
-    inside = []
-    for label in range(1, labels.max() + 1):
-        found, _ = cv2.findContours((labels == label).astype(np.uint8), cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
-        greater = cv2.dilate(labels.astype(np.float32), np.ones((3, 3), np.uint8)) > label
+    table[nearest[regions > 0]] = regions[regions > 0]
+    return table[nearest]
+
+
+def _borders(regions: NDArray[np.int32]) -> list[Points]:
+    """Return the lines between regions, each once: along the one with the lower number."""
+    borders = []
+    for number in range(1, regions.max() + 1):
+        found, _ = cv2.findContours(
+            (regions == number).astype(np.uint8), cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE
+        )
+        greater = cv2.dilate(regions.astype(np.float32), np.ones((3, 3), np.uint8)) > number
         for contour in found:
             points = contour[:, 0]
             keep = greater[points[:, 1], points[:, 0]]
-            edges = np.flatnonzero(np.diff(np.concatenate([[0], keep.view(np.int8), [0]])))
-            for a, b in edges.reshape(-1, 2):
-                if b - a > 14:
-                    inside.append(_smooth(points[a:b].astype(np.float32) + 0.5))
-    return outlines + inside[:300], len(outlines), lined
+            ends = np.flatnonzero(np.diff(np.concatenate([[0], keep.view(np.int8), [0]])))
+            borders += [_stroke(points[a:b]) for a, b in ends.reshape(-1, 2) if b - a > 14]
+    return borders
 
 
-def _smooth(path: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return a path without the staircase of its pixels, with half its points."""
-    around = np.concatenate([np.repeat(path[:1], 3, 0), path, np.repeat(path[-1:], 3, 0)])
-    kernel = np.array([1, 2, 3, 4, 3, 2, 1], np.float32) / 16
-    smooth = np.stack([np.convolve(around[:, k], kernel, "valid") for k in (0, 1)], 1)
-    return np.concatenate([smooth[:-1:2], smooth[-1:]]).astype(np.float32)
+def _stroke(pixels: NDArray[np.int32]) -> Points:
+    path = smoothed(pixels.astype(np.float32) + 0.5, closed=False)
+    return np.concatenate([path[:-1:2], path[-1:]])
 
 
 def main() -> None:
-    """Write what tells its object."""
+    """Write the clip art whose opacity is its object."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("out", type=Path)
     parser.add_argument("--leave-out", type=Path, nargs="*", default=[])

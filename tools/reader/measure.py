@@ -4,11 +4,12 @@ measure.py [FOLDER…] [--pages VIEWS] [--holes] [--sheet OUT.png]
 
 A drawing NAME.png of a FOLDER is compared with NAME_mask.png, if that is there. --pages makes pages of meshes
 that the reader was not trained on, eight of each kind, and takes such clip art as it was drawn and by its
-lines alone. --holes draws eight things with holes through them.
+lines alone. --holes draws eight things with holes through them, and 128 plain shapes without any.
 """
 
 import argparse
 import time
+from itertools import product
 from pathlib import Path
 
 import cv2
@@ -16,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pages import KINDS, page
 from pierced import drawings
-from shapes import Shape, Views
+from shapes import Shape, Views, darkness
 
 from normalgan.errors import InputError
 from normalgan.inference.mask.masks import OUTLINE
@@ -86,13 +87,12 @@ def measure_clipart(shapes: list[Shape], measured: Measured) -> None:
     """Print the mean and the worst tenth of the IoU on clip art, in colours and by its lines."""
     scores: dict[str, list[list[float]]] = {"clip art": [], "its lines": []}
     for shape in shapes:
-        drawn = cv2.imdecode(shape.paint, cv2.IMREAD_UNCHANGED)
+        drawn = shape.drawn()
         opacity = drawn[..., 3:].astype(np.float32) / 255
         colour = drawn[..., 2::-1] / np.float32(255) * opacity + 1 - opacity
         shown = {"clip art": colour}
         if shape.lined:
-            lines = np.clip((colour.max(2) - 70 / 255) * 255 / 80, 0, 1)
-            shown["its lines"] = np.repeat(lines[..., None], 3, 2)
+            shown["its lines"] = np.repeat(1 - darkness(255 * colour)[..., None], 3, 2)
         for name, picture in shown.items():
             masks = measured.masks(Picture(np.ascontiguousarray(picture), None))
             scores[name].append([iou(mask, _sized(opacity, mask)) for mask in masks.values()])
@@ -122,6 +122,23 @@ def measure_holes(measured: Measured) -> None:
             right[source] += good
             print(f"{name:16} {source} {'right' if good else 'wrong'}")
     print("right:", " ".join(f"{name} {count} of {len(drawings())}" for name, count in right.items()))
+
+
+def measure_plain(measured: Measured) -> None:
+    """Print how many triangles, squares, pentagons and discs are not solid: taken for frames and rings."""
+    wrong, count = dict.fromkeys(SOURCES, 0), 0
+    for corners, radius, width, turn in product((3, 4, 5, 40), (40, 60, 80, 105), (1, 2, 4, 7), (0, 0.4)):
+        paper, solid = np.ones((256, 256), np.float32), np.zeros((256, 256), np.uint8)
+        around = np.linspace(0, 2 * np.pi, corners, endpoint=False) + turn
+        points = np.rint(128 + radius * np.stack([np.cos(around), np.sin(around)], 1)).astype(np.int32)
+        cv2.polylines(paper, [points], True, (0,), width)
+        cv2.fillPoly(solid, [points], (1,))
+        cv2.polylines(solid, [points], True, (1,), width)
+        colour = np.repeat(paper[..., None], 3, 2)
+        for source, mask in measured.masks(Picture(colour, None)).items():
+            wrong[source] += iou(mask, solid > 0) < 0.9
+        count += 1
+    print("plain shapes wrong:", " ".join(f"{name} {number} of {count}" for name, number in wrong.items()))
 
 
 def measure_folder(folder: Path, measured: Measured) -> list[NDArray[np.uint8]]:
@@ -187,6 +204,7 @@ def main() -> None:
         measure_pages(given.pages, measured)
     if given.holes:
         measure_holes(measured)
+        measure_plain(measured)
     cells = [cell for folder in given.folders for cell in measure_folder(folder, measured)]
     measured.say()
     if given.sheet and cells:

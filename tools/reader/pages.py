@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from shapes import Points, Rng, Shape, doodle
+from shapes import Points, Rng, Shape, darkness, doodle
 
 Floats = NDArray[np.float32]
 KINDS = (
@@ -287,7 +287,7 @@ class _Writer:
         if (mask > 0.5).sum() < 20:
             return
         if lines:
-            dark = mask * np.clip((150 - colour.max(2)) / 80, 0, 1)
+            dark = mask * darkness(colour)
             dark *= self._kept(contours, box[2], style)
             if style.covered or self.see_through == 0:
                 cover = mask * (1 - self.see_through)
@@ -301,7 +301,7 @@ class _Writer:
             if self.chance(0.2):
                 colour = 255 * (colour / 255) ** np.exp(rng.normal(0, 0.4))
             self.page = self.page * (1 - mask[..., None]) + colour * mask[..., None]
-            dark = mask * np.clip((150 - colour.max(2)) / 80, 0, 1) if shape.lined else 0.0 * mask
+            dark = mask * darkness(colour) if shape.lined else 0.0 * mask
             target = np.maximum(dark, self._rim(mask, np.float32(colour), None) * (dark < 0.3))
             self.ink_weight[(mask > 0.5) & (target < 0.3)] = 0.5
         self.ink = np.maximum(self.ink * (1 - mask), target)
@@ -320,7 +320,7 @@ class _Writer:
         span = max(span, 16)
         move = self._placement(shape, cx, cy, span, bent=False)
         contours = [_moved(move, group) for group in shape.contours]
-        drawn = cv2.imdecode(shape.paint, cv2.IMREAD_UNCHANGED)
+        drawn = shape.drawn()
         side = len(drawn)
         corners = move(np.array([[0, 0], [1, 0], [0, 1]], np.float32))
         share = float(np.sqrt(abs(np.linalg.det(corners[1:] - corners[0])))) / side

@@ -28,8 +28,8 @@ class Shape:
         outlines: how many of the first strokes are occluding contours; the others lie inside.
         normal: (n, n, 3), or None.
         bare: strokes that are parts of the object by themselves: whiskers, legs of one line.
-        paint: how it was drawn, (n, n, 4) uint8, BGRA, as a PNG; None of what is no clip art.
-        lined: whether dark lines bound what ``paint`` shows.
+        paint: clip art as it was drawn, a PNG; None for other objects. See `drawn`.
+        lined: whether dark lines bound the clip art.
     """
 
     name: str
@@ -40,6 +40,10 @@ class Shape:
     bare: list[Points] = field(default_factory=list)
     paint: NDArray[np.uint8] | None = None
     lined: bool = False
+
+    def drawn(self) -> NDArray[np.uint8]:
+        """Return clip art as it was drawn, (n, n, 4), BGRA."""
+        return cv2.imdecode(self.paint, cv2.IMREAD_UNCHANGED)
 
     @property
     def pierced(self) -> bool:
@@ -95,7 +99,7 @@ def _view(name: str, stored: dict[str, NDArray]) -> Shape:
     mask = cv2.resize(bits.reshape(size, size), None, fx=2, fy=2, interpolation=cv2.INTER_NEAREST)
     found, _ = cv2.findContours(np.pad(mask, 1), cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
     # Contours run through the middles of pixels of the doubled mask, half a pixel inside its edge.
-    contours = [_smooth((c[:, 0].astype(np.float32) - 0.5) / (2 * size)) for c in found if len(c) > 8]
+    contours = [_contour((c[:, 0].astype(np.float32) - 0.5) / (2 * size)) for c in found if len(c) > 8]
     points = stored["points"].astype(np.float32) / (POINT * size)
     strokes = np.split(points, np.cumsum(stored["lengths"])[:-1])
     normal = stored["normal"].astype(np.float32) / 127 if "normal" in stored else None
@@ -110,12 +114,21 @@ def _view(name: str, stored: dict[str, NDArray]) -> Shape:
     )
 
 
-def _smooth(closed: Points) -> Points:
-    """Return a closed contour without the staircase of its pixels, with a third of its points."""
-    around = np.concatenate([closed[-3:], closed, closed[:3]])
+def darkness(colour: NDArray) -> NDArray[np.float32]:
+    """Return how much each pixel of colours (h, w, 3) in [0, 255] is a dark line of clip art, in [0, 1]."""
+    return np.clip((150 - colour.max(2)) / np.float32(80), 0, 1)
+
+
+def _contour(pixels: Points) -> Points:
+    return np.ascontiguousarray(smoothed(pixels, closed=True)[::3])
+
+
+def smoothed(path: Points, closed: bool) -> Points:
+    """Return a path along pixels without their staircase, with as many points."""
+    before, after = (path[-3:], path[:3]) if closed else (path[:1].repeat(3, 0), path[-1:].repeat(3, 0))
+    around = np.concatenate([before, path, after])
     kernel = np.array([1, 2, 3, 4, 3, 2, 1], np.float32) / 16
-    smooth = np.stack([np.convolve(around[:, k], kernel, "valid") for k in (0, 1)], 1)
-    return smooth[::3].astype(np.float32)
+    return np.stack([np.convolve(around[:, k], kernel, "valid") for k in (0, 1)], 1).astype(np.float32)
 
 
 def doodle(rng: Rng, kind: str | None = None) -> Shape:
@@ -791,10 +804,10 @@ def _shape(name, parts, details, bare, holes, overlap, merged, bodies) -> Shape:
         cv2.fillPoly(union, [np.rint(body * side * 16).astype(np.int32)], 1, shift=4)
     if holes:
         found, _ = cv2.findContours(hole, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-        strokes += [_closed(_smooth(np.float32(c[:, 0] + 0.5) / side)) for c in found if len(c) > 12]
+        strokes += [_closed(_contour(np.float32(c[:, 0] + 0.5) / side)) for c in found if len(c) > 12]
     doubled = cv2.resize(union, None, fx=2, fy=2, interpolation=cv2.INTER_NEAREST)
     found, _ = cv2.findContours(doubled, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
-    contours = [_smooth((c[:, 0].astype(np.float32) + 0.5) / (2 * side)) for c in found if len(c) > 8]
+    contours = [_contour((c[:, 0].astype(np.float32) + 0.5) / (2 * side)) for c in found if len(c) > 8]
     if merged:
         strokes = [_closed(each) for each in contours]
     outlines = len(strokes)

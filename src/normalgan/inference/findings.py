@@ -1,4 +1,4 @@
-"""Findings: findings about a map, as data; `words_of` makes the command line's sentence of it."""
+"""Findings: warnings and remarks about a map, as data; `words_of` words one for the command line."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
