@@ -253,9 +253,14 @@ def test_a_network_has_the_same_figures_as_a_row_and_as_a_submission(
     assert 0 < float(one["coverage"] or 0) < 0.9
 
 
-def test_a_submission_whose_green_points_down_is_refused(tmp_path: Path, given: Batch) -> None:
-    flipped = given["normal"] * torch.tensor([1.0, -1.0, 1.0]).view(1, 3, 1, 1)
-    folder = written(tmp_path, given, flipped, given["mask"][:, 0] > 0.5)
+@pytest.mark.parametrize("share", [1.0, 0.4], ids=["exact", "weak"])
+def test_a_submission_whose_green_points_down_is_refused(tmp_path: Path, given: Batch, share: float) -> None:
+    noise = torch.randn(given["normal"].shape, generator=torch.Generator().manual_seed(0))
+    maps = torch.nn.functional.normalize(share * given["normal"] + (1 - share) * noise, dim=1)
+    right = written(tmp_path / "right", given, maps, given["mask"][:, 0] > 0.5)
+    measure(read_submission(right).method(), [given], HintTests([0]), CPU)
+    flipped = maps * torch.tensor([1.0, -1.0, 1.0]).view(1, 3, 1, 1)
+    folder = written(tmp_path / "flipped", given, flipped, given["mask"][:, 0] > 0.5)
     with pytest.raises(InputError, match="look as if their green had the other direction"):
         measure(read_submission(folder).method(), [given], HintTests([0]), CPU)
 

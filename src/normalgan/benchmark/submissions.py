@@ -18,13 +18,11 @@ from torch import Tensor
 from normalgan.batch import Batch
 from normalgan.benchmark.hints import hint_order
 from normalgan.benchmark.methods import Method
-from normalgan.data.sources.pair import looks_flipped, outwardness
 from normalgan.errors import InputError
 from normalgan.files.json_files import read_json
 from normalgan.files.writing import write_bytes
 from normalgan.hints import NoHints, UniformHints
 from normalgan.inference.reading.drawings import read_pixels, to_unit
-from normalgan.normals import normalize
 
 __all__ = ["SUBMISSION", "Submission", "read_submission", "write_inputs"]
 
@@ -59,7 +57,7 @@ class Submission:
             folders = [min(count for count in self.counts if count >= number) for number in given]
             named = zip(folders, batch["name"], strict=True)
             maps = torch.stack([self._read(*one, size) for one in named])
-            _refuse_flipped_green(self.folder, maps, batch["mask"].cpu())
+            _refuse_flipped_green(self.folder, maps, batch)
             return maps.to(batch["normal"])
 
         # One that has maps with hints takes them, and has none of its own.
@@ -83,16 +81,20 @@ class Submission:
         return torch.from_numpy(np.ascontiguousarray(normals)).permute(2, 0, 1)
 
 
-def _refuse_flipped_green(folder: Path, maps: Tensor, masks: Tensor) -> None:
-    """Raise `InputError` if the vectors along the true outlines say that y is upside down, over a batch."""
-    found = [
-        outwardness(normalize(one.permute(1, 2, 0).numpy()), mask[0].numpy() > 0.5)
-        for one, mask in zip(maps.float(), masks, strict=True)
-    ]
-    if looks_flipped(*(float(value) for value in np.mean(found, axis=0))):
+def _refuse_flipped_green(folder: Path, maps: Tensor, batch: Batch) -> None:
+    """Raise `InputError` if x agrees with the truth and y contradicts it, over the objects of a batch."""
+    on = (batch["mask"][:, 0].cpu() > 0.5) & (maps.square().sum(1) > 0)
+    if on.sum() < 2:
+        return
+    x, y = (
+        float(torch.corrcoef(torch.stack([maps[:, axis][on].double(), truth[on].double()]))[0, 1])
+        for axis, truth in enumerate(batch["normal"][:, :2].cpu().unbind(1))
+    )
+    # A network that has learnt nothing stays within 0.05 of zero; one as wrong as a constant normal has 0.4.
+    if x > 0.2 and y < -0.2:
         raise InputError(
-            f"the maps in {folder} look as if their green had the other direction: along the outlines x "
-            "points outward and y inward; write green up, as in OpenGL."
+            f"the maps in {folder} look as if their green had the other direction: x agrees with the true "
+            f"normals (correlation {x:.2f}) and y contradicts them ({y:.2f}); write green up, as in OpenGL."
         )
 
 

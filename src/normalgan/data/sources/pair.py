@@ -17,7 +17,7 @@ from normalgan.normals import normalize
 from normalgan.ranges import PositiveInt, check_ranges
 from normalgan.rendering.samples import Sample
 
-__all__ = ["PAIRS_VERSION", "Pair", "PairRecipe", "background", "looks_flipped", "outwardness"]
+__all__ = ["PAIRS_VERSION", "Pair", "PairRecipe", "background"]
 
 PAIRS_VERSION = 2
 """Raise it when a change to the code changes the samples that are made of pairs: they are then made anew."""
@@ -209,20 +209,15 @@ def _check_hints(hints: Hints, mask: BoolMask) -> None:
 
 def _check_green(normal: Floats, mask: BoolMask) -> None:
     """Raise `InputError` if the vectors along the outline say that y is upside down."""
-    x, y = outwardness(normal, mask)
-    if looks_flipped(x, y):
+    x, y = _outwardness(normal, mask)
+    if x > 0.4 and y < -0.4:
         raise InputError(
             "the normal map looks as if its green had the other direction: along the outline x points "
             "outward and y inward; set green to down if it is that of DirectX, and to up if of OpenGL."
         )
 
 
-def looks_flipped(x: float, y: float) -> bool:
-    """Return whether the `outwardness` in x and in y is that of a map whose green is upside down."""
-    return x > 0.4 and y < -0.4
-
-
-def outwardness(normal: Floats, mask: BoolMask) -> tuple[float, float]:
+def _outwardness(normal: Floats, mask: BoolMask) -> tuple[float, float]:
     """Return how far vectors along the outline of an object point outward, in x and in y: 1 all, -1 none.
 
     Where a surface turns out of sight it points outward, whatever it is; a picture that the object fills, or
