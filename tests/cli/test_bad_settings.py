@@ -39,7 +39,10 @@ def test_and_so_is_one_that_a_file_names_in_either_way(setting: str, tmp_path: P
     ("yaml", "words"),
     [
         ("model: {generator: {class_path: PatchDiscriminator}}", ["no Generator named 'PatchDiscriminator'"]),
-        ("model: {hint_sampler: {class_path: gone.Dots}}", ["gone.Dots cannot be imported", "UniformHints"]),
+        (
+            "model: {hint_sampler: {class_path: gone.Dots}}",
+            ["gone.Dots cannot be imported", "UniformHints", "run python -m normalgan in the folder of gone"],
+        ),
         ("model: {hint_sampler: 3}", ["3 is no HintSampler", "CurvatureHints"]),
         ("model: {generator_optimizer: RMSProp}", ["no Optimizer named 'RMSProp'. Did you mean RMSprop?"]),
         ("model: {lr_scheduler: {class_path: StepLr}}", ["no LRScheduler", "Did you mean StepLR?"]),

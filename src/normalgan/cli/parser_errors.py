@@ -6,6 +6,7 @@ from typing import Any
 
 from normalgan.errors import brief, did_you_mean
 from normalgan.registry import Registry
+from normalgan.weights.local_classes import where_classes_are_looked_for
 
 __all__ = ["explain", "refusal"]
 
@@ -74,7 +75,9 @@ def explain(message: str, plugins: Mapping[str, Registry[Any]], settings: Sequen
         return where + (_unknown(registry, found[1]) if registry else f"no class named {found[1]!r}.")
     if found := re.search(r"Problem with given class_path '(.+?)':\s+(?!\s|Parser key)(.+)", message):
         advice = f": {_unknown(registry, found[1].rpartition('.')[2])}" if registry else "."
-        return f"{where}{found[1]} cannot be imported ({found[2]}){advice}"
+        missing = found[2].startswith(f"No module named '{found[1].partition('.')[0]}")
+        elsewhere = where_classes_are_looked_for(found[1]) if missing else ""
+        return f"{where}{found[1]} cannot be imported ({found[2]}){advice}{elsewhere}"
     if found := re.search(r"Not a valid subclass of (\w+)", message):
         known = f"; known: {', '.join(registry.names())}" if registry else ""
         return f"{where}{_given(message)} is no {found[1]}{known}."

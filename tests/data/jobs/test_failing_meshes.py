@@ -26,9 +26,13 @@ def test_a_mesh_that_fails_only_when_rendered_fails_alone(
     for _ in range(2):  # rendered, then found
         with pytest.warns(
             UserWarning,
-            match=r"^the mesh b .* has no inside, in MoodyRenderer\.render, dask_processes\.py line \d+\.$",
+            match=r"^the mesh b .* has no inside, in MoodyRenderer\.render, dask_processes\.py line \d+; "
+            r"the traceback is in the cache, \w+/failed/train/[01]\.txt\.$",
         ):
             stores = render_samples(cache, SOURCES, VIEWS, moody, progress=False, **ways[where])
+    for note in sorted((tmp_path / "cache").glob("*/failed/train/*.txt")):
+        assert note.read_text().startswith("b:\nTraceback")
+        assert "ArithmeticError" in note.read_text()
     store = open_samples(cache, SOURCES, VIEWS, moody)["train"]
     for train in (store, stores["train"]):
         assert [train.name(i) for i in range(len(train))] == [f"{m}/{v}" for m in "acd" for v in range(VIEWS)]
@@ -56,6 +60,7 @@ def test_a_mesh_that_fails_only_when_rendered_fails_alone(
     assert len(whole) == 72
     assert whole.read(20).mask.any()
     assert whole.failures() == {}
+    assert not list((tmp_path / "cache").glob("*/failed/train/*"))
 
 
 def test_a_split_of_which_no_mesh_can_be_rendered_is_refused(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 
 from normalgan.data.recipe import Loadable, SampleRecipe, fingerprint
 from normalgan.data.store.layout import Shard, blank
-from normalgan.data.store.shards import ZARR, damaged, write_shard
+from normalgan.data.store.shards import ZARR, damaged, write_shard, write_traces
 from normalgan.data.store.storage import Storage
 from normalgan.errors import InputError, brief
 from normalgan.rendering.mesh_bytes import read_once
@@ -127,8 +127,15 @@ def render_shard(task: ShardTask) -> dict[str, str]:
         InputError: if this machine cannot run the renderer, read the same store and meshes as the machine
             that sent the task, or write.
     """
-    samples, failed = _render(task)
-    write_shard(Storage(task.url), task.shard, samples, failed)
+    samples, failed, traces = _render(task)
+    storage = Storage(task.url)
+    if traces:
+        where = write_traces(storage, task.shard, traces)
+        failed |= {
+            name: f"{failed[name].removesuffix('.')}; the traceback is in the cache, {where}."
+            for name in traces
+        }
+    write_shard(storage, task.shard, samples, failed)
     return failed
 
 
@@ -137,10 +144,12 @@ def try_mesh(task: ShardTask) -> None:
     _render(task)
 
 
-def _render(task: ShardTask) -> tuple[list[Sample], dict[str, str]]:
+def _render(task: ShardTask) -> tuple[list[Sample], dict[str, str], dict[str, str]]:
+    """Return the samples, why meshes failed, and the tracebacks of those that failed by a bug."""
     _see(task.url, task.shard.split)
     check_recipe(task.recipe)
     failed = dict(task.failed)
+    traces: dict[str, str] = {}
     samples = []
     for name, view in task.shard.samples:
         sample = blank(task.shard.size, task.shard.hints)
@@ -151,8 +160,10 @@ def _render(task: ShardTask) -> tuple[list[Sample], dict[str, str]]:
                 raise
             except Exception as error:  # whatever a mesh brings about in a renderer or style
                 failed[name] = error_text(error)
+                if not isinstance(error, InputError):
+                    traces[name] = "".join(traceback.format_exception(error))
         samples.append(sample)
-    return samples, failed
+    return samples, failed, traces
 
 
 def validate_source(task: MeshTask) -> str | None:

@@ -19,12 +19,12 @@ from normalgan.data.store.storage import Storage
 from normalgan.errors import InputError
 from normalgan.rendering.samples import Sample
 
-__all__ = ["ZARR", "ShardedSamples", "damaged", "write_shard"]
+__all__ = ["ZARR", "ShardedSamples", "damaged", "write_shard", "write_traces"]
 
 ZARR = "samples.zarr"
 """The folder of the arrays."""
 _FAILED = "failed"
-"""The folder that says which meshes could not be rendered: ``failed/<split>/<shard>.json``."""
+"""The folder that says which meshes could not be rendered, in ``failed/<split>/<shard>.json``."""
 
 
 class ShardedSamples:
@@ -239,13 +239,21 @@ def write_shard(
     storage.delete(shard.marker)
     for path, content in objects.items():
         storage.write(f"{ZARR}/{path}", content)
-    note = f"{_FAILED}/{shard.split}/{shard.number}.json"
+    note = f"{_FAILED}/{shard.split}/{shard.number}"
     if failed:
-        storage.write(note, _json({mesh: failed[mesh] for mesh in shard.meshes if mesh in failed}))
+        storage.write(f"{note}.json", _json({mesh: failed[mesh] for mesh in shard.meshes if mesh in failed}))
     else:
-        storage.delete(note)
+        storage.delete(f"{note}.json")
+        storage.delete(f"{note}.txt")
     sums = {path: [len(content), _digest(content)] for path, content in objects.items()}
     storage.write(shard.marker, _json(sums))
+
+
+def write_traces(storage: Storage, shard: Shard, traces: Mapping[str, str]) -> str:
+    """Write the tracebacks of meshes that failed, by name, and return where, from the cache's folder on."""
+    path = f"{_FAILED}/{shard.split}/{shard.number}.txt"
+    storage.write(path, "\n".join(f"{name}:\n{trace}" for name, trace in traces.items()).encode())
+    return f"{storage.url.rstrip('/').rpartition('/')[2]}/{path}"
 
 
 def _read_failures(storage: Storage, split: str) -> dict[int, dict[str, str] | None]:
