@@ -4,22 +4,19 @@ jsonargparse already finds every imported subclass of an annotated base by its s
 choices in ``--help`` and checks ``init_args``. A registry adds the rest.
 """
 
-import hashlib
 import inspect
 import os
 import sys
 import warnings
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.metadata import EntryPoint, EntryPoints, PackageNotFoundError, entry_points, version
-from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from normalgan.errors import brief, did_you_mean
 
-__all__ = ["LeftOut", "Registry", "find_imported", "offered", "offerer", "source_hash", "summary"]
+__all__ = ["LeftOut", "Registry", "find_imported", "offered", "offerer", "summary"]
 
 T = TypeVar("T")
 C = TypeVar("C", bound=type[Any])
@@ -216,27 +213,6 @@ def find_imported(name: str, base: type[T]) -> type[T] | None:
             if named and not inspect.isabstract(cls):
                 return cls
     return None
-
-
-@lru_cache(maxsize=256)
-def source_hash(kind: type) -> str:
-    """Return a hash of the code of a third-party class and its bases; empty for a class of this package.
-
-    It covers the files of the modules that define them, or the class alone if that is in the script that
-    runs or in no file. Modules that these import are not covered.
-    """
-    code = []
-    for base in kind.__mro__:
-        name = base.__module__.partition(".")[0]
-        if name in {"normalgan", *sys.stdlib_module_names} - {"__main__"}:
-            continue
-        file = getattr(sys.modules.get(base.__module__), "__file__", None)
-        if base.__module__ != "__main__" and file is not None and Path(file).is_file():
-            code.append(Path(file).read_bytes())
-        else:
-            with suppress(OSError, TypeError):  # typed in at a prompt
-                code.append(inspect.getsource(base).encode())
-    return hashlib.sha256(b"\0".join(code)).hexdigest()[:16] if code else ""
 
 
 def summary(cls: type[Any]) -> str:

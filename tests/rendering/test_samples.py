@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from normalgan.errors import InputError
-from normalgan.registry import source_hash
+from normalgan.files.source_hash import source_hash
 from normalgan.rendering.cameras import Camera, Views
 from normalgan.rendering.lines.base import LineDrawing
 from normalgan.rendering.lines.occluding import OccludingContours
@@ -170,24 +170,44 @@ def test_description_is_json_and_tells_every_setting_apart() -> None:
     assert len({json.dumps(r.describe()) for r in [base, *others]}) == 6
 
 
-def test_samples_of_an_edited_plug_in_are_other_ones(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    code = """
+@pytest.mark.parametrize(
+    ("module", "imports", "helper"),
+    [
+        ("thick_lines", "", "thick_lines.py"),
+        ("thick_lines", "from thick_helper import OTHER", "thick_helper.py"),
+        ("thick.lines", "from .inside import helper", "thick/inside/helper.py"),
+        ("thick.lines", "def later():\n    import thick.helper", "thick/helper/__init__.py"),
+    ],
+    ids=["itself", "beside it", "from its package", "within a function"],
+)
+def test_samples_of_an_edited_plug_in_are_other_ones(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, module: str, imports: str, helper: str
+) -> None:
+    file = tmp_path.joinpath(*module.split(".")).with_suffix(".py")
+    for path in (file, tmp_path / helper):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+    code = f"""
 from dataclasses import dataclass
 from normalgan.rendering.lines.silhouette import Silhouette
+import numpy, os
+{imports}
 
 @dataclass(frozen=True)
 class Thick(Silhouette):
-    factor = 1
+    pass
 """
-    file = tmp_path / "thick_lines.py"
     monkeypatch.syspath_prepend(tmp_path)
     found = []
-    for version in (code, code.replace("factor = 1", "factor = 2"), code):
-        file.write_text(version)
-        sys.modules.pop("thick_lines", None)
+    for version in ("OTHER = 1\n", "OTHER = 2\n", "OTHER = 1\n"):
+        file.write_text(code)
+        edited = tmp_path / helper
+        edited.write_text(version + (code if edited == file else ""))
+        for name in [name for name in sys.modules if name.startswith("thick")]:
+            sys.modules.pop(name)
         source_hash.cache_clear()
         importlib.invalidate_caches()
-        style = importlib.import_module("thick_lines").Thick()
+        style = importlib.import_module(module).Thick()
         found.append(Recipe(Views(), EmbreeRenderer(), style, 64).describe())
     assert found[0] == found[2] != found[1]
     assert "code" not in Recipe(Views(), EmbreeRenderer(), Silhouette(), 64).describe()["lines"]

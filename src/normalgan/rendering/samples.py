@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
+from normalgan.files.source_hash import source_hash
 from normalgan.ranges import PositiveInt, check_ranges
-from normalgan.registry import source_hash
 from normalgan.rendering.cameras import Views
 from normalgan.rendering.checks import check_mesh, check_strokes
 from normalgan.rendering.hand import Hand

@@ -1,0 +1,68 @@
+"""A hash of the code of somebody else's class, so that stored samples are not those of an earlier version."""
+
+import ast
+import hashlib
+import inspect
+import sys
+from contextlib import suppress
+from functools import lru_cache
+from importlib.util import resolve_name
+from pathlib import Path
+
+__all__ = ["source_hash"]
+
+_NOT_THEIRS = frozenset({"normalgan", *sys.stdlib_module_names})
+
+
+@lru_cache(maxsize=256)
+def source_hash(kind: type) -> str:
+    """Return a hash of the code of a third-party class and its bases; empty for a class of this package.
+
+    It covers the files of the modules that define them, and the modules that these import from the same
+    package, or from the same folder if it is not site-packages. Of a class of the script that runs, or of no
+    file, it covers the class alone.
+    """
+    code = []
+    for base in kind.__mro__:
+        module = base.__module__
+        if module != "__main__" and module.partition(".")[0] in _NOT_THEIRS:
+            continue
+        file = getattr(sys.modules.get(module), "__file__", None)
+        if module != "__main__" and file is not None and Path(file).is_file():
+            code += [path.read_bytes() for path in _with_imports(module, Path(file))]
+        else:
+            with suppress(OSError, TypeError):  # typed in at a prompt
+                code.append(inspect.getsource(base).encode())
+    return hashlib.sha256(b"\0".join(code)).hexdigest()[:16] if code else ""
+
+
+def _with_imports(module: str, file: Path) -> list[Path]:
+    """Return the files of a module, of the modules that it imports, of those that these import, and so on."""
+    root = file.parents[module.count(".") + (file.stem == "__init__")]
+    theirs = {module.partition(".")[0]} if root.name in {"site-packages", "dist-packages"} else None
+    found, waiting = {module: file}, [module]
+    while waiting:
+        name = waiting.pop()
+        for imported in _imported(found[name], name):
+            top = imported.partition(".")[0]
+            if imported in found or top in _NOT_THEIRS or (theirs and top not in theirs):
+                continue
+            path = root.joinpath(*imported.split("."))
+            for place in (path.with_suffix(".py"), path / "__init__.py"):
+                if place.is_file():
+                    found[imported] = place
+                    waiting.append(imported)
+    return [found[name] for name in sorted(found)]
+
+
+def _imported(file: Path, module: str) -> set[str]:
+    """Return the modules that a file imports, and the names that it takes from them, which may be modules."""
+    package = module if file.stem == "__init__" else module.rpartition(".")[0]
+    names = set()
+    for node in ast.walk(ast.parse(file.read_bytes())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            start = resolve_name("." * node.level + (node.module or ""), package)
+            names |= {start, *(f"{start}.{alias.name}" for alias in node.names)}
+    return names
