@@ -58,8 +58,12 @@ def _with_imports(module: str, file: Path) -> list[Path]:
 def _imported(file: Path, module: str) -> set[str]:
     """Return the modules that a file imports, and the names that it takes from them, which may be modules."""
     package = module if file.stem == "__init__" else module.rpartition(".")[0]
-    names = set()
-    for node in ast.walk(ast.parse(file.read_bytes())):
+    names: set[str] = set()
+    try:
+        tree = ast.parse(file.read_bytes())
+    except (SyntaxError, ValueError):  # of another version of Python, and imported in a try
+        return names
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
