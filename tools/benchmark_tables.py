@@ -142,7 +142,7 @@ def comparison() -> list[str]:
         "All methods", results, "FourLeg meshes, published split: 5 test meshes, 40 views each.", command
     )
     lines += table(labelled(rows), FIGURES, "method")
-    trained = {name: rows[name] for name in TRAINED}
+    trained = {name: rows[name] for name in TRAINED if name in rows}
     less = table(labelled(trained), differences(rows["paper"]), "method")
     return [*lines, "", "Less the paper:", *less]
 
@@ -170,8 +170,8 @@ FIGURES: dict[str, Cell] = {
     "own hints": error(OWN),
     "how many": how_many,
 }
-TRAINED = ("pix2pix", "sketch2normal", "ours")
-"""The methods beside the paper's."""
+TRAINED = ("pix2pix", "sketch2normal", "deepnormals-slim", "ours")
+"""The methods beside the paper's, in the order of the tables."""
 UNSEEN = {"foreign": "foreign meshes", "people": "bodies", "props": "things"}
 """The subjects other than FourLegs, by what their plan's name ends in."""
 THREE = {"no hints": error("0"), "15 hints": error("15"), "50 hints": error("50")}
@@ -180,21 +180,21 @@ THREE = {"no hints": error("0"), "15 hints": error("15"), "50 hints": error("50"
 def larger() -> list[str]:
     """Return the section on 128 pixels: the test meshes, and subjects that none of the methods has seen."""
     results = read("benchmark_128")
-    rows = methods(results)
+    rows = ours_last(methods(results))
     run = f"{RUN.format(plan='fourlegs')} --images 10500 \\\n"
     options = "    --set data.meshes='meshes/*.off' data.workers=0 -o runs/benchmark_128 \\\n"
-    command = f"{run}{options}    --rows constant,mean,inflation,pix2pix,sketch2normal,paper,ours\n"
+    command = f"{run}{options}    --rows {','.join(rows)}\n"
     command += KEEP.format(name="benchmark_128", options="--by-mesh angular_mean below_11_25 ")
     text = "FourLeg meshes, published split: 5 test meshes, 40 views each."
     lines = section("128 pixels", results, text, command)
     lines += table(labelled(rows), FIGURES, "method")
-    trained = {name: rows[name] for name in TRAINED}
+    trained = {name: rows[name] for name in TRAINED if name in rows}
     lines += ["", "Less the paper:", *table(labelled(trained), differences(rows["paper"]), "method")]
-    others = {kind: methods(read(f"fourlegs_{kind}_128")) for kind in UNSEEN}
+    others = {kind: ours_last(methods(read(f"fourlegs_{kind}_128"))) for kind in UNSEEN}
     names = list(next(iter(others.values())))
     lines += ["", "The same networks, which have seen nothing but FourLegs, on other subjects:"]
     lines += ["", "```sh", f"{RUN.format(plan='fourlegs_foreign')} --images 10500 \\"]
-    lines += [*options.splitlines(), "    --rows constant,inflation,pix2pix,sketch2normal,paper,ours", "```"]
+    lines += [*options.splitlines(), f"    --rows {','.join(names)}", "```"]
     columns = {
         f"{UNSEEN[kind]}, {heading}": across(others[kind], given)
         for kind in UNSEEN
@@ -207,6 +207,11 @@ def larger() -> list[str]:
         for given, heading in (("0", "no hints"), ("15", "15"))
     }
     return [*lines, "", "Less the paper:", *table(labelled(trained), less, "method")]
+
+
+def ours_last(rows: Mapping[str, Runs]) -> dict[str, Runs]:
+    """Return runs by row with ours at the end, as in the plan; rows that were added later come before it."""
+    return {name: rows[name] for name in sorted(rows, key=lambda name: name == "ours")}
 
 
 def across(rows: Mapping[str, Runs], given: str, reference: str | None = None) -> Cell:
