@@ -3,7 +3,8 @@
 #
 #     tools/check_packages.sh [FOLDER]      FOLDER: of the packages; dist without it
 #
-# PyTorch is its build for the CPU, of its own index; TORCH=torch==2.13.0 takes that version of uv's usual index.
+# PyTorch is its build for the CPU, of its own index or, if that is out of reach, uv's usual index;
+# TORCH=torch==2.13.0 takes that version of the usual index in any case.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 here=$PWD
@@ -13,16 +14,18 @@ python=${PYTHON:-python3}
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 unset PYTHONPATH
-if [ -n "${TORCH:-}" ]; then
-    export UV_CONSTRAINT=$work/torch.txt
-    echo "$TORCH" >"$UV_CONSTRAINT"
-else
-    export UV_TORCH_BACKEND=cpu
-fi
-
 rm -rf "$folder"
 "$python" -m venv "$work/tools"
 "$work/tools/bin/python" -m pip install --quiet 'build>=1.2' 'twine>=6.1' uv
+if [ -n "${TORCH:-}" ]; then
+    export UV_CONSTRAINT=$work/torch.txt
+    echo "$TORCH" >"$UV_CONSTRAINT"
+elif UV_HTTP_RETRIES=1 "$work/tools/bin/uv" pip install --quiet --dry-run --no-deps --torch-backend cpu \
+    --python "$work/tools/bin/python" torch 2>/dev/null; then
+    export UV_TORCH_BACKEND=cpu
+else
+    echo "PyTorch's own index of CPU builds is out of reach; asking uv's usual index instead." >&2
+fi
 "$work/tools/bin/python" -m build --outdir "$folder" # the sdist, and the wheel from the sdist
 "$work/tools/bin/python" -m twine check --strict "$folder"/*
 
