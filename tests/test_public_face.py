@@ -83,3 +83,11 @@ def test_a_size_that_a_model_has_not_is_refused() -> None:
 def test_a_map_says_what_it_is_in_a_line() -> None:
     found = normalgan.load()(GREY)
     assert repr(found) == f"<NormalMap of 300 × 200 pixels, {found.mask.mean():.0%} of them the object>"
+
+
+def test_onnx_runtime_gives_this_computer_no_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("ORT_DISABLE_TELEMETRY", raising=False)
+    for name in ("HOME", "USERPROFILE", "XDG_CACHE_HOME", "LOCALAPPDATA"):
+        monkeypatch.setenv(name, str(tmp_path))
+    loaded("import normalgan, onnxruntime")
+    assert not [path for path in tmp_path.rglob("*") if "onnxruntime" in path.as_posix()]

@@ -4,6 +4,7 @@
 imported on first use, so ``import normalgan`` itself is fast.
 """
 
+import os
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -33,6 +34,9 @@ __all__ = [
     "metrics",
     "models",
 ]
+
+# Otherwise ONNX Runtime 1.32 writes a device id into the home folder when it is imported, to report usage.
+os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")
 
 _MODULES = {
     "InputError": "normalgan.errors",
