@@ -508,7 +508,9 @@ def test_a_hole_is_background_where_the_file_can_say_so(tmp_path: Path) -> None:
     write_bytes(tmp_path / "opaque.exr", encode_exr(zero, np.ones((SIZE, SIZE), np.float32)))
     write_bytes(tmp_path / "grey.png", encode_png(zero))
     write_bytes(tmp_path / "cut.png", encode_png(flat, alpha=mask.astype(np.float32)))
-    for name in ("zero.exr", "opaque.exr", "grey.png", "cut.png"):
+    ground = np.where((mask | hole)[..., None], zero, np.float32([0, 0, 1]))  # flat, and the hole is zero
+    write_bytes(tmp_path / "ground.exr", encode_exr(ground))
+    for name in ("zero.exr", "opaque.exr", "grey.png", "cut.png", "ground.exr"):
         pair = PairFiles("a", tmp_path / "a.png", tmp_path / name).load()
         np.testing.assert_array_equal(pair.mask, mask, err_msg=name)
 
