@@ -1,5 +1,6 @@
 """Late imports: heavy libraries, imported where they are needed, without looking for garbage meanwhile."""
 
+import atexit
 import gc
 import sys
 from collections.abc import Iterator
@@ -26,5 +27,8 @@ def gc_paused() -> Iterator[None]:
     finally:
         if len(sys.modules) > known:  # else garbage of what runs meanwhile would be kept for nothing
             gc.freeze()
+            # Triton 3.9, which comes with PyTorch 2.15 for GPUs, prints what is frozen at the exit as leaked.
+            if "triton" in sys.modules:  # to unfreeze takes a second
+                atexit.register(gc.unfreeze)
         if enabled:
             gc.enable()
