@@ -508,7 +508,8 @@ def test_a_hole_is_background_where_the_file_can_say_so(tmp_path: Path) -> None:
     write_bytes(tmp_path / "opaque.exr", encode_exr(zero, np.ones((SIZE, SIZE), np.float32)))
     write_bytes(tmp_path / "grey.png", encode_png(zero))
     write_bytes(tmp_path / "cut.png", encode_png(flat, alpha=mask.astype(np.float32)))
-    ground = np.where((mask | hole)[..., None], zero, np.float32([0, 0, 1]))  # flat, and the hole is zero
+    ground = zero.copy()  # flat, and the hole is zero
+    ground[~(mask | hole)] = (0, 0, 1)
     write_bytes(tmp_path / "ground.exr", encode_exr(ground))
     for name in ("zero.exr", "opaque.exr", "grey.png", "cut.png", "ground.exr"):
         pair = PairFiles("a", tmp_path / "a.png", tmp_path / name).load()
