@@ -161,11 +161,14 @@ def _own_ink(mask: BoolMask, inside: BoolMask, inked: BoolMask) -> BoolMask:
     away = cv2.distanceTransform((~inside).view(np.uint8), cv2.DIST_L2, 5)
     middles = ridge & (mask | (away <= _TOUCHING * depth + 1.5))
     own = mask & inked & (away <= _TOUCHING * depth + 1.5)
-    radii = depth[middles]
-    for low in np.unique(np.floor(np.log(radii) / np.log(_FINER))) if len(radii) else ():
-        least, most = _FINER**low, _FINER ** (low + 1)
-        centres = middles & (depth >= least) & (depth < most)
-        own |= _near(centres, most, 5)
+    rows, columns = np.nonzero(middles)
+    radii = depth[rows, columns]
+    widths = np.floor(np.log(radii) / np.log(_FINER))
+    for width in np.unique(widths):
+        centres, alike, most = np.zeros_like(inked), widths == width, _FINER ** (float(width) + 1)
+        centres[rows[alike], columns[alike]] = True
+        box = around(centres, int(most) + 1)
+        own[box] |= _near(centres[box], most, 5)
     # Discs leave out the corners of a line.
     for _ in range(2):
         own = (cv2.dilate(own.view(np.uint8), _SQUARE) > 0) & inked
