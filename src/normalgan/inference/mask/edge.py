@@ -118,7 +118,8 @@ def soft_edge(mask: BoolMask) -> Floats:
 def _divide(mask: BoolMask, inked: BoolMask, reach: float) -> tuple[BoolMask, BoolMask]:
     """Return the object's pixels between the lines, and those in regions narrower than ``reach``."""
     free = ~inked
-    count, labels = cv2.connectedComponents(free.view(np.uint8), connectivity=4)
+    count, found = cv2.connectedComponents(free.view(np.uint8), connectivity=4)
+    labels = np.asarray(found, np.int32)
     clear = ~_near(inked, reach, 3)
     # A small figure whose outline has a gap is a tiny share of the region about it, but no error of the mask.
     within, beyond = ~_near(~mask, reach, 3), ~_near(mask, reach, 3)
@@ -172,7 +173,8 @@ def _own_ink(mask: BoolMask, inside: BoolMask, inked: BoolMask) -> BoolMask:
     # Discs leave out the corners of a line.
     for _ in range(2):
         own = (cv2.dilate(own.view(np.uint8), _SQUARE) > 0) & inked
-    count, labels = cv2.connectedComponents(own.view(np.uint8), connectivity=8)
+    count, found = cv2.connectedComponents(own.view(np.uint8), connectivity=8)
+    labels = np.asarray(found, np.int32)
     beside = cv2.dilate(inside.view(np.uint8), _SQUARE) > 0
     # Few pixels are ink; and counting runs of the same number is slow.
     size, touching, held = _region_sums(labels[own], count, beside[own], mask[own])
@@ -196,7 +198,8 @@ def _tips(body: BoolMask, inked: BoolMask, slits: BoolMask, span: int) -> BoolMa
     near = cv2.dilate(body.view(np.uint8), _SQUARE) > 0
     if not (loose & near).any():
         return np.zeros_like(body)
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(loose.view(np.uint8), connectivity=8)
+    count, found, stats, _ = cv2.connectedComponentsWithStats(loose.view(np.uint8), connectivity=8)
+    labels = np.asarray(found, np.int32)
     padded = np.pad((inked | slits).view(np.uint8), 1)
     depth = cv2.distanceTransform(padded, cv2.DIST_L2, 5)[1:-1, 1:-1]
     width = line_width(inked)
