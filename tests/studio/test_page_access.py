@@ -185,6 +185,37 @@ def test_on_a_telephone_a_thumb_switches_between_two_full_canvases(opened: "Brow
         assert page.evaluate("document.activeElement.id") == "menu-toggle"
 
 
+def test_on_a_phone_all_of_two_lights_and_of_suggested_points_is_seen(
+    opened: "Browser", server: Server
+) -> None:
+    server.reset()
+    with open_studio(opened, server.url, width=390, height=844) as studio:
+        page = studio.page
+        studio.new()
+        with studio.repainting():
+            studio.circle()
+
+        def hidden(options: str) -> int:
+            found: int = page.evaluate(
+                "(name) => { const { scrollWidth, clientWidth } = document.getElementById(name);"
+                " return scrollWidth - clientWidth; }",
+                options,
+            )
+            return found
+
+        page.locator("#tool-hint").click()
+        page.locator("#suggest").click()
+        page.locator("#chips .offer").first.wait_for()
+        assert hidden("hint-options") == hidden("chips") == 0
+        page.locator("#layout button").last.click()
+        page.locator("#view-lit").click()
+        page.locator("#tools-toggle").click()
+        page.locator("#tool-light").click()
+        page.locator("#light-both").check()
+        page.locator("#light-moves-2").wait_for()
+        assert hidden("light-options") == 0
+
+
 @pytest.mark.parametrize(("width", "height"), [(390, 780), (820, 1100)])
 def test_narrow_windows_stack_the_panes(opened: "Browser", server: Server, width: int, height: int) -> None:
     with open_studio(opened, server.url, width=width, height=height) as studio:

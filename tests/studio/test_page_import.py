@@ -107,6 +107,22 @@ def test_a_layered_file_can_be_one_drawing_or_one_to_trace(studio: Studio, tmp_p
     assert names(studio) == ["Layer 1"]
 
 
+def test_exports_and_projects_are_proposed_the_name_of_the_imported_file(
+    studio: Studio, tmp_path: Path
+) -> None:
+    file = tmp_path / "my fox (2).v3.psd"
+    file.write_bytes(encode_layers("psd", SHAPE, STACK[:3]))
+    with studio.repainting():
+        give(studio, file, "layers")
+    page = studio.page
+    page.locator("#export").click()
+    assert page.input_value("#export-name") == "my fox 2 v3"
+    page.keyboard.press("Escape")
+    page.keyboard.press("Control+s")
+    page.locator("#save-dialog[open]").wait_for()
+    assert page.input_value("#name-field") == "my fox 2 v3"
+
+
 def test_a_page_of_a_tiff_can_be_chosen(studio: Studio, tmp_path: Path) -> None:
     pages = [
         Image.fromarray(np.rint(255 * (1 - outline(blob(SHAPE, (x, 90))))).astype(np.uint8))

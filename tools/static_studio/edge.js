@@ -1,7 +1,7 @@
 /** Edge: where an object ends, by the ink of its outline, as normalgan.inference.mask.edge does it in Python. */
 
 import { lineWidth } from "./prepare.js";
-import { CROSS, SQUARE, WIDE, above, both, blurred, boxOf, components, dilated, distance, either, eroded, extreme, labelled, opposite, part, refitted, stretched, where, without } from "./raster.js";
+import { CROSS, SQUARE, WIDE, above, both, blurred, boxOf, components, dilated, distance, either, eroded, extreme, labelled, near, opposite, part, refitted, ridge, stretched, where, without } from "./raster.js";
 
 const [PALEST, ONE_SIDED, OWN, MERGED, TIP, TOUCHING, FINER, LARGE] = [0.35, 0.97, 0.6, 1.5, 0.25, 1.3, 1.25, 1024];
 
@@ -92,26 +92,24 @@ function meet(one, other, free, width, rounds) {
 function divided(mask, inked, width, height, reach) {
   const free = opposite(inked);
   const { labels, boxes } = components(free, width, height, 4);
-  const depth = distance(free, width, height, false, 3);
-  const within = distance(mask, width, height, false, 3);
-  const beyond = distance(opposite(mask), width, height, false, 3);
-  const [held, deep, inner, outer] = [0, 1, 2, 3].map(() => new Uint32Array(boxes.length));
+  const [close, outer, inner] = [inked, mask, opposite(mask)].map((each) => near(each, width, height, reach, 3));
+  const [held, deep, core, rest] = [0, 1, 2, 3].map(() => new Uint32Array(boxes.length));
   for (let i = 0; i < labels.length; i++) {
     const label = labels[i];
     if (!label) continue;
     if (mask[i]) held[label]++;
-    if (depth[i] > reach) deep[label]++;
+    if (!close[i]) deep[label]++;
     // A small figure whose outline has a gap is a tiny share of the region about it, but no error of the mask.
-    if (within[i] > reach) inner[label]++;
-    if (beyond[i] > reach) outer[label]++;
+    if (!inner[i]) core[label]++;
+    if (!outer[i]) rest[label]++;
   }
   const among = boxes.map(({ area }, k) => held[k] / Math.max(area, 1));
-  const whole = boxes.map((_, k) => k > 0 && (!deep[k] || (among[k] >= ONE_SIDED && !outer[k]) || (among[k] <= 1 - ONE_SIDED && !inner[k])));
+  const whole = boxes.map((_, k) => k > 0 && (!deep[k] || (among[k] >= ONE_SIDED && !rest[k]) || (among[k] <= 1 - ONE_SIDED && !core[k])));
   const inside = labelled(labels, whole.map((all, k) => all && among[k] > 0.5));
   const mixed = labelled(labels, whole.map((all, k) => k > 0 && !all));
   if (mixed.includes(1)) {
     /** @param {number} i */
-    const sure = (i) => mixed[i] > 0 && (within[i] > reach || beyond[i] > reach || depth[i] > reach);
+    const sure = (i) => mixed[i] > 0 && !(inner[i] && outer[i] && close[i]);
     const known = where(mixed, (_, i) => sure(i));
     const side = meet(both(known, mask), without(known, mask), mixed, width, Math.floor(2 * reach) + 2);
     for (let i = 0; i < inside.length; i++) if (mixed[i]) inside[i] = side[i] === 1 || (side[i] === 0 && mask[i] > 0) ? 1 : 0;
@@ -122,7 +120,7 @@ function divided(mask, inked, width, height, reach) {
 /** @param {Uint8Array} mask @param {Uint8Array} inside @param {Uint8Array} inked @param {number} width @param {number} height */
 function ownInk(mask, inside, inked, width, height) {
   const depth = distance(inked, width, height);
-  const highest = extreme(depth, width, height, 1, 1);
+  const peaks = ridge(depth, inked, width, height);
   const away = distance(opposite(inside), width, height);
   /** @type {Map<number, Uint8Array>} */
   const bins = new Map();
@@ -131,22 +129,21 @@ function ownInk(mask, inside, inked, width, height) {
     if (!inked[i]) continue;
     const touches = away[i] <= TOUCHING * depth[i] + 1.5;
     if (mask[i] && touches) own[i] = 1;
-    if (depth[i] < highest[i] - 1e-4 || !(mask[i] || touches)) continue;
+    if (!peaks[i] || !(mask[i] || touches)) continue;
     const bin = Math.floor(Math.log(depth[i]) / Math.log(FINER));
     let marked = bins.get(bin);
     if (!marked) bins.set(bin, (marked = new Uint8Array(inked.length)));
     marked[i] = 1;
   }
   for (const [bin, middles] of bins) {
-    const around = distance(opposite(middles), width, height);
-    for (let i = 0; i < own.length; i++) if (inked[i] && around[i] < FINER ** (bin + 1)) own[i] = 1;
+    own = either(own, both(inked, near(middles, width, height, FINER ** (bin + 1))));
   }
   for (let round = 0; round < 2; round++) {
     own = both(inked, dilated(own, width, height, SQUARE));
   }
   const { labels, boxes } = components(own, width, height, 8);
-  const near = dilated(inside, width, height, SQUARE);
-  const touching = counted(labels, boxes.length, (i) => near[i] > 0);
+  const beside = dilated(inside, width, height, SQUARE);
+  const touching = counted(labels, boxes.length, (i) => beside[i] > 0);
   const held = counted(labels, boxes.length, (i) => mask[i] > 0);
   return labelled(labels, boxes.map(({ area }, k) => k > 0 && (touching[k] > 0 || held[k] > OWN * area)));
 }
@@ -155,17 +152,17 @@ function ownInk(mask, inside, inked, width, height) {
 function tipsOf(body, inked, slits, width, height, mask) {
   const filled = either(inked, slits);
   const loose = without(filled, body);
-  const near = dilated(body, width, height, SQUARE);
+  const beside = dilated(body, width, height, SQUARE);
   const none = new Uint8Array(body.length);
   const found = boxOf(mask, width, height);
-  if (!found || !both(loose, near).includes(1)) return none;
+  if (!found || !both(loose, beside).includes(1)) return none;
   const span = Math.max(found[2] - found[0], found[3] - found[1]);
   const { labels, boxes } = components(loose, width, height, 8);
   const depth = distance(filled, width, height, true);
   const line = lineWidth(inked, width, height);
   const away = distance(opposite(body), width, height);
   const merged = counted(labels, boxes.length, (i) => loose[i] > 0 && 2 * depth[i] - 1 > Math.max(MERGED * line, line + 1.5) && away[i] > line / 2);
-  const touching = counted(labels, boxes.length, (i) => near[i] > 0);
+  const touching = counted(labels, boxes.length, (i) => beside[i] > 0);
   const kept = boxes.map((box, k) => k > 0 && merged[k] > 0 && touching[k] > 0 && Math.hypot(box.right - box.left, box.bottom - box.top) <= TIP * span);
   return labelled(labels, kept);
 }

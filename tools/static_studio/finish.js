@@ -61,10 +61,11 @@ export async function finish(prepared, painted, refiner, hand = null) {
 
 /** Returns how much of each pixel the object covers: what is no longer the outline's has an edge of a pixel. @param {Prepared} prepared @param {Uint8Array} mask */
 function coveredBy({ covered, width, height }, mask) {
-  const soft = softEdge(mask, width, height);
-  if (!covered) return soft;
+  if (!covered) return softEdge(mask, width, height);
   const outline = above(covered, 0.5);
-  const changed = dilated(either(without(mask, outline), without(outline, mask)), width, height, WIDE);
+  const other = either(without(mask, outline), without(outline, mask));
+  if (!other.includes(1)) return covered;
+  const [soft, changed] = [softEdge(mask, width, height), dilated(other, width, height, WIDE)];
   for (let i = 0; i < soft.length; i++) if (!changed[i]) soft[i] = covered[i];
   return soft;
 }

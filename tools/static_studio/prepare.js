@@ -3,7 +3,7 @@
 import { decide } from "./decision.js";
 import { paintedAreas, sheetLevel } from "./painted.js";
 import { dropGround, linesAt, presenceAt, read } from "./reader.js";
-import { SQUARE, WIDE, above, blurred, boxOf, components, dilated, distance, enclosedBy, eroded, extreme, filtered, median, opposite, part, quantile, refitted, resized, rint, stretched, thinned, where } from "./raster.js";
+import { SQUARE, WIDE, above, blurred, boxOf, components, dilated, distance, enclosedBy, eroded, extreme, filtered, median, opposite, part, quantile, refitted, resized, ridge, rint, stretched, thinned, where } from "./raster.js";
 
 /** @typedef {{left: number, top: number, side: number, size: number}} Frame the square that the network is shown */
 /**
@@ -226,9 +226,9 @@ function cut(ink, width, height, frame) {
 
 /** Returns how wide most lines are in pixels. @param {Uint8Array} inked @param {number} width @param {number} height @param {Float32Array} [depth] */
 export function lineWidth(inked, width, height, depth = distance(inked, width, height, true)) {
-  const highest = extreme(depth, width, height, 1, 1);
+  const peaks = ridge(depth, inked, width, height);
   const widths = [];
-  for (let i = 0; i < inked.length; i++) if (inked[i] && depth[i] >= highest[i] - 1e-4) widths.push(2 * depth[i] - 1);
+  for (let i = 0; i < inked.length; i++) if (peaks[i]) widths.push(2 * depth[i] - 1);
   return widths.length ? median(widths) : 0;
 }
 

@@ -122,13 +122,10 @@ export function thicker(marked, width, height, reach) {
     const rows = Math.floor(reach);
     return dilated(marked, width, height, Array.from({ length: 2 * rows + 1 }, (_, i) => Math.floor(Math.sqrt(reach * reach - (i - rows) ** 2))));
   }
-  const away = distance(opposite(marked), width, height);
-  const out = new Uint8Array(marked.length);
-  for (let i = 0; i < out.length; i++) out[i] = away[i] <= reach ? 1 : 0;
-  return out;
+  return near(marked, width, height, reach);
 }
 
-/** Largest radius in pixels at which a window is used; a larger disc comes from the distance transform. */
+/** Pixels; up to as many a disc is round, and a larger one has corners, as in Python. */
 const WINDOW = 7;
 export const CROSS = [0, 1, 0];
 export const SQUARE = [1, 1, 1];
@@ -145,39 +142,38 @@ export function ellipse(side) {
  * @param {Uint8Array} marked @param {number} width @param {number} height @param {number[]} halves
  */
 export function dilated(marked, width, height, halves) {
+  const out = marked.slice();
   const rows = halves.length >> 1;
-  // Four pixels at a time: rows begin at whole words.
-  const words = (width + 3) >> 2;
-  const stride = 4 * words;
-  const beside = new Uint8Array(stride * height).fill(255); // how far along the row something is marked
-  for (let y = 0; y < height; y++) {
-    for (let from = y * width, at = y * stride, last = at + width, away = 255; at < last; from++, at++) {
-      if (marked[from]) away = 0;
-      else if (away < 255) away++;
-      beside[at] = away;
-    }
-    for (let first = y * stride, at = first + width - 1, away = 255; at >= first; at--) {
-      if (away < 255) away++;
-      if (away < beside[at]) beside[at] = away;
-      else away = beside[at];
+  for (let y = 0, i = 0; y < height; y++) {
+    const [first, last] = [Math.max(y - rows, 0), Math.min(y + rows, height - 1)];
+    for (let x = 0; x < width; x++, i++) {
+      if (!marked[i]) continue;
+      // What a pixel with four marked neighbours reaches, one of them reaches too.
+      if (x > 0 && x < width - 1 && y > 0 && y < height - 1 && marked[i - 1] && marked[i + 1] && marked[i - width] && marked[i + width]) continue;
+      for (let row = first; row <= last; row++) {
+        const half = halves[row - y + rows];
+        const end = row * width + Math.min(x + half, width - 1);
+        for (let at = row * width + Math.max(x - half, 0); at <= end; at++) out[at] = 1;
+      }
     }
   }
-  const found = new Uint32Array(words * height);
-  const line = new Uint8Array(stride * height);
-  const four = new Uint32Array(line.buffer);
-  for (const half of new Set(halves)) {
-    for (let i = 0; i < line.length; i++) line[i] = beside[i] <= half ? 1 : 0;
-    for (let k = 0; k < halves.length; k++) {
-      if (halves[k] !== half) continue;
-      const shift = (k - rows) * words;
-      const [first, last] = [Math.max(0, -shift), Math.min(found.length, found.length - shift)];
-      for (let i = first; i < last; i++) found[i] |= four[i + shift];
-    }
-  }
-  const out = new Uint8Array(found.buffer);
-  if (stride === width) return out;
-  for (let y = 1; y < height; y++) out.copyWithin(y * width, y * stride, y * stride + width);
-  return out.slice(0, marked.length);
+  return out;
+}
+
+/**
+ * Returns what is marked and all within a reach of it, as `distance` measures it.
+ * @param {Uint8Array} marked @param {number} width @param {number} height @param {number} reach @param {5 | 3} [mask]
+ */
+export function near(marked, width, height, reach, mask = 5) {
+  const rows = Math.floor(reach / 0.95); // a step of 3 × 3 to the side counts for less than a pixel
+  const side = 2 * rows + 1;
+  const away = distance(new Uint8Array(side * side).fill(1).fill(0, rows * side + rows, rows * side + rows + 1), side, side, false, mask);
+  const halves = Array.from({ length: side }, (_, y) => {
+    const row = away.subarray(y * side + rows, (y + 1) * side);
+    return row.findLastIndex((value) => value <= reach);
+  });
+  const first = halves.findIndex((half) => half >= 0);
+  return dilated(marked, width, height, halves.slice(first, side - first));
 }
 
 /** Returns what is marked with all about it within a window. @param {Uint8Array} marked @param {number} width @param {number} height @param {number[]} halves as for `dilated` */
@@ -272,6 +268,24 @@ export function extreme(values, width, height, radius, way) {
   return out;
 }
 
+/** Returns where marked pixels are as deep as all about them. @param {Float32Array} depth @param {Uint8Array} marked @param {number} width @param {number} height */
+export function ridge(depth, marked, width, height) {
+  const out = new Uint8Array(marked.length);
+  for (let y = 0, i = 0; y < height; y++) {
+    const [first, last] = [Math.max(y - 1, 0), Math.min(y + 1, height - 1)];
+    for (let x = 0; x < width; x++, i++) {
+      if (!marked[i]) continue;
+      const [left, right] = [Math.max(x - 1, 0), Math.min(x + 1, width - 1)];
+      let highest = 0;
+      for (let row = first; row <= last; row++) {
+        for (let at = row * width + left, end = row * width + right; at <= end; at++) if (depth[at] > highest) highest = depth[at];
+      }
+      if (depth[i] >= highest - 1e-4) out[i] = 1;
+    }
+  }
+  return out;
+}
+
 /** Returns a picture blurred by a Gaussian. @param {Plane} values @param {number} width @param {number} height @param {number} sigma */
 export function blurred(values, width, height, sigma) {
   const radius = rint(8 * sigma + 1) >> 1;
@@ -286,23 +300,35 @@ export function blurred(values, width, height, sigma) {
  */
 export function filtered(values, width, height, kernel) {
   const radius = kernel.length >> 1;
-  const from = new Float32Array(values);
-  const line = new Float32Array(Math.max(width, height) + 2 * radius);
-  for (const [count, length, step, stride] of [[height, width, 1, width], [width, height, width, 1]]) {
-    for (let i = 0; i < count; i++) {
-      for (let k = -radius; k < length + radius; k++) {
-        let other = Math.abs(k);
-        if (other >= length) other = Math.max(0, 2 * length - 2 - other);
-        line[k + radius] = from[i * stride + other * step];
-      }
-      for (let k = 0, at = i * stride; k < length; k++, at += step) {
-        let sum = 0;
-        for (let j = 0; j < kernel.length; j++) sum += kernel[j] * line[k + j];
-        from[at] = sum;
-      }
+  const weights = Float64Array.from(kernel);
+  /** @param {number} place @param {number} length */
+  const mirrored = (place, length) => (Math.abs(place) < length ? Math.abs(place) : Math.max(0, 2 * length - 2 - Math.abs(place)));
+  const rows = new Float32Array(values.length);
+  const line = new Float32Array(width + 2 * radius);
+  for (let y = 0; y < height; y++) {
+    for (let x = 0; x < width; x++) line[x + radius] = values[y * width + x];
+    for (let k = 1; k <= radius; k++) {
+      line[radius - k] = values[y * width + mirrored(-k, width)];
+      line[radius + width - 1 + k] = values[y * width + mirrored(width - 1 + k, width)];
+    }
+    for (let x = 0, at = y * width; x < width; x++, at++) {
+      let sum = 0;
+      for (let j = 0; j < weights.length; j++) sum += weights[j] * line[x + j];
+      rows[at] = sum;
     }
   }
-  return from;
+  // Along the rows here too: down a column each pixel is in another part of the memory.
+  const out = new Float32Array(values.length);
+  const sums = new Float64Array(width);
+  for (let y = 0; y < height; y++) {
+    sums.fill(0);
+    for (let j = 0; j < weights.length; j++) {
+      const weight = weights[j];
+      for (let x = 0, at = mirrored(y + j - radius, height) * width; x < width; x++, at++) sums[x] += weight * rows[at];
+    }
+    out.set(sums, y * width);
+  }
+  return out;
 }
 
 /**
@@ -356,13 +382,22 @@ export function resized(values, width, height, wide, high, channels = 1, way = "
   const across = mixture(width, wide, way);
   const down = mixture(height, high, way);
   const rows = new Float32Array(wide * height * channels);
-  for (let y = 0; y < height; y++) {
+  // In flat arrays: a list for each pixel takes several times as long.
+  const [starts, ends] = [new Int32Array(wide), new Int32Array(wide)];
+  const shares = new Float64Array(across.reduce((sum, [, weights]) => sum + weights.length, 0));
+  for (let x = 0, used = 0; x < wide; x++) {
+    starts[x] = across[x][0];
+    shares.set(across[x][1], used);
+    ends[x] = used += across[x][1].length;
+  }
+  const plane = values instanceof Float32Array ? values : new Float32Array(values); // loops over one kind of array are faster
+  for (let y = 0, to = 0; y < height; y++) {
     for (let x = 0; x < wide; x++) {
-      const [first, weights] = across[x];
-      for (let c = 0; c < channels; c++) {
+      const begin = x ? ends[x - 1] : 0;
+      for (let c = 0; c < channels; c++, to++) {
         let sum = 0;
-        for (let k = 0; k < weights.length; k++) sum += weights[k] * values[(y * width + first + k) * channels + c];
-        rows[(y * wide + x) * channels + c] = sum;
+        for (let k = begin, from = (y * width + starts[x]) * channels + c; k < ends[x]; k++, from += channels) sum += shares[k] * plane[from];
+        rows[to] = sum;
       }
     }
   }

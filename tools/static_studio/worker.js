@@ -243,7 +243,8 @@ addEventListener("message", (/** @type {MessageEvent<Wish | {drop: number}>} */ 
   }
   turn = turn.then(async () => {
     try {
-      postMessage({ id: data.id, painted: await paint(data) });
+      const painted = await paint(data);
+      postMessage({ id: data.id, painted }, { transfer: [painted.rgba.buffer] });
     } catch (error) {
       const message = error instanceof Error ? error.message : String(error);
       postMessage(error instanceof Unpaintable ? { id: data.id, lacks: [{ code: error.code, layer: error.layer }] } : { id: data.id, failed: message });

@@ -1,6 +1,7 @@
 """Preparation: clean a drawing, find its mask and frame it for the network."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import cv2
@@ -82,6 +83,7 @@ def prepare(
     painted: NDArray[np.int8] | None = None,
     line_widths: LineWidths = USUAL_WIDTHS,
     flips: Sequence[tuple[float, float]] = (),
+    on_seen: Callable[["Prepared"], object] | None = None,
 ) -> Prepared:
     """Clean and frame a picture.
 
@@ -99,6 +101,8 @@ def prepare(
         line_widths: of the lines that the model knows, in its pixels; they are shown as they were drawn.
         flips: x and y in pixels of the drawing; the region that lines enclose there becomes a hole, or object
             if it is a hole.
+        on_seen: called without mask and hints as soon as what the model is shown is known, so that the model
+            can run while the mask is found.
 
     Raises:
         LackingError: if there is no line in it.
@@ -114,34 +118,40 @@ def prepare(
         painted = np.asarray(shown, np.int8)
     walls = cleaned.ink if painted is None else np.maximum(cleaned.ink, (painted > 0).astype(np.float32))
     frame = Frame.around(walls, size)
-    found, alpha, decision = None, None, None
-    scale = worked[1] / picture.shape[1]
-    if isinstance(mask, np.ndarray):
-        found = resize(mask.astype(np.float32), worked) > 0.5
-    elif mask is None and cleaned.silhouette is not None:
-        found, alpha = cleaned.silhouette, picture.alpha
-    elif source != MODEL:
-        decision = decide(walls, reading, [(x * scale, y * scale) for x, y in flips])
-        found = decision.mask
-    if flips and decision is None:
-        raise InputError("a hole is cut in what lines enclose, but its mask does not come from its lines.")
     prepared = Prepared(
         shape=shape,
         ink=cleaned.ink,
-        mask=found,
-        alpha=alpha,
+        mask=None,
+        alpha=None,
         frame=frame,
         seen=render_model_input(cleaned.ink, frame, line_widths),
         hints=None,
-        closed=1.0 if decision is None else decision.closed,
-        guessed=decision is not None and decision.guessed,
+        closed=1.0,
+        guessed=False,
         painted=painted,
         line_widths=line_widths,
-        unsure=() if decision is None else _in_drawing(decision.unsure, scale),
-        decision=decision,
         reading=reading,
-        coverage=None if decision is None else decision.coverage,
     )
+    if on_seen is not None:
+        on_seen(prepared)
+    scale = worked[1] / picture.shape[1]
+    if isinstance(mask, np.ndarray):
+        prepared = replace(prepared, mask=resize(mask.astype(np.float32), worked) > 0.5)
+    elif mask is None and cleaned.silhouette is not None:
+        prepared = replace(prepared, mask=cleaned.silhouette, alpha=picture.alpha)
+    elif source != MODEL:
+        decision = decide(walls, reading, [(x * scale, y * scale) for x, y in flips])
+        prepared = replace(
+            prepared,
+            mask=decision.mask,
+            closed=decision.closed,
+            guessed=decision.guessed,
+            unsure=_in_drawing(decision.unsure, scale),
+            decision=decision,
+            coverage=decision.coverage,
+        )
+    if flips and prepared.decision is None:
+        raise InputError("a hole is cut in what lines enclose, but its mask does not come from its lines.")
     return prepared if hints is None else hinted(prepared, hints, picture.shape)
 
 
@@ -168,20 +178,23 @@ def _clean_and_read(
     Raises:
         LackingError: if neither finds anything.
     """
-    try:
-        cleaned = clean(shown)
-    except LackingError:
-        if not asked or picture.alpha is not None:
-            raise
-        reading = read(picture)
-        silhouette = reading.presence_at(shown.size) > 0.5
-        if not _LEAST <= silhouette.mean() <= 1 - _LEAST:
-            raise
-        lines = np.where(silhouette, lines_of(reading, shown.size), 0)
-        return Cleaned(np.maximum(lines, contour(silhouette)).astype(np.float32), None), reading
-    if not asked or (cleaned.silhouette is not None and not always):
-        return cleaned, None
-    reading = read(picture)
+    with ThreadPoolExecutor(1) as beside:
+        # Without opacity it is asked in any case, whatever cleaning finds.
+        ahead = beside.submit(read, picture) if asked and picture.alpha is None else None
+        try:
+            cleaned = clean(shown)
+        except LackingError:
+            if ahead is None:
+                raise
+            reading = ahead.result()
+            silhouette = reading.presence_at(shown.size) > 0.5
+            if not _LEAST <= silhouette.mean() <= 1 - _LEAST:
+                raise
+            lines = np.where(silhouette, lines_of(reading, shown.size), 0)
+            return Cleaned(np.maximum(lines, contour(silhouette)).astype(np.float32), None), reading
+        if not asked or (cleaned.silhouette is not None and not always):
+            return cleaned, None
+        reading = read(picture) if ahead is None else ahead.result()
     return replace(cleaned, ink=drop_ground(cleaned.ink, reading)), reading
 
 

@@ -13,6 +13,7 @@ from normalgan.inference.network.onnx_backend import find_model
 from normalgan.inference.outputs import OUTPUTS
 from normalgan.studio.app import build_app
 from normalgan.studio.document_store import DocumentStore
+from normalgan.studio.memory import keep_memory
 from normalgan.studio.opening import find_opened
 from normalgan.studio.predictor import Predictor
 from normalgan.studio.serving import listen, serve
@@ -71,6 +72,7 @@ def studio(settings: Namespace) -> int:
     Raises:
         InputError: if something cannot be used.
     """
+    keep_memory()
     OUTPUTS.load_entry_points()
     decoding.start()  # while the model is loaded
     store = DocumentStore(

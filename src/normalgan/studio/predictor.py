@@ -2,6 +2,7 @@
 
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
@@ -82,7 +83,8 @@ class Predictor:
         self._lock = Lock()
         self._predicted: OrderedDict[tuple[_Key, bytes], NormalMap] = OrderedDict()
         self._prepared: OrderedDict[_Key, tuple[Prepared, tuple[int, int]]] = OrderedDict()
-        self._inferred: OrderedDict[bytes, Inferred] = OrderedDict()
+        self._network = ThreadPoolExecutor(1, "network")
+        self._inferred: OrderedDict[bytes, Future[Inferred]] = OrderedDict()
         self._contexts: OrderedDict[tuple[_Key, ...], Context] = OrderedDict()
         self._closed: OrderedDict[str, _Closed] = OrderedDict()
         self._count = 0
@@ -116,7 +118,7 @@ class Predictor:
             earlier = None if around is None else self._recalled(self._predicted, (key, around))
             if earlier is not None:
                 return earlier
-        context = self._context(parts, longest)
+        context = self._context(parts, longest, check)
         around = sha256(b"" if context is None else context.seen.tobytes()).digest()
         predicted = self._recalled(self._predicted, (key, around))
         if predicted is None:
@@ -126,11 +128,13 @@ class Predictor:
                 return self.model.upsample(coarse, prepared, mask)
 
             check()
-            prepared, shape = self._prepare(drawing, longest)
+            prepared, shape = self._prepare(drawing, longest, check)
             check()
             ways = ways_to_see(prepared, context)
             hints = drawing.read_hints(shape)
-            seen, preds, confidence = surest([hinted(each, hints, shape) for each in ways], self._infer)
+            seen, preds, confidence = surest(
+                [hinted(each, hints, shape) for each in ways], lambda way: self._infer(way).result()
+            )
             predicted = finish(seen, preds, confidence, upsample)
             if context is not None and len(ways) == 1 and predicted.findings:
                 predicted = replace(predicted, findings=(*predicted.findings, Finding("alone")))
@@ -139,26 +143,28 @@ class Predictor:
             self._remember(self._predicted, (key, around), predicted, _size_of_map)
         return predicted
 
-    def _infer(self, prepared: Prepared) -> Inferred:
-        """Return the network's prediction; layers without hints that are seen together share it."""
+    def _infer(self, prepared: Prepared) -> "Future[Inferred]":
+        """Return the network's prediction to come; layers without hints that are seen together share it."""
         shown = sha256(prepared.seen.tobytes())
         if prepared.hints is not None:
             shown.update(prepared.hints.tobytes())
         key = shown.digest()
         found = self._recalled(self._inferred, key)
-        if found is None:
-            found = self.model.predict(prepared.seen, prepared.hints)
+        if found is None or (found.done() and found.exception() is not None):
+            found = self._network.submit(self.model.predict, prepared.seen, prepared.hints)
             self._remember(self._inferred, key, found, lambda _: _REMEMBERED // _CONTEXTS)
         return found
 
-    def _context(self, parts: Sequence[DrawingRequest], longest: int | None) -> Context | None:
+    def _context(
+        self, parts: Sequence[DrawingRequest], longest: int | None, check: Callable[[], None]
+    ) -> Context | None:
         """Return the network's view of all parts of a drawing; None if only one can be seen."""
         if len(parts) < 2:
             return None
         seen = []
         for part in parts:
             try:
-                seen.append((part, self._prepare(part, longest)[0]))
+                seen.append((part, self._prepare(part, longest, check)[0]))
             except InputError as error:
                 if isinstance(error, RunError):
                     raise
@@ -172,16 +178,28 @@ class Predictor:
             self._remember(self._contexts, key, found, lambda _: _REMEMBERED // _CONTEXTS)
         return found
 
-    def _prepare(self, drawing: DrawingRequest, longest: int | None) -> tuple[Prepared, tuple[int, int]]:
-        """Return a drawing prepared without its hints, and its (H, W)."""
+    def _prepare(
+        self, drawing: DrawingRequest, longest: int | None, check: Callable[[], None]
+    ) -> tuple[Prepared, tuple[int, int]]:
+        """Return a drawing prepared without its hints, and its (H, W).
+
+        The network runs ahead while the mask is found.
+        """
         key = drawing.lines_digest(), longest, self._version(drawing.tab)
         found = self._recalled(self._prepared, key)
         if found is None:
             picture, mask = drawing.read_lines()
             by_hand = drawing.read_mask(picture)
+            hints = drawing.read_hints(picture.shape)
+
+            def infer_ahead(prepared: Prepared) -> None:
+                check()
+                self._infer(hinted(prepared, hints, picture.shape))
+
             prepared = prepare(
                 *(picture, self.model.size, mask, None, longest, by_hand),
                 line_widths=self.model.line_widths,
+                on_seen=infer_ahead,
             )
             if drawing.tab:
                 prepared = self._hold(drawing.tab, prepared, whole=longest is None and drawing.remembers)

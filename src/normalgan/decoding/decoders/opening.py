@@ -4,7 +4,7 @@ import io
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from .formats import ENDINGS, format_of
+from .formats import format_of
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -40,8 +40,8 @@ MODES: dict[str, tuple[str, tuple[int, ...]]] = {
 }
 """Modes of Pillow in which pixels are sent: the type of a number, and the channels."""
 DTYPES = ("uint8", "uint16", "int32", "float32")
-KNOWN = " ".join(ENDINGS)
-"""The endings that are read, in a sentence."""
+KNOWN = "a PNG, JPEG, WebP, TIFF, GIF, SVG or another image, or a file of a paint program"
+"""What is read, in a sentence; the docs list all formats."""
 
 
 class UnknownTiffError(Exception):

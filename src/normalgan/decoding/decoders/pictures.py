@@ -107,7 +107,7 @@ def decode(
         raise
     except UnidentifiedImageError:
         _refuse_foreign(content)
-        raise RefusedError(f"is not an image that can be read; give one of {KNOWN}") from None
+        raise RefusedError(f"is not an image that can be read; use {KNOWN}") from None
     except Exception as error:  # a decoder of Pillow that trips over damage raises anything
         raise RefusedError(f"cannot be read as an image: {first_line(error)}") from None
 

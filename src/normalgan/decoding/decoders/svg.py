@@ -95,7 +95,7 @@ def sanitize_svg(content: bytes, most: int) -> str:
         if depth > MOST_DEPTH:
             raise RefusedError(f"is nested more than {MOST_DEPTH} deep; a drawing is not")
         if depth == 1 and _local(name) != "svg":
-            raise RefusedError(f"is not an image that can be read; give one of {KNOWN}")
+            raise RefusedError(f"is not an image that can be read; use {KNOWN}")
         kept = "".join(
             f' {key}="{_escaped(value)}"' for key, value in _allowed(_local(name), attributes, most)
         )

@@ -219,7 +219,7 @@ def _without_guesses(solid: BoolMask, outline: BoolMask, presence: Floats) -> Bo
     added = solid & ~outline
     count, labels, stats, _ = cv2.connectedComponentsWithStats(added.astype(np.uint8), connectivity=4)
     area = stats[:, cv2.CC_STAT_AREA]
-    sure = np.bincount(labels.ravel(), weights=presence.ravel(), minlength=count) >= _SURE * area
+    sure = np.bincount(labels[added], weights=presence[added], minlength=count) >= _SURE * area
     kept = sure & (area >= _SPECK * max(int(np.count_nonzero(solid)), 1))
     kept[0] = True
     found: BoolMask = solid & kept[labels]
@@ -283,6 +283,8 @@ def _open(small: BoolMask, inked: BoolMask, shape: tuple[int, int]) -> list[Find
     free = (small & (inner == 0) & (bounded == 0)).astype(np.uint8)
     free[:_REACH] = free[-_REACH:] = 0
     free[:, :_REACH] = free[:, -_REACH:] = 0
+    if not free.any():
+        return []
     count, labels, stats, _ = cv2.connectedComponentsWithStats(free, connectivity=8)
     rows, columns = np.nonzero(small)
     if count < 2 or stats[1:, cv2.CC_STAT_AREA].max() < _OPEN * (max(np.ptp(rows), np.ptp(columns)) + 1):

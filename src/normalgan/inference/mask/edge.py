@@ -1,5 +1,6 @@
 """Edge: find an object's edge to a fraction of a pixel from its outline at the drawing's own size."""
 
+from functools import lru_cache
 from typing import Any
 
 import cv2
@@ -27,6 +28,8 @@ _TIP = 0.25
 """Longest tip, as a share of what the object spans."""
 _TOUCHING, _FINER = 1.3, 1.25
 """How far from the inside a line's middle may be, in halves of its width; and the step between widths."""
+_WINDOW = 14
+"""Pixels; up to as many, a window is faster than distances."""
 _CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 _SQUARE, _WIDE = np.ones((3, 3), np.uint8), np.ones((5, 5), np.uint8)
 
@@ -115,32 +118,28 @@ def soft_edge(mask: BoolMask) -> Floats:
 def _divide(mask: BoolMask, inked: BoolMask, reach: float) -> tuple[BoolMask, BoolMask]:
     """Return the object's pixels between the lines, and those in regions narrower than ``reach``."""
     free = ~inked
-    count, labels = cv2.connectedComponents(free.view(np.uint8), connectivity=4)
-    depth = np.asarray(cv2.distanceTransform(free.view(np.uint8), cv2.DIST_L2, 3), np.float32)
-    size, held = _region_sums(labels, count), _region_sums(labels, count, mask)
-    deep = _region_sums(labels, count, depth > reach)
+    count, found = cv2.connectedComponents(free.view(np.uint8), connectivity=4)
+    labels = np.asarray(found, np.int32)
+    clear = ~_near(inked, reach, 3)
+    # A small figure whose outline has a gap is a tiny share of the region about it, but no error of the mask.
+    within, beyond = ~_near(~mask, reach, 3), ~_near(mask, reach, 3)
+    size, held, deep, core, rest = _region_sums(labels, count, mask, clear, within, beyond)
     among = held / np.maximum(size, 1)
     narrow = deep == 0
-    # A small figure whose outline has a gap is a tiny share of the region about it, but no error of the mask.
-    within = cv2.distanceTransform(mask.view(np.uint8), cv2.DIST_L2, 3) > reach
-    beyond = cv2.distanceTransform((~mask).view(np.uint8), cv2.DIST_L2, 3) > reach
-    full = (among >= _ONE_SIDED) & (_region_sums(labels, count, free & beyond) == 0)
-    empty = (among <= 1 - _ONE_SIDED) & (_region_sums(labels, count, free & within) == 0)
+    full = (among >= _ONE_SIDED) & (rest == 0)
+    empty = (among <= 1 - _ONE_SIDED) & (core == 0)
     whole = full | empty | narrow
     whole[0] = narrow[0] = False
-    inside: BoolMask = (whole & (among > 0.5))[labels]
-    mixed = free & ~whole[labels]
+    inside: BoolMask = np.take(whole & (among > 0.5), labels)
+    mixed = free & ~np.take(whole, labels)
     if mixed.any():
-        inside |= _meet(mask, mixed, depth, reach)
-    return inside, narrow[labels]
+        # Far from any line, nothing is known but the mask.
+        inside |= _meet(mask, mixed, within | beyond | clear, reach)
+    return inside, np.take(narrow, labels)
 
 
-def _meet(mask: BoolMask, mixed: BoolMask, depth: Floats, reach: float) -> BoolMask:
+def _meet(mask: BoolMask, mixed: BoolMask, sure: BoolMask, reach: float) -> BoolMask:
     """Return the object's pixels in regions with a gap: inside and outside grow until they meet."""
-    within = cv2.distanceTransform(mask.view(np.uint8), cv2.DIST_L2, 3)
-    beyond = cv2.distanceTransform((~mask).view(np.uint8), cv2.DIST_L2, 3)
-    # Far from any line, nothing is known but the mask.
-    sure = (within > reach) | (beyond > reach) | (depth > reach)
     free = mixed.astype(np.uint8)
     one: NDArray[np.uint8] = (mixed & sure & mask).astype(np.uint8)
     other: NDArray[np.uint8] = (mixed & sure & ~mask).astype(np.uint8)
@@ -163,21 +162,25 @@ def _own_ink(mask: BoolMask, inside: BoolMask, inked: BoolMask) -> BoolMask:
     away = cv2.distanceTransform((~inside).view(np.uint8), cv2.DIST_L2, 5)
     middles = ridge & (mask | (away <= _TOUCHING * depth + 1.5))
     own = mask & inked & (away <= _TOUCHING * depth + 1.5)
-    radii = depth[middles]
-    for low in np.unique(np.floor(np.log(radii) / np.log(_FINER))) if len(radii) else ():
-        least, most = _FINER**low, _FINER ** (low + 1)
-        centres = middles & (depth >= least) & (depth < most)
-        own |= cv2.distanceTransform((~centres).view(np.uint8), cv2.DIST_L2, 5) < most
+    rows, columns = np.nonzero(middles)
+    radii = depth[rows, columns]
+    widths = np.floor(np.log(radii) / np.log(_FINER))
+    for width in np.unique(widths):
+        centres, alike, most = np.zeros_like(inked), widths == width, _FINER ** (float(width) + 1)
+        centres[rows[alike], columns[alike]] = True
+        box = around(centres, int(most) + 1)
+        own[box] |= _near(centres[box], most, 5)
     # Discs leave out the corners of a line.
     for _ in range(2):
         own = (cv2.dilate(own.view(np.uint8), _SQUARE) > 0) & inked
-    count, labels = cv2.connectedComponents(own.view(np.uint8), connectivity=8)
-    touching = cv2.dilate(inside.view(np.uint8), _SQUARE) > 0
-    kept = _region_sums(labels, count, touching) > 0
-    kept |= _region_sums(labels, count, mask) > _OWN * _region_sums(labels, count)
+    count, found = cv2.connectedComponents(own.view(np.uint8), connectivity=8)
+    labels = np.asarray(found, np.int32)
+    beside = cv2.dilate(inside.view(np.uint8), _SQUARE) > 0
+    # Few pixels are ink; and counting runs of the same number is slow.
+    size, touching, held = _region_sums(labels[own], count, beside[own], mask[own])
+    kept = (touching > 0) | (held > _OWN * size)
     kept[0] = False
-    found: BoolMask = kept[labels]
-    return found
+    return np.take(kept, labels)
 
 
 def _tips(body: BoolMask, inked: BoolMask, slits: BoolMask, span: int) -> BoolMask:
@@ -195,18 +198,19 @@ def _tips(body: BoolMask, inked: BoolMask, slits: BoolMask, span: int) -> BoolMa
     near = cv2.dilate(body.view(np.uint8), _SQUARE) > 0
     if not (loose & near).any():
         return np.zeros_like(body)
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(loose.view(np.uint8), connectivity=8)
+    count, found, stats, _ = cv2.connectedComponentsWithStats(loose.view(np.uint8), connectivity=8)
+    labels = np.asarray(found, np.int32)
     padded = np.pad((inked | slits).view(np.uint8), 1)
     depth = cv2.distanceTransform(padded, cv2.DIST_L2, 5)[1:-1, 1:-1]
     width = line_width(inked)
     # Where a line leaves the body, the corners between them make it wider.
     away = cv2.distanceTransform((~body).view(np.uint8), cv2.DIST_L2, 5)
     merged = loose & (2 * depth - 1 > max(_MERGED * width, width + 1.5)) & (away > width / 2)
-    kept = (_region_sums(labels, count, merged) > 0) & (_region_sums(labels, count, near) > 0)
+    _, wide, reached = _region_sums(labels[loose], count, merged[loose], near[loose])
+    kept = (wide > 0) & (reached > 0)
     kept &= np.hypot(stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT]) <= _TIP * span
     kept[0] = False
-    tips: BoolMask = kept[labels]
-    return tips
+    return np.take(kept, labels)
 
 
 def _soft(body: BoolMask, inked: BoolMask, share: Floats) -> Floats:
@@ -223,6 +227,35 @@ def _soft(body: BoolMask, inked: BoolMask, share: Floats) -> Floats:
     return covered
 
 
-def _region_sums(labels: NDArray[Any], count: int, marked: BoolMask | None = None) -> NDArray[np.intp]:
-    """Return the number of pixels of each region (H, W), or of its marked pixels, (count,)."""
-    return np.bincount(labels.ravel() if marked is None else labels[marked], minlength=count)
+def _region_sums(labels: NDArray[Any], count: int, *marked: BoolMask) -> NDArray[np.intp]:
+    """Return the number of pixels of each region, and of those marked in each of N pictures, (1 + N, count).
+
+    Args:
+        labels: of any shape, the region of each pixel.
+        count: of regions.
+        marked: of the same shape.
+    """
+    kinds = 2 ** len(marked)
+    codes = labels * kinds
+    for bit, each in enumerate(marked):
+        codes += each * np.int32(2**bit)
+    found = np.bincount(codes.ravel(), minlength=kinds * count).reshape(count, kinds)
+    has = np.arange(kinds) >> np.arange(len(marked))[:, None] & 1
+    return np.vstack([found.sum(1), has @ found.T])
+
+
+def _near(marked: BoolMask, reach: float, metric: int) -> BoolMask:
+    """Return the pixels (H, W) at most ``reach`` from a marked one, by OpenCV's distances of a metric."""
+    if reach <= _WINDOW:
+        found: BoolMask = cv2.dilate(marked.view(np.uint8), _disc(reach, metric)) > 0
+        return found
+    return np.asarray(cv2.distanceTransform((~marked).view(np.uint8), cv2.DIST_L2, metric) <= reach)
+
+
+@lru_cache(128)
+def _disc(reach: float, metric: int) -> NDArray[np.uint8]:
+    """Return the pixels (K, K) that are at most ``reach`` from the middle one."""
+    most = int(reach / 0.95)  # OpenCV takes a step to the side for 0.955 of a pixel, or for one
+    middle = np.ones((2 * most + 1, 2 * most + 1), np.uint8)
+    middle[most, most] = 0
+    return np.asarray(cv2.distanceTransform(middle, cv2.DIST_L2, metric) <= reach, np.uint8)

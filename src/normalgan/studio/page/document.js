@@ -24,7 +24,7 @@ import { say, text } from "./text.js";
  *   mask: MaskStroke[], source: Source, form: Form | null}} Layer a part of the drawing
  * @typedef {null | "outline" | "model"} Source where a layer's object is: by itself, inside the outline, as the model sees it
  * @typedef {Omit<Placed, "kind"> & {opacity: number, visible: boolean}} Picture to trace or to look at
- * @typedef {{name: string}} Settings
+ * @typedef {{name: string, file: string}} Settings name: the project's, or ""; file: the name of the file that it began with, without its ending, or ""
  * @typedef {{format: string, version: number, width: number, height: number, layers: Layer[], active: number,
  *   pictures: Picture[], settings: Settings}} Doc layers: the hindmost first, at least one; active: id of the one that is
  *   worked on
@@ -56,7 +56,7 @@ const usualName = (number) => say("layerNumber", { number });
  * @returns {Doc}
  */
 export function newDocument(width, height) {
-  const settings = { name: "" };
+  const settings = { name: "", file: "" };
   return { format: FORMAT, version: VERSION, width, height, layers: [newLayer(1, usualName(1))], active: 1, pictures: [], settings };
 }
 
@@ -276,7 +276,7 @@ export function parseDocument(value) {
   const whole = isSide(width) && isSide(height) && isList(layers, isLayer, MOST_LAYERS) && isList(pictures, isPicture, MOST_PICTURES) &&
     new Set(layers.map(({ id }) => id)).size === layers.length && layers.some(({ id }) => id === active);
   if (!whole) throw new Error(wrongNormal(layers) || text.notProject);
-  const settings = { name: String(doc.settings?.name ?? "") };
+  const settings = { name: String(doc.settings?.name ?? ""), file: String(doc.settings?.file ?? "") };
   // Drawings from before there were forms have none.
   const formed = layers.map((layer) => (layer.form === undefined ? { ...layer, form: null } : layer));
   return { format: FORMAT, version: VERSION, width, height, layers: formed, active, pictures, settings };

@@ -83,7 +83,7 @@ export class Exporting {
       return;
     }
     const { width, height, settings } = this.editor.doc;
-    field("export-name").value = settings.name;
+    field("export-name").value = settings.name || settings.file;
     field("export-name").placeholder = text.untitled.toLowerCase();
     field("export-size").placeholder = String(Math.max(width, height));
     this.#rows();
@@ -95,7 +95,8 @@ export class Exporting {
 
   /** Hands the lit result to the browser's downloads, at the drawing's own size. */
   async saveLit() {
-    await this.#made(() => this.#save({ ...this.#wish(), name: this.editor.doc.settings.name || text.untitled.toLowerCase(), what: "lit", size: null }));
+    const { name, file } = this.editor.doc.settings;
+    await this.#made(() => this.#save({ ...this.#wish(), name: name || file || text.untitled.toLowerCase(), what: "lit", size: null }));
   }
 
   /** @param {() => Promise<void>} make */

@@ -2,7 +2,7 @@
 
 import { Refused, imported, importedLayers } from "./api.js";
 import { choose } from "./dialogs.js";
-import { MOST_LAYERS, MOST_PICTURES, isEmpty, withLayers, withPictures, withStroke } from "./document.js";
+import { MOST_LAYERS, MOST_PICTURES, isEmpty, withLayers, withPictures, withSettings, withStroke } from "./document.js";
 import { $, make } from "./dom.js";
 import { darkOnLight, decodeAll } from "./pictures.js";
 import { say, text } from "./text.js";
@@ -18,6 +18,9 @@ const TRACED = 0.5;
 
 /** @param {{picture: string}} found */
 const urlOf = ({ picture }) => `data:image/png;base64,${picture}`;
+
+/** Returns the name of a file without its ending and what no project's name has. @param {string} file */
+const plainName = (file) => file.replace(/\.[^.]*$/, "").replace(/[^\p{L}\p{M}\p{N}_-]+/gu, " ").trim();
 
 export class Importing {
   /**
@@ -133,6 +136,8 @@ export class Importing {
     const way = as || (await this.#ask(make("img", { src: url, alt: "", class: "thumbnail" }), layers !== null));
     if (!way) return;
     const fresh = isEmpty(this.editor.doc);
+    /** @param {import("./document.js").Doc} doc */
+    const named = (doc) => (fresh ? withSettings(doc, { file: plainName(name) }) : doc);
     let said = say("imported", { name });
     /** @type {string[]} */
     let lost = [];
@@ -147,9 +152,9 @@ export class Importing {
       const placed = within(doc, width, height)({ x: 0, y: 0, width, height });
       if (way === "traced") {
         if (doc.pictures.length >= MOST_PICTURES) throw new Error(text.tooManyPictures);
-        this.editor.commit(withPictures(doc, [...doc.pictures, { picture: url, ...placed, opacity: TRACED, visible: true }]));
+        this.editor.commit(named(withPictures(doc, [...doc.pictures, { picture: url, ...placed, opacity: TRACED, visible: true }])));
       } else {
-        this.editor.commit(withStroke(doc, { kind: "picture", picture: await darkOnLight(url), ...placed }));
+        this.editor.commit(named(withStroke(doc, { kind: "picture", picture: await darkOnLight(url), ...placed })));
       }
     }
     if (fresh) this.view.fit();
@@ -177,7 +182,8 @@ export class Importing {
       const stroke = { kind: "picture", picture: whole ? await darkOnLight(url) : url, ...place(box) };
       return { name: given, visible: opacity > 0, strokes: [stroke] };
     }));
-    this.editor.commit(withLayers(doc, drawn, fresh));
+    const whole = withLayers(doc, drawn, fresh);
+    this.editor.commit(fresh ? withSettings(whole, { file: plainName(name) }) : whole);
     return [
       say(layers.length === 1 ? "importedLayer" : "importedLayers", { name, count: layers.length }),
       ...(plain.length ? [say("importedPlain", { names: quoted(plain) })] : []),

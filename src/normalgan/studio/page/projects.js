@@ -55,7 +55,7 @@ export class Projects {
 
   /** Asks for a name and saves. @returns {Promise<boolean>} */
   async saveAs() {
-    const name = await askName(this.name);
+    const name = await askName(this.name || this.editor.doc.settings.file);
     if (!name) return false;
     return this.#write(name, name === this.name ? this.etag : null);
   }

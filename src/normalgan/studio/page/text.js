@@ -386,7 +386,7 @@ export const text = {
   offline: "Can't reach the studio. Keep drawing: this browser keeps your work.",
   online: "The studio is back.",
   broken: "Something went wrong: {reason}",
-  busy: "The studio is busy and continues by itself.",
+  busy: "The studio had something newer to do. Try again.",
   tooMany: "This layer has the maximum number of points.",
   notProject: "This file is not a studio project, or it is damaged.",
   wrongPoint: "Point {number} of layer “{layer}” has the direction {normal}, which must have length 1 and face the viewer. Nothing was changed.",

@@ -360,7 +360,7 @@ export const words = {
   offline: "Das Studio ist nicht erreichbar. Zeichne weiter: Dieser Browser bewahrt deine Arbeit.",
   online: "Das Studio ist wieder da.",
   broken: "Etwas ging schief: {reason}",
-  busy: "Das Studio ist beschäftigt und macht von selbst weiter.",
+  busy: "Das Studio hatte etwas Neueres zu tun. Bitte noch einmal versuchen.",
   tooMany: "Diese Ebene hat die Höchstzahl an Punkten.",
   notProject: "Diese Datei ist kein Studio-Projekt oder beschädigt.",
   wrongPoint: "Punkt {number} der Ebene „{layer}“ hat die Richtung {normal}; sie muss Länge 1 haben und zum Betrachter zeigen. Nichts wurde geändert.",

@@ -360,7 +360,7 @@ export const words = {
   offline: "No se puede contactar con el estudio. Sigue dibujando: este navegador conserva tu trabajo.",
   online: "El estudio ha vuelto.",
   broken: "Algo salió mal: {reason}",
-  busy: "El estudio está ocupado y continúa solo.",
+  busy: "El estudio tenía algo más reciente que hacer. Inténtalo de nuevo.",
   tooMany: "Esta capa tiene el máximo de puntos.",
   notProject: "Este archivo no es un proyecto del estudio o está dañado.",
   wrongPoint: "El punto {number} de la capa «{layer}» tiene la dirección {normal}, que debe medir 1 y mirar al espectador. No se cambió nada.",

@@ -360,7 +360,7 @@ export const words = {
   offline: "Le studio est injoignable. Continuez : ce navigateur garde votre travail.",
   online: "Le studio est de retour.",
   broken: "Une erreur s'est produite : {reason}",
-  busy: "Le studio est occupé et continue de lui-même.",
+  busy: "Le studio avait une demande plus récente à traiter. Réessayez.",
   tooMany: "Ce calque a le nombre maximal de points.",
   notProject: "Ce fichier n'est pas un projet du studio, ou il est endommagé.",
   wrongPoint: "Le point {number} du calque « {layer} » a la direction {normal}, qui doit être de longueur 1 et tournée vers vous. Rien n'a changé.",

@@ -360,7 +360,7 @@ export const words = {
   offline: "无法连接工作室。请继续绘画：此浏览器会保留你的工作。",
   online: "工作室已恢复连接。",
   broken: "出错了：{reason}",
-  busy: "工作室正忙，会自动继续。",
+  busy: "工作室先处理了更新的请求。请重试。",
   tooMany: "该图层的点已达上限。",
   notProject: "此文件不是工作室项目，或已损坏。",
   wrongPoint: "图层“{layer}”的点 {number} 方向为 {normal}；其长度须为 1 并朝向观看者。未作任何更改。",
