@@ -169,8 +169,8 @@ class Registry(Generic[T]):
         """Return the class that a file names, None if it is not known; nothing is imported for the name.
 
         Args:
-            name: of a registered class, or where it is in dots: its package decides, for within a package
-                classes move. A class that is not registered counts if it is imported already.
+            name: name of a registered class, or its dotted path. Of a path only the package counts, because
+                classes move within a package. An unregistered class counts if it is imported already.
         """
         known = self._registered(name)
         return known if known is not None or "." not in name else find_imported(name, self.base)

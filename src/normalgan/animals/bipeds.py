@@ -349,7 +349,7 @@ class Biped(PosedPlan):
     Args:
         habits: the poses it is seen in; one named twice is drawn twice as often.
         body: the flesh around the bones.
-        measures: of the average individual.
+        measures: proportions of the average individual.
         spread: how much an individual's measures differ, as a fraction, at most a half.
     """
 

@@ -99,7 +99,7 @@ def read_species(path: str | Path) -> BodyPlan:
     table's ``kind`` says which.
 
     Args:
-        path: of the file; those of the package, in `FOLDER`, are examples.
+        path: path of the file; those of the package, in `FOLDER`, are examples.
 
     Raises:
         InputError: if the file cannot be read, is no TOML, or a field is missing, unknown or of a wrong kind.

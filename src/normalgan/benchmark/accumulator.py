@@ -46,7 +46,7 @@ class Accumulator:
         more: other metrics that are measured too.
 
     Attributes:
-        names: of the samples so far.
+        names: names of the samples so far.
     """
 
     def __init__(self, device: torch.device, more: Sequence[MapMetric] = ()) -> None:
@@ -75,7 +75,7 @@ class Accumulator:
             mask: (N, 1, H, W), 1 on the object.
             where: (N, 1, H, W), 1 at the hints, which do not count.
             distance: (N, 1, H, W) pixels from the contour.
-            names: of the samples, ``mesh/view``.
+            names: names of the samples, ``mesh/view``.
         """
         preds = predicted[:, :3]
         # Direction counts wherever one is given, at any length; where none is, the coverage tells.

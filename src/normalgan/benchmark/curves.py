@@ -35,7 +35,7 @@ def draw_curves(plan: Plan, results: Results, caption: str) -> bytes | None:
 
     Args:
         plan: in whose order the rows come.
-        results: of the rows.
+        results: results of the rows.
         caption: above them.
     """
     groups: dict[str, list[str]] = {}
@@ -80,7 +80,7 @@ def draw_calibration(plan: Plan, results: Results, caption: str) -> bytes | None
 
     Args:
         plan: in whose order the rows come.
-        results: of the rows.
+        results: results of the rows.
         caption: above it, with the expected calibration errors beside the lines' names.
     """
     sure = [row for row in plan.rows if any(_promises(run) for run in results.get(row.name, ()))]

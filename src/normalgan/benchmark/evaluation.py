@@ -183,7 +183,7 @@ def read_curve(folder: Path, most: int = 60) -> list[dict[str, float | None]]:
     """Return the learning curve of a run, thinned out to a few records and the figures that are drawn.
 
     Args:
-        folder: of the run.
+        folder: folder of the run.
         most: records; the first and the last are kept.
     """
     records = json.loads((folder / "curve.json").read_text(encoding="utf-8"))

@@ -111,8 +111,8 @@ class Sheet:
     """A picture on which everything is placed in pixels from the upper left.
 
     Args:
-        width: of it.
-        height: of it.
+        width: its width.
+        height: its height.
     """
 
     def __init__(self, width: int, height: int) -> None:

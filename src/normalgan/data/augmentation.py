@@ -35,7 +35,8 @@ class BatchAugmentation(ABC):
 
         Args:
             batch: on any device.
-            seed: of all randomness; the same seed makes the same changes, so that a resumed run repeats them.
+            seed: seed of all randomness. The same seed gives the same changes, so a resumed run repeats
+                them.
         """
 
     def describe(self) -> dict[str, Any]:

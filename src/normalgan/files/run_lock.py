@@ -21,7 +21,7 @@ def one_run_in(folder: Path) -> Iterator[None]:
     The system releases the lock when the process ends, however it ends; a file left behind blocks nobody.
 
     Args:
-        folder: of the run; made if it is not there, and removed if nothing was put into it.
+        folder: folder of the run; made if it is not there, and removed if nothing was put into it.
 
     Raises:
         InputError: if another process holds it, on this machine or another with the same file system; or if

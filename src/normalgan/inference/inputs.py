@@ -62,7 +62,7 @@ def prepare_any(
             ``model`` leaves it to the network of normals; None takes the drawing's opacity if it shows the
             object, else the reader.
         size: longer side of the map in pixels, 8 to 8192; None is the drawing's.
-        line_widths: of the lines that the network is shown as they were drawn, in its pixels.
+        line_widths: widths of lines that the network sees as they were drawn, in its pixels.
         flips: x and y of points whose regions become holes, or object if they are holes.
 
     Raises:

@@ -89,7 +89,7 @@ def finish(
     It is moved and scaled so that its box is centred on the origin and its farthest vertex 1 away.
 
     Args:
-        name: of the mesh.
+        name: name of the mesh.
         file: where the triangles are from, and how it stands.
         vertices: (V, 3) positions, in the file's world axes.
         faces: (F, 3) vertex indices.

@@ -44,7 +44,7 @@ def check_limits(path: Path) -> None:
     """Check a mesh file before it is parsed.
 
     Args:
-        path: of one of the formats of `SUFFIXES`; a file that is there.
+        path: an existing file in one of the formats of `SUFFIXES`.
 
     Raises:
         InputError: if it is too large, announces more than it can hold, or refers to something outside its

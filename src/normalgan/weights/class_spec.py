@@ -29,8 +29,8 @@ class ClassSpec:
     """A class and its settings.
 
     Args:
-        name: of a class that a registry knows, or where it is in dots; see `Registry.find`.
-        settings: of it, by name.
+        name: name of a registered class, or its dotted path; see `Registry.find`.
+        settings: its settings, by name.
     """
 
     name: str

@@ -54,7 +54,7 @@ def camera_of(projection: Doubles, placed: PlacedMesh, side: int) -> Camera:
         projection: (3, 4) from the mesh file's coordinates, homogeneous, to pixels of the drawing, x to the
             right and y downwards from the upper left corner; of any length and sign.
         placed: the mesh.
-        side: of the drawing in pixels.
+        side: side of the drawing in pixels.
 
     Raises:
         InputError: if there is no such camera: it is singular, skewed, a mirror, or stands in the mesh.

@@ -186,7 +186,7 @@ def encode_animation(
     """Return frames (H, W, 3) or (H, W, 4) as a file; WebP and PNG keep every colour, a GIF 256 a frame.
 
     Args:
-        kind: of the file.
+        kind: kind of the file.
         frames: one at least.
         durations: milliseconds that each is shown.
         loop: how often all are shown; 0 is for ever.

@@ -104,7 +104,7 @@ def find_files(
 
     Args:
         sketches: files, folders and globs; ``-`` is ``content``.
-        ending: of a normal map's name; such files beside drawings are none.
+        ending: ending of a normal map's name; files that end so are not drawings.
         hints: a file or a folder.
         mask: a file, a folder, or one of `OUTLINE`, `MODEL` and `READER`.
         content: what standard input holds.
@@ -158,7 +158,7 @@ def companions_of(ending: str) -> tuple[str, ...]:
     """Return the files beside a drawing that are named after it and are not drawings.
 
     Args:
-        ending: of a normal map's name, such as ``_normal.png``.
+        ending: ending of a normal map's name, such as ``_normal.png``.
     """
     outputs = [Path(each).stem for kind in OUTPUTS for each in kind().endings]
     suffix = Path(ending).stem
@@ -189,7 +189,7 @@ def plan(
     Args:
         files: the drawings.
         folder: where everything goes.
-        ending: of a normal map's name, such as ``_normal.png``.
+        ending: ending of a normal map's name, such as ``_normal.png``.
         others: endings of what else is written.
         may_clash: whether two drawings may go to one file, as somebody else sees to that.
         also_read: other files that are read, such as the model.

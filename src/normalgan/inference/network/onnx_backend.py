@@ -60,7 +60,7 @@ class OnnxBackend:
 
     Args:
         path: file that `normalgan export` wrote.
-        threads: of one run; 0 takes all cores.
+        threads: threads of one run; 0 takes all cores.
 
     Raises:
         InputError: if it is not such a file.

@@ -28,7 +28,7 @@ class Clay:
     """A matt material with a soft gloss, under one lamp and a grey sky; all colours are linear, from 0 to 1.
 
     Args:
-        colour: of the surface.
+        colour: colour of the surface.
         lamp: colour and strength of the lamp.
         sky: light that comes from above.
         ground: light that comes from below.

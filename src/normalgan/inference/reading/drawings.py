@@ -244,7 +244,7 @@ def read_normals(path: str | Path, green: Green = "up") -> tuple[Floats, Floats 
     """Read a normal map: PNG or TIFF of 8 or 16 bits a channel, TIFF or EXR of floats.
 
     Args:
-        path: of the file.
+        path: path of the file.
         green: which way of y it holds: up as in OpenGL, down as in DirectX.
 
     Returns:

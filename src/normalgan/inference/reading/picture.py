@@ -1,4 +1,4 @@
-"""Picture: a drawing's file as colours and opacity, before anything is known of its lines."""
+"""Picture: the colours and opacity of a drawing's file, before its lines are found."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

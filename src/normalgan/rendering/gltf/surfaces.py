@@ -70,7 +70,7 @@ def read_faces(container: Container, part: dict[str, Any], mode: int, count: int
         container: the file.
         part: the primitive.
         mode: 4 for a list of triangles, 5 for a strip, 6 for a fan.
-        count: of its vertices.
+        count: number of its vertices.
 
     Raises:
         InputError: if a face refers to a vertex that is not there.
