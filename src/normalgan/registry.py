@@ -104,7 +104,7 @@ class Registry(Generic[T]):
         """
         plugin: type[Any] = cls  # so that the checks do not narrow the type that is returned
         if not inspect.isclass(plugin):
-            raise TypeError(f"{getattr(cls, '__name__', cls)} is no class.")
+            raise TypeError(f"{getattr(cls, '__name__', cls)} is not a class.")
         name = plugin.__name__
         if not issubclass(plugin, self.base):
             raise TypeError(f"{name} is not a subclass of {self.base.__name__}.")

@@ -156,7 +156,7 @@ def _ears(
         side: direction of the width.
         swivel: degrees of individual difference.
         pricked: widest at the base instead, as a cat's.
-        chance: share of the individuals that have such.
+        chance: share of the individuals that have one.
     """
     outline = np.array((1.0, 0.95, 0.78, 0.5, 0.12) if pricked else (0.55, 0.88, 1.0, 0.72, 0.16))
     t = np.linspace(0, 1, 5)

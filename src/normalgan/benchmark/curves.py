@@ -134,7 +134,7 @@ def _promises(run: Result) -> bool:
 def learning_curve(runs: Iterable[Result]) -> tuple[Doubles, Doubles]:
     """Return images (K,) and errors (seeds, K), interpolated at the images of the longest run.
 
-    Under a time budget runs differ in length; after its end a run has nan.
+    Under a time budget runs differ in length; a shorter run is filled up with nan.
     """
     curves = [
         np.array([(record["images"], record[VALIDATION]) for record in run["curve"]], float).T for run in runs

@@ -132,7 +132,7 @@ class Evaluation:
 
     @property
     def tests(self) -> HintTests:
-        """What hints every method is tested with."""
+        """The hints that every method is tested with."""
         plan = self.plan
         placed = placements(plan.placements, plan.placement_counts)
         return HintTests(

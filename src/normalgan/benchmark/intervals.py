@@ -116,19 +116,19 @@ def total_interval(
     return Interval(value, value - reach, value + reach)
 
 
-def draws_of(count: int, most: int = DRAWS, seed: int = 0) -> Indices:
+def draws_of(count: int) -> Indices:
     """Return the meshes of each bootstrap draw, (draws, count), with replacement.
 
-    All possible draws if they are at most ``most``, otherwise ``most`` random ones.
+    These are all possible draws if there are at most `DRAWS` of them, otherwise `DRAWS` random ones.
 
     >>> draws_of(2).tolist()
     [[0, 0], [0, 1], [1, 0], [1, 1]]
     >>> draws_of(20).shape
     (10000, 20)
     """
-    if count**count <= most:
+    if count**count <= DRAWS:
         return np.array(list(product(range(count), repeat=count)))
-    return np.random.default_rng(seed).integers(0, count, (most, count))
+    return np.random.default_rng(0).integers(0, count, (DRAWS, count))
 
 
 def pooled(values: Table, pixels: Table, draws: Indices) -> Table:

@@ -192,7 +192,7 @@ def _with_base(path: Path, above: tuple[Path, ...]) -> tuple[Settings, list[Row]
         settings, rows = _with_base(Path(_beside(path, base)), (*above, path.resolve()))
     own = content.pop("rows", [] if base is not None else None)
     if not isinstance(own, list) or not all(isinstance(row, dict) for row in own):
-        raise InputError(f"the rows of the plan {path} are no list of settings.")
+        raise InputError(f"the rows of the plan {path} are not a list of settings.")
     read = [
         _read(Row, row, f"the row {row.get('name', i + 1)} of the plan {path}") for i, row in enumerate(own)
     ]

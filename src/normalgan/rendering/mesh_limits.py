@@ -106,7 +106,7 @@ def buffer_file(path: Path, uri: str) -> Path:
     plain = path.parent / uri
     file = plain if "%" in uri and plain.is_file() else path.parent / name
     if file.exists() and not file.is_file():
-        raise InputError(f"{path} refers to {uri[:80]!r}, which is no file.")
+        raise InputError(f"{path} refers to {uri[:80]!r}, which is not a file.")
     return file
 
 

@@ -92,7 +92,7 @@ class ModelMetadata:
 
     @classmethod
     def parse(cls, metadata: Mapping[str, str]) -> "ModelMetadata":
-        """Return the notes in such texts.
+        """Return the metadata that such texts hold.
 
         Raises:
             KeyError: if one is missing.

@@ -155,7 +155,7 @@ def _xml(text: str, path: Path) -> dict[str, Any]:
 
 def _no_tileset(path: Path) -> InputError:
     return InputError(
-        f"{path} is no tileset of Tiled (.tsx, .tsj); name one, export the map's tileset from Tiled, or "
+        f"{path} is not a tileset of Tiled (.tsx, .tsj); name one, export the map's tileset from Tiled, or "
         f"{_EXAMPLE}."
     )
 
