@@ -45,7 +45,7 @@ class Prepared:
         painted: (h, w), 1 where the user has added to the object, -1 where they have cut, 0 elsewhere; or
             None.
         held: whether the outline is open and the mask is the one before it was.
-        line_widths: widths of lines that the model sees as they were drawn.
+        line_widths: of the lines that the model is shown as they were drawn.
         given: the hints in pixels of the drawing, to check that they lie on the object; or None.
         unsure: findings about the mask; places are in pixels of the drawing.
         decision: how the mask was found in the lines, if it was.
@@ -96,7 +96,7 @@ def prepare(
         painted: (H, W) of any size, 1 where the user has added to the object, -1 where they have cut, 0
             elsewhere.
             What was added closes the gaps that it covers in an outline.
-        line_widths: widths of lines that the model knows, in its pixels; it sees them as they were drawn.
+        line_widths: of the lines that the model knows, in its pixels; they are shown as they were drawn.
         flips: x and y in pixels of the drawing; the region that lines enclose there becomes a hole, or object
             if it is a hole.
 
