@@ -171,7 +171,7 @@ def main() -> int:
         parser.error(f"the add-on for {given.name} goes into a folder of yours: name it with --to")
     found = shutil.which(given.normalgan) if given.normalgan else own_command()
     if given.normalgan and not found:
-        parser.error(f"{given.normalgan} is no command; give the path of normalgan")
+        parser.error(f"{given.normalgan} is not a command; give the path of normalgan")
     normalgan = str(Path(found).absolute()) if found else ""  # the program has another working directory
     try:
         install(given.name, folder, normalgan)

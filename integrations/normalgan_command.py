@@ -52,7 +52,7 @@ def find_command(chosen: str = "") -> str:
         if found:
             return found
         if given:
-            raise CommandError(f"normalgan was not found: {given} is no command; {REMEDY}")
+            raise CommandError(f"normalgan was not found: {given} is not a command; {REMEDY}")
     found = shutil.which("normalgan")
     if found is None:
         raise CommandError(f"normalgan was not found; {REMEDY}")

@@ -107,7 +107,17 @@ def complete() -> set[str]:
 def test_every_file_is_known_here() -> None:
     files = {str(p.relative_to(ROOT / "configs").with_suffix("")) for p in (ROOT / "configs").rglob("*.yaml")}
     files = {name for name in files if not name.startswith("benchmark/")}  # plans, read elsewhere
-    others = {"deepnormals", "quickstart", "ours", "lines_varied", "refiner", "shipped", "tuned", "wider"}
+    others = {
+        "deepnormals",
+        "few_sketches",
+        "quickstart",
+        "ours",
+        "lines_varied",
+        "refiner",
+        "shipped",
+        "tuned",
+        "wider",
+    }
     assert files == {*others, *METHODS, *itertools.chain(*OVERLAYS)}
     assert complete() == {"deepnormals", "quickstart", "ours", *METHODS}
 

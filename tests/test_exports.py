@@ -32,10 +32,11 @@ def test_every_module_says_what_it_offers_and_hides_the_rest() -> None:
     for path in FILES:
         offered: list[str] | None = None
         defined, imported = set(), set()
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        for node in ast.walk(tree):
             if isinstance(node, ast.Import | ast.ImportFrom):
                 imported |= {(alias.asname or alias.name).partition(".")[0] for alias in node.names}
-        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        for node in tree.body:
             if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
                 defined.add(node.name)
             elif "__all__" in assigned(node):

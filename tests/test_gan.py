@@ -211,7 +211,7 @@ def test_steadiness_holds_the_map_against_strokes_that_say_nothing(tmp_path: Pat
             generator_optimizer=partial(Adam, lr=3e-3),
             distractor_consistency=weight,
         )
-        trainer(tmp_path / name, max_epochs=30).fit(model, loader(16, 32, 8))
+        trainer(tmp_path / name, max_epochs=20).fit(model, loader(16, 32, 8))
         model.eval()
         torch.manual_seed(1)
         with torch.no_grad():

@@ -2,6 +2,7 @@
 
 import ast
 import re
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -74,13 +75,20 @@ def origin(node: ast.ImportFrom, path: Path) -> str:
     return ".".join((*path.parent.relative_to(SOURCE.parent).parts, node.module or ""))
 
 
+@cache
+def imports_in(path: Path) -> list[ast.Import | ast.ImportFrom]:
+    """Return the imports of a file, wherever in it."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    return [node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)]
+
+
 def imported(path: Path) -> set[str]:
-    """Return the modules that a file imports, wherever in it."""
+    """Return the modules that a file imports."""
     found: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in imports_in(path):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
+        else:
             found.add(origin(node, path))
             if node.module == "normalgan":
                 found |= {f"normalgan.{alias.name}" for alias in node.names if alias.name.islower()}
@@ -88,17 +96,18 @@ def imported(path: Path) -> set[str]:
 
 
 def targets(path: Path) -> set[str]:
-    """Return the modules that a file imports, wherever in it, and not what it takes from them."""
+    """Return the modules that a file imports, and not what it takes from them."""
     found: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in imports_in(path):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
-        elif isinstance(node, ast.ImportFrom):
+        else:
             within = {f"{origin(node, path)}.{alias.name}" for alias in node.names}
             found |= {name for name in within if is_module(name)} or {origin(node, path)}
     return found
 
 
+@cache
 def is_module(name: str) -> bool:
     path = SOURCE.parent / name.replace(".", "/")
     return path.with_suffix(".py").is_file() or (path / "__init__.py").is_file()

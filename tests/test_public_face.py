@@ -61,7 +61,7 @@ def test_from_an_array_to_a_saved_map(tmp_path: Path) -> None:
     ("name", "sentence"),
     [
         ("gone.ckpt", r"^there is no model gone\.ckpt; give a file \(\.onnx, \.safetensors, \.ckpt\)"),
-        ("text.onnx", r"text\.onnx is no model that ONNX Runtime can run"),
+        ("text.onnx", r"text\.onnx is not a model that ONNX Runtime can run"),
     ],
 )
 def test_what_is_no_model_is_refused(

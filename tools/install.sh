@@ -20,22 +20,27 @@ if [ ! -x "$venv/bin/python" ]; then
     }
 fi
 
+# uv resolves in a second what takes pip forty, and unpacks in parallel. Where it cannot install, because only pip knows
+# of a mirror for example, pip does.
+"$venv/bin/pip" install --quiet uv || say "uv cannot be installed; pip takes some minutes more."
+with_uv() {
+    UV_HTTP_RETRIES=1 "$venv/bin/uv" pip install --quiet --python "$venv/bin/python" "$@" 2>/dev/null
+}
+
 # PyTorch first: where there is no NVIDIA GPU, its build for the CPU saves gigabytes of CUDA libraries. uv knows
 # where PyTorch keeps those builds; pip alone would take the one with CUDA on Linux.
 if ! "$venv/bin/python" -c 'import importlib.metadata as m; m.version("torch")' 2>/dev/null; then
     if [ "$(uname -s)" = Linux ] && ! command -v nvidia-smi >/dev/null 2>&1; then
         say "Installing PyTorch for the CPU …"
-        "$venv/bin/pip" install --quiet uv
-        UV_HTTP_RETRIES=1 "$venv/bin/uv" pip install --quiet --python "$venv/bin/python" \
-            --torch-backend cpu "$torch" 2>/dev/null || {
+        with_uv --torch-backend cpu "$torch" || {
             say "PyTorch's own index of CPU builds is out of reach; asking pip's index instead."
             "$venv/bin/pip" install "$torch"
         }
     else
         say "Installing PyTorch …"
-        "$venv/bin/pip" install --quiet "$torch"
+        with_uv "$torch" || "$venv/bin/pip" install --quiet "$torch"
     fi
 fi
 say "Installing normalgan …"
 # pyrender asks for a PyOpenGL that has no wheel; without the flag older pips complain at length.
-"$venv/bin/pip" install --quiet --use-pep517 --editable ".$extras"
+with_uv --editable ".$extras" || "$venv/bin/pip" install --quiet --use-pep517 --editable ".$extras"

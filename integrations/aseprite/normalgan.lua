@@ -35,7 +35,7 @@ local function command()
     return nil,
       "normalgan was not found: "
         .. given
-        .. " is no command; install it and run integrations/install.py again, or set the environment variable "
+        .. " is not a command; install it and run integrations/install.py again, or set the environment variable "
         .. "NORMALGAN to the path of its command."
   end
   return given, nil

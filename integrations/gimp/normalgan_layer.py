@@ -110,7 +110,7 @@ def query() -> None:
 
 
 def checked(answer: int) -> int:
-    """Return what a procedure of GIMP returned, if it is no error."""
+    """Return what a procedure of GIMP returned, if it is not an error."""
     if answer in (0, -1):
         raise CommandError(f"GIMP: {gimp.gimp_get_pdb_error().decode(errors='replace')}")
     return answer

@@ -25,7 +25,7 @@ class Evaluation(LightningModule):
         generator: predicts the map.
         hint_sampler: stands in for the designer. A batch with its own hints keeps them; prediction uses only
             those.
-        seed: of the hints.
+        seed: seed of the hints.
         noise_at_test: whether dropout stays on when testing and predicting.
     """
 

@@ -95,7 +95,7 @@ class NormalGAN(SavedSettings, Evaluation):
             ``train/adversarial_share_output`` (at its output); 0 logs none. Such a step takes two more
             backward passes.
         noise_at_test: keep the noise z (dropout) on when testing and predicting, as pix2pix does.
-        seed: of the hints and the noise.
+        seed: seed of the hints and the noise.
         refined: whether its maps, enlarged to a drawing's size, are refined by the refiner of the package,
             which was trained for the weights that come with it.
         line_widths: the thinnest and the thickest line of a drawing, in pixels of the model, that it is shown

@@ -153,7 +153,7 @@ def pad_edge(pixels: NDArray[Any], there: NDArray[np.bool_], reach: int) -> None
     rim. A fourth channel, the opacity, stays as it is.
 
     Args:
-        pixels: of any type.
+        pixels: pixels of any type.
         there: (H, W), the object.
         reach: how far, in pixels.
 
@@ -210,7 +210,7 @@ def pixels_of(
 
     Args:
         normals: (H, W, 3).
-        bits: of each channel.
+        bits: bits of each channel.
         alpha: (H, W), the fourth channel; None leaves it out.
         blue_first: blue, green, red, as OpenCV writes them.
     """
@@ -304,7 +304,7 @@ def read_exr(path: str | Path, most: int = 8192) -> Floats:
     Its channels are R, G, B and A, or X, Y and Z, of the only layer or of one whose name ends in "normal".
 
     Args:
-        path: of the file.
+        path: path of the file.
         most: pixels that a side has at most.
 
     Raises:

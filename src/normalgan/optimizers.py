@@ -69,9 +69,9 @@ class MuonRAdam(RAdam):
     Args:
         params: tensors, or groups of them with settings of their own.
         lr: rate.
-        betas: of RAdam.
+        betas: betas of RAdam.
         weight_decay: decoupled, a share of ``lr``.
-        momentum: of the weights of wide layers.
+        momentum: momentum of the weights of wide layers.
         narrowest: smallest number of rows and columns of a matrix to orthogonalise.
 
     Raises:

@@ -101,7 +101,7 @@ class Registry(Generic[T]):
         """
         plugin: type[Any] = cls  # so that the checks do not narrow the type that is returned
         if not inspect.isclass(plugin):
-            raise TypeError(f"{getattr(cls, '__name__', cls)} is no class.")
+            raise TypeError(f"{getattr(cls, '__name__', cls)} is not a class.")
         name = plugin.__name__
         if not issubclass(plugin, self.base):
             raise TypeError(f"{name} is not a subclass of {self.base.__name__}.")
@@ -166,8 +166,8 @@ class Registry(Generic[T]):
         """Return the class that a file names, None if it is not known; nothing is imported for the name.
 
         Args:
-            name: of a registered class, or where it is in dots: its package decides, for within a package
-                classes move. A class that is not registered counts if it is imported already.
+            name: name of a registered class, or its dotted path. Of a path only the package counts, because
+                classes move within a package. An unregistered class counts if it is imported already.
         """
         known = self._registered(name)
         return known if known is not None or "." not in name else find_imported(name, self.base)

@@ -79,7 +79,7 @@ def figures(printed: str, heading: str) -> list[str]:
 
 
 def test_the_mean_of_the_training_maps_comes_first_on_a_fresh_cache(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, meshes: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """It needs the training split, which nobody had rendered; the second try worked."""
     row = {"name": "mean", "label": "mean", "classical": "mean"}
@@ -87,7 +87,8 @@ def test_the_mean_of_the_training_maps_comes_first_on_a_fresh_cache(
     plan = tmp_path / "plan.yaml"
     plan.write_text(yaml.safe_dump({**PLAN, **small, "rows": [row]}), encoding="utf-8")
     given = ["benchmark", "--config", str(plan), "-o", str(tmp_path / "out")]
-    assert main([*given, "--set", f"data.cache={tmp_path / 'cache'}"]) == 0, capsys.readouterr().out
+    data = (f"data.cache={tmp_path / 'cache'}", f"data.meshes={meshes}")
+    assert main([*given, "--set", *data]) == 0, capsys.readouterr().out
     (result,) = json.loads((tmp_path / "out" / "results.json").read_text(encoding="utf-8"))["runs"]
     assert result["row"] == "mean"
 
@@ -174,7 +175,7 @@ def test_mistakes_are_told_before_anything_starts(capsys: pytest.CaptureFixture[
         (["--config", cpu], "but was given 0"),
         (["--config", fourlegs, "--config", fourlegs], "but was given 2"),
         (["--config", fourlegs, "--rows", "paper,their"], "the plan has no row their"),
-        (["--config", fourlegs, "--budget", "soon"], "the budget 'soon' is no span of time"),
+        (["--config", fourlegs, "--budget", "soon"], "the budget 'soon' is not a span of time"),
         (["--config", fourlegs, "--images", "0"], "images of Plan is 0; it must be 1 or more"),
         (["--config", fourlegs, "--seeds", "one"], "--seeds was given 'one'; use whole numbers"),
         (["--config", fourlegs, "--cheat", "1"], "there is no setting cheat"),

@@ -119,7 +119,7 @@ def test_our_plans_have_every_row_of_the_comparison(name: str) -> None:
         (plan(seeds=[-1]), ["seeds of Plan is [-1]; each number must be 0 or more"]),
         (plan(checkpoint="first"), ["checkpoint", "first"]),
         (plan(reference="theirs"), ["the plan has no row theirs; it has mean, paper"]),
-        (plan(rows=3), ["are no list of settings"]),
+        (plan(rows=3), ["are not a list of settings"]),
         (plan(placements=["best"], placement_counts=[3]), ["no placement 'best'", "uniform, curvature"]),
         (
             plan(test_data={"size": 32}),

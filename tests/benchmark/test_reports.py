@@ -129,7 +129,7 @@ def confident(observed: float) -> dict[str, Any]:
     near += [{"from": 24.0, "to": None, "pixels": 9, "angular_mean": observed, "nz_bias": 0.0}]
     return {
         "calibration": {"0": bins, "15": bins},
-        "distance": {"0": {"170ths": near, "pixels": near}, "15": {"170ths": near[:1], "pixels": []}},
+        "distance": {"0": {"170ths": near}, "15": {"170ths": near[:1]}},
     }
 
 

@@ -39,13 +39,13 @@ def make_row(size: int = 50, degrees: float = 0.0, hints: int = 0) -> Row:
     )
 
 
-def drawn(*rows: Row, caption: str = "") -> Picture:
-    with Image.open(BytesIO(draw_gallery(rows, caption))) as image:
+def drawn(*rows: Row) -> Picture:
+    with Image.open(BytesIO(draw_gallery(rows))) as image:
         return np.asarray(image.convert("RGB"))
 
 
 def cell(picture: Picture, row: int, column: int, side: int = 200) -> Picture:
-    """Return a cell of a gallery without a caption, by where the layout has it."""
+    """Return a cell of a gallery, by where the layout has it."""
     top, left = 10 + 52 + row * (side + 24), 10 + column * (side + 8)
     return picture[top : top + side, left : left + side]
 
@@ -140,11 +140,7 @@ def test_any_size_makes_a_picture_of_moderate_width(size: int) -> None:
 
 def test_empty_object_is_drawn_without_warnings() -> None:
     row = make_row()
-    drawn(replace(row, mask=np.zeros_like(row.mask), target=np.zeros_like(row.target)), caption="none")
-
-
-def test_caption_takes_a_line() -> None:
-    assert len(drawn(make_row(), caption="Test split")) == len(drawn(make_row())) + 24
+    drawn(replace(row, mask=np.zeros_like(row.mask), target=np.zeros_like(row.target)))
 
 
 def test_file_is_written_whole(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ OFF = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
 # Further files are in rendering/test_mesh_files.py, by the function that reads them.
 BAD = {
     "nan.off": (OFF.replace("1 0 0", "nan 0 0").encode(), "not a finite number"),
-    "array.npy": (b"\x93NUMPY", "is no mesh file"),
+    "array.npy": (b"\x93NUMPY", "is not a mesh file"),
 }
 
 
@@ -67,9 +67,9 @@ def test_a_split_of_bad_meshes_alone_fails(bench: Bench, tmp_path: Path, name: s
 def test_meshes_that_are_not_there(bench: Bench, tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
     for meshes, words in {
-        str(tmp_path / "gone"): "is no file, no folder and no pattern",
+        str(tmp_path / "gone"): "is not a file, a folder or a pattern",
         str(tmp_path / "empty"): "holds no mesh",
-        f"[{tmp_path}/gone.ply]": "gone.ply is no file",
+        f"[{tmp_path}/gone.ply]": "gone.ply is not a file",
         "[]": "the list of meshes is empty",
     }.items():
         bench.run("fit", tmp_path / "run", "--data.meshes", meshes).refused(words)

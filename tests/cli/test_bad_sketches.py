@@ -76,7 +76,7 @@ def test_hints_that_cannot_be_used(predict: Callable[..., Outcome], tmp_path: Pa
     predict("--data.prediction.hints", hints).refused("holds no hints for any sketch")
     # What else they may not be is asked of what reads them, in inference/reading/test_drawings.py.
     Image.new("RGBA", (40, 40), (128, 128, 128, 255)).save(hints / "ring_hints.png")
-    predict("--data.prediction.hints", hints).refused("ring_hints.png", "is no normal")
+    predict("--data.prediction.hints", hints).refused("ring_hints.png", "is not a normal")
     assert not (tmp_path / "maps").exists()
 
 

@@ -29,7 +29,7 @@ BROKEN = {
         "DeprecationWarning: old",
     ),
     "lacks_it": ("", "AttributeError: module 'lacks_it' has no attribute 'Dots'"),
-    "function": ("def Dots(): ...", "Dots is no class"),
+    "function": ("def Dots(): ...", "Dots is not a class"),
     "stranger": ("class Dots: ...", "Dots is not a subclass of HintSampler"),
     "abstract": (
         "from normalgan.hints import HintSampler\nclass Dots(HintSampler): ...",

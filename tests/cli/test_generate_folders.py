@@ -171,8 +171,8 @@ def test_one_drawing_and_a_file_name_are_that_file(here: Path, capsys: pytest.Ca
     assert Path("deep/y.exr").read_bytes()[:4] == b"\x76\x2f\x31\x01"
     for arguments, sentence in (
         (["fox.png", "owl.png", "-o", "z.png"], "z.png is one file, but there are 2 sketches"),
-        (["fox.png", "-o", "z.png", "--format", "exr"], "z.png is no exr"),
-        (["fox.png", "-o", "z.exr", "--format", "png"], "z.exr is no png; name a file of that kind"),
+        (["fox.png", "-o", "z.png", "--format", "exr"], "z.png is not exr"),
+        (["fox.png", "-o", "z.exr", "--format", "png"], "z.exr is not png; name a file of that kind"),
         (["fox.png", "-o", "z.gif"], "z.gif would be an animation, but fox.png does not move."),
         (["fox.png", "-o", "fox.png"], "fox.png is read and would be written over"),
     ):
@@ -213,7 +213,7 @@ def test_no_folder_is_made_of_the_name_of_a_file(
 ) -> None:
     draw("fox.png")
     assert generate("fox.png", "-o", f"out/{name}") == 2
-    assert f"{name} is no name of a map, which ends in .png, .exr" in capsys.readouterr().err
+    assert f"{name} is not a map's name, which ends in .png, .exr" in capsys.readouterr().err
     assert not Path("out").exists()
     Path("out", name).mkdir(parents=True)
     assert generate("fox.png", "-o", f"out/{name}") == 0

@@ -111,7 +111,7 @@ def test_it_loads_neither_torch_nor_lightning() -> None:
     [
         (["hors"], "hors is neither a mesh file (.glb, .gltf, .obj, .off, .ply, .stl) nor an embedded"),
         (["hors"], "Did you mean horse?"),
-        (["none.obj"], "none.obj is no file, no folder and no pattern"),
+        (["none.obj"], "none.obj is not a file, a folder or a pattern"),
         (["horse", "-o", "a.jpg"], "the drawing a.jpg must be a .svg or a .png."),
         (["horse", "--normal", "n.tif"], "the normal map n.tif must be a .png."),
         (["horse", "--medium.noise", "0.1"], "a medium is made of pixels; write sketch.svg as .png"),

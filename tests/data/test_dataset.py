@@ -127,7 +127,11 @@ def test_loader_workers_read_what_this_process_reads(store: ShardedSamples, memo
 
 
 @pytest.mark.parametrize("workers", [0, 1])
-def test_a_cache_that_is_cleaned_while_it_is_read_ends_in_a_sentence(tmp_path: Path, workers: int) -> None:
+def test_a_cache_that_is_cleaned_while_it_is_read_ends_in_a_sentence(
+    tmp_path: Path, workers: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # A worker that has failed does not end by itself; PyTorch waits five seconds for it.
+    monkeypatch.setattr(torch.utils.data._utils, "MP_STATUS_CHECK_INTERVAL", 0.1)
     sources = {"train": [Octahedron("a")]}
     store = render_samples(str(tmp_path), sources, 40, recipe(), progress=False)["train"]
     loader = DataLoader(SampleDataset(store, memory=0), batch_size=4, num_workers=workers)
@@ -139,6 +143,7 @@ def test_a_cache_that_is_cleaned_while_it_is_read_ends_in_a_sentence(tmp_path: P
     assert re.fullmatch(
         r"shard [01] of train in \S* is unfinished or damaged; render .*\.", str(caught.value)
     )
+    del batches, caught  # ends the worker
 
 
 def test_a_damaged_store_says_so(tmp_path: Path) -> None:

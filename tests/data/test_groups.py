@@ -47,5 +47,5 @@ def test_groups_come_behind_meshes_without_one(meshes: Path, things: Path, cache
 
 
 def test_what_cannot_be_a_group_is_refused(things: Path) -> None:
-    with pytest.raises(InputError, match="no pattern that matches a mesh"):
+    with pytest.raises(InputError, match="a pattern that matches a mesh"):
         _ = MeshDataModule(groups=[MeshGroup(str(things / "none*.ply"))]).sources

@@ -74,7 +74,7 @@ def test_a_crash_is_told_and_the_next_picture_is_read(pool: process._Pool) -> No
     read_pixels(Path("a.png"), grey(1))
     pool._idle[0]._ready = True
     os.kill(child.pid, signal.SIGSTOP)  # so that it ends while a picture is waited for
-    killer = threading.Timer(2, os.kill, (child.pid, signal.SIGKILL))
+    killer = threading.Timer(0.5, os.kill, (child.pid, signal.SIGKILL))
     killer.start()
     with pytest.raises(InputError, match=r"^b\.png cannot be decoded: its decoder crashed \(SIGKILL\)\.$"):
         read_pixels(Path("b.png"), grey(2))

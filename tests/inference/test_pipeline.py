@@ -229,7 +229,7 @@ def test_the_same_picture_gives_the_same_map(model: Path) -> None:
 
 @pytest.mark.parametrize(
     ("content", "message"),
-    [(b"no model", "is no model that ONNX Runtime can run"), (b"", "is no model that ONNX")],
+    [(b"no model", "is not a model that ONNX Runtime can run"), (b"", "is not a model that ONNX")],
 )
 def test_what_is_no_model_is_told(tmp_path: Path, content: bytes, message: str) -> None:
     (tmp_path / "bad.onnx").write_bytes(content)

@@ -97,7 +97,7 @@ def test_each_frame_gets_a_cel_of_normals(tmp_path: Path) -> None:
 
 def test_what_goes_wrong_is_one_sentence(tmp_path: Path) -> None:
     (said,) = [line for line in run(tmp_path, NORMALGAN="/nowhere/normalgan") if line.startswith("ALERT")]
-    assert "normalgan was not found: /nowhere/normalgan is no command; install it and run" in said
+    assert "normalgan was not found: /nowhere/normalgan is not a command; install it and run" in said
     (tmp_path / "scripts" / "normalgan_path.txt").unlink()
     said = "\n".join(run(tmp_path, PATH="/bin-of-nobody"))
     assert "ALERT\tnormalgan was not found; install it" in said

@@ -112,7 +112,7 @@ def test_a_drawing_becomes_a_plane_lit_from_where_the_lamp_is(blender: list[str]
 @pytest.mark.slow  # starts Blender
 def test_without_normalgan_one_sentence_says_what_to_do(blender: list[str], tmp_path: Path) -> None:
     said = run(blender, tmp_path, FAILING, FOX, NORMALGAN="/nowhere/normalgan")
-    assert "SHOWN Error: normalgan was not found: /nowhere/normalgan is no command; install it" in said
+    assert "SHOWN Error: normalgan was not found: /nowhere/normalgan is not a command; install it" in said
 
 
 @pytest.mark.slow  # starts Blender

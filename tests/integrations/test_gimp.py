@@ -51,7 +51,7 @@ def test_the_map_is_a_layer_above_the_drawing_and_where_it_is(gimp: str, tmp_pat
 @pytest.mark.slow  # starts GIMP
 def test_without_normalgan_one_sentence_says_what_to_do(gimp: str, tmp_path: Path) -> None:
     said = run(gimp, tmp_path, FOX, NORMALGAN="/nowhere/normalgan")
-    assert "normalgan was not found: /nowhere/normalgan is no command; install it" in said
+    assert "normalgan was not found: /nowhere/normalgan is not a command; install it" in said
     assert "Traceback" not in said
 
 

@@ -89,7 +89,7 @@ def test_without_normalgan_one_sentence_says_what_to_do(inkscape: str, tmp_path:
     code, _, said = run_script(tmp_path, NORMALGAN="/nowhere/normalgan")
     assert code != 0
     assert said.strip() == (
-        "normalgan was not found: /nowhere/normalgan is no command; install it and run "
+        "normalgan was not found: /nowhere/normalgan is not a command; install it and run "
         "integrations/install.py again, or set the environment variable NORMALGAN to the path of its command."
     )
 

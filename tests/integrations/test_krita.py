@@ -87,7 +87,9 @@ def test_the_map_is_a_layer_above_the_drawing(krita: str, tmp_path: Path, space:
 @pytest.mark.slow  # starts Krita
 def test_without_normalgan_one_sentence_says_what_to_do(krita: str, tmp_path: Path) -> None:
     told = run(krita, tmp_path, NORMALGAN="/nowhere/normalgan")
-    assert told["error"].startswith("normalgan was not found: /nowhere/normalgan is no command; install it")
+    assert told["error"].startswith(
+        "normalgan was not found: /nowhere/normalgan is not a command; install it"
+    )
     assert told["layers"] == ["Background"]
 
 

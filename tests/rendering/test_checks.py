@@ -55,8 +55,8 @@ def line(*ends: float, width: float = 1.0) -> Stroke:
         (None, r"^Odd gave NoneType; a line style gives a list of Stroke\.$"),
         ([np.zeros((3, 2))], r"^Odd gave list of ndarray; a line style gives a list of Stroke\.$"),
         ([line(0, 9), "line"], r"^Odd gave list of str; a line style gives a list of Stroke\.$"),
-        ([line(0, np.nan)], r"^Odd gave a stroke whose points are no numbers; they must be finite\.$"),
-        ([line(0, 9, width=np.inf)], r"^Odd gave a stroke whose width are no numbers"),
+        ([line(0, np.nan)], r"^Odd gave a stroke whose points are not numbers; they must be finite\.$"),
+        ([line(0, 9, width=np.inf)], r"^Odd gave a stroke whose width are not numbers"),
         # Cut up into pixels these would take all memory there is.
         (
             [line(0, 1e9)],
@@ -100,7 +100,7 @@ def test_a_line_style_that_gives_no_such_strokes_is_named(
             lambda maps: replace(maps, mask=maps.mask.astype(np.float32)),
             r"^OddRenderer gave a mask of float32; it is bool, True on the object\.$",
         ),
-        (lambda maps: replace(maps, normal=maps.normal * np.nan), r"gave normals that are no numbers; they"),
+        (lambda maps: replace(maps, normal=maps.normal * np.nan), r"gave normals that are not numbers; give"),
     ],
     ids=["nothing", "half of it", "no depth", "a soft mask", "no numbers"],
 )
@@ -130,15 +130,15 @@ def test_a_wrong_style_of_a_mixture_is_named_and_not_the_mixture(seen: tuple[Mes
         (lambda mesh: (mesh.vertices, mesh.faces), r"^its load gave tuple; what is rendered is a"),
         (
             lambda mesh: replace(mesh, vertices=mesh.vertices.tolist()),
-            r"^its load gave a Mesh whose vertices are no array of \(V, 3\) finite floats\.$",
+            r"^its load gave a Mesh whose vertices are not an array of \(V, 3\) finite floats\.$",
         ),
         (
             lambda mesh: replace(mesh, normals=mesh.normals * np.nan),
-            r"^its load gave a Mesh whose normals are no array of \(V, 3\) finite floats\.$",
+            r"^its load gave a Mesh whose normals are not an array of \(V, 3\) finite floats\.$",
         ),
         (
             lambda mesh: replace(mesh, faces=mesh.faces[:0]),
-            r"^its load gave a Mesh whose faces are no array of \(F, 3\) whole numbers\.$",
+            r"^its load gave a Mesh whose faces are not an array of \(F, 3\) whole numbers\.$",
         ),
         (
             lambda mesh: replace(mesh, normals=mesh.normals[:7]),

@@ -37,8 +37,8 @@ def test_a_user_may_name_a_folder_a_pattern_a_file_or_several(tmp_path: Path) ->
 def test_sources_that_hold_no_mesh_or_two_of_one_name_are_refused(tmp_path: Path) -> None:
     sources: list[tuple[str | list[str], str]] = [
         (str(tmp_path), "the folder .* holds no mesh; files in .off .obj"),
-        (str(tmp_path / "gone"), "gone is no file, no folder and no pattern that matches"),
-        (str(tmp_path / "*.off"), "no pattern that matches a mesh file"),
+        (str(tmp_path / "gone"), "gone is not a file, a folder or a pattern that matches"),
+        (str(tmp_path / "*.off"), "a pattern that matches a mesh file"),
         ([], "the list of meshes is empty"),
     ]
     for source, message in sources:
@@ -110,8 +110,8 @@ def test_an_orientation_file_turns_the_meshes_that_it_names(tmp_path: Path) -> N
         ('{"a": {"rotation": [[1, 0, 0], [0, 1], [0, 0, 1]]}}', "must be 3 rows of 3 numbers"),
         ('{"a": {"rotation": [["x", 0, 0], [0, 1, 0], [0, 0, 1]]}}', "must be 3 rows of 3 numbers"),
         ('{"a": {"rotation": [[NaN, 0, 0], [0, 1, 0], [0, 0, 1]]}}', "must be 3 rows of 3 numbers"),
-        ('{"a": {"rotation": [[2, 0, 0], [0, 1, 0], [0, 0, 1]]}}', "is no rotation"),
-        ('{"a": {"rotation": [[-1, 0, 0], [0, 1, 0], [0, 0, 1]]}}', "is no rotation"),
+        ('{"a": {"rotation": [[2, 0, 0], [0, 1, 0], [0, 0, 1]]}}', "is not a rotation"),
+        ('{"a": {"rotation": [[-1, 0, 0], [0, 1, 0], [0, 0, 1]]}}', "is not a rotation"),
     ],
 )
 def test_a_bad_orientation_file_is_refused(tmp_path: Path, text: str, message: str) -> None:
@@ -126,5 +126,5 @@ def test_a_bad_orientation_file_is_refused(tmp_path: Path, text: str, message: s
 def test_settings_of_a_mesh_file_are_checked() -> None:
     with pytest.raises(InputError, match="crease_angle of MeshFile is 200; it must be from 0 to 180"):
         MeshFile("cow.off", crease_angle=200)
-    with pytest.raises(InputError, match=r"cow.off: 'rotation' is no rotation"):
+    with pytest.raises(InputError, match=r"cow.off: 'rotation' is not a rotation"):
         MeshFile("cow.off", rotation=((1, 0, 0), (0, 1, 0), (0, 0, 2)))

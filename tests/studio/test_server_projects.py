@@ -84,9 +84,9 @@ def test_what_is_no_project_hides_none_and_is_waited_for_by_nobody(
         file.truncate(3 * 2**30)  # sparse
     assert {entry["name"] for entry in client.get("/api/projects").json()} == {"fox", "large"}
     for name, words in {
-        "pipe": "is no file but a pipe or a device",
+        "pipe": "is a pipe or a device",
         "loop": "cannot be read: ",
-        "zero": "is no file but a pipe or a device",
+        "zero": "is a pipe or a device",
         "folder": "cannot be read: ",
         "large": "has more than 20971520 bytes",
     }.items():

@@ -296,7 +296,7 @@ GENERATORS: Cases = [
             "Unsure": (unsure, "predicted a confidence of 0 or less; the fourth channel must be above 0"),
             "Explodes": (
                 lambda right, condition: right(condition) / (condition[:, 3:] * 0),
-                "predicted what is no number; its answer must be finite",
+                "predicted values that are not finite; its answer must be finite",
             ),
             "Lonely": (
                 lambda right, condition: right(condition).view(
@@ -387,7 +387,7 @@ DISCRIMINATORS = broken(
         ),
         "Logarithm": (
             lambda right, *given: ((0 * right(*given)[0]).log(),),
-            "gave a score that is no number; scores must be finite",
+            "gave a score that is not finite; scores must be finite",
         ),
         "LooksAway": (
             lambda right, condition, normal: right(condition, 0 * normal),
@@ -835,7 +835,7 @@ RENDERERS: Cases = [
         *(Rays, "check", HERE),
         {"Missing": (no_opengl, "raised InputError .there is no OpenGL here. when asked for running here")},
     ),
-    (Loose, "Loose is no frozen dataclass; its fields are its settings, and enter the key"),
+    (Loose, "Loose is not a frozen dataclass; its fields are its settings, and enter the key"),
 ]
 
 
@@ -878,7 +878,7 @@ LINE_STYLES: Cases = [
             ),
             "Unplaced": (
                 lambda right, points, width, rng: right(points * np.nan, width, rng),
-                "gave a stroke whose points are no numbers; they must be finite",
+                "gave a stroke whose points are not numbers; they must be finite",
             ),
             "Magnified": (
                 lambda right, points, width, rng: right(points * 4, width, rng),

@@ -137,12 +137,15 @@ MODEL: dict[str, tuple[Callable[[Tree], object], str]] = {
         part("generator", class_path=NETWORK, init_args={"norm": [SYMPY]}),
         "settings that a model brings",
     ),
-    "further arguments": (part("generator", class_path=NETWORK, dict_kwargs=SYMPY), "no class with settings"),
+    "further arguments": (
+        part("generator", class_path=NETWORK, dict_kwargs=SYMPY),
+        "not a class with settings",
+    ),
     "settings as text": (
         part("generator", class_path=NETWORK, init_args=str(SYMPY)),
-        "no class with settings",
+        "not a class with settings",
     ),
-    "a text for a class": (part("generator", class_path=SYMPY), "no class with settings"),
+    "a text for a class": (part("generator", class_path=SYMPY), "not a class with settings"),
     "a list that holds itself": (
         part("generator", class_path=NETWORK, init_args={"width": _itself()}),
         "width of normalgan.models.UNetGenerator is a list",
@@ -203,7 +206,7 @@ TRAINING: dict[str, tuple[Callable[[Tree], object], str]] = {
     ),
     "a function as an optimiser": (
         put("hyper_parameters", "discriminator_optimizer", value="os.system"),
-        "no class",
+        "not a class",
     ),
     "the discriminator": (part("discriminator", class_path=f"{EVIL}.Foo"), "no Discriminator named"),
     "a wide discriminator": (
@@ -359,11 +362,11 @@ FILES: dict[str, tuple[Callable[[], bytes], str]] = {
     ),
     "lying": (_lying, "its parts are longer than the file"),
     "two pickles": (lambda: repacked(**{"DATA.PKL": b"x"}), "two of its parts have the same name"),
-    "prefixed": (lambda: b"MZ" * 99 + bytes_of(), "it is no archive of torch"),
-    "commented": (_commented, "it is no archive of torch"),
+    "prefixed": (lambda: b"MZ" * 99 + bytes_of(), "it is not an archive of torch"),
+    "commented": (_commented, "it is not an archive of torch"),
     "old format": (
         lambda: _saved(sound(), _use_new_zipfile_serialization=False),
-        "it is no archive of torch",
+        "it is not an archive of torch",
     ),
     "bytes": (
         lambda: repacked(**{"data.pkl": _calls("__builtin__", "bytearray", 2**40)}),

@@ -280,8 +280,8 @@ REFUSED = {
     "many numbers.gltf": "announces 3000000043 numbers, more than a mesh file can hold",
     "many views.gltf": "refers to the same bytes again and again",
     "a part repeated.gltf": "places 200000000 vertices; reduce it to",
-    "a pipe.gltf": "refers to 'pipe', which is no file",
-    "a device.gltf": "refers to 'zero.bin', which is no file",
+    "a pipe.gltf": "refers to 'pipe', which is not a file",
+    "a device.gltf": "refers to 'zero.bin', which is not a file",
 }
 """What is said of some."""
 REFUSED_RIGS = {

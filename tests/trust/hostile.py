@@ -60,7 +60,7 @@ MESHES: dict[str, tuple[str | bytes, str]] = {
     "endless.gltf": (elsewhere("/dev/zero"), "does not lie in its folder"),
     "network.gltf": (elsewhere("http://127.0.0.1:9/triangle.bin"), "does not lie in its folder"),
     "scheme.gltf": (elsewhere("file:///etc/passwd"), "does not lie in its folder"),
-    "link.gltf": (elsewhere("zero.bin"), "which is no file"),
+    "link.gltf": (elsewhere("zero.bin"), "which is not a file"),
     "count.gltf": (gltf(accessors=[{**ACCESSOR, "count": BILLION}]), "announces 3000000000 numbers"),
     "zeros.gltf": (
         gltf(accessors=[{"componentType": 5126, "type": "VEC3", "count": BILLION}]),

@@ -71,7 +71,7 @@ def make_animals(
 
     Args:
         count: how many.
-        seed: of the herd.
+        seed: seed of the animals.
         species: names of species, and of groups, which stand for all their species.
         postures: share of the animals, from 0 to 1, that sit, lie, rear, beg, bow, leap or look back, where
             the species knows one of these; the others are in a pose of their habits.

@@ -182,7 +182,7 @@ def _stride(rng: Rng, swing: float, knee: float, elbow: float, lean: float) -> S
 
 
 def _sit(rng: Rng) -> Stance:
-    """On a bench nobody sees, or on the ground with the legs ahead."""
+    """It sits on an invisible bench, or on the ground with its legs ahead."""
     ground = rng.uniform() < 0.5
     knee, out = (rng.uniform(5, 30), 16.0) if ground else (rng.uniform(75, 95), 9.0)
     legs = tuple(_Leg(88.0, out + rng.uniform(-3, 6), knee, 0.0) for _ in range(2))
@@ -349,7 +349,7 @@ class Biped(PosedPlan):
     Args:
         habits: the poses it is seen in; one named twice is drawn twice as often.
         body: the flesh around the bones.
-        measures: of the average individual.
+        measures: proportions of the average individual.
         spread: how much an individual's measures differ, as a fraction, at most a half.
     """
 

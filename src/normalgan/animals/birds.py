@@ -56,9 +56,9 @@ class Tail:
     """A fan of feathers, in units of the length of the body.
 
     Args:
-        length: of the feathers.
+        length: length of the feathers.
         feathers: how many there are; 2 or more.
-        half_width: of one.
+        half_width: half the width of one.
         closed: degrees of the closed fan.
         raised: degrees it is raised.
     """

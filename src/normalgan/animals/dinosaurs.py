@@ -35,9 +35,9 @@ class Arm:
     """A pair of arms.
 
     Args:
-        shoulder: of the right one.
-        length: of it.
-        radius: of it.
+        shoulder: shoulder of the right leg.
+        length: its length.
+        radius: its radius.
     """
 
     shoulder: Point
@@ -54,7 +54,7 @@ class Theropod(PosedPlan):
         torso: from the root of the tail to the chest.
         tail: from its tip into the torso.
         neck: from inside the chest to the head.
-        length: of the head.
+        length: length of the head.
         skull: head and upper jaw, in units of ``length``.
         jaw: the lower jaw, hinged at its first station, in units of ``length``.
         eye: in units of ``length``.
@@ -179,7 +179,7 @@ class Armour:
 
     Args:
         plates: how many there are, in two rows.
-        height: of the largest plate, in units of the height at the withers.
+        height: height of the largest plate, in units of the height at the withers.
         spikes: pairs of spikes near the tip of the tail.
         frill: reach of a shield behind the head in units of the length of the head; 0 for none.
     """

@@ -65,7 +65,7 @@ def _finlet(x: float, height: float, below: bool = False) -> Fin:
 
     Args:
         x: where it is.
-        height: of its root over the middle of the body.
+        height: height of its root over the middle of the body.
         below: whether it is on the belly instead of the back.
     """
     side = -1.0 if below else 1.0
@@ -79,9 +79,9 @@ class Gills:
 
     Args:
         x: where the first one is.
-        y: of its middle.
-        z: of the right flank.
-        height: of a slit.
+        y: y of its middle.
+        z: z of the right flank.
+        height: height of a slit.
         slits: how many there are.
         lid: whether a gill cover shows as one curved groove.
     """
@@ -101,10 +101,10 @@ class Fish(PosedPlan):
     Args:
         habits: the poses it is seen in; one named twice is drawn twice as often.
         body: from the tail to the nose.
-        fins: all fins but that of the tail, in the order in which they blend.
+        fins: all fins but the tail fin, in the order in which they blend.
         eye: the right one of a pair.
         mouth: points of its right half, from the corner to the middle in front.
-        gills: of both flanks.
+        gills: gills of both flanks.
         tail: the tail fin, upright, or None.
         spines: how many spines stand off its skin.
         wave: degrees by which body and tail swing when it swims.

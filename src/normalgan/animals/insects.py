@@ -97,7 +97,7 @@ def _feelers(base: ArrayLike, bends: Sequence[ArrayLike], thick: float, club: fl
     """Return a pair of antennae.
 
     Args:
-        base: of the right one.
+        base: base of the right-hand one.
         bends: the points that it continues through, as offsets from the base.
         thick: radius at the base.
         club: radius at the tip over that.

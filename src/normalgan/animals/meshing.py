@@ -30,7 +30,7 @@ def to_mesh(name: str, parts: Sequence[Part], count: int = _FACES) -> Mesh:
     """Return the surface of the blended parts, centred and scaled to a bounding sphere of radius 1.
 
     Args:
-        name: of the mesh.
+        name: name of the mesh.
         parts: in the order in which they blend.
         count: about how many faces it is to have.
 

@@ -19,7 +19,7 @@ def turned(heights: Sequence[float], radii: Sequence[float], wall: float) -> lis
 
     Args:
         heights: stations from the foot up, the last one the rim.
-        radii: of its outside at these.
+        radii: radii of its outside at these.
         wall: thickness.
     """
     rows = list(zip(heights, radii, strict=True))

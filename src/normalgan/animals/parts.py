@@ -34,7 +34,7 @@ class Ripple(NamedTuple):
     """Bumps on a surface: fleece, fur, leaves.
 
     Args:
-        height: of the highest.
+        height: height of the highest point.
         wavelength: about the distance from one to the next.
     """
 
@@ -64,7 +64,7 @@ class Part:
         return np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
 
     def thickened(self, thinnest: float) -> Self:
-        """Return it with no radius below ``thinnest``."""
+        """Return a copy whose radii are at least ``thinnest``."""
         return replace(self, shapes=tuple(shape.thickened(thinnest) for shape in self.shapes))
 
     def placed(self, frame: Frame, size: float = 1.0) -> Self:
@@ -121,7 +121,7 @@ def tube(
 
     Args:
         points: (n, 3) the curve, or (n, 2) for one in the middle plane.
-        radii: of the section across ``side``, one or n.
+        radii: radii of the section across ``side``, one or n.
         widths: along ``side``; None for round ones.
         side: (3,) or (n, 3) direction of the widths.
         flat: whether the end is cut off at its last point.

@@ -43,7 +43,7 @@ class Eyeball:
 
     Args:
         at: its middle.
-        radius: of it.
+        radius: its radius.
     """
 
     at: Point

@@ -81,9 +81,9 @@ def _skull(cheeks: float = 0.0) -> list[Part]:
     return parts
 
 
-def _buttons(aside: float, up: float, radius: float, out: float = 1.0) -> Part:
+def _buttons(aside: float, up: float, radius: float) -> Part:
     """Return a pair of round eyes sewn on."""
-    return pair(ball(on_skull(aside, up, out), radius), blend=0.02)
+    return pair(ball(on_skull(aside, up, 1.0), radius), blend=0.02)
 
 
 def _smile(aside: float, up: float, rise: float, out: float = 1.0) -> Part:

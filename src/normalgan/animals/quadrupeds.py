@@ -78,9 +78,9 @@ class Limb:
 
     Args:
         template: their shape, or the name of a shared one.
-        x: of the uppermost joint, forward.
-        y: of the uppermost joint, above the ground.
-        z: of the uppermost joint, from the middle.
+        x: x of the uppermost joint, forward.
+        y: y of the uppermost joint, above the ground.
+        z: z of the uppermost joint, from the middle.
         foot: z of the foot.
         thick: factor on the template's radii.
     """
@@ -130,7 +130,7 @@ def _nostrils(at: Point, radius: float) -> Ornament:
 
     Args:
         at: the right one, in units of the head's length.
-        radius: of it.
+        radius: its radius.
     """
     x, y, z = np.column_stack([at, np.add(at, (0.04, 0.02, -0.01))])
     return Ornament(Stations(x, y, np.array([radius, 0.8 * radius]), z), carve=True, blend=0.008)
@@ -149,14 +149,14 @@ def _ears(
     """Return a pair of ears shaped like leaves: wide in the middle, pointed.
 
     Args:
-        base: of the right one, in units of the head's length.
+        base: base of the right-hand one, in units of the head's length.
         tip: its tip.
         half_width: half of its greatest width.
         thick: half of its thickness.
         side: direction of the width.
         swivel: degrees of individual difference.
         pricked: widest at the base instead, as a cat's.
-        chance: share of the individuals that have such.
+        chance: share of the individuals that have one.
     """
     outline = np.array((1.0, 0.95, 0.78, 0.5, 0.12) if pricked else (0.55, 0.88, 1.0, 0.72, 0.16))
     t = np.linspace(0, 1, 5)
@@ -172,7 +172,7 @@ class Eye:
     Args:
         x: along the head.
         angle: degrees above the middle of the side.
-        radius: of the ball.
+        radius: radius of the ball.
     """
 
     x: float
@@ -185,7 +185,7 @@ class Mouth:
     """The groove between the lips.
 
     Args:
-        x: of its corner, along the head.
+        x: position of its corner along the head.
         angle: degrees above the middle of the side, negative below.
     """
 
@@ -198,10 +198,10 @@ class Head:
     """The skull and what grows on it, in the head's own frame and length: x to the nose, y up, 0 at the poll.
 
     Args:
-        length: of the head, in units of the height at the withers.
+        length: length of the head, in units of the height at the withers.
         pitch: degrees by which the face points up (negative: down) at rest.
         skull: its sections.
-        eye: of a pair.
+        eye: one eye of a pair.
         ornaments: nose, nostrils, ears, horns, in the order in which they blend.
         mouth: or None for a closed one.
         flat: whether the snout ends flat.
@@ -222,8 +222,8 @@ class Mane:
 
     Args:
         height: over the neck's spine, in neck radii.
-        radius: of it.
-        half_width: of it.
+        radius: its radius.
+        half_width: half its width.
         aside: how far it falls to one side, in neck widths.
         bumps: their height; 0 for none.
     """

@@ -20,11 +20,11 @@ class Pose:
     Args:
         legs: the four joints of right fore, left fore, right hind, left hind, from the top down.
         stance: which of those feet bear on the ground.
-        pitch: of the torso, positive with the chest up.
+        pitch: pitch of the torso, positive with the chest up.
         neck_pitch: share, 0 to 1, of the range by which the species raises its neck.
         neck_yaw: positive turns the neck to the animal's left.
         head_pitch: positive raises the nose.
-        head_yaw: of the head against the neck.
+        head_yaw: yaw of the head against the neck.
         tail_lift: share, 0 to 1, of the range of the species.
         tail_swing: degrees to the left.
         graze: lower the neck until the muzzle is near the ground.
@@ -49,7 +49,7 @@ class _Gait:
     """A way of going (Hildebrand, "The quadrupedal gaits of vertebrates", 1989).
 
     Args:
-        phases: of right fore, left fore, right hind, left hind in the cycle, 0 to 1.
+        phases: phases of right fore, left fore, right hind, left hind in the cycle, 0 to 1.
         duty: share of the cycle for which a foot is on the ground.
         swing: degrees the leg swings forward and back.
         lift: degrees the swinging leg folds.

@@ -39,8 +39,8 @@ class Crawler(PosedPlan):
         jaw: the lower jaw, hinged at its first station.
         neck: (x, y) where the head is set on.
         eye: in units of ``head``.
-        shoulder: of the right foreleg.
-        hip: of the right hind leg.
+        shoulder: shoulder of the right foreleg.
+        hip: hip of the right hind leg.
         reach: length of a leg.
         thick: radius of a leg.
         crest: height of the spikes along the back, 0 for none.
@@ -98,7 +98,7 @@ class Turtle(PosedPlan):
     Args:
         habits: the poses it is seen in; one named twice is drawn twice as often.
         dome: height of the shell over its rim.
-        half_width: of the shell.
+        half_width: half the width of the shell.
         neck: length of the neck.
         skull: its sections, or the name of shared ones.
         clear: height of the rim over the ground.
@@ -351,7 +351,7 @@ def _spiral(fat: float, turns: float, inner: float, rise: float, end: float, rng
         fat: radius of the snake.
         turns: how often it goes round.
         inner: radius in the middle.
-        rise: of each turn over the one outside it, in units of ``fat``.
+        rise: rise of each turn over the one outside it, in units of ``fat``.
         end: radians at which it ends.
         rng: draws which way round it goes.
     """

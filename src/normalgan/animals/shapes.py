@@ -38,7 +38,7 @@ class Piece(NamedTuple):
     Args:
         low: (3,) the lowest corner of a box that holds it.
         high: (3,) its highest corner.
-        distance: of points to it; see `Solid.distance`.
+        distance: distance of points to the shape; see `Solid.distance`.
     """
 
     low: Doubles

@@ -99,10 +99,10 @@ def read_species(path: str | Path) -> BodyPlan:
     table's ``kind`` says which.
 
     Args:
-        path: of the file; those of the package, in `FOLDER`, are examples.
+        path: path of the file; those of the package, in `FOLDER`, are examples.
 
     Raises:
-        InputError: if the file cannot be read, is no TOML, or a field is missing, unknown or of a wrong kind.
+        InputError: if the file cannot be read, is not TOML, or has a missing, unknown or wrong field.
 
     Example:
         >>> read_species(FOLDER / "quadrupeds" / "horse.toml").poses[:5]
@@ -134,7 +134,7 @@ def _toml(path: Path) -> dict[str, Any]:
         raise
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror}.") from error
-    except ValueError as error:  # tomllib's, or of bytes that are no UTF-8
+    except ValueError as error:  # tomllib's, or of bytes that are not UTF-8
         raise InputError(f"{path} is not a species file, which is TOML: {brief(error)}.") from error
 
 

@@ -19,11 +19,11 @@ from normalgan.metrics.relief import depth_difference, total_variation
 __all__ = ["DEEP", "EDGES", "PICTURE", "RIM", "Accumulator", "Figure", "Sums", "mesh_of"]
 
 PICTURE = 170
-"""The side of a picture in the units in which distances from the contour are also given."""
+"""The side of a picture in the units in which distances from the contour are given."""
 RIM, DEEP = 1, 10
 """In these units: up to the first from the contour is the rim, farther than the second is deep inside."""
 EDGES = (0, 1, 2, 3, 4, 6, 8, 10, 16, 24, math.inf)
-"""Edges of the bins of distance, in pixels and in 170ths of the picture; a bin has its lower edge."""
+"""Edges of the bins of distance, in 170ths of the picture; a bin has its lower edge."""
 
 _LAST = len(EDGES) - 2  # number of the last bin
 
@@ -46,7 +46,7 @@ class Accumulator:
         more: other metrics that are measured too.
 
     Attributes:
-        names: of the samples so far.
+        names: names of the samples so far.
     """
 
     def __init__(self, device: torch.device, more: Sequence[MapMetric] = ()) -> None:
@@ -75,7 +75,7 @@ class Accumulator:
             mask: (N, 1, H, W), 1 on the object.
             where: (N, 1, H, W), 1 at the hints, which do not count.
             distance: (N, 1, H, W) pixels from the contour.
-            names: of the samples, ``mesh/view``.
+            names: names of the samples, ``mesh/view``.
         """
         preds = predicted[:, :3]
         # Direction counts wherever one is given, at any length; where none is, the coverage tells.
@@ -121,9 +121,8 @@ class Accumulator:
         }
 
     def by_distance(self) -> dict[str, list[Figure]]:
-        """Return error and n_z bias in bins of distance from the contour, in ``pixels`` and ``170ths``."""
-        sums = self._joined()
-        return {unit: _profile(sums, unit) for unit in ("pixels", "170ths")}
+        """Return error and n_z bias in bins of distance from the contour, in ``170ths`` of the picture."""
+        return {"170ths": _profile(self._joined())}
 
     def calibration(self) -> list[dict[str, float]] | None:
         """Return the calibration curve; None if no confidence was predicted."""
@@ -178,19 +177,17 @@ def _view_sums(preds: Tensor, target: Tensor, counted: Tensor, angle: Tensor, di
     sums["true_variation"] = total_variation(target, counted)
     plain = {name: values.double().cpu().numpy() for name, values in sums.items()}
     values = {name: summed.cpu().numpy() for name, summed in of_all.items()}
-    for name_of_unit, length in (("pixels", 1.0), ("170ths", unit)):
-        bins = np.searchsorted(EDGES, distance.numpy() / length, side="right") - 1
-        bins = np.minimum(bins, _LAST)
-        for name, of_name in values.items():
-            views = zip(bins, of_name, strict=True)
-            plain[f"{name}_{name_of_unit}"] = np.stack(
-                [np.bincount(bin_of.ravel(), one.ravel(), _LAST + 1) for bin_of, one in views]
-            )
+    bins = np.minimum(np.searchsorted(EDGES, distance.numpy() / unit, side="right") - 1, _LAST)
+    for name, of_name in values.items():
+        views = zip(bins, of_name, strict=True)
+        plain[f"{name}_by_distance"] = np.stack(
+            [np.bincount(bin_of.ravel(), one.ravel(), _LAST + 1) for bin_of, one in views]
+        )
     return plain
 
 
-def _profile(sums: Sums, unit: str) -> list[Figure]:
-    count, angle, nz = (sums[f"{name}_{unit}"].sum(0) for name in ("pixels", "angle", "nz"))
+def _profile(sums: Sums) -> list[Figure]:
+    count, angle, nz = (sums[f"{name}_by_distance"].sum(0) for name in ("pixels", "angle", "nz"))
     return [
         {
             "from": float(EDGES[i]),

@@ -140,7 +140,7 @@ def compare(plan: Plan, scale: Scale, out: Path, rows: list[str], seeds: list[in
         scale: at which.
         out: folder of the runs and the report.
         rows: names of those to train; others are reported if they are there.
-        seeds: of the runs.
+        seeds: seeds of the runs.
     """
     # Here, so that --help needs no torch.
     from normalgan.benchmark.evaluation import Evaluation
@@ -174,7 +174,7 @@ def evaluate(plan: Plan, scale: Scale, name: str, out: Path | None = None) -> in
     Args:
         plan: the plan.
         scale: its scale.
-        name: of the model's file, or ``shipped``.
+        name: name of the model's file, or ``shipped``.
         out: folder of ``evaluation.json``, which has all figures; None writes none.
     """
     from normalgan.benchmark.evaluation import Evaluation
@@ -193,7 +193,7 @@ def score(plan: Plan, scale: Scale, folder: Path, out: Path | None = None) -> in
     Args:
         plan: the benchmark.
         scale: its picture size and networks.
-        folder: of the submission; see `normalgan.benchmark.submissions`.
+        folder: folder of the submission; see `normalgan.benchmark.submissions`.
         out: as in `evaluate`.
     """
     from normalgan.benchmark.evaluation import Evaluation

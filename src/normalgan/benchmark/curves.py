@@ -35,7 +35,7 @@ def draw_curves(plan: Plan, results: Results, caption: str) -> bytes | None:
 
     Args:
         plan: in whose order the rows come.
-        results: of the rows.
+        results: results of the rows.
         caption: above them.
     """
     groups: dict[str, list[str]] = {}
@@ -80,7 +80,7 @@ def draw_calibration(plan: Plan, results: Results, caption: str) -> bytes | None
 
     Args:
         plan: in whose order the rows come.
-        results: of the rows.
+        results: results of the rows.
         caption: above it, with the expected calibration errors beside the lines' names.
     """
     sure = [row for row in plan.rows if any(_promises(run) for run in results.get(row.name, ()))]
@@ -134,7 +134,7 @@ def _promises(run: Result) -> bool:
 def learning_curve(runs: Iterable[Result]) -> tuple[Doubles, Doubles]:
     """Return images (K,) and errors (seeds, K), interpolated at the images of the longest run.
 
-    Under a time budget runs differ in length; after its end a run has nan.
+    Under a time budget runs differ in length; a shorter run is filled up with nan.
     """
     curves = [
         np.array([(record["images"], record[VALIDATION]) for record in run["curve"]], float).T for run in runs

@@ -132,7 +132,7 @@ class Evaluation:
 
     @property
     def tests(self) -> HintTests:
-        """What hints every method is tested with."""
+        """The hints that every method is tested with."""
         plan = self.plan
         placed = placements(plan.placements, plan.placement_counts)
         return HintTests(
@@ -183,7 +183,7 @@ def read_curve(folder: Path, most: int = 60) -> list[dict[str, float | None]]:
     """Return the learning curve of a run, thinned out to a few records and the figures that are drawn.
 
     Args:
-        folder: of the run.
+        folder: folder of the run.
         most: records; the first and the last are kept.
     """
     records = json.loads((folder / "curve.json").read_text(encoding="utf-8"))

@@ -36,7 +36,7 @@ def hint_order(mask: Tensor, name: str, seed: int, most: int) -> Tensor:
 
     Args:
         mask: (1, H, W), 1 on the object.
-        name: of the sample; another one has other points.
+        name: the sample's name, which decides where the points are.
         seed: another seed gives other points.
         most: how many, if the object has as many pixels.
     """
@@ -50,8 +50,8 @@ def hint_points(mask: Tensor, names: Sequence[str], seed: int, count: int) -> Te
 
     Args:
         mask: (N, 1, H, W), 1 on the object.
-        names: of the N samples.
-        seed: of the points.
+        names: names of the N samples.
+        seed: seed of the points.
         count: hints of each sample; all of its pixels if it has fewer.
     """
     where = torch.zeros_like(mask)
@@ -64,7 +64,7 @@ def placements(names: Sequence[str], counts: Sequence[int]) -> dict[str, HintSam
     """Return a sampler for each name and count, under the name that its figures have in the table.
 
     Args:
-        names: of `PLACEMENTS`.
+        names: keys of `PLACEMENTS`.
         counts: hints of each sample.
 
     >>> list(placements(["uniform", "worst"], [3, 10]))
@@ -91,7 +91,7 @@ def noisy_hints(
         normal: (N, 3, H, W) true unit normals.
         mask: (N, 1, H, W), 1 on the object.
         where: (N, 1, H, W), 1 where the hints would be without noise.
-        names: of the samples.
+        names: names of the samples.
         seed: another seed gives other directions.
         degrees: by how much each is turned.
         pixels: by how much each is moved.

@@ -43,9 +43,9 @@ def mesh_interval(runs: Sequence[Result], given: str, name: str) -> Interval | N
     drawn with replacement, with all their views; seeds are fixed.
 
     Args:
-        runs: of one method, a seed each.
+        runs: runs of one method, one for each seed.
         given: the hints, ``15`` or ``own``.
-        name: of the figure, such as ``angular_mean``: one that is a mean over pixels.
+        name: the figure's name, such as ``angular_mean``; it has to be a mean over pixels.
     """
     tables = _tables(runs, given, name)
     if tables is None:
@@ -66,10 +66,10 @@ def difference_interval(
     None if their meshes differ or are fewer than two.
 
     Args:
-        runs: of the method.
-        reference: of the other one.
+        runs: runs of the method.
+        reference: runs of the other method.
         given: the hints, ``15`` or ``own``.
-        name: of the figure; one that is a mean over pixels.
+        name: the figure's name; it has to be a mean over pixels.
     """
     one, other = _tables(runs, given, name), _tables(reference, given, name)
     if one is None or other is None or one[0] != other[0]:
@@ -91,10 +91,10 @@ def total_interval(
     seeds.
 
     Args:
-        runs: of the method.
-        reference: of the other one.
+        runs: runs of the method.
+        reference: runs of the other method.
         given: the hints, ``15`` or ``own``.
-        name: of the figure; one that is a mean over pixels.
+        name: the figure's name; it has to be a mean over pixels.
         beside: the hints of the reference; None if the same.
 
     References:
@@ -116,19 +116,19 @@ def total_interval(
     return Interval(value, value - reach, value + reach)
 
 
-def draws_of(count: int, most: int = DRAWS, seed: int = 0) -> Indices:
+def draws_of(count: int) -> Indices:
     """Return the meshes of each bootstrap draw, (draws, count), with replacement.
 
-    All possible draws if they are at most ``most``, otherwise ``most`` random ones.
+    These are all possible draws if there are at most `DRAWS` of them, otherwise `DRAWS` random ones.
 
     >>> draws_of(2).tolist()
     [[0, 0], [0, 1], [1, 0], [1, 1]]
     >>> draws_of(20).shape
     (10000, 20)
     """
-    if count**count <= most:
+    if count**count <= DRAWS:
         return np.array(list(product(range(count), repeat=count)))
-    return np.random.default_rng(seed).integers(0, count, (most, count))
+    return np.random.default_rng(0).integers(0, count, (DRAWS, count))
 
 
 def pooled(values: Table, pixels: Table, draws: Indices) -> Table:

@@ -32,7 +32,7 @@ class Measured:
     Args:
         figures: over all samples, such as ``angular_mean``; None where it is undefined or a map was not
             finite.
-        names: of the samples, ``mesh/view``.
+        names: names of the samples, ``mesh/view``.
         meshes: figures by mesh.
         views: pixels that count, mean errors and n_z biases, each a list in the order of the names.
         distance: errors by distance from the contour; see `Accumulator.by_distance`.
@@ -65,7 +65,7 @@ class HintTests:
 
     Args:
         counts: numbers of common hints, uniform on the object.
-        seed: of all hints.
+        seed: seed of all hints.
         placements: samplers by what their figures are called.
         noise: degrees and pixels that hints are off by, by what their figures are called.
         noisy: how many common hints these are.

@@ -118,7 +118,7 @@ def saved_method(name: str, size: int, device: torch.device) -> Method:
     """Return a model as a method; all file formats of one model give the same figures.
 
     Args:
-        name: of the file; ``shipped`` is the one that comes with the package.
+        name: name of the file; ``shipped`` for the one in the package.
         size: side of the pictures that it is to predict.
         device: where to; ONNX predicts on the processor.
 

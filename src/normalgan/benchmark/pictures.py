@@ -23,7 +23,7 @@ class Line:
     """The predictions of one method for the samples.
 
     Args:
-        label: of the method.
+        label: label of the method.
         rows: the samples, in the same order for every method.
     """
 

@@ -36,7 +36,7 @@ class Row:
     changes, the data of the plan, the overlays of the scale, its settings.
 
     Args:
-        name: of its folder.
+        name: name of its folder.
         label: in tables and pictures.
         group: heading that it stands under.
         classical: a method with no learning.
@@ -73,11 +73,11 @@ class Plan:
         images: how many each generator learns from, repetitions counted.
         rows: what is compared.
         data: settings of the data that all rows share.
-        test_data: of these, those that differ for the test split: how it is drawn, or other meshes.
-        seeds: of initialisation, training hints and dropout; a run for each.
+        test_data: settings of data that differ for the test split: how it is drawn, or other meshes.
+        seeds: seeds of initialisation, training hints and dropout; a run for each.
         hints: how many hints table 1 gives.
-        hint_counts: of the curve; 0 and ``hints`` are always measured.
-        hint_seed: of the test hints.
+        hint_counts: numbers of hints in the curve; 0 and ``hints`` are always measured.
+        hint_seed: seed of the test hints.
         checkpoint: which one is measured: the ``best`` on the validation split, or the ``last``.
         gallery: test samples in the gallery.
         reference: name of the row that every panel of the curves shows.
@@ -176,7 +176,7 @@ def _with_base(path: Path, above: tuple[Path, ...]) -> tuple[Settings, list[Row]
     """Return settings and rows of a plan, those of its base included.
 
     Args:
-        path: of the plan.
+        path: path of the plan.
         above: plans of which it is a base.
     """
     path = Path(find_config(str(path)))  # its base lies beside it, be it one of the package's
@@ -192,7 +192,7 @@ def _with_base(path: Path, above: tuple[Path, ...]) -> tuple[Settings, list[Row]
         settings, rows = _with_base(Path(_beside(path, base)), (*above, path.resolve()))
     own = content.pop("rows", [] if base is not None else None)
     if not isinstance(own, list) or not all(isinstance(row, dict) for row in own):
-        raise InputError(f"the rows of the plan {path} are no list of settings.")
+        raise InputError(f"the rows of the plan {path} are not a list of settings.")
     read = [
         _read(Row, row, f"the row {row.get('name', i + 1)} of the plan {path}") for i, row in enumerate(own)
     ]

@@ -36,8 +36,8 @@ class Run:
     """A row under one seed.
 
     Args:
-        row: of the plan.
-        seed: of initialisation, training hints and dropout; None if nothing is learnt.
+        row: row of the plan.
+        seed: seed of initialisation, training hints and dropout; None if nothing is learnt.
         folder: where it is kept.
         settings: all of `normalgan fit`; of a row that learns nothing, those of its data count.
     """
@@ -139,7 +139,7 @@ def timed(settings: Settings, images: int, samples: int, seconds: float | None) 
     cosine schedule ends with the run. Under a time budget the schedule follows the clock.
 
     Args:
-        settings: of a row.
+        settings: settings of a row.
         images: the number; batches that the discriminator alone sees do not count.
         samples: in the training split.
         seconds: the wall-clock budget; None trains on the number of images.

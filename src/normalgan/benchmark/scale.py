@@ -65,7 +65,7 @@ def read_budget(text: str) -> float:
     """
     parts = re.findall(r"(\d+(?:\.\d+)?)([hms])", text)
     if not parts or "".join(number + unit for number, unit in parts) != text:
-        raise InputError(f"the budget {text!r} is no span of time; write it like 8m, 90s or 1h30m.")
+        raise InputError(f"the budget {text!r} is not a span of time; write it like 8m, 90s or 1h30m.")
     seconds = sum(float(number) * _UNITS[unit] for number, unit in parts)
     if seconds <= 0:
         raise InputError(f"the budget {text!r} is no time at all; write it like 8m, 90s or 1h30m.")

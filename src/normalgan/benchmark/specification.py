@@ -30,7 +30,7 @@ def specify(data: MeshDataModule, tests: HintTests, trained: MeshDataModule | No
     Where the training split is drawn otherwise, ``training`` stands for how.
 
     Args:
-        data: of the benchmark.
+        data: the benchmark's data.
         tests: with what hints methods are tested.
         trained: the data of the training split, if they are others.
     """

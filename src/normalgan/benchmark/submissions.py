@@ -38,7 +38,7 @@ class Submission:
     """A folder with what another program predicted.
 
     Args:
-        folder: of it.
+        folder: its folder.
         name: in tables.
         counts: numbers of hints that there are maps for; 0 among them.
     """
@@ -124,7 +124,7 @@ def write_inputs(folder: Path, batch: Batch, counts: Sequence[int], seed: int) -
         folder: where to.
         batch: N samples.
         counts: numbers of hints; the largest number is written.
-        seed: of the hints.
+        seed: seed of the hints.
     """
     import cv2
 

@@ -90,7 +90,7 @@ def markdown(
     Args:
         plan: in whose order the rows come.
         scale: at which they were trained.
-        results: of the rows; those missing are left out.
+        results: results of the rows; those missing are left out.
         specification: what they are measured on, which is said if it is given.
     """
     span = f"{scale.seconds:g} seconds a run" if scale.seconds else f"{plan.images} images a generator"
@@ -198,8 +198,8 @@ def figure_cell(given: str, name: str, unit: str | None = None) -> Cell:
 
     Args:
         given: the hints, ``15`` or ``own``.
-        name: of the figure, such as ``angular_mean``: angles in degrees, shares in per cent.
-        unit: of a metric from a plug-in, ``%`` for a share; None derives it from the name.
+        name: name of the figure, such as ``angular_mean``: angles in degrees, shares in per cent.
+        unit: unit of a metric from a plug-in, ``%`` for a share; None derives it from the name.
     """
     if unit is None:
         angle = name.startswith(("angular", "calibration"))
@@ -221,7 +221,7 @@ def mesh_table(result: Result, hints: int) -> str:
     """Return the figures of a result by mesh, as Markdown.
 
     Args:
-        result: of one run or model.
+        result: result of one run or model.
         hints: those of table 1.
     """
     columns = [("0", name) for name in ("angular_mean", "nz_bias", "angular_rim", "angular_deep", "mask_iou")]
@@ -266,7 +266,7 @@ def interval_table(plan: Plan, results: Results) -> list[str]:
 
     Args:
         plan: which says the order of the rows.
-        results: of the rows, with those of each mesh.
+        results: results of the rows, with those of each mesh.
     """
     reference = results.get(plan.reference or "", [])
     cells: dict[str, Cell] = {}

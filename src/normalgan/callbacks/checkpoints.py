@@ -178,7 +178,7 @@ def check_others(
     """Check that no callback would overwrite a checkpoint of another run.
 
     Args:
-        callbacks: of the run; only Lightning's checkpoint callbacks matter.
+        callbacks: callbacks of the run; only Lightning's checkpoint callbacks matter.
         root: folder of the run.
         resumed: the checkpoint that it resumes.
         known: folders that ``resumed`` says its run wrote to.

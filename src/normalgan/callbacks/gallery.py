@@ -111,8 +111,8 @@ class Sheet:
     """A picture on which everything is placed in pixels from the upper left.
 
     Args:
-        width: of it.
-        height: of it.
+        width: its width.
+        height: its height.
     """
 
     def __init__(self, width: int, height: int) -> None:
@@ -151,14 +151,13 @@ def error_colours() -> Colormap:
     return colormaps["magma"].with_extremes(bad=_NEUTRAL)
 
 
-def draw_gallery(rows: Sequence[Row], caption: str = "") -> bytes:
+def draw_gallery(rows: Sequence[Row]) -> bytes:
     """Return the gallery as a PNG, with a scale of the error in degrees.
 
     Maps of up to 300 pixels are enlarged by a whole number, so that every pixel is visible.
 
     Args:
         rows: the samples, top to bottom, all of one size.
-        caption: one line above them.
 
     Raises:
         InputError: if there are no rows.
@@ -167,12 +166,10 @@ def draw_gallery(rows: Sequence[Row], caption: str = "") -> bytes:
         raise InputError("a gallery needs at least one row, but there are no samples to show.")
     size = rows[0].mask.shape[0]
     cell = size * max(1, round(200 / size)) if size <= 300 else 256
-    top = _EDGE + _HEAD + (_LINE if caption else 0)
+    top = _EDGE + _HEAD
     width = 2 * _EDGE + len(COLUMNS) * cell + (len(COLUMNS) - 1) * _GAP
     height = top + len(rows) * (cell + _LINE) + _EDGE
     sheet = Sheet(width, height)
-    if caption:
-        sheet.text(_EDGE, _EDGE, caption, fontsize=10, va="top")
     lefts = [_EDGE + i * (cell + _GAP) for i in range(len(COLUMNS))]
     for i, row in enumerate(rows):
         shown = _draw_row(row, [sheet.box(x, top + i * (cell + _LINE), cell, cell) for x in lefts])
@@ -187,9 +184,9 @@ def draw_gallery(rows: Sequence[Row], caption: str = "") -> bytes:
     return sheet.png()
 
 
-def write_gallery(path: str | Path, rows: Sequence[Row], caption: str = "") -> None:
+def write_gallery(path: str | Path, rows: Sequence[Row]) -> None:
     """Write the gallery as a PNG file."""
-    write_bytes(path, draw_gallery(rows, caption))
+    write_bytes(path, draw_gallery(rows))
 
 
 def _draw_row(row: Row, axes: Sequence[Axes]) -> AxesImage:

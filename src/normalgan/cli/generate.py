@@ -331,7 +331,7 @@ class _Batch:
         return self._settings.frame == "shared" and not self._packing.given and not self._settings.layers
 
     def code(self, total: int) -> int:
-        """Write what waited for all drawings, say how many failed, and return the exit code."""
+        """Write outputs that needed all drawings, report how many failed, and return the exit code."""
         self._writer.write_held(self._held)
         if self._failed:
             print(f"normalgan: {self._failed} of {total} sketches could not be used.", file=sys.stderr)
@@ -356,7 +356,7 @@ class _Found:
     Args:
         jobs: what is to be predicted.
         missing: what is wrong with the words that name nothing.
-        clashing: of drawings that would be written to one file.
+        clashing: drawings that would be written to one file.
         left_out: warnings about layered files and their exports.
     """
 

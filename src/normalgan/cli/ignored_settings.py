@@ -16,7 +16,7 @@ def given_names(arguments: Sequence[str], configs: Sequence[str], section: str) 
     """Return the settings of a section that somebody gave, be they the defaults or not, in dots.
 
     Args:
-        arguments: of a command.
+        arguments: a command's arguments.
         configs: paths of the configurations among them.
         section: such as ``model``.
 
@@ -49,11 +49,11 @@ def ignored_settings(
     """Return the settings that were set to something else than a model was trained with.
 
     Args:
-        settings: of the model as parsed, nested.
+        settings: settings of the model as parsed, nested.
         defaults: its settings if none are given; those of classes are looked up in their signatures.
         saved: those that it was trained with.
         given: names in dots of those that somebody gave, which count though they are the defaults.
-        prefix: of the names in ``given``.
+        prefix: prefix of the names in ``given``.
 
     >>> ignored_settings({"n_critic": 3, "seed": 0}, {"n_critic": 5, "seed": 0}, {"n_critic": 5, "seed": 1})
     ['n_critic']

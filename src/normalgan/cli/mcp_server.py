@@ -104,7 +104,7 @@ class Tools:
             mask: a picture that is white on the object, or "outline", "model" or "reader".
             size: longer side of the map in pixels; default that of the drawing.
             green: "up" for OpenGL, Godot, Unity and Blender; "down" for DirectX and Unreal.
-            bits: of each channel of a PNG.
+            bits: bits of each channel of a PNG.
             alpha: whether the object's mask becomes the alpha channel.
             strength: factor of the slopes.
             tile: the directions in which the drawing repeats.

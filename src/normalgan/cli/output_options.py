@@ -31,8 +31,8 @@ def add_output_options(
     """Add the options that `outputs_of` reads.
 
     Args:
-        parser: of the command.
-        group: of the help in which the options stand.
+        parser: parser of the command.
+        group: group of the help in which the options stand.
         section: what their names begin with, such as ``output.``; empty spells them for a shell.
         form: default format of the map; None leaves it to the name of the file that is written.
 

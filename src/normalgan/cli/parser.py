@@ -85,7 +85,8 @@ def with_shipped_configs(arguments: list[str]) -> tuple[list[str], list[str]]:
     """Return the arguments with each configuration as one ``--config=PATH``, and the paths.
 
     Args:
-        arguments: of a command; ``--config`` may be spelled in any way, and name one of the package.
+        arguments: a command's arguments; ``--config`` may be spelled in any way, and name one of the
+            package.
 
     >>> given = ["fit", "-c", "a.yaml", "--config=b.yaml", "-cc.yaml", "--data.size", "64"]
     >>> with_shipped_configs(given)[0]

@@ -444,7 +444,7 @@ def _names_file(value: object) -> bool:
     """Return whether a setting, or a part of it, names a file, from which a class may be read."""
     if isinstance(value, str):
         within = load_yaml(value)
-        # os.path, as a long text is no path, of which pathlib raises an error.
+        # os.path, as a long text is not a path, of which pathlib raises an error.
         return os.path.isfile(os.path.expanduser(value)) or (within != value and _names_file(within))  # noqa: PTH111, PTH113
     parts = value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ()
     return any(map(_names_file, parts))

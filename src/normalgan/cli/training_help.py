@@ -52,7 +52,7 @@ def asked_for(arguments: Sequence[str]) -> tuple[list[str], str | None]:
     """Return the arguments with a plain ``--help``, and the section after it.
 
     Args:
-        arguments: of a training command, which comes first.
+        arguments: a training command and its arguments.
 
     Returns:
         The section is empty if help was asked for and none was named, and None if no help was asked for.

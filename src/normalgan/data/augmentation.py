@@ -35,7 +35,8 @@ class BatchAugmentation(ABC):
 
         Args:
             batch: on any device.
-            seed: of all randomness; the same seed makes the same changes, so that a resumed run repeats them.
+            seed: seed of all randomness. The same seed gives the same changes, so a resumed run repeats
+                them.
         """
 
     def describe(self) -> dict[str, Any]:
@@ -47,7 +48,7 @@ class BatchAugmentation(ABC):
         settings: Any = self
         if not dataclasses.is_dataclass(settings):
             raise TypeError(
-                f"{type(self).__name__} is no dataclass: it must say in describe() what its settings are."
+                f"{type(self).__name__} is not a dataclass: it must say in describe() what its settings are."
             )
         return {
             "class": type(self).__name__,
@@ -169,7 +170,7 @@ def smooth_shifts(count: int, side: int, strength: float, device: torch.device) 
 
 
 def sample_at(picture: Tensor, grid: Tensor) -> Tensor:
-    """Return pictures (N, C, H, W) as they are at the places of a grid (N, H, W, 2), 0 outside."""
+    """Sample pictures (N, C, H, W) at the points of a grid (N, H, W, 2); outside they are 0."""
     return F.grid_sample(picture, grid, mode="bilinear", padding_mode="zeros", align_corners=False)
 
 

@@ -78,7 +78,7 @@ class MeshDataModule(LightningDataModule):
         workers: processes that load samples, or render them on the fly; 0 does it in this one: enough for
             samples that fit in memory.
         augmentation: random changes of training samples; None for none.
-        seed: of the animals, the views, the order of training samples and the augmentation.
+        seed: seed of the animals, the views, the order of training samples and the augmentation.
         prediction: drawings, for predict.
     """
 

@@ -19,7 +19,7 @@ class MeshReading:
     Args:
         orientation: JSON file that says of each mesh how it is turned upright, and whether inside out.
         crease_angle: degrees from which an edge is sharp; None shades everything smooth.
-        poses: of each rigged glTF file, in place of it at rest; 0 leaves all files at rest.
+        poses: poses that replace each rigged glTF file; 0 keeps all files at rest.
         variants: individuals that join each training mesh or embedded animal, varied at random; meshes to
             validate and test stay as they are.
         variation: how far such individuals differ from their mesh, those of groups included.
@@ -79,7 +79,7 @@ class Split:
         """Return the names in each split: as the file lists them or, without one, by fractions.
 
         Args:
-            names: of what is not to be on two sides of the split: a mesh, a pair, or a group of pairs.
+            names: names of meshes, pairs or groups of pairs, each of which stays in one split.
             noun: what messages call one.
 
         Raises:

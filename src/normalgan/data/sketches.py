@@ -43,7 +43,7 @@ class SketchDataset(Dataset[SketchSample]):
         files: the drawings with their hints and masks, as `inference.jobs.plan.find_files` finds them.
         size: side of the generator's pictures.
         longest: longer side of the maps in pixels; None is the drawing's.
-        line_widths: of the lines that the generator is shown as they were drawn, in its pixels.
+        line_widths: widths of lines that the generator sees as they were drawn, in its pixels.
 
     Raises:
         InputError: if no drawing can be used with its hints and its mask.

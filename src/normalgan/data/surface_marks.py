@@ -32,7 +32,7 @@ def mark_surfaces(
         sketch: (N, 1, H, W) in [0, 1], ink 1, on any device.
         normal: (N, 3, H, W) of the object.
         mask: (N, 1, H, W), 1 on the object.
-        seed: of all randomness.
+        seed: seed of all randomness.
         fills: probability that areas of a sketch are filled black.
         decals: probability of a decal.
         hatching: probability that the side away from a light is hatched.
@@ -255,9 +255,9 @@ def _stripes(
     Args:
         normals: (H, W, 3) of the object.
         shape: H and W.
-        angle: of the direction across the lines, in radians.
+        angle: angle of the direction across the lines, in radians.
         spacing: from line to line, in pixels of a sketch of 256.
-        width: of a line, in such pixels.
+        width: width of a line, in such pixels.
         follow: by how much lines bend with the form, in such pixels.
         rng: draws the waves.
     """

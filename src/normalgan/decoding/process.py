@@ -108,7 +108,7 @@ class _Question(Generic[T]):
     """What a child is asked.
 
     Args:
-        what: is wanted of the file: ``picture``, ``frames``, ``layers`` or ``tileset``.
+        what: what is wanted: ``picture``, ``frames``, ``layers`` or ``tileset``.
         name: what to call it in an error.
         content: its file.
         sides: pixels that each side has at least and at most.

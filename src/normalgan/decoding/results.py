@@ -18,8 +18,9 @@ class LayerNote:
 
     Args:
         name: as the file has it; empty for the whole file.
-        reason: of a layer that is left out ``damaged``, ``no_pixels`` of its own, or ``foreign``, which only
-            its program can draw; else ``effect``, or ``frame`` if one frame of an animation is used.
+        reason: why a layer is left out: it is ``damaged``, has ``no_pixels`` of its own, or is ``foreign``
+            (only its program can draw it). Else ``effect``, or ``frame`` if one frame of an animation is
+            used.
     """
 
     name: str
@@ -85,7 +86,7 @@ class DecodedLayer:
         opacity: 0 to 255, with that of its groups; the pixels do not have it.
         left: column of the picture in which its first one lies.
         top: row of the picture in which its first one lies.
-        number: of the layer, from the lowest up.
+        number: number of the layer, from the lowest up.
         frame: in which it shows this.
         pixels: (h, w, 4), all within the picture.
         clipped_to: number of the layer that it is clipped to, by which its pixels are cut; -1 if to none.

@@ -74,7 +74,7 @@ def export(name: str, target: Path, options: Namespace) -> str:
     """Write the model, and return what there is to say about it.
 
     Args:
-        name: of the file to read; ``shipped`` is what comes with the package.
+        name: name of the file to read; ``shipped`` for the one in the package.
         target: the file to write.
         options: as `build_parser` gives them.
 

@@ -59,9 +59,9 @@ def load(name: str, size: int | None = None, licence: str | None = None) -> tupl
     """Return the generator in a file and the notes on it; nothing in the file is executed.
 
     Args:
-        name: of a checkpoint, safetensors or ONNX; ``shipped`` is what comes with the package.
+        name: name of a checkpoint, safetensors or ONNX file; ``shipped`` for the one in the package.
         size: side of the pictures; None for that which it was trained at, if it or its run says so.
-        licence: of the weights; None for what the file says.
+        licence: licence of the weights; None takes the file's.
 
     Raises:
         InputError: if it is missing, damaged, not one of ours, or no size is known.

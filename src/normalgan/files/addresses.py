@@ -37,7 +37,7 @@ class Address:
     Args:
         text: as it was given, without the hash.
         sha256: of the file's content, 64 lower-case digits.
-        name: of the file.
+        name: name of the file.
     """
 
     text: str

@@ -43,7 +43,7 @@ def read_bounded(path: Path, most: int = MOST_BYTES) -> bytes:
     with open(path, "rb", opener=_without_waiting) as file:
         status = os.fstat(file.fileno())
         if not stat.S_ISREG(status.st_mode):
-            raise InputError(f"{path} is no file but a pipe or a device; give a file.")
+            raise InputError(f"{path} is a pipe or a device; give a file.")
         # A sparse file of terabytes costs nothing to make: its size first, then its bytes.
         if status.st_size > most:
             raise InputError(f"{path} has more than {most} bytes; no file of its kind is that large.")

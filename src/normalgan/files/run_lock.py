@@ -21,7 +21,7 @@ def one_run_in(folder: Path) -> Iterator[None]:
     The system releases the lock when the process ends, however it ends; a file left behind blocks nobody.
 
     Args:
-        folder: of the run; made if it is not there, and removed if nothing was put into it.
+        folder: folder of the run; made if it is not there, and removed if nothing was put into it.
 
     Raises:
         InputError: if another process holds it, on this machine or another with the same file system; or if
@@ -61,6 +61,6 @@ def check_writable(folder: Path) -> None:
     """
     there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
     if not there.is_dir():
-        raise InputError(f"the run cannot be kept in {folder}: {there} is no folder.")
+        raise InputError(f"the run cannot be kept in {folder}: {there} is not a folder.")
     if not os.access(there, os.W_OK | os.X_OK):
         raise InputError(f"the run cannot be kept in {folder}: {there} may not be written to.")

@@ -83,7 +83,7 @@ def _read_pickle(path: Path) -> bytes:
         with zipfile.ZipFile(file) as archive:
             # zipfile makes up for bytes before the archive, torch does not: they would read two files.
             if archive.start_dir != directory:
-                raise _RefusedError("it is no archive of torch")
+                raise _RefusedError("it is not an archive of torch")
             parts = archive.infolist()
             if any(part.compress_type != zipfile.ZIP_STORED for part in parts):
                 raise _RefusedError("its parts are compressed, which torch never does")
@@ -94,7 +94,7 @@ def _read_pickle(path: Path) -> bytes:
                 raise _RefusedError("two of its parts have the same name")
             found = [part for part in parts if re.fullmatch(r"[^/]+/data\.pkl", part.filename)]
             if len(found) != 1 or found[0].file_size > MOST_OBJECTS:
-                raise _RefusedError("it is no archive of torch")
+                raise _RefusedError("it is not an archive of torch")
             return archive.read(found[0])
 
 
@@ -104,10 +104,10 @@ def _directory(file: io.BufferedIOBase | Any) -> int:
     file.seek(max(0, length - _END.size))
     end = file.read(_END.size)
     if len(end) < _END.size or not end.startswith(b"PK\x05\x06"):
-        raise _RefusedError("it is no archive of torch")
+        raise _RefusedError("it is not an archive of torch")
     *_, offset, comment = _END.unpack(end)
     if comment:
-        raise _RefusedError("it is no archive of torch")
+        raise _RefusedError("it is not an archive of torch")
     if offset == 2**32 - 1:
         file.seek(length - _END.size - _PLACE64.size)
         _, _, place, _ = _PLACE64.unpack(file.read(_PLACE64.size))

@@ -12,7 +12,7 @@ def write_bytes(
     """Write a file atomically, and make its folder if missing.
 
     Args:
-        path: of the file.
+        path: path of the file.
         content: all of it.
         partial: where it is written before it is renamed, on the same disk; None is beside it.
         durable: whether to wait until it is on the disk, so that it outlives a power cut.

@@ -48,7 +48,7 @@ class CurvatureHints(HintSampler):
             stretched over 0…255, gain is not used, and flat is not a fixed grey.
         gain: grey per curvature of 1/pixel, where black is 0 and white 1; positive.
         offset: grey of flat, 0…1.
-        rounding: of grey · 255 to whole levels: ``round`` (0.5 becomes 128) or ``floor`` (127).
+        rounding: rounding of grey · 255 to whole levels: ``round`` (0.5 becomes 128) or ``floor`` (127).
         thresholds: the two levels, each 0…255, that cut the curvature map, in any order.
         comparison: a level passes a threshold if ``greater`` or if ``greater_equal``.
         object_only: keep only points on the object; off it, hints would give away the zero normal.

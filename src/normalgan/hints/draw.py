@@ -23,7 +23,7 @@ def draw_hints(
         sampler: chooses the points.
         normal: (N, 3, H, W) true unit normals, 0 off the object.
         mask: (N, 1, H, W), 1 on the object.
-        seed: of all randomness.
+        seed: seed of all randomness.
         error: (N, 1, H, W), for an `ErrorHintSampler`, of the generator's prediction without hints.
 
     Raises:
@@ -88,7 +88,7 @@ def draw_hints_by_name(
         sampler: chooses the points.
         normal: (N, 3, H, W) true unit normals, 0 off the object.
         mask: (N, 1, H, W), 1 on the object.
-        names: of the samples, N of them.
+        names: names of the N samples.
         seed: another seed gives other hints.
         error: as in `draw_hints`.
 

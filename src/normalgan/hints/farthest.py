@@ -14,7 +14,7 @@ __all__ = ["FarthestPointHints"]
 @HINT_SAMPLERS.register
 @dataclass(frozen=True)
 class FarthestPointHints(HintSampler):
-    """Sample ``count`` points: the first at random on the object, each next farthest from the earlier ones.
+    """Sample ``count`` points: the first random on the object, each further one farthest from those before.
 
     Distances are straight lines in the picture. A smaller object is hinted at every pixel.
 

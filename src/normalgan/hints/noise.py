@@ -19,7 +19,7 @@ def turn_hints(hints: Tensor, degrees: float, seed: int) -> Tensor:
     Args:
         hints: unit normals at the hints, 0 elsewhere, and where they are.
         degrees: mean angle between true and turned normals of the worst sample.
-        seed: of the randomness.
+        seed: seed of the randomness.
     """
     rng = torch.Generator(device=hints.device).manual_seed(seed)
     normals, where = hints[:, :3], hints[:, 3:]

@@ -30,7 +30,7 @@ def pin_in_turn(
         normal: (N, 3, H, W) true unit normals, 0 off the object.
         mask: (N, 1, H, W), 1 on the object.
         hints: (N, 4, H, W) that are there before.
-        seed: of the numbers of pins.
+        seed: seed of the numbers of pins.
 
     References:
         Sofiiuk, Petrov, Konushin 2022, "Reviving Iterative Training with Mask Guidance for Interactive

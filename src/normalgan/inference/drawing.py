@@ -59,7 +59,7 @@ class Drawing:
             longest: longer side in pixels that an SVG is drawn with; None is `SVG_SIDE`.
 
         Raises:
-            InputError: if it is missing, no image, or of no possible size.
+            InputError: if it is missing, not an image, or too small or large.
         """
         side = min(longest or SVG_SIDE, MOST_WORKED)
         self._shown = read_pixels(self.path, self.content, side, MOST_WORKED)
@@ -71,7 +71,7 @@ class Drawing:
         One that is larger than drawings are worked on is decoded again for this.
 
         Raises:
-            InputError: if it is missing, no image, or of no possible size.
+            InputError: if it is missing, not an image, or too small or large.
         """
         shown = self._shown
         if shown is None or shown.pixels.shape[:2] != shown.shape:

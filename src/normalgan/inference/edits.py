@@ -157,7 +157,7 @@ class MaskStroke:
 
     Args:
         points: (K, 2), x and y in pixels; of a click only the first counts.
-        width: of the brush in pixels.
+        width: width of the brush in pixels.
         adds: whether it adds to the object, or cuts from it.
         fills: whether it is a click, for all of the area about it.
     """

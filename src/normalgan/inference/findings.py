@@ -54,7 +54,7 @@ class LackingError(InputError):
 
     Args:
         words: what it lacks, in one sentence.
-        code: of the finding about it.
+        code: code of the finding about it.
         layer: name of the layer; empty if there is only one.
     """
 

@@ -74,7 +74,7 @@ def _rank(sums: NDArray[np.int64], share: float, before: int = 0) -> int:
 
     Args:
         sums: how many are counted up to each bin.
-        share: of them.
+        share: share of them.
         before: how many of these do not belong to them.
     """
     wanted = max(math.ceil(share * (int(sums[-1]) - before)), 1)

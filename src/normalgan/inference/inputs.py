@@ -62,7 +62,7 @@ def prepare_any(
             ``model`` leaves it to the network of normals; None takes the drawing's opacity if it shows the
             object, else the reader.
         size: longer side of the map in pixels, 8 to 8192; None is the drawing's.
-        line_widths: of the lines that the network is shown as they were drawn, in its pixels.
+        line_widths: widths of lines that the network sees as they were drawn, in its pixels.
         flips: x and y of points whose regions become holes, or object if they are holes.
 
     Raises:
@@ -192,7 +192,7 @@ def _hints_in(array: NDArray[Any], shape: tuple[int, int]) -> Hints:
     rows, columns = np.nonzero(array[..., 3])
     normals = array[rows, columns, :3].astype(np.float32)
     length = np.linalg.norm(normals, axis=1)
-    wrong = np.flatnonzero(~(np.abs(length - 1) <= 0.25))  # so that what is no number is wrong
+    wrong = np.flatnonzero(~(np.abs(length - 1) <= 0.25))  # so that what is not a number is wrong
     if len(wrong):
         first = wrong[0]
         raise InputError(
@@ -250,7 +250,7 @@ def _levels(name: str, array: NDArray[Any]) -> Floats:
             "floats from 0 to 1."
         )
     least, most = float(array.min()), float(array.max())
-    if not (least >= 0 and most <= 1):  # so that what is no number is refused too
+    if not (least >= 0 and most <= 1):  # so that what is not a number is refused too
         raise InputError(f"{name} has floats from {least:g} to {most:g}; black is 0 and white is 1.")
     return array.astype(np.float32)
 

@@ -53,8 +53,8 @@ class NormalMap:
         confidence: (H, W), the network's confidence κ ≥ 0, if it has one.
         findings: findings about it; `warning` says it.
         tile: the directions in which the map repeats past its edges, or None.
-        cells: of a sheet the drawings in it, each a surface of its own; none of another map. The normals of
-            one that is turned are those of the upright drawing.
+        cells: the drawings of a sheet, each a surface of its own; none for other maps. A turned drawing has
+            the normals of the upright one.
         partial: whether something that is drawn could not be predicted, as the findings say.
     """
 
@@ -128,8 +128,8 @@ class NormalMap:
         """Return the content of a file: flat off the object, or what is transparent there.
 
         Args:
-            form: of the file; exr and tiff hold floats.
-            bits: of each channel of a PNG.
+            form: format of the file; exr and tiff hold floats.
+            bits: bits of each channel of a PNG.
             y: up is green as in OpenGL, down as in DirectX.
             alpha: whether the object's mask is the alpha channel.
             pad: how many pixels around the object carry the colour of its edge; None is `PADDING` with alpha,
@@ -190,8 +190,8 @@ class NormalMap:
         """Write the map as PNG, EXR or TIFF, as the path ends, whole or not at all.
 
         Args:
-            path: of the file; its folder is made where missing.
-            bits: of each channel of a PNG, 8 or 16.
+            path: path of the file; its folder is made where missing.
+            bits: bits of each channel of a PNG, 8 or 16.
             y: ``up`` is green as in OpenGL, ``down`` as in DirectX.
             alpha: whether the object's mask is the alpha channel.
             pad: how many pixels around the object carry the colour of its edge, as for `encode`.

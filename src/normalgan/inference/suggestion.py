@@ -58,7 +58,7 @@ def suggest(
         mask: (H, W), the object.
         confidence: (H, W), the model's κ ≥ 0; None leaves it to the curvature.
         taken: (K, 2), x and y in pixels of the hints that are there already.
-        count: of points.
+        count: number of points.
         lines: (H, W), the ink. On a line two surfaces meet, and nobody can tell the normal there. Points
             keep off it as far as there is room.
 

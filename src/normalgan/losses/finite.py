@@ -70,7 +70,7 @@ def loss_error(bad: Sequence[str], names: Sequence[str], epoch: int, batch: int)
 
     Args:
         bad: what `not_finite` returned; empty if only another process has such a loss.
-        names: of the samples in the batch.
+        names: names of the samples in the batch.
         epoch: counted from 0.
         batch: number of the batch in the epoch, from 0.
     """

@@ -47,7 +47,7 @@ class MaskIoU(_PresenceMetric):
     def update(self, preds: Tensor, target: Tensor, mask: Tensor) -> None:
         """Count a batch; where the target is zero there is no object, and ``mask`` is ignored.
 
-        A picture without an object does not count: shares of a data set are padded with such.
+        A picture without an object does not count: such pictures pad the shares of a data set.
         """
         there = presence(target)
         predicted = presence(preds) & there.flatten(1).any(1)[:, None, None, None]

@@ -69,7 +69,7 @@ def _put(
 
     Args:
         small: a convolution or a batch norm.
-        large: of the same kind.
+        large: a larger layer of the same kind.
         weight: in place of that of ``small``.
         bias: in place of that of ``small``.
         columns: the inputs of ``large`` that those of ``small`` became.

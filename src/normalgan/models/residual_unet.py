@@ -41,8 +41,8 @@ class ResidualUNetGenerator(Generator):
         widths: channels of each level, from the finest to the coarsest.
         blocks: residual blocks of each level, down and again up.
         patch: side of the squares of pixels that are folded into channels, a power of two.
-        norm: of the residual blocks. Batch norm learns from fewer images; without it, training does not mix
-            the pictures of a batch.
+        norm: norm of the residual blocks. Batch norm learns from fewer images; without it, training does not
+            mix the pictures of a batch.
         detail: side of the folded squares in the last two layers, which see the sketch again; a power of two,
             at most ``patch``. With 1, these layers take as long as all others together.
         hint_levels: whether hints enter at every level. If not, they enter with the sketch alone, at an equal
@@ -217,7 +217,7 @@ class ResidualBlock(nn.Module):
     "Fixup Initialization", first rule).
 
     Args:
-        channels: of the input and the output.
+        channels: channels of the input and the output.
         norm: before each activation.
     """
 

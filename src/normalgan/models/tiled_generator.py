@@ -30,7 +30,7 @@ class TiledGenerator(Generator):
             of it.
         widths: channels of each level of the network, from the finest to the coarsest.
         blocks: residual blocks of each level, down and again up.
-        norm: of the residual blocks; batch norm takes its statistics over all windows of a batch.
+        norm: norm of the residual blocks; batch norm takes its statistics over all windows of a batch.
 
     Raises:
         InputError: if a setting cannot be used.

@@ -30,7 +30,7 @@ def check_mesh(loaded: object) -> Mesh:
         ("normals", "(V, 3) finite floats", np.floating),
     ):
         if not _is_rows_of_three(getattr(loaded, part), kind):
-            raise InputError(f"its load gave a Mesh whose {part} are no array of {wanted}.")
+            raise InputError(f"its load gave a Mesh whose {part} are not an array of {wanted}.")
     if len(loaded.normals) != len(loaded.vertices):
         raise InputError(
             f"its load gave a Mesh of {len(loaded.vertices)} vertices and {len(loaded.normals)} normals; "
@@ -69,7 +69,7 @@ def check_maps(renderer: object, maps: object, size: int) -> Maps:
     if maps.mask.dtype != np.bool_:
         raise InputError(f"{name} gave a mask of {maps.mask.dtype}; it is bool, True on the object.")
     if not np.isfinite(maps.normal).all():
-        raise InputError(f"{name} gave normals that are no numbers; they are unit vectors, 0 off the object.")
+        raise InputError(f"{name} gave normals that are not numbers; give unit vectors, 0 off the object.")
     return maps
 
 
@@ -89,7 +89,7 @@ def check_strokes(style: object, strokes: object, size: int) -> Sequence[Stroke]
     for stroke in strokes:
         for part in ("points", "width", "darkness"):
             if not np.isfinite(getattr(stroke, part)).all():
-                raise InputError(f"{name} gave a stroke whose {part} are no numbers; they must be finite.")
+                raise InputError(f"{name} gave a stroke whose {part} are not numbers; they must be finite.")
         low, high = float(stroke.points.min()), float(stroke.points.max())
         if low < -size or high > 2 * size or not 0 <= stroke.width.min() <= stroke.width.max() <= 4 * size:
             raise InputError(

@@ -51,7 +51,7 @@ def read_triangles(path: Path) -> Triangles:
 def _parts(path: Path) -> list[Triangles]:
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
-        raise InputError(f"{path} is no mesh file; its name must end in one of {' '.join(SUFFIXES)}.")
+        raise InputError(f"{path} is not a mesh file; its name must end in one of {' '.join(SUFFIXES)}.")
     if not path.is_file():
         raise InputError(f"{path} does not exist or is not a file; name a mesh file.")
     try:

@@ -89,7 +89,7 @@ def finish(
     It is moved and scaled so that its box is centred on the origin and its farthest vertex 1 away.
 
     Args:
-        name: of the mesh.
+        name: name of the mesh.
         file: where the triangles are from, and how it stands.
         vertices: (V, 3) positions, in the file's world axes.
         faces: (F, 3) vertex indices.
@@ -176,7 +176,7 @@ def _paths(source: str) -> list[Path]:
         return found
     if place.is_dir():
         raise InputError(f"the folder {source} holds no mesh; files in {' '.join(SUFFIXES)} are taken.")
-    raise InputError(f"{source} is no file, no folder and no pattern that matches a mesh file.")
+    raise InputError(f"{source} is not a file, a folder or a pattern that matches a mesh file.")
 
 
 def _buffers(path: Path) -> list[Path]:

@@ -44,7 +44,7 @@ def check_limits(path: Path) -> None:
     """Check a mesh file before it is parsed.
 
     Args:
-        path: of one of the formats of `SUFFIXES`; a file that is there.
+        path: an existing file in one of the formats of `SUFFIXES`.
 
     Raises:
         InputError: if it is too large, announces more than it can hold, or refers to something outside its
@@ -106,7 +106,7 @@ def buffer_file(path: Path, uri: str) -> Path:
     plain = path.parent / uri
     file = plain if "%" in uri and plain.is_file() else path.parent / name
     if file.exists() and not file.is_file():
-        raise InputError(f"{path} refers to {uri[:80]!r}, which is no file.")
+        raise InputError(f"{path} refers to {uri[:80]!r}, which is not a file.")
     return file
 
 

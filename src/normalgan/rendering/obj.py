@@ -27,7 +27,7 @@ def _corner(word: str, count: int, line: str) -> int:
     try:
         number = int(word.partition("/")[0])
     except ValueError:
-        raise BrokenMeshError(f"{line.strip()[:60]!r} is no face") from None
+        raise BrokenMeshError(f"{line.strip()[:60]!r} is not a face") from None
     if number == 0 or number < -count:
         raise BrokenMeshError(
             f"a face refers to vertex {str(number)[:20]}, which is not there; OBJ counts from 1"

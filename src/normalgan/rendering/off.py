@@ -44,5 +44,5 @@ def _face(words: Sequence[str]) -> list[int]:
         if 0 <= count < len(words):
             return [int(word) for word in words[1 : count + 1]]
     except ValueError:
-        raise BrokenMeshError(f"{' '.join(words)[:60]!r} is no face") from None
+        raise BrokenMeshError(f"{' '.join(words)[:60]!r} is not a face") from None
     raise BrokenMeshError(f"a face announces {str(count)[:20]} corners and lists {len(words) - 1}")

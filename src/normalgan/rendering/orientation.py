@@ -67,7 +67,7 @@ def checked_rotation(where: str, rows: Any) -> Rotation:
     # Files round to a few digits; more than a thousandth off is not rounding.
     if np.abs(matrix @ matrix.T - np.eye(3)).max() > 1e-3 or np.linalg.det(matrix) < 0:
         raise InputError(
-            f"{where}: 'rotation' is no rotation; its rows must be orthonormal, its determinant 1."
+            f"{where}: 'rotation' is not a rotation; its rows must be orthonormal, its determinant 1."
         )
     left, _, right = np.linalg.svd(matrix)
     x, y, z = ((float(a), float(b), float(c)) for a, b, c in left @ right + 0.0)

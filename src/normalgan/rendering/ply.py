@@ -151,7 +151,7 @@ def _whole(word: str) -> int:
     try:
         return int(float(word))
     except (ValueError, OverflowError):
-        raise BrokenMeshError(f"{word[:20]!r} is no whole number") from None
+        raise BrokenMeshError(f"{word[:20]!r} is not a whole number") from None
 
 
 class _Binary:

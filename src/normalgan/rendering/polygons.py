@@ -157,7 +157,7 @@ def parse_points(rows: Sequence[Sequence[str]], start: str = "") -> Doubles:
         except ValueError:
             pass
     bad = next(row for row in rows if not _is_point(row))
-    raise BrokenMeshError(f"{(start + ' '.join(bad))[:60]!r} is no vertex, which has three numbers")
+    raise BrokenMeshError(f"{(start + ' '.join(bad))[:60]!r} is not a vertex, which has three numbers")
 
 
 def _is_point(row: Sequence[str]) -> bool:

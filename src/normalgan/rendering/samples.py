@@ -150,7 +150,7 @@ def draw_ink(
     """Return strokes as ink, (size, size) from 0 to 1.
 
     Args:
-        strokes: of the drawing.
+        strokes: strokes of the drawing.
         size: H and W.
         medium: pen, paper and scanner; None is clean ink.
         rng: the source of randomness of a step, ``medium``.
@@ -165,9 +165,9 @@ def sample_rng(seed: int, name: str, index: int, step: str) -> np.random.Generat
     Each step has its own, so that no step shifts the random numbers of another.
 
     Args:
-        seed: of the recipe.
-        name: of the mesh.
-        index: of the view.
+        seed: seed of the recipe.
+        name: name of the mesh.
+        index: index of the view.
         step: ``views`` (the camera), ``lines`` (the style), ``hand`` or ``medium``.
 
     Example:

@@ -35,5 +35,5 @@ def _shape(discriminator: Discriminator, size: int) -> None:
         did = f"returned scores of {score.dtype} for normals of torch.float32"
         demand(score.dtype == torch.float32, discriminator, did, "it must keep the type")
         demand(
-            score.isfinite().all(), discriminator, "gave a score that is no number", "scores must be finite"
+            score.isfinite().all(), discriminator, "gave a score that is not finite", "scores must be finite"
         )

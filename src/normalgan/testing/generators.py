@@ -52,7 +52,10 @@ def _range(generator: Generator, size: int) -> None:
         predicted = _predict(generator.eval(), scale * given(2, size)[0])
         normals, confidence = predicted[:, :3], predicted[:, 3:]
         demand(
-            predicted.isfinite().all(), generator, "predicted what is no number", "its answer must be finite"
+            predicted.isfinite().all(),
+            generator,
+            "predicted values that are not finite",
+            "its answer must be finite",
         )
         largest = float(normals.abs().max())
         asked = "each component must lie in [-1, 1], as by tanh"

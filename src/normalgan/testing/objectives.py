@@ -42,8 +42,8 @@ class _Critic(nn.Module):
         return scores, scores.tanh().mean((2, 3))
 
 
-def _scores(count: int, value: float = 0.5) -> Scores:
-    return tuple(torch.full(shape, value, requires_grad=True) for shape in ((count, 1, 4, 4), (count, 1)))
+def _scores(count: int) -> Scores:
+    return tuple(torch.full(shape, 0.5, requires_grad=True) for shape in ((count, 1, 4, 4), (count, 1)))
 
 
 def _losses(objective: AdversarialObjective) -> None:
@@ -125,7 +125,7 @@ def _after_step(objective: AdversarialObjective) -> None:
     for name, tensor in critic.state_dict().items():
         good = tensor.shape == before[name].shape and bool(tensor.isfinite().all())
         asked = (
-            "after_discriminator_step may change weights, but neither their shapes nor into what is no number"
+            "after_discriminator_step may change weights, but not their shapes, and each must stay a number"
         )
         demand(good, objective, f"spoilt {name} of the discriminator", asked)
 

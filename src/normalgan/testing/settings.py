@@ -56,7 +56,7 @@ def _frozen(plugin: object) -> None:
     demand(
         params is not None and params.frozen,
         plugin,
-        "is no frozen dataclass",
+        "is not a frozen dataclass",
         "its fields are its settings, and enter the key under which samples are stored",
     )
 

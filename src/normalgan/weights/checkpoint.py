@@ -69,8 +69,8 @@ class Checkpoint:
     """A checkpoint of `normalgan fit`, read without importing or running its code.
 
     Args:
-        path: of the file.
-        settings: of the model, as the file has them.
+        path: path of the file.
+        settings: settings of the model, as the file has them.
         tensors: weights and statistics of the model's networks by name; mapped, and read where they are used.
         callbacks: states of callbacks by their names.
         progress: the run's progress and the state of its optimisers; `check_progress` says whether it can be
@@ -243,7 +243,7 @@ def read_model(path: Path, size: int | None = None) -> Weights:
     """Return the weights in a file of any kind: safetensors, ONNX or a checkpoint.
 
     Args:
-        path: of the file.
+        path: path of the file.
         size: side in pixels of the pictures of a checkpoint's training; None where it says so itself.
 
     Raises:
@@ -328,7 +328,7 @@ def _part(name: str, value: Any) -> ClassSpec:
 def _unchecked_part(name: str, value: Any) -> ClassSpec | None:
     """Return a part that takes no part in inference, so that its class need not be known here.
 
-    None stands for an object that was made in Python from other than plain values.
+    None if the object was made in Python from values that are not plain.
     """
     registry, largest = _REGISTRIES[name]
     if isinstance(value, dict) and value.keys() == {_PYTHON}:

@@ -29,8 +29,8 @@ class ClassSpec:
     """A class and its settings.
 
     Args:
-        name: of a class that a registry knows, or where it is in dots; see `Registry.find`.
-        settings: of it, by name.
+        name: name of a registered class, or its dotted path; see `Registry.find`.
+        settings: its settings, by name.
     """
 
     name: str
@@ -51,11 +51,11 @@ class ClassSpec:
         ClassSpec(name='normalgan.hints.UniformHints', settings={'minimum': 1})
         """
         if not isinstance(configuration, Mapping) or not configuration.keys() <= {"class_path", "init_args"}:
-            raise InputError("what it names is no class with settings.")
+            raise InputError("what it names is not a class with settings.")
         name, settings = configuration.get("class_path"), configuration.get("init_args")
         settings = {} if settings is None else settings
         if not isinstance(name, str) or not isinstance(settings, dict):
-            raise InputError("what it names is no class with settings.")
+            raise InputError("what it names is not a class with settings.")
         for key, value in settings.items():
             if not is_plain(value, largest):
                 raise InputError(
@@ -94,7 +94,7 @@ class ClassSpec:
         except (ValueError, RecursionError) as error:
             if isinstance(error, InputError):
                 raise
-            raise InputError("what it names is no class with settings.") from None
+            raise InputError("what it names is not a class with settings.") from None
 
     def configuration(self, registry: Registry[Any]) -> dict[str, Any]:
         """Return the part as a configuration names it, by the full name of the class.

@@ -70,8 +70,8 @@ def parse_weights(content: bytes, name: str = "the file", is_onnx: bool = False)
     """Return the weights in the content of a file; nothing in it is executed.
 
     Args:
-        content: of the file.
-        name: of the file, in error messages.
+        content: content of the file.
+        name: name of the file, in error messages.
         is_onnx: whether it is ONNX and not safetensors.
 
     Raises:

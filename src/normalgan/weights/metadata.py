@@ -22,15 +22,16 @@ class ModelMetadata:
     """All that is needed to build a model and to measure it as the checkpoint it is from.
 
     Args:
-        generator: what predicts.
-        hint_sampler: gave the hints in training; None if plain values do not say it. Only measuring needs it.
+        generator: the network that predicts.
+        hint_sampler: the sampler of the training; None if it cannot be described by plain values. Only
+            measuring needs it.
         size: side of the pictures in pixels.
         noise_at_test: whether the noise stays on when testing and predicting.
-        seed: of the hints and the noise.
-        licence: of the weights.
+        seed: seed of the hints and the noise.
+        licence: licence of the weights.
         refined: whether the refiner of the package was trained for it, and mends its maps.
         line_widths: the thinnest and the thickest line that it is shown as drawn, in its pixels.
-        version: of normalgan that wrote them.
+        version: the version of normalgan that wrote them.
     """
 
     generator: ClassSpec
@@ -91,7 +92,7 @@ class ModelMetadata:
 
     @classmethod
     def parse(cls, metadata: Mapping[str, str]) -> "ModelMetadata":
-        """Return the notes in such texts.
+        """Return the metadata that such texts hold.
 
         Raises:
             KeyError: if one is missing.

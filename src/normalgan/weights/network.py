@@ -26,7 +26,7 @@ def check_fit(part: ClassSpec, tensors: Tensors, registry: Registry[T], finite: 
     Args:
         part: the network.
         tensors: by name.
-        registry: of its kind.
+        registry: the registry of its kind.
         finite: whether they must all be finite numbers.
 
     Raises:

@@ -156,7 +156,7 @@ def test_what_no_generator_needs_is_refused_before_it_is_loaded(
     ],
 )
 def test_what_is_no_protobuf_is_refused(content: bytes) -> None:
-    with pytest.raises(InputError, match="it is no ONNX"):
+    with pytest.raises(InputError, match="it is not ONNX"):
         check_graph("bad.onnx", content)
 
 
@@ -252,7 +252,7 @@ def test_a_name_that_is_no_text_is_refused_and_nothing_is_printed(
 ) -> None:
     path = tmp_path / "name.onnx"
     path.write_bytes(make().SerializeToString().replace(name, b"\x94" + name[1:]))
-    with pytest.raises(InputError, match=r"name\.onnx is no model that ONNX Runtime can run: .*\.$"):
+    with pytest.raises(InputError, match=r"name\.onnx is not a model that ONNX Runtime can run: .*\.$"):
         OnnxBackend(path)
     assert capfd.readouterr() == ("", "")
 

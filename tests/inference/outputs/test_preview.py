@@ -114,7 +114,7 @@ def test_tiny_pictures_have_no_room_for_the_ball() -> None:
 
 def test_what_cannot_be_lit_is_refused() -> None:
     normals, mask = ball(16)
-    with pytest.raises(InputError, match="no direction"):
+    with pytest.raises(InputError, match="not a direction"):
         shade(normals, (0, 0, 0))
     with pytest.raises(InputError, match=r"shape \(16, 16, 3\) does not go with an opacity of \(15, 16\)"):
         lit(normals, mask[1:], 0)

@@ -36,7 +36,7 @@ def test_no_hints_are_no_hints(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("{}", "are no list; they are like"),
+        ("{}", "are not a list; they are like"),
         ("[1", "are not JSON: line 1"),
         ('[{"x": 1, "y": 2}]', r'hint 1 of .* is {"x": 1, "y": 2}; a hint has x, y and a normal'),
         ('[{"x": 1, "y": 2, "normal": [0, 1]}]', "and a normal of three numbers"),
@@ -56,8 +56,8 @@ def test_no_hints_are_no_hints(tmp_path: Path) -> None:
             r"\[0.6, 0, -0.8\] of hint 1 of .*, at x 1, y 2, looks away from the viewer; its z must be 0 o",
         ),
         ("\x80", "are not a text"),
-        ("[" * 100_000, "are no list of hints"),
-        ("[" + "9" * 5000 + "]", "are no list of hints"),
+        ("[" * 100_000, "are not a list of hints"),
+        ("[" + "9" * 5000 + "]", "are not a list of hints"),
         ('[{"x": 1' + "0" * 400 + ', "y": 2, "normal": [0, 0, 1]}]', "and a normal of three numbers"),
     ],
     ids=lambda each: str(each)[:40],

@@ -32,7 +32,7 @@ def human(
 
     Args:
         folder: with ``drawings.json``, as `read_drawings` takes it.
-        name: of the model's file, or ``shipped``.
+        name: name of the model's file, or ``shipped``.
         out: where the files go.
         groups: the groups of drawings to measure; empty for all.
         say: tells the user.

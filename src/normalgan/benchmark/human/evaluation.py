@@ -123,7 +123,7 @@ def measure_drawings(
     Args:
         drawings: what was drawn.
         predictor: the model.
-        seed: of the hints.
+        seed: seed of the hints.
         gallery: drawings to show.
         say: tells the user how far it is.
     """

@@ -15,7 +15,7 @@ from normalgan.rendering.mesh_files import MeshFile, place
 __all__ = ["CREASE_ANGLE", "PlacedMesh", "camera_of", "read_placed_mesh"]
 
 CREASE_ANGLE = 40.0
-"""Edges sharper than this, in degrees, stay hard: most objects that people were asked to draw have such."""
+"""Edges sharper than this, in degrees, stay hard: most objects that people were asked to draw have them."""
 _SKEWED = 0.03
 """A camera whose axes are farther from right angles, or an orthographic one whose axes differ more in scale,
 does not turn normals into normals."""
@@ -54,14 +54,14 @@ def camera_of(projection: Doubles, placed: PlacedMesh, side: int) -> Camera:
         projection: (3, 4) from the mesh file's coordinates, homogeneous, to pixels of the drawing, x to the
             right and y downwards from the upper left corner; of any length and sign.
         placed: the mesh.
-        side: of the drawing in pixels.
+        side: side of the drawing in pixels.
 
     Raises:
         InputError: if there is no such camera: it is singular, skewed, a mirror, or stands in the mesh.
     """
     matrix = projection @ placed.to_file
     if not np.isfinite(matrix).all() or np.linalg.norm(matrix[:, :3]) == 0:
-        raise InputError("its projection is no matrix of finite numbers that looks at anything.")
+        raise InputError("its projection is not a matrix of finite numbers that looks at anything.")
     perspective = np.linalg.norm(matrix[2, :3]) > 1e-9 * np.linalg.norm(matrix[:2, :3])
     return _perspective(matrix, placed, side) if perspective else _orthographic(matrix, placed, side)
 

@@ -70,7 +70,7 @@ def flaws(client: Any, threads: Mapping[str, int]) -> dict[str, str]:
     """Return why workers are unfit, by address.
 
     Args:
-        client: of the cluster.
+        client: client of the cluster.
         threads: how many threads each of the workers in question has, by address.
     """
     # `eval`, because a worker without normalgan cannot be handed a function of it.

@@ -75,7 +75,7 @@ class Pool(ABC):
         """Yield every task with its result when it is finished, in any order.
 
         Args:
-            function: of a module, so that a worker can import it.
+            function: a module's function, so that a worker can import it.
             tasks: what it is called with.
             related: names that tasks share. After one is killed, tasks that share a name with it are not
                 started, and yielded as killed.

@@ -146,7 +146,7 @@ def _die_with(sentinel: int) -> None:
 
 
 def check_main_guard() -> None:
-    """Check that the script which calls this does so under ``if __name__ == "__main__":``.
+    """Check that the calling script does so under ``if __name__ == "__main__":``.
 
     A spawned process imports the script again. Without the guard it starts processes in turn, and dies.
 

@@ -80,7 +80,7 @@ class Loaders:
 
         Args:
             dataset: the samples of all processes.
-            seed: of the order.
+            seed: seed of the order.
         """
         sampler: FreshViews | ShardOrder | DistributedSampler[Item]
         if isinstance(dataset, StreamDataset):

@@ -59,7 +59,7 @@ def order_of_epoch(
 
     Args:
         meshes: how many there are.
-        views: of each mesh an epoch.
+        views: views of each mesh an epoch.
         epoch: from 0.
         seed: another seed gives another order, but no other samples.
         batch_size: samples in a batch.
@@ -104,7 +104,7 @@ class ShardOrder(Sampler[int]):
         store: the samples.
         replicas: how many processes train.
         rank: which one this is, from 0.
-        seed: of the order.
+        seed: seed of the order.
     """
 
     def __init__(self, store: ShardedSamples, replicas: int, rank: int, seed: int) -> None:

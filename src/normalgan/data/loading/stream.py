@@ -25,7 +25,7 @@ class StreamDataset(Dataset[Item]):
 
     Args:
         sources: the meshes, every one of which can be used.
-        views: of each mesh an epoch.
+        views: views of each mesh an epoch.
         recipe: how samples are made.
         memory: bytes that the meshes kept in one process may take.
     """
@@ -65,7 +65,7 @@ class FreshViews(DistributedSampler[ViewIndex]):
 
     Args:
         dataset: what the tickets are for.
-        seed: of the order.
+        seed: seed of the order.
         batch_size: samples in a batch.
         replicas: how many processes train side by side.
         rank: which one this is, from 0.

@@ -22,7 +22,7 @@ class SplitSettings(Split):
         fractions: shares of train, val and test, if there is no file.
         seed: which names go where, if there is no file.
         file: JSON file with the names of each split.
-        data_seed: of all that is drawn at random, such as animals.
+        data_seed: seed of everything random in the data, such as animals.
         variation: how far individuals that join the training meshes differ from them.
     """
 

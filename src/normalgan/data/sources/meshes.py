@@ -24,7 +24,7 @@ class MeshGroup:
         meshes: a folder, a glob or a list of mesh files.
         orientation: JSON file that says of each mesh how it is turned upright, and whether inside out.
         crease_angle: degrees from which an edge is sharp; None shades everything smooth.
-        poses: of each rigged glTF file, in place of it at rest; 0 leaves all files at rest.
+        poses: poses that replace each rigged glTF file; 0 keeps all files at rest.
         variants: individuals that join each training mesh, varied at random.
         split_file: JSON file that lists the group's train, val and test meshes; None splits by fractions.
         postures: share of the training poses, from 0 to 1, that are postures such as sitting, lying or

@@ -243,7 +243,7 @@ def _listed(path: Path, left_out: list[str]) -> Iterator[PairFiles]:
         columns = list(reader.fieldnames or [])
         rows = [(reader.line_num, row) for row in reader]
     except csv.Error as error:
-        raise InputError(f"{path} is no CSV ({error}); {right}.") from None
+        raise InputError(f"{path} is not CSV ({error}); {right}.") from None
     if unknown := [column for column in columns if column not in COLUMNS]:
         raise InputError(
             f"{path} has a column {unknown[0]!r}, which means nothing here."

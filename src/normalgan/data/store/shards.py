@@ -223,7 +223,7 @@ def write_shard(
     Args:
         storage: the folder of the data set.
         shard: which one.
-        samples: of each place; those of a mesh that failed are replaced by blank ones.
+        samples: a sample for each place, a blank one for a mesh that failed.
         failed: why a mesh of the shard could not be rendered, by name.
 
     Raises:

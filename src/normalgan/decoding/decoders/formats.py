@@ -13,7 +13,7 @@ class Format(NamedTuple):
 
     Args:
         name: for messages.
-        endings: of its files.
+        endings: endings of its files.
         starts: magic bytes, any of them.
         plugin: Pillow's name of it; None if Pillow does not decode it.
         moves: whether a file may hold several pictures, which are all read.

@@ -249,7 +249,7 @@ def _check_parts(count: int, pixels: int, name: str) -> None:
 
 
 def turned_upright(image: "Image") -> "Image":
-    """Return an image turned as its EXIF data says, or unchanged if these are damaged."""
+    """Return an image turned as its EXIF data says, or unchanged if that data is damaged."""
     from PIL import ImageOps
 
     try:
@@ -279,8 +279,8 @@ def plain(image: "Image") -> "Image":
 def _deep(image: "Image") -> "Image":
     """Return a grey image of 16 or 32 bits with white at 65535.
 
-    One that has no level in the upper three quarters of its bits has fewer of them than its file. If one of
-    its greys is transparent, it comes with opacity and 8 bits.
+    A picture without levels in the upper three quarters of its range has fewer bits than its file says. If
+    one of its greys is transparent, it comes with opacity and 8 bits.
     """
     import numpy as np
     from PIL import Image
@@ -326,7 +326,7 @@ def _layered(content: bytes, least: int, most: int) -> Any:
     """Open a paint program's layered file without decoding it; return None for any other file.
 
     Raises:
-        RefusedError: if it cannot be read, or is of no possible size.
+        RefusedError: if it cannot be read, or is too small or large.
     """
     found = format_of(content[:64])
     if found is None or not found.layered:

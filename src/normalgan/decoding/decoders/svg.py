@@ -59,7 +59,7 @@ def draw_svg(content: bytes, side: int, most: int) -> bytes:
         )
     except ValueError as error:
         raise RefusedError(f"cannot be drawn as SVG: {first_line(error)}") from None
-    except BaseException as error:  # a panic of Rust comes as one that is no Exception
+    except BaseException as error:  # a panic of Rust comes as one that is not an Exception
         if isinstance(error, MemoryError):
             raise
         raise RefusedError(f"cannot be drawn as SVG: {first_line(error)}") from None
@@ -75,7 +75,7 @@ def sanitize_svg(content: bytes, most: int) -> str:
         most: pixels that no side of a picture within it may exceed.
 
     Raises:
-        RefusedError: if it is no XML, nested too deeply, too long, or would draw another file.
+        RefusedError: if it is not XML, nested too deeply, too long, or would draw another file.
     """
     parser = ParserCreate()
     parser.buffer_text = True
@@ -144,7 +144,7 @@ def _check_embedded(link: str, most: int) -> None:
             f"draws {shown!r}, and no file but itself is read; embed that picture as PNG, JPEG, GIF or WebP"
         )
     try:
-        # As the drawing library does: without what is no base64.
+        # As the drawing library does: without what is not base64.
         data = base64.b64decode(re.sub(r"\s+", "", link[start.end() :]) + "===", validate=False)
         with opened(data) as image:
             size = image.size

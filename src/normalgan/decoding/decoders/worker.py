@@ -31,9 +31,9 @@ def main(handle: int, needs: str, seconds: int, memory: int, folders: list[str])
     """Answer requests until the other end is closed.
 
     Args:
-        handle: of the connection.
+        handle: handle of the connection.
         needs: the libraries of `needed` for the pictures that will come.
-        seconds: of processor time for one picture.
+        seconds: seconds of processor time for one picture.
         memory: bytes of address space on top of what the libraries map.
         folders: where the libraries are installed.
     """

@@ -155,7 +155,7 @@ def _frames_of_gif(path: Path, data: bytes) -> int:
                 at = _after_blocks(data, at + 11 + _table(data[at + 9]))
                 count += 1
             else:
-                return count  # what follows is no GIF any more; browsers show what was before
+                return count  # what follows is not GIF any more; browsers show what was before
     except IndexError:
         raise InputError(f"{path} is broken: it ends within its frame {count + 1}.") from None
     return count
@@ -186,7 +186,7 @@ def encode_animation(
     """Return frames (H, W, 3) or (H, W, 4) as a file; WebP and PNG keep every colour, a GIF 256 a frame.
 
     Args:
-        kind: of the file.
+        kind: kind of the file.
         frames: one at least.
         durations: milliseconds that each is shown.
         loop: how often all are shown; 0 is for ever.

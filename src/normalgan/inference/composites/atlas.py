@@ -44,7 +44,7 @@ def read_atlas(
     A sprite without pixels is left out. One outside the sheet is left out and named.
 
     Args:
-        path: of the atlas, of any format of `atlas_formats.FORMATS`.
+        path: the atlas, in any format of `atlas_formats.FORMATS`.
         shape: (H, W) of the sheet in pixels.
         sheet: its file.
         units: (width, height) of a sheet that is drawn at any size, such as an SVG, in its own units; None of

@@ -59,7 +59,7 @@ class Format(NamedTuple):
 
     Args:
         name: in a sentence.
-        endings: of its files.
+        endings: endings of its files.
         parse: takes a text and returns its pages, or None if the text is in another format.
     """
 
@@ -76,7 +76,7 @@ def parse_atlas(content: bytes) -> list[Page]:
     """Return the pages of an atlas of any format of `FORMATS`.
 
     Args:
-        content: of its file.
+        content: content of its file.
 
     Raises:
         UnreadableAtlasError: if it is broken, or of another kind.

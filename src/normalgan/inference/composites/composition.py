@@ -24,7 +24,7 @@ def compose(maps: Sequence[NormalMap]) -> NormalMap:
     normals are those of the nearest one, so that edges keep their own normals.
 
     Args:
-        maps: of one size (H, W), the hindmost first; one alone is returned as it is.
+        maps: maps of one size (H, W), the hindmost first; a single one is returned unchanged.
 
     Raises:
         ValueError: if there is none, or if they are of different sizes.

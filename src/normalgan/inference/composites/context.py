@@ -35,7 +35,7 @@ def context_of(parts: Iterable[Prepared]) -> Context:
     """Return the lines of all parts of a drawing; the object of a part hides the lines behind it.
 
     Args:
-        parts: of one size, the hindmost first; at least one. Each is read once, and none is kept.
+        parts: parts of one size, the hindmost first; at least one. Each is read once and not kept.
     """
     parts = iter(parts)
     first = next(parts)
@@ -55,7 +55,7 @@ def ways_to_see(part: Prepared, context: Context | None) -> list[Prepared]:
 
     Args:
         part: as `prepare` gives it.
-        context: of the drawing that it is a part of; None if there are no others.
+        context: the drawing that it is a part of; None if there are no other parts.
     """
     if context is None or part.mask is None or (part.closed < CLOSED and not part.held):
         return [part]

@@ -31,7 +31,7 @@ def find_figures(decision: Decision, reading: Reading, shape: tuple[int, int]) -
 
     Args:
         decision: on the whole page.
-        reading: of the whole page.
+        reading: reading of the whole page.
         shape: (H, W) of the drawing, in whose pixels the figures are given.
     """
     size = decision.small.shape[0], decision.small.shape[1]
@@ -110,7 +110,7 @@ def _cells(figure: NDArray[np.intp], drawn: BoolMask, count: int, shape: tuple[i
     Args:
         figure: (h, w), the number of each pixel's figure, -1 for none.
         drawn: (h, w), lines and bodies.
-        count: of the figures.
+        count: number of the figures.
         shape: (H, W) of the drawing.
     """
     free = (figure < 0).astype(np.uint8)

@@ -78,7 +78,7 @@ def drawn(sheet: Decoded) -> BoolMask:
 
 
 def _opaque(sheet: Decoded) -> BoolMask | None:
-    """Return where something is, (H, W), by a sheet's opacity; None if it has none."""
+    """Return where a sheet is opaque, (H, W); None if it has no opacity."""
     pixels = sheet.pixels
     if pixels.ndim != 3 or pixels.shape[2] != 4 or pixels[..., 3].min() == 255:
         return None

@@ -101,7 +101,7 @@ def encode_layers(
     """Return a layered file.
 
     Args:
-        kind: of the file.
+        kind: kind of the file.
         shape: (H, W) of the picture.
         layers: as `read_layers` gives them; frame by frame, in each the lowest first.
         durations: milliseconds that each frame is shown; of more than one only Aseprite knows.
@@ -136,7 +136,7 @@ _Node = DecodedLayer | tuple[str, list[DecodedLayer]]
 
 
 def _nodes(layers: Sequence[DecodedLayer], depth: int) -> Iterator[_Node]:
-    """Yield layers, and groups of those that lie in one, some groups deep, in the order of the layers."""
+    """Yield the layers in order; neighbours in one group at ``depth`` come together, with its name."""
 
     def group(layer: DecodedLayer) -> str | None:
         return layer.groups[depth] if len(layer.groups) > depth else None

@@ -151,7 +151,7 @@ def flat_map(shape: tuple[int, int], size: int | None = None) -> NormalMap:
     """Return the map of a drawing (H, W) that could not be predicted: flat, and nowhere an object.
 
     Args:
-        shape: of the drawing.
+        shape: shape of the drawing.
         size: longer side of the map in pixels; None is the drawing's.
     """
     shape = shape if size is None else fitted(shape, size)

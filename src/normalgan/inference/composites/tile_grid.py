@@ -30,8 +30,8 @@ class TileGrid:
     """The tiles of a picture, row by row; rows and columns that hold no whole tile are left out.
 
     Args:
-        width: of a tile in pixels.
-        height: of a tile in pixels.
+        width: width of a tile in pixels.
+        height: height of a tile in pixels.
         margin: pixels before the first tile, across and down.
         spacing: pixels between two tiles.
         size: (width, height) of the picture by the tileset's file; None if it does not say.
@@ -155,7 +155,7 @@ def _xml(text: str, path: Path) -> dict[str, Any]:
 
 def _no_tileset(path: Path) -> InputError:
     return InputError(
-        f"{path} is no tileset of Tiled (.tsx, .tsj); name one, export the map's tileset from Tiled, or "
+        f"{path} is not a tileset of Tiled (.tsx, .tsj); name one, export the map's tileset from Tiled, or "
         f"{_EXAMPLE}."
     )
 

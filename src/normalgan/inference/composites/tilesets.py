@@ -56,7 +56,7 @@ def predict_tileset(
         predictor: the network.
         sheet: its pixels, not reduced.
         grid: where its tiles lie.
-        name: of its file.
+        name: name of its file.
         hints: in pixels of the sheet.
         mask: (H, W) the objects; or where they come from, as `prepare` has it.
         sprite: adapts the map to painted tiles.

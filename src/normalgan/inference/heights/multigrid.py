@@ -18,7 +18,7 @@ class Solver:
     The multigrid of one system serves the next ones as long as they are near enough to it.
 
     Args:
-        tolerance: of the residual, as a share of the right-hand side.
+        tolerance: tolerance of the residual, as a share of the right-hand side.
 
     Example:
         >>> matrix = sparse.csr_array(np.array([[2.0, -1.0], [-1.0, 2.0]]))
@@ -61,7 +61,7 @@ class Relaxation:
     time and memory.
 
     Args:
-        steps: of each solution.
+        steps: steps of each solution.
 
     Example:
         >>> matrix = sparse.csr_array(np.array([[2.0, -1.0], [-1.0, 2.0]]))

@@ -47,7 +47,7 @@ def relief_mesh(
             watertight; ``plate`` also sets it on a rectangle of the size of the picture.
         depth: what heights are multiplied by; 1 keeps the proportions, which makes sides as deep as the
             object, and 0.2 is a bas-relief.
-        thickness: of the thinnest place, and of the plate, in units of the picture's longer side.
+        thickness: thickness of the thinnest place, and of the plate, in units of the picture's longer side.
 
     Raises:
         InputError: if the mask is empty or of another size, or a number cannot be used.

@@ -37,10 +37,10 @@ class Links:
 
     Args:
         tail: number of the pixel that a link starts at.
-        head: of the one that it ends at.
+        head: number of the one that it ends at.
         axis: 0 along x, 1 along y.
         before: number of the link that ends where this one starts; its own where there is none.
-        after: of the one that starts where this one ends; its own where there is none.
+        after: number of the one that starts where this one ends; its own number if there is none.
     """
 
     tail: _Index
@@ -150,7 +150,7 @@ class Surface:
             rounds: weights and heights are found at most this often.
             tolerance: and until the energy changes by less than this share of it.
             start: (n,) heights to begin with, which also tell where the surface breaks.
-            solver: of the equations of each round; None is multigrid.
+            solver: solver of the equations of each round; None is multigrid.
         """
         height = np.zeros(self.count) if start is None else start
         even = np.full(len(self.links.tail), 0.5)

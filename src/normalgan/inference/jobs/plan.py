@@ -94,31 +94,20 @@ class Job:
 
 
 def find_files(
-    sketches: str | Sequence[str],
-    ending: str = "_normal.png",
-    hints: str | None = None,
-    mask: str | None = None,
-    content: bytes | None = None,
+    sketches: str | Sequence[str], hints: str | None = None, mask: str | None = None
 ) -> list[DrawingFiles]:
-    """Return the named drawings, each with its hints and its mask.
+    """Return the named drawings, each with its hints and its mask; normal maps beside them are left out.
 
     Args:
-        sketches: files, folders and globs; ``-`` is ``content``.
-        ending: of a normal map's name; such files beside drawings are none.
+        sketches: files, folders and globs.
         hints: a file or a folder.
         mask: a file, a folder, or one of `OUTLINE`, `MODEL` and `READER`.
-        content: what standard input holds.
 
     Raises:
         InputError: if something is missing.
     """
-    every = [sketches] if isinstance(sketches, str) else sketches
-    named = [each for each in every if each != STDIN]
-    drawings = find_drawings(named, ending, companions_of(ending)) if named else []
-    read = [DrawingFiles(drawing) for drawing in drawings]
-    if STDIN in every:
-        read.append(DrawingFiles(Path("stdin"), content))
-    return _with_companions(read, hints, mask)
+    drawings = find_drawings(sketches, "_normal.png", companions_of("_normal.png"))
+    return _with_companions([DrawingFiles(drawing) for drawing in drawings], hints, mask)
 
 
 def find_many(
@@ -135,7 +124,7 @@ def find_many(
 
     Args:
         sketches: files, folders and globs; ``-`` is ``content``.
-        ending: as `find_files` has it.
+        ending: ending of a normal map's name; files that end so are not drawings.
         hints: as `find_files` has them.
         mask: as `find_files` has it.
         content: what standard input holds.
@@ -158,7 +147,7 @@ def companions_of(ending: str) -> tuple[str, ...]:
     """Return the files beside a drawing that are named after it and are not drawings.
 
     Args:
-        ending: of a normal map's name, such as ``_normal.png``.
+        ending: ending of a normal map's name, such as ``_normal.png``.
     """
     outputs = [Path(each).stem for kind in OUTPUTS for each in kind().endings]
     suffix = Path(ending).stem
@@ -189,7 +178,7 @@ def plan(
     Args:
         files: the drawings.
         folder: where everything goes.
-        ending: of a normal map's name, such as ``_normal.png``.
+        ending: ending of a normal map's name, such as ``_normal.png``.
         others: endings of what else is written.
         may_clash: whether two drawings may go to one file, as somebody else sees to that.
         also_read: other files that are read, such as the model.
@@ -214,7 +203,7 @@ def is_file_name(output: Path) -> bool:
         return False
     if output.suffix.lower() in _NO_MAPS:
         raise InputError(
-            f"{output} is no name of a map, which ends in .png, .exr, .tif or .tiff, or if it moves in .gif, "
+            f"{output} is not a map's name, which ends in .png, .exr, .tif or .tiff, or if it moves in .gif, "
             ".webp or .apng; name such a file, or a folder (-o)."
         )
     return output.suffix.lower() in FILES
@@ -232,7 +221,7 @@ def format_of(target: Path, asked: str | None) -> Literal["png", "exr", "tiff"]:
     """
     found = FILES[target.suffix.lower()]
     if asked not in {None, found}:
-        raise InputError(f"{target} is no {asked}; name a file of that kind, or leave --format out.")
+        raise InputError(f"{target} is not {asked}; name a file of that kind, or leave --format out.")
     return found
 
 

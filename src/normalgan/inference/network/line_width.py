@@ -27,7 +27,7 @@ def render_model_input(ink: Floats, frame: Frame, widths: LineWidths) -> Floats:
     Args:
         ink: (H, W).
         frame: the square that the model is shown.
-        widths: of the lines that the model knows.
+        widths: widths of the lines that the model knows.
     """
     if _is_known(ink, frame, widths):
         return frame.cut(ink)
@@ -98,9 +98,9 @@ def areas(inked: BoolMask, width: float, depth: Floats, side: int) -> BoolMask:
 
     Args:
         inked: (H, W).
-        width: of most lines in pixels.
+        width: width of most lines in pixels.
         depth: (H, W), how far inside the ink each pixel lies.
-        side: of the whole picture in pixels.
+        side: side of the whole picture in pixels.
     """
     thickest = min(max(1.5 * width, _THIN * side), 0.035 * side)  # half the width that is none of a line
     core: BoolMask = depth > thickest
@@ -122,7 +122,7 @@ def middle(inked: BoolMask, width: float, thick: BoolMask) -> BoolMask:
 
     Args:
         inked: (H, W).
-        width: of most lines in pixels.
+        width: width of most lines in pixels.
         thick: (H, W), its areas.
     """
     from skimage.morphology import skeletonize  # takes half a second, and most drawings do without

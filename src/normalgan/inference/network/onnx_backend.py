@@ -60,7 +60,7 @@ class OnnxBackend:
 
     Args:
         path: file that `normalgan export` wrote.
-        threads: of one run; 0 takes all cores.
+        threads: threads of one run; 0 takes all cores.
 
     Raises:
         InputError: if it is not such a file.
@@ -100,7 +100,7 @@ class OnnxBackend:
                     f"there is too little memory to load the model {path}; close other programs."
                 ) from error
             raise InputError(
-                f"{path} is no model that ONNX Runtime can run: {brief(error)[:200].rstrip('.')}."
+                f"{path} is not a model that ONNX Runtime can run: {brief(error)[:200].rstrip('.')}."
             ) from error
         self._path = path
         side = (inputs.get("sketch") or [None])[-1]

@@ -33,7 +33,7 @@ def check_graph(name: str, content: bytes) -> bool:
         if a small weight says how large a tensor is to be made.
 
     Raises:
-        InputError: if it is no ONNX, or holds what no generator needs.
+        InputError: if it is not ONNX, or holds what no generator needs.
     """
     folds = True
     try:
@@ -47,7 +47,7 @@ def check_graph(name: str, content: bytes) -> bool:
             f"the model {name} holds {found}; a generator is one plain graph, as `normalgan export` writes."
         ) from None
     except (ValueError, IndexError):
-        raise InputError(f"{name} is no model that ONNX Runtime can run: it is no ONNX.") from None
+        raise InputError(f"{name} is not a model that ONNX Runtime can run: it is not ONNX.") from None
     return folds
 
 

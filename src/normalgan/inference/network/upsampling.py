@@ -82,7 +82,7 @@ class Refiner:
 
     Args:
         path: network that ``tools/train_refiner.py`` wrote.
-        threads: of one run; 0 takes all cores.
+        threads: threads of one run; 0 takes all cores.
     """
 
     def __init__(self, path: Path = REFINER, threads: int = 1) -> None:
@@ -132,7 +132,7 @@ def upsampler(*, refined: bool, threads: int = 1) -> Upsampler:
 
     Args:
         refined: whether the model is one that the refiner of the package was trained for.
-        threads: of the refiner; 0 takes all cores.
+        threads: threads of the refiner; 0 takes all cores.
     """
     return Refiner(threads=threads) if refined else enlarge
 

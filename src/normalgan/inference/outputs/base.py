@@ -62,7 +62,7 @@ class Scaled(bytes):
     """A grey PNG of 16 bits whose scale is known, so that it can be brought to that of others.
 
     Args:
-        content: of the file.
+        content: content of the file.
         spread: what white stands for.
     """
 
@@ -75,7 +75,7 @@ class Scaled(bytes):
         return scaled
 
     def at(self, spread: float) -> bytes:
-        """Return the file in which white stands for this much, at least as much as now."""
+        """Return the file rescaled so that white means ``spread``, at least the present one."""
         if spread <= self.spread:
             return self
         import cv2

@@ -21,8 +21,8 @@ class Convention:
 
     Args:
         y: where green points.
-        bits: of each channel.
-        suffix: of the map's name.
+        bits: bits of each channel.
+        suffix: suffix of the map's name.
         sidecar: ending of the file that tells the engine how to import the map.
     """
 

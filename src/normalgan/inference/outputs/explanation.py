@@ -27,9 +27,9 @@ def write_explanation(
 
     Args:
         folder: is made if it does not exist.
-        stem: of the drawing's name.
+        stem: stem of the drawing's name.
         picture: the drawing.
-        prepared: of the drawing.
+        prepared: the prepared drawing.
         preds: its map, whose mask is the last stage.
 
     Raises:

@@ -28,7 +28,7 @@ class Clay:
     """A matt material with a soft gloss, under one lamp and a grey sky; all colours are linear, from 0 to 1.
 
     Args:
-        colour: of the surface.
+        colour: colour of the surface.
         lamp: colour and strength of the lamp.
         sky: light that comes from above.
         ground: light that comes from below.
@@ -88,7 +88,7 @@ def shade(normals: Floats, light: tuple[float, float, float], clay: Clay = Clay(
     towards = np.asarray(light, np.float32)
     length = float(np.linalg.norm(towards))
     if not np.isfinite(length) or length < 1e-6:
-        raise InputError(f"the light comes from {light}, which is no direction; give a vector such as 0 1 1.")
+        raise InputError(f"the light comes from {light}, which is not a direction; give a vector like 0 1 1.")
     towards = towards / length
     halfway = towards + np.array([0, 0, 1], np.float32)
     halfway /= max(float(np.linalg.norm(halfway)), 1e-6)

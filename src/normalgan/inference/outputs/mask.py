@@ -16,7 +16,7 @@ class Mask(Output):
     """The object's mask, white on black with a soft edge.
 
     Args:
-        format: of the picture.
+        format: format of the picture.
     """
 
     name: ClassVar[str] = "mask"

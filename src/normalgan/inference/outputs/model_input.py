@@ -16,7 +16,7 @@ class ModelInput(Output):
     """The model's input, dark lines on white.
 
     Args:
-        format: of the picture.
+        format: format of the picture.
     """
 
     name: ClassVar[str] = "input"

@@ -64,7 +64,7 @@ class Normal(Output):
                 "--pack normal_specular and --alpha both write the alpha channel; leave one out."
             )
         if self.suffix and Path(self.suffix).name != self.suffix:
-            raise InputError(f"the suffix {self.suffix!r} is no part of a file's name; it is like _normal.")
+            raise InputError(f"the suffix {self.suffix!r} cannot end a file's name; it is like _normal.")
 
     @property
     def endings(self) -> tuple[str, ...]:

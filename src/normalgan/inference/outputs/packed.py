@@ -20,7 +20,7 @@ class Roughness(Output):
     """The roughness, one minus the specular map.
 
     Args:
-        format: of the picture.
+        format: format of the picture.
     """
 
     name: ClassVar[str] = "roughness"
@@ -37,7 +37,7 @@ class OcclusionRoughnessMetallic(Output):
     """Occlusion, roughness and metallic in red, green and blue, as glTF, Unreal and Godot read them.
 
     Args:
-        format: of the picture.
+        format: format of the picture.
     """
 
     name: ClassVar[str] = "orm"

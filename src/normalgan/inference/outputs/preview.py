@@ -50,8 +50,8 @@ def lit(normals: Floats, opacity: Opacity, azimuth: float, elevation: float = 25
     Args:
         normals: (H, W, 3) unit normals, x right, y up, z to the viewer.
         opacity: (H, W) in [0, 1] or bool, 1 on the object.
-        azimuth: of the lamp in degrees, counter-clockwise from the right; 90 is above.
-        elevation: of the lamp in degrees; 90 is behind the viewer.
+        azimuth: azimuth of the lamp in degrees, counter-clockwise from the right; 90 is above.
+        elevation: elevation of the lamp in degrees; 90 is behind the viewer.
 
     Raises:
         InputError: if the sizes differ.
@@ -81,7 +81,7 @@ def turn(normals: Floats, opacity: Opacity, frames: int = 24, elevation: float =
         normals: (H, W, 3) unit normals.
         opacity: (H, W), 1 on the object.
         frames: number of pictures.
-        elevation: of the lamp in degrees.
+        elevation: elevation of the lamp in degrees.
 
     Raises:
         InputError: if there are no frames.
@@ -122,7 +122,7 @@ def preview_gif(normals: Floats, opacity: Opacity, frames: int = 36, seconds: fl
         normals: (H, W, 3) unit normals.
         opacity: (H, W), 1 on the object.
         frames: number of pictures.
-        seconds: that one turn takes.
+        seconds: duration of one turn.
     """
     pictures = turn(normals, opacity, frames)
     # One palette for all, of the colours of all: with one for each the tones would flicker.

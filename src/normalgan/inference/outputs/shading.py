@@ -41,7 +41,7 @@ class AmbientOcclusion(Output):
     """The ambient occlusion.
 
     Args:
-        format: of the picture.
+        format: format of the picture.
     """
 
     name: ClassVar[str] = "ao"
@@ -58,7 +58,7 @@ class Curvature(Output):
     """The curvature, ridges light and hollows dark.
 
     Args:
-        format: of the picture.
+        format: format of the picture.
     """
 
     name: ClassVar[str] = "curvature"
@@ -75,7 +75,7 @@ class Specular(Output):
     """How much each place reflects, ridges polished and hollows dull.
 
     Args:
-        format: of the picture.
+        format: format of the picture.
     """
 
     name: ClassVar[str] = "specular"

@@ -189,7 +189,7 @@ def read_drawing(path: str | Path) -> Floats:
     """Read a drawing as ink (H, W) in [0, 1], ink 1 and paper 0; any mode, transparent is paper.
 
     Raises:
-        InputError: if it is missing, no image, of no possible size, or holds no line.
+        InputError: if it is missing, not an image, too small or large, or has no line.
     """
     path = Path(path)
     ink = np.float32(1) - to_unit(read_pixels(path, grey=True).pixels)
@@ -221,12 +221,12 @@ def read_hints(path: str | Path, shape: tuple[int, int]) -> tuple[Floats, NDArra
     colours = pixels[rows, columns, :3]
     given = vectors(colours)
     length = np.linalg.norm(given, axis=-1)
-    wrong = np.flatnonzero(~(np.abs(length - 1) <= 0.25))  # so that what is no number is wrong
+    wrong = np.flatnonzero(~(np.abs(length - 1) <= 0.25))  # so that what is not a number is wrong
     if len(wrong):
         first, half = wrong[0], {"uint8": 127.5, "uint16": 32767.5}.get(colours.dtype.name, 0.5)
         raise InputError(
-            f"the colour {colours[first].tolist()} at x {columns[first]}, y {rows[first]} of {path} is no "
-            f"normal: (colour / {half} - 1) must have length 1, not {length[first]:.2f}."
+            f"the colour {colours[first].tolist()} at x {columns[first]}, y {rows[first]} of {path} is not "
+            f"a normal: (colour / {half} - 1) must have length 1, not {length[first]:.2f}."
         )
     away = np.flatnonzero(given[:, 2] < LEAST_Z * length)
     if len(away):
@@ -244,7 +244,7 @@ def read_normals(path: str | Path, green: Green = "up") -> tuple[Floats, Floats 
     """Read a normal map: PNG or TIFF of 8 or 16 bits a channel, TIFF or EXR of floats.
 
     Args:
-        path: of the file.
+        path: path of the file.
         green: which way of y it holds: up as in OpenGL, down as in DirectX.
 
     Returns:

@@ -63,7 +63,7 @@ def parse_hints(entries: Any, path: Path | str, shape: tuple[int, int]) -> Hints
     """
     if not isinstance(entries, list):
         raise InputError(
-            f'the hints {path} are no list; they are like [{{"x": 10, "y": 20, "normal": [0, 0.6, 0.8]}}].'
+            f'the hints {path} are not a list; they are like [{{"x": 10, "y": 20, "normal": [0, 0.6, 0.8]}}].'
         )
     points, normals = [], []
     for number, entry in enumerate(entries, 1):
@@ -117,4 +117,4 @@ def _parsed(path: Path) -> Any:
     except UnicodeDecodeError:
         raise InputError(f"the hints {path} are not a text.") from None
     except (ValueError, RecursionError):  # a number of thousands of digits, a list in a list in a list …
-        raise InputError(f"the hints {path} are no list of hints; they hold what none has.") from None
+        raise InputError(f"the hints {path} are not a list of hints; they hold what none has.") from None

@@ -1,4 +1,4 @@
-"""Picture: a drawing's file as colours and opacity, before anything is known of its lines."""
+"""Picture: the colours and opacity of a drawing's file, before its lines are found."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -63,7 +63,7 @@ class Picture:
 
 
 def resize(picture: Floats, shape: tuple[int, int]) -> Floats:
-    """Return a picture (H, W) or (H, W, C) with another (H, W): averaged over areas, or interpolated."""
+    """Return a picture (H, W) or (H, W, C) resized to another (H, W), by area or by interpolation."""
     shrinks = shape[0] < picture.shape[0]
     method = cv2.INTER_AREA if shrinks else cv2.INTER_CUBIC
     return np.asarray(cv2.resize(picture, shape[::-1], interpolation=method), np.float32)
@@ -88,7 +88,7 @@ def read_picture(path: Path, content: bytes | None = None, longest: int | None =
         longest: longer side in pixels that an SVG is drawn with; None is `SVG_SIDE`.
 
     Raises:
-        InputError: if it is missing, no image, or of no possible size.
+        InputError: if it is missing, not an image, or too small or large.
     """
     return to_picture(read_pixels(path, content, min(longest or SVG_SIDE, MOST_WORKED), MOST_WORKED))
 

@@ -48,7 +48,7 @@ class Container:
             raise bad_gltf(self.path, f"it refers to entry {index} of its {len(items)} {kind}")
         entry = items[index]
         if not isinstance(entry, dict):
-            raise bad_gltf(self.path, f"entry {index} of its {kind} is no object")
+            raise bad_gltf(self.path, f"entry {index} of its {kind} is not an object")
         return entry
 
 
@@ -101,7 +101,7 @@ def _tree(path: Path) -> tuple[dict[str, Any], bytes | None]:
     except InputError:
         raise
     except (ValueError, LookupError, TypeError, struct.error, RecursionError) as error:
-        raise bad_gltf(path, f"it is no glTF file: {brief(error)}") from error
+        raise bad_gltf(path, f"it is not a glTF file: {brief(error)}") from error
     if not version.startswith("2"):
         raise bad_gltf(path, f"it is glTF {version}; export it as 2.0")
     return tree, binary
@@ -113,7 +113,7 @@ def _linked(path: Path, uri: str) -> bytes:
         try:
             return base64.b64decode(uri.partition(",")[2], validate=True)
         except binascii.Error as error:
-            raise bad_gltf(path, f"a buffer written into it is no base64: {brief(error)}") from error
+            raise bad_gltf(path, f"a buffer written into it is not base64: {brief(error)}") from error
     name = name_in_folder(uri)
     if name is None:
         raise bad_gltf(path, f"its buffer {uri!r} does not lie in its folder")

@@ -28,7 +28,7 @@ def read_gltf(path: Path) -> tuple[dict[str, Any], bytes | None]:
         data, binary = chunks[_JSON], chunks.get(_BINARY)
     tree = json.loads(data)
     if not isinstance(tree, dict):
-        raise ValueError("its JSON is no object")
+        raise ValueError("its JSON is not an object")
     return tree, binary
 
 

@@ -54,7 +54,7 @@ def read_nodes(container: Container) -> Nodes:
     rotations = _rows(container, "rotation", (0.0, 0.0, 0.0, 1.0))
     lengths = np.linalg.norm(rotations, axis=1, keepdims=True)
     if (lengths < 0.5).any():
-        raise bad_gltf(container.path, "a node's rotation is no unit quaternion")
+        raise bad_gltf(container.path, "a node's rotation is not a unit quaternion")
     matrices = {
         index: np.array(entry["matrix"], dtype=np.float64).reshape(4, 4).T  # stored column by column
         for index, entry in enumerate(entries)

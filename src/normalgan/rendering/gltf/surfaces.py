@@ -57,7 +57,7 @@ def _surfaces(container: Container, mesh: Any, matrix: Doubles) -> Iterator[tupl
             continue
         vertices = read_accessor(container, part["attributes"]["POSITION"], "VEC3").astype(np.float64)
         faces = read_faces(container, part, mode, len(vertices))
-        with np.errstate(invalid="ignore"):  # coordinates that are no numbers are refused later
+        with np.errstate(invalid="ignore"):  # coordinates that are not numbers are refused later
             placed = vertices @ matrix[:3, :3].T + matrix[:3, 3]
         # A mirroring transform turns what was outside inside.
         yield placed, faces[:, ::-1] if np.linalg.det(matrix[:3, :3]) < 0 else faces
@@ -70,7 +70,7 @@ def read_faces(container: Container, part: dict[str, Any], mode: int, count: int
         container: the file.
         part: the primitive.
         mode: 4 for a list of triangles, 5 for a strip, 6 for a fan.
-        count: of its vertices.
+        count: number of its vertices.
 
     Raises:
         InputError: if a face refers to a vertex that is not there.

@@ -106,7 +106,7 @@ def random_distortion(bend: float, proportion: float, maps: Maps, rng: np.random
         bend: how far points stray along each axis, as a fraction of the side (standard deviation).
         proportion: deviation of the logarithm of the ratio of height to width; of the shear; and, halved,
             of the turn in radians.
-        maps: of the object.
+        maps: maps of the object.
         rng: source of randomness.
     """
     ratio, shear, turn = np.clip(rng.standard_normal(3), -2.5, 2.5) * proportion

@@ -24,7 +24,7 @@ def follow(maps: Maps, distortion: Distortion) -> Maps:
 
     Args:
         maps: (H, W) of the object.
-        distortion: of the drawing.
+        distortion: distortion of the drawing.
     """
     place, jacobian = distortion.grid(*maps.mask.shape)
     x, y = (place * max(maps.mask.shape) - 0.5).astype(np.float32)  # pixel centres at integers

@@ -24,9 +24,9 @@ def forget(
 
     Args:
         strokes: the drawing.
-        interior: of each stroke, the share that lies away from the silhouette.
+        interior: the share of each stroke that lies away from the silhouette.
         chance: that a very short stroke is missed.
-        side: of the frame in pixels.
+        side: side of the frame in pixels.
         rng: source of randomness.
     """
     if not strokes:
@@ -47,7 +47,7 @@ def skip_parts(
         stroke: with points ``step`` pixels apart.
         parts: how many are expected on the length of a side.
         step: pixels.
-        side: of the frame in pixels.
+        side: side of the frame in pixels.
         rng: source of randomness.
     """
     count = len(stroke.points)

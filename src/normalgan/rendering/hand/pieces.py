@@ -27,7 +27,7 @@ def cut(stroke: Stroke, cuts: float, step: float, side: float, rng: np.random.Ge
         stroke: with points ``step`` pixels apart.
         cuts: how many are expected on the length of a side.
         step: pixels.
-        side: of the frame in pixels.
+        side: side of the frame in pixels.
         rng: source of randomness.
     """
     count = len(stroke.points)

@@ -37,7 +37,7 @@ def press(
         taper: share by which the line thins towards the end where the pen is lifted.
         slowness: share by which the line widens in tight turns, where the hand is slow.
         step: pixels.
-        side: of the frame in pixels.
+        side: side of the frame in pixels.
         rng: source of randomness.
     """
     counts = [len(stroke.points) for stroke in strokes]

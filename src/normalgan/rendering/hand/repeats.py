@@ -16,7 +16,7 @@ def second_pass(stroke: Stroke, side: float, rng: np.random.Generator) -> Stroke
 
     Args:
         stroke: the first pass.
-        side: of the frame in pixels.
+        side: side of the frame in pixels.
         rng: source of randomness.
     """
     count = len(stroke.points)

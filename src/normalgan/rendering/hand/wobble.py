@@ -26,9 +26,9 @@ def stray(
 
     Args:
         strokes: with points ``step`` pixels apart.
-        amplitudes: of drift, wobble and tremor along each axis, in pixels (standard deviations).
+        amplitudes: amplitudes of drift, wobble and tremor along each axis, in pixels (standard deviations).
         step: pixels.
-        side: of the frame in pixels.
+        side: side of the frame in pixels.
         rng: source of randomness.
     """
     counts = [len(stroke.points) for stroke in strokes]
@@ -53,7 +53,7 @@ def round_off(stroke: Stroke, deviation: float) -> Stroke:
 
     Args:
         stroke: with evenly spaced points.
-        deviation: of the Gaussian, in points.
+        deviation: deviation of the Gaussian, in points.
     """
     points = stroke.points
     pad = min(int(8 * deviation) + 1, len(points) - 1)

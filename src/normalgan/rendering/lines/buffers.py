@@ -23,7 +23,7 @@ class Buffers:
         maps: (H, W) of the part.
         sight: its lines of sight.
         corner: (x, y) of its upper left corner in pixels of the whole.
-        side: of the whole in pixels.
+        side: side of the whole picture in pixels.
         scale: pixels of the whole to one of the sketch.
     """
 

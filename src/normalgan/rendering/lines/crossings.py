@@ -128,7 +128,7 @@ def crossings(pairs: tuple[Crossed, Crossed], width: int) -> Crossings:
 
     Args:
         pairs: across the right borders of pixels, and across their lower borders.
-        width: of the picture in pixels.
+        width: width of the picture in pixels.
     """
     parts = []
     for axis, (row, column, share, strength, second) in enumerate(pairs):

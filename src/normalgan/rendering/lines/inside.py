@@ -25,7 +25,7 @@ class Inside:
     """How strokes inside an object are drawn; lengths are fractions of the frame's side.
 
     Args:
-        width: of a strong stroke in pixels of the sketch.
+        width: width of a strong stroke in pixels of the sketch.
         strength: that a stroke must reach; it continues down to a third of it.
         shortest: strokes shorter than this are left out.
         bridge: gaps up to this do not break a stroke.
@@ -54,7 +54,7 @@ class Inside:
         Args:
             surface: the mesh.
             view: how it is seen.
-            buffers: of the view; points that they do not show are hidden.
+            buffers: buffers of the view; points that they do not show count as hidden.
             distance: (H, W) in pixels of the buffers to the nearest contour.
             marks: N places on edges of the mesh.
             strength: (N,) of the line there.

@@ -34,7 +34,7 @@ def sight(camera: Camera, maps: Maps, window: tuple[slice, slice], side: int) ->
         camera: whose frame it is.
         maps: the visible surface in that part, (H, W).
         window: rows and columns of the part.
-        side: of the whole frame in pixels.
+        side: side of the whole frame in pixels.
     """
     left, right, bottom, top = camera.window
     height, width = maps.mask.shape

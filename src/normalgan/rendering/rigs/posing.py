@@ -16,9 +16,9 @@ __all__ = ["draw_pose", "turned"]
 def draw_pose(rig: Rig, rng: np.random.Generator, postures: float = 0.0) -> Doubles:
     """Return the nodes' matrices (N, 4, 4) in a random pose.
 
-    Of the poses that are no posture, half are a moment of an animation. The others, and all of a rig without
-    animations, start from rest and turn each joint by a rotation vector drawn from its range, its middle
-    more likely.
+    Half of the poses that are not postures are a moment of an animation. The others, and all of a rig
+    without animations, start from rest and turn each joint by a rotation vector drawn from its range, its
+    middle more likely.
 
     Args:
         rig: what is posed.

@@ -250,7 +250,7 @@ class Skeleton:
     """The body parts of a rig's nodes; all are indices of nodes.
 
     Args:
-        kind: of body, a key of `POSTURES`.
+        kind: kind of body, a key of `POSTURES`.
         trunk: from the hips to the shoulders; the first carries all others.
         neck: from the shoulders up.
         head: on the neck.
@@ -408,7 +408,7 @@ def in_posture(rig: Rig, skeleton: Skeleton, posture: Posture) -> Doubles:
     Args:
         rig: the rig, whose nodes are taken at rest.
         skeleton: the body parts of its nodes.
-        posture: of the skeleton's kind, such as `draw_posture` returns.
+        posture: a posture for the skeleton's kind, as `draw_posture` returns it.
     """
     if posture.level:
         posture = replace(posture, pitch=_level(skeleton, posture))
@@ -465,7 +465,7 @@ def _placed(skeleton: Skeleton, posture: Posture) -> tuple[Doubles, Doubles]:
 
 
 def _level(skeleton: Skeleton, posture: Posture) -> float:
-    """Return the pitch of the trunk, in degrees, that brings forefeet and hind feet to one ground."""
+    """Return the pitch of the trunk, in degrees, that puts all feet on the same level."""
 
     def difference(pitch: float) -> float:
         places = _placed(skeleton, replace(posture, pitch=pitch))[1]

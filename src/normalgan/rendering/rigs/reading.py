@@ -72,7 +72,7 @@ def _skin(container: Container, nodes: Nodes, index: Any) -> Skin:
     entry = container.item("skins", index)
     joints = np.array(entry["joints"], dtype=np.int64)
     if not len(joints) or joints.min() < 0 or joints.max() >= len(nodes.parents):
-        raise bad_gltf(container.path, f"skin {index} names a joint that is no node")
+        raise bad_gltf(container.path, f"skin {index} names a joint that is not a node")
     matrices = np.broadcast_to(np.eye(4), (len(joints), 4, 4))
     if "inverseBindMatrices" in entry:
         stored = read_accessor(container, entry["inverseBindMatrices"], "MAT4").astype(np.float64)

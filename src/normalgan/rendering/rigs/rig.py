@@ -91,7 +91,7 @@ class Rig:
         nodes: what moves.
         pieces: what is seen.
         clips: how it can move; those without a track are left out.
-        names: of the nodes, as in the file; empty where it has none.
+        names: names of the nodes in the file; empty if it has none.
     """
 
     nodes: Nodes

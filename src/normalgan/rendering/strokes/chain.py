@@ -69,7 +69,7 @@ def _pieces(neighbours: Neighbours, degree: Indices) -> list[Piece]:
 
 
 def _walk(path: Piece, neighbours: Neighbours, inner: list[bool], walked: list[bool]) -> Piece:
-    """Return ``path`` continued to the next point that is an end or a junction, or was already walked on."""
+    """Extend ``path`` to the next end, junction or visited point, and return it."""
     near, begin = neighbours
     before, here = path
     while inner[here]:

@@ -42,7 +42,7 @@ def smooth(path: Doubles, sigma: float) -> Doubles:
 
 
 def settle(path: Doubles, sigma: float, slack: float) -> Doubles:
-    """Return the polyline smoothed, but no point farther than ``slack`` from where it was, in x and in y.
+    """Return a smoothed polyline whose points move by at most ``slack`` in x and in y.
 
     For points known only to lie on a grid, which make stairs; sharp corners keep their place.
 

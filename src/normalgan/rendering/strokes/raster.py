@@ -48,7 +48,7 @@ class _Segments:
         change: how much of these is added up to the end.
         owner: number of the stroke.
         reach: pixels from the segment that may get ink.
-        side: of a square of pixels that holds all that do, wherever the segment lies.
+        side: side of a square of pixels that holds all of these, wherever the segment lies.
     """
 
     start: Doubles

@@ -18,7 +18,7 @@ def to_svg(strokes: Sequence[Stroke], size: int) -> str:
     """Return the drawing as an SVG document of ``size`` × ``size`` pixels on transparent paper.
 
     A stroke of one width is a line with that ``stroke-width``; one of varying width is the shape it covers.
-    SVG knows one opacity a path: the mean darkness along the stroke.
+    An SVG path has one opacity: the mean darkness along the stroke.
 
     Args:
         strokes: in the order in which they are drawn.

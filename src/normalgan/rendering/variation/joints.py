@@ -23,7 +23,7 @@ _JOINTS = 2
 _PLACES = np.linspace(0.25, 0.8, 12)
 """Where a limb may have a joint, from its tip to the middle of the object."""
 _THICKEST = 0.35
-"""A limb's radius at a joint by its length from there to the tip, at most: what is thicker is no limb."""
+"""A limb's radius at a joint by its length from there to the tip, at most: what is thicker is not a limb."""
 _BAND = 1.5
 """Half the length of a joint, in radii of the limb; a shorter one would crease at 70 degrees."""
 _TORN = 0.1

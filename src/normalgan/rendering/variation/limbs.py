@@ -111,11 +111,11 @@ class Middle:
 
 
 def thicken(points: Doubles, middle: Middle, growth: float) -> Deformed:
-    """Move points away from the middle of the surface about them by ``growth`` times their distance.
+    """Move points away from the middle of their surface by ``growth`` times their distance from it.
 
     Args:
         points: (V, 3) of the surface.
-        middle: of that surface.
+        middle: middle of that surface.
         growth: negative to make thinner.
     """
     centres, slopes = middle.at(points)

@@ -24,7 +24,7 @@ class Varied:
     Args:
         source: where the mesh is from.
         variation: how far individuals differ.
-        number: of the individual, from 0; with the mesh's name it alone draws it.
+        number: number of the individual, from 0; with the mesh's name it alone draws it.
 
     Raises:
         InputError: if the number is negative.

@@ -76,7 +76,7 @@ def open_layered(kind: str, content: bytes, check_size: Callable[[int, int], Non
 
     Args:
         kind: name of its format.
-        content: of the file.
+        content: content of the file.
         check_size: as `LayeredFile` has it.
 
     Raises:

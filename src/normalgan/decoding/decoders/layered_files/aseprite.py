@@ -37,8 +37,8 @@ class _Tileset:
 
     Args:
         size: (width, height) of a tile.
-        count: of the tiles.
-        pixels: of all, stacked vertically; None if they are in another file.
+        count: number of the tiles.
+        pixels: pixels of all tiles, stacked vertically; None if they are in another file.
         zero_is_empty: whether tile 0 is empty.
     """
 
@@ -53,7 +53,7 @@ class _LayerChunk:
     """The properties of a layer in an Aseprite file.
 
     Args:
-        name: of the layer.
+        name: name of the layer.
         groups: names of those that it lies in.
         opacity: with that of its groups.
         visible: whether it is shown, and no group.

@@ -62,10 +62,10 @@ class Layer:
         name: as the file has it.
         groups: names of those that it lies in, the outermost first.
         opacity: 0 to 255, with that of its groups; the image does not have it.
-        left: of its first column in the picture; may be negative.
-        top: of its first row.
+        left: column of its first column in the picture; may be negative.
+        top: row of its first row in the picture.
         image: RGBA.
-        number: of the layer, counted from the lowest; -1 if it is the order in which layers come.
+        number: number of the layer, counted from the lowest; -1 if it is the order in which layers come.
         frame: in which it shows this.
         base: the layer that it is clipped to, by which the image is cut.
     """
@@ -85,7 +85,7 @@ class LayeredFile(ABC):
     """A layered file of one format. Opening one reads its structure; its pictures are decoded later.
 
     Args:
-        content: of the file.
+        content: content of the file.
         check_size: called with width and height before anything else is read; it may refuse the file.
 
     Raises:
