@@ -27,8 +27,11 @@ KINDS = (
     "child",
     "framed",
     "strokes",
+    "blank",
 )
-SHARES = (0.13, 0.14, 0.07, 0.08, 0.09, 0.08, 0.05, 0.03, 0.05, 0.08, 0.04, 0.1, 0.04, 0.02)
+SHARES = (0.13, 0.15, 0.07, 0.09, 0.09, 0.08, 0.05, 0.03, 0.05, 0.08, 0.04, 0.1, 0.01, 0.02, 0.01)
+SEEN = 40
+"""Difference of a channel, of 255, from which an edge between a colour and its ground is seen."""
 
 
 @dataclass
@@ -103,7 +106,7 @@ class _Writer:
         if self.chance(0.3) and kind != "gaps":
             self.damage = 0.0
         self._ground()
-        boxes = self._boxes()
+        boxes = [] if kind == "blank" else self._boxes()
         style = _Style(rng, self)
         if kind == "framed" or (kind in ("several", "coloured") and self.chance(0.1)):
             boxes = self._frame(boxes, style)
@@ -211,7 +214,7 @@ class _Writer:
         solid = bool(mask.max(initial=0) > 0.5)
         if solid and self.rng.random() < self.coloured:
             painted = self._painted(shape, mask, move, strokes, style)
-        outline_drawn = painted is None or self.chance(0.8)
+        outline_drawn = painted is None or self.chance(0.8) or self._unseen(mask, painted)
         lines = self._hand(strokes, span, style)
         loose = self._hand([(s, True) for s in bare], span, style)
         width = style.width(span)
@@ -300,6 +303,8 @@ class _Writer:
                 colour = np.repeat(colour.mean(2, keepdims=True), 3, 2)
             if self.chance(0.2):
                 colour = 255 * (colour / 255) ** np.exp(rng.normal(0, 0.4))
+            if self._unseen(mask, colour):
+                return
             self.page = self.page * (1 - mask[..., None]) + colour * mask[..., None]
             dark = mask * darkness(colour) if shape.lined else 0.0 * mask
             target = np.maximum(dark, self._rim(mask, np.float32(colour), None) * (dark < 0.3))
@@ -341,6 +346,12 @@ class _Writer:
         mask = cv2.warpAffine(opacity, warp, (self.w, self.h), flags=cv2.INTER_LINEAR)
         colour = np.clip(paint / np.maximum(mask[..., None], 1e-3), 0, 255).astype(np.float32)
         return contours, lines, colour, mask
+
+    def _unseen(self, mask, colour) -> bool:
+        """Return whether a third of the edge of what is painted looks like its ground."""
+        solid = (mask > 0.5).astype(np.uint8)
+        rim = solid > cv2.erode(solid, np.ones((3, 3), np.uint8), borderValue=1)
+        return bool((np.abs(colour - self.page)[rim].max(-1) < SEEN).mean() > 1 / 3) if rim.any() else True
 
     def _kept(self, contours, span, style: "_Style") -> Floats:
         """Return 0 where the lines of an outline were left out, and a pencil's uneven tone elsewhere."""
@@ -732,6 +743,8 @@ class _Writer:
         rng, kind, h, w = self.rng, self.kind, self.h, self.w
         self.see_through = 1.0
         self.ground_dark = False
+        if kind == "blank":
+            self.kind = kind = str(rng.choice(["clean", "photo", "ruled", "flat", "sketchy"]))
         if kind == "clean":
             self.page[:] = 255 if self.chance(0.9) else rng.uniform(235, 255, 3)
             return

@@ -39,12 +39,9 @@ class Prepared:
         frame: the square the model is shown.
         seen: (S, S), what it is shown.
         hints: (4, S, S), or None.
-        closed: share of the ink that encloses something, if the mask comes from filling the outline; else 1.
-        guessed: whether that closed a gap so wide that it may have been meant, and the reader was not asked.
         pins: the hints in pixels of the map, or None.
         painted: (h, w), 1 where the user has added to the object, -1 where they have cut, 0 elsewhere; or
             None.
-        held: whether the outline is open and the mask is the one before it was.
         line_widths: of the lines that the model is shown as they were drawn.
         given: the hints in pixels of the drawing, to check that they lie on the object; or None.
         unsure: findings about the mask; places are in pixels of the drawing.
@@ -60,11 +57,8 @@ class Prepared:
     frame: Frame
     seen: Floats
     hints: Floats | None
-    closed: float
-    guessed: bool
     pins: Hints | None = None
     painted: NDArray[np.int8] | None = None
-    held: bool = False
     line_widths: LineWidths = USUAL_WIDTHS
     given: Hints | None = None
     unsure: tuple[Finding, ...] = ()
@@ -122,7 +116,7 @@ def prepare(
         found, alpha = cleaned.silhouette, picture.alpha
     elif source != MODEL:
         decision = decide(walls, reading, [(x * scale, y * scale) for x, y in flips])
-        found = decision.mask
+        found = decision.mask if decision.mask.any() else None
     if flips and decision is None:
         raise InputError("a hole is cut in what lines enclose, but its mask does not come from its lines.")
     prepared = Prepared(
@@ -133,22 +127,25 @@ def prepare(
         frame=frame,
         seen=render_model_input(cleaned.ink, frame, line_widths),
         hints=None,
-        closed=1.0 if decision is None else decision.closed,
-        guessed=decision is not None and decision.guessed,
         painted=painted,
         line_widths=line_widths,
-        unsure=() if decision is None else _in_drawing(decision.unsure, scale),
+        unsure=_said(decision, scale),
         decision=decision,
         reading=reading,
-        coverage=None if decision is None else decision.coverage,
+        coverage=None if decision is None or found is None else decision.coverage,
     )
     return prepared if hints is None else hinted(prepared, hints, picture.shape)
 
 
-def _in_drawing(findings: Sequence[Finding], scale: float) -> tuple[Finding, ...]:
-    """Return findings with their places in pixels of the drawing, which is worked on at a scale."""
+def _said(decision: Decision | None, scale: float) -> tuple[Finding, ...]:
+    """Return what is to be said of a decision, in pixels of the drawing, which is worked on at a scale."""
+    if decision is None:
+        return ()
+    if not decision.mask.any():
+        return (Finding("guessed"),)
     return tuple(
-        replace(each, places=tuple((x / scale, y / scale) for x, y in each.places)) for each in findings
+        replace(each, places=tuple((x / scale, y / scale) for x, y in each.places))
+        for each in decision.unsure
     )
 
 
