@@ -104,8 +104,6 @@ def predict_tile(
         frame=frame,
         seen=render_model_input(around, frame, backend.line_widths),
         hints=None,
-        closed=1.0,
-        guessed=False,
         pins=None if hints is None else repeated(hints, tile, worked, before, around.shape),
         line_widths=backend.line_widths,
     )

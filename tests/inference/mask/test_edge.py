@@ -9,6 +9,7 @@ from skimage.morphology import reconstruction
 from normalgan.arrays import Floats
 from normalgan.inference.mask.decision import decide
 from normalgan.inference.mask.masks import OUTLINE
+from normalgan.inference.mask.reader import Reading
 from normalgan.inference.network.upsampling import enlarge
 from normalgan.inference.pipeline import finish
 from normalgan.inference.preparation import prepare
@@ -112,7 +113,14 @@ def test_the_edge_of_an_open_outline_stays_on_its_ink(size: int) -> None:
     corners, width = closed_curve("circle") * size, size / 170
     gap = 5  # of 180 corners: 0.07 of the side
     ink = drawn(np.roll(corners, -5, 0)[: len(corners) - gap], size, width, closed=False)
-    found = edge_points(decide(ink, None).coverage)
+    disc = cv2.circle(
+        np.zeros((256, 256), np.float32),
+        (128, 128),
+        round(np.hypot(*(corners[0] - size / 2)) * 256 / size),
+        1,
+        -1,
+    )
+    found = edge_points(decide(ink, Reading(disc, disc, np.zeros((2, 256, 256), np.float32))).coverage)
     angle = np.abs(np.angle((found[:, 0] - size / 2) + 1j * (found[:, 1] - size / 2)))
     along = found[angle > 0.4]
     assert np.abs(distances(along, corners) - width / 2).max() <= 0.5
