@@ -357,13 +357,13 @@ def test_an_animation_is_not_repeated(here: Path, capfd: pytest.CaptureFixture[s
 
 def test_stages_of_the_mask_are_explained(here: Path) -> None:
     assert generate("fox.png", "--explain", "why/deep") == 0
-    stages = ("1_input", "2_ink", "3_outline", "4_regions", "5_presence", "6_mask")
+    stages = ("1_input", "2_ink", "3_regions", "4_presence", "5_mask")
     assert sorted(each.name for each in Path("why/deep").iterdir()) == [f"fox_{each}.png" for each in stages]
     for each in stages:
         assert np.asarray(Image.open(f"why/deep/fox_{each}.png")).shape[:2] == (200, 300), each
-    assert overlap(np.asarray(Image.open("why/deep/fox_6_mask.png")) > 127, FILLED) > 0.94
+    assert overlap(np.asarray(Image.open("why/deep/fox_5_mask.png")) > 127, FILLED) > 0.94
     assert generate("fox.png", "--mask", "outline", "--explain", "plain") == 0
-    assert not Path("plain/fox_5_presence.png").exists()
+    assert not Path("plain/fox_4_presence.png").exists()
 
 
 def test_a_hole_is_cut_where_a_point_says(here: Path, capfd: pytest.CaptureFixture[str]) -> None:
@@ -410,9 +410,9 @@ def test_figures_of_a_page_are_predicted_separately_unless_they_are_one(
     assert (
         len(list(Path("why").glob("page_?_*.png")))
         == len(list(Path("why").glob("page_figure_3_?_*.png")))
-        == 6
+        == 5
     )
-    third = np.asarray(Image.open("why/page_figure_3_6_mask.png")) > 0
+    third = np.asarray(Image.open("why/page_figure_3_5_mask.png")) > 0
     assert third.sum() == (found[:, 360:, 3] > 127).sum() > 1000
     assert np.abs(found[60:120, 60:120, :3].astype(int) - found[60:120, 240:300, :3]).max() < 16
     assert generate("page.png", "--single") == 0

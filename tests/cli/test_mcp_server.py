@@ -60,12 +60,12 @@ def test_explain_writes_the_stages_of_the_mask_as_generate_does(here: Path) -> N
     files = [Path(each) for each in answer.structured_content["files"]]
     assert [each.name for each in files] == [
         f"fox_{number}_{stage}.png"
-        for number, stage in enumerate(("input", "ink", "outline", "regions", "presence", "mask"), 1)
+        for number, stage in enumerate(("input", "ink", "regions", "presence", "mask"), 1)
     ]
     assert main(["generate", "fox.png", "--model", "model.onnx", "--explain", "same"]) == 0
     assert all(each.read_bytes() == Path("same", each.name).read_bytes() for each in files)
     given = call("explain", drawing="fox.png", output="given", mask="model")
-    assert [Path(each).name for each in given.structured_content["files"]][-1] == "fox_6_mask.png"
+    assert [Path(each).name for each in given.structured_content["files"]][-1] == "fox_5_mask.png"
     assert "lies outside" in call("explain", drawing="fox.png", output="../why").content[0].text
 
 

@@ -115,39 +115,6 @@ def test_a_layer_is_seen_among_the_others(model: Path, tmp_path: Path) -> None:
     assert np.abs(alone[inside].astype(int) - whole[inside]).max() > 8
 
 
-def test_a_layer_whose_outline_is_open_is_said_to_be_seen_alone(model: Path, tmp_path: Path) -> None:
-    left_open = np.full_like(BACK, 255)
-    left_open[20:100, 110:112] = left_open[20:22, 110:150] = 0
-    with serving(model, tmp_path) as client:
-        found = client.post(
-            "/api/predict", json=ask(1, layer(1, "Body", BACK), layer(2, "Head", left_open, source="outline"))
-        )
-        alone = client.post("/api/predict", json=asking(2, picture=b64(png(left_open)), source="outline"))
-    assert codes(found)[0] == ("Head", "open")
-    assert codes(found)[-1] == ("Head", "alone")
-    assert ("", "alone") not in codes(alone)
-
-
-def test_an_open_outline_has_its_object_at_another_size_too(model: Path, tmp_path: Path) -> None:
-    left_open = BACK.copy()
-    left_open[50:70, 80:] = 255
-    left_open[46:48, 80:140] = 0
-    with serving(model, tmp_path) as client:
-        client.post("/api/predict", json=ask(1, layer(1, "a", BACK)))
-        own = client.post("/api/predict", json=ask(2, layer(1, "a", left_open)))
-        large = np.repeat(np.repeat(left_open, 2, 0), 2, 1)
-        tab = asking(1)["tab"]
-        held, alone = (
-            client.post(
-                "/api/predict", json=ask(3, layer(1, "a", large), tab=f"{tab} other", object_of=holder)
-            )
-            for holder in (tab, None)
-        )
-        wrong = client.post("/api/predict", json=ask(4, layer(1, "a", BACK), object_of=3))
-    assert [("", "held") in codes(each) for each in (own, held, alone)] == [True, True, False]
-    assert (wrong.status_code, "object_of is 3" in wrong.json()["error"]) == (400, True)
-
-
 def test_each_layer_says_for_itself_where_its_object_is(model: Path, tmp_path: Path) -> None:
     def mask(client: TestClient, number: int, *layers: dict[str, Any], **more: Any) -> Any:
         return pixels(client.post("/api/predict", json=ask(number, *layers, **more)))[..., 3]

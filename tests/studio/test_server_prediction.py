@@ -22,7 +22,6 @@ from studio_client import (
     away,
     b64,
     circle,
-    codes,
     findings,
     png,
     serving,
@@ -124,7 +123,7 @@ def test_a_dab_of_the_mask_brush_closes_a_gap_in_the_outline(model: Path, tmp_pa
     assert mask[inside].mean() > 0.99
 
 
-def test_the_object_stays_as_it_was_while_the_outline_is_open(model: Path, tmp_path: Path) -> None:
+def test_a_gap_in_the_outline_hardly_changes_the_object(model: Path, tmp_path: Path) -> None:
     def overlap(a: NDArray[np.bool_], b: NDArray[np.bool_]) -> float:
         return float((a & b).sum() / (a | b).sum())
 
@@ -134,16 +133,8 @@ def test_the_object_stays_as_it_was_while_the_outline_is_open(model: Path, tmp_p
     with serving(model, tmp_path) as client:
         closed = predicted(client)[..., 3] > 127
         answer = client.post("/api/predict", json=asking(2, picture=b64(png(opened))))
-        held = np.frombuffer(answer.content, np.uint8).reshape(HEIGHT, WIDTH, 4)[..., 3] > 127
-        assert overlap(held, closed) > 0.97
-        other = client.post("/api/predict", json=asking(1, tab="other", picture=b64(png(opened))))
-        alone = np.frombuffer(other.content, np.uint8).reshape(HEIGHT, WIDTH, 4)[..., 3] > 127
-        # Nobody has drawn it closed in this tab: nothing is held there.
-        assert not np.array_equal(alone, held) or ("", "held") not in codes(other)
-        apart = np.full_like(opened, 255)
-        apart[20:22, 20:140] = 0
-        anew = client.post("/api/predict", json=asking(3, picture=b64(png(apart))))
-        assert ("", "held") not in codes(anew)  # no held line remains
+        found = np.frombuffer(answer.content, np.uint8).reshape(HEIGHT, WIDTH, 4)[..., 3] > 127
+        assert overlap(found, closed) > 0.95
 
 
 def test_a_draft_is_given_up_for_the_map_of_the_whole_stroke(
@@ -183,9 +174,8 @@ def test_what_is_said_about_a_map_can_be_read_from_its_header(model: Path, tmp_p
         answer = client.post("/api/predict", json=request)
         assert findings(client.post("/api/predict", json=asking(2))) == []
     said, *_ = findings(answer)
-    assert said["code"] == "open"
-    assert 0 <= said["share"] < 0.8
-    assert said["words"].startswith("its outline is not closed")
+    assert said["code"] == "guessed"
+    assert said["words"].startswith("no object is seen among its lines")
     assert " " not in answer.headers["x-findings"]
 
 

@@ -27,8 +27,13 @@ KINDS = (
     "child",
     "framed",
     "strokes",
+    "blank",
 )
-SHARES = (0.13, 0.14, 0.07, 0.08, 0.09, 0.08, 0.05, 0.03, 0.05, 0.08, 0.04, 0.1, 0.04, 0.02)
+SHARES = (0.13, 0.15, 0.07, 0.09, 0.09, 0.08, 0.05, 0.03, 0.05, 0.08, 0.04, 0.1, 0.01, 0.02, 0.01)
+BLACK = 90
+"""Channel, of 255, up to which a filled area is ink; one in another colour is paint, and its edge is ink."""
+SEEN = 40
+"""Difference of a channel, of 255, from which an edge between a colour and its ground is seen."""
 
 
 @dataclass
@@ -103,7 +108,7 @@ class _Writer:
         if self.chance(0.3) and kind != "gaps":
             self.damage = 0.0
         self._ground()
-        boxes = self._boxes()
+        boxes = [] if kind == "blank" else self._boxes()
         style = _Style(rng, self)
         if kind == "framed" or (kind in ("several", "coloured") and self.chance(0.1)):
             boxes = self._frame(boxes, style)
@@ -188,8 +193,7 @@ class _Writer:
             shape = doodle(rng)
         else:
             shape = self.shapes[rng.integers(len(self.shapes))]
-        if shape.paint is not None and self.chance(0.6):
-            self._paste(shape, box, style)
+        if shape.paint is not None and self.chance(0.6) and self._paste(shape, box, style):
             return
         move = self._placement(shape, cx, cy, span)
         contours = [_moved(move, group) for group in shape.contours]
@@ -211,7 +215,7 @@ class _Writer:
         solid = bool(mask.max(initial=0) > 0.5)
         if solid and self.rng.random() < self.coloured:
             painted = self._painted(shape, mask, move, strokes, style)
-        outline_drawn = painted is None or self.chance(0.8)
+        outline_drawn = painted is None or self.chance(0.8) or self._unseen(mask, painted)
         lines = self._hand(strokes, span, style)
         loose = self._hand([(s, True) for s in bare], span, style)
         width = style.width(span)
@@ -245,6 +249,9 @@ class _Writer:
                     self.page * (1 - inner[..., None]) + np.float32(style.paper_like) * inner[..., None]
                 )
             target = edge
+            if style.pen.max() > BLACK:
+                target = np.maximum(drawn, self._rim(black, None, None))
+                self.ink_weight[(black > 0.5) & (target < 0.3)] = 0.5
         else:
             shade = (drawn * (1 - pale))[..., None] * style.darkness
             self.page = self.page * (1 - shade) + colour * shade
@@ -280,12 +287,12 @@ class _Writer:
             self.middle[0][inside] = (mx - xs) / self.long
             self.middle[1][inside] = (my - ys) / self.long
 
-    def _paste(self, shape: Shape, box, style: "_Style") -> None:
-        """Draw clip art as it was drawn: in its colours, or by its dark lines alone."""
+    def _paste(self, shape: Shape, box, style: "_Style") -> bool:
+        """Draw clip art in its colours or by its dark lines alone, and return whether it is seen."""
         rng = self.rng
         contours, lines, colour, mask = self._warped(shape, box)
         if (mask > 0.5).sum() < 20:
-            return
+            return False
         if lines:
             dark = mask * darkness(colour)
             dark *= self._kept(contours, box[2], style)
@@ -300,8 +307,12 @@ class _Writer:
                 colour = np.repeat(colour.mean(2, keepdims=True), 3, 2)
             if self.chance(0.2):
                 colour = 255 * (colour / 255) ** np.exp(rng.normal(0, 0.4))
+            if self._unseen(mask, colour):
+                return False
             self.page = self.page * (1 - mask[..., None]) + colour * mask[..., None]
             dark = mask * darkness(colour) if shape.lined else 0.0 * mask
+            area = cv2.morphologyEx(dark, cv2.MORPH_OPEN, np.ones((9, 9), np.uint8))
+            dark = np.where(area > 0.1, area > darkness(np.full((1, 1, 3), BLACK)), dark)  # shades are no ink
             target = np.maximum(dark, self._rim(mask, np.float32(colour), None) * (dark < 0.3))
             self.ink_weight[(mask > 0.5) & (target < 0.3)] = 0.5
         self.ink = np.maximum(self.ink * (1 - mask), target)
@@ -313,6 +324,7 @@ class _Writer:
                 self._place_middle(labels == k)
         self.presence = np.maximum(self.presence, mask)
         self._weigh(contours, mask, np.zeros(mask.shape, bool), target)
+        return True
 
     def _warped(self, shape: Shape, box):
         """Return the contours of clip art, whether only its lines are drawn, its colours and opacity."""
@@ -341,6 +353,12 @@ class _Writer:
         mask = cv2.warpAffine(opacity, warp, (self.w, self.h), flags=cv2.INTER_LINEAR)
         colour = np.clip(paint / np.maximum(mask[..., None], 1e-3), 0, 255).astype(np.float32)
         return contours, lines, colour, mask
+
+    def _unseen(self, mask, colour) -> bool:
+        """Return whether a third of the edge of what is painted looks like its ground."""
+        solid = (mask > 0.5).astype(np.uint8)
+        rim = solid > cv2.erode(solid, np.ones((3, 3), np.uint8), borderValue=1)
+        return bool((np.abs(colour - self.page)[rim].max(-1) < SEEN).mean() > 1 / 3) if rim.any() else True
 
     def _kept(self, contours, span, style: "_Style") -> Floats:
         """Return 0 where the lines of an outline were left out, and a pencil's uneven tone elsewhere."""
@@ -441,7 +459,7 @@ class _Writer:
             )  # fmt: skip
             if self.chance(0.4):
                 path = path + _noise(rng, 120, 3) * rng.uniform(0.2, 3)
-            if self.chance(0.2):  # an oval
+            if self.chance(0.05):  # an oval
                 t = np.linspace(0, 2 * np.pi, 120)
                 path = np.stack([w / 2 + (w / 2 - away) * np.cos(t), h / 2 + (h / 2 - away) * np.sin(t)], 1)
             cv2.polylines(canvas, [np.rint(path * 16).astype(np.int32)], False, 255, thick, cv2.LINE_AA, 4)
@@ -732,6 +750,8 @@ class _Writer:
         rng, kind, h, w = self.rng, self.kind, self.h, self.w
         self.see_through = 1.0
         self.ground_dark = False
+        if kind == "blank":
+            self.kind = kind = str(rng.choice(["clean", "photo", "ruled", "flat", "sketchy"]))
         if kind == "clean":
             self.page[:] = 255 if self.chance(0.9) else rng.uniform(235, 255, 3)
             return
@@ -1022,7 +1042,8 @@ class _Style:
         rng = self.rng
         if rng.random() < 0.3:
             return np.clip(rng.uniform(60, 250, 3) + rng.normal(0, 30, (count, 3)), 0, 255)
-        return rng.uniform(10, 255, (count, 3))
+        colours = rng.uniform(10, 255, (count, 3))
+        return np.where(colours.max(1, keepdims=True) > BLACK, colours, colours + BLACK)
 
 
 def _moved(move, lines: list[Points]) -> list[Points]:

@@ -135,7 +135,7 @@ def doodle(rng: Rng, kind: str | None = None) -> Shape:
     """Return a figure of round and pointed parts, as children and sign painters draw."""
     kind = kind or rng.choice(
         ["figure", "animal", "blob", "thing", "stick", "ring", "snow", "frame", "plain"],
-        p=[0.2, 0.17, 0.1, 0.12, 0.08, 0.08, 0.04, 0.09, 0.12],
+        p=[0.17, 0.14, 0.1, 0.12, 0.07, 0.1, 0.03, 0.02, 0.25],
     )
     return _Doodle(rng).draw(kind)
 
@@ -542,7 +542,7 @@ class _Doodle:
                     )
 
     def _plain(self):
-        """One closed line with nothing in it: a disc, a square, a triangle."""
+        """One closed line with nothing in it, or a sign: a disc, a square, a triangle."""
         rng = self.rng
         if rng.random() < 0.6:
             size = rng.uniform(0.1, 0.3)
@@ -556,6 +556,10 @@ class _Doodle:
             r = 0.3 * (1 + (rng.normal(0, 0.15, n) if rng.random() < 0.5 else 0))
             outline = _dense(np.stack([0.5 + r * np.cos(t), 0.5 + r * np.sin(t)], 1).astype(np.float32))
         self.parts.append((outline, True))
+        for _ in range(rng.integers(1, 6) if rng.random() < 0.4 else 0):
+            cx, cy = 0.5 + 0.1 * rng.uniform(-1, 1, 2)
+            small = self.ellipse(cx, cy, *rng.uniform(0.01, 0.09, 2), turn=rng.uniform(0, 3))
+            self.details.append(_closed(small))
 
     def _blob(self):
         rng = self.rng

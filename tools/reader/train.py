@@ -20,7 +20,7 @@ from shapes import Views
 from torch.nn import functional
 from torch.utils.data import DataLoader, IterableDataset
 
-SIZES = (((256, 256), 8), ((256, 256), 8), ((256, 192), 10), ((192, 288), 9), ((352, 352), 4))
+SIZES = (((256, 256), 8), ((256, 192), 10), ((384, 384), 4), ((384, 288), 5), ((288, 384), 5))
 RATE = 1.2e-3
 RELOAD = 300
 """Batches after which views that have been rendered since are taken too."""

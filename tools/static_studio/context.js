@@ -6,9 +6,6 @@ import { doubt } from "./suggest.js";
 
 /** @typedef {import("./prepare.js").Prepared} Prepared */
 
-/** Below this share of enclosed lines the network has a say in what is object. */
-const CLOSED = 0.8;
-
 /**
  * Returns each part of a drawing as it is seen alone, and then among the others; the object of a part hides what is behind it.
  * @param {Prepared[]} parts the hindmost first @param {[number, number]} widths of lines that the network knows
@@ -26,7 +23,7 @@ export function waysToSee(parts, widths) {
   const frame = frameAround(ink, width, height, parts[0].frame.size);
   if (!frame) return alone;
   const seen = shown(ink, width, height, frame, widths);
-  return parts.map((each) => (each.mask && each.closed >= CLOSED ? [each, { ...each, frame, seen }] : [each]));
+  return parts.map((each) => (each.mask ? [each, { ...each, frame, seen }] : [each]));
 }
 
 /** Returns the mean error that the network expects on a part's object. @param {Prepared} part @param {Float32Array} confidence */

@@ -1,19 +1,20 @@
 /** Decision: the object in a drawing, from its lines and the reader's presence, as normalgan.inference.mask.decision finds it in Python. */
 
 import { snapOutline } from "./edge.js";
-import { INKED, decided, enlarged, fillOutline } from "./filling.js";
 import { lineWidth } from "./prepare.js";
-import { SQUARE, above, both, boxOf, components, dilated, distance, ellipse, eroded, labelled, opposite, refitted, rint, sumOf, where, without } from "./raster.js";
+import { SQUARE, above, blurred, boxOf, components, dilated, distance, ellipse, enclosedBy, eroded, opposite, refitted, rint, sumOf, where, without } from "./raster.js";
 import { presenceAt } from "./reader.js";
 
-const [HOLE, PART, EYE, ADDED, SURE, SPECK] = [0.3, 0.75, 0.004, 0.6, 0.72, 0.002];
+/** Longest side at which areas are voted on, and twice the shortest. */
+const SIDE = 512;
+const INKED = 0.35;
 /** Mean presence between which the reader is unsure of a region, and the least share of the object to warn. */
 const [LOW, HIGH, SHARE] = [0.15, 0.7, 0.02];
 /** Share of the object's longer side that an edge without a line has at least to be told of, and how near a line bounds it. */
 const [OPEN, REACH] = [0.2, 4];
 
-/** @typedef {{mask: Uint8Array, covered: Float32Array, closed: number, guessed: boolean, unsure: import("./findings.js").Finding[]}} Decision
- *   the object, how much of each pixel it covers, the share of the lines in it or at it, whether a wide gap was closed, and what is to be said */
+/** @typedef {{mask: Uint8Array | null, covered: Float32Array | null, unsure: import("./findings.js").Finding[]}} Decision
+ *   the object, null if none is seen, how much of each pixel it covers, and what is to be said */
 
 /**
  * Returns the object that lines and the reader's presence tell together.
@@ -26,108 +27,60 @@ export function decide(ink, width, height, reading) {
   const same = wide === width && high === height;
   const small = same ? ink : refitted(ink, width, height, wide, high);
   const inked = above(small, INKED);
-  const filled = fillOutline(inked, wide, high);
-  const outline = filled.mask;
-  let { closed } = filled;
-  let mask = outline;
-  /** @type {import("./findings.js").Finding[]} */
-  let unsure = [];
-  if (reading) {
-    const presence = presenceAt(reading, wide, high);
-    const { labels, boxes } = components(opposite(inked), wide, high, 4);
-    const enclosed = boxes.map((box, k) => k > 0 && box.left > 0 && box.top > 0 && box.right < wide && box.bottom < high);
-    mask = voted({ inked, labels, enclosed, outline, presence, wide, high });
-    if (!mask.includes(1)) mask = outline;
-    closed = shareAt(inked, mask, wide, high);
-    unsure = [
-      ...doubts({ labels, boxes, enclosed, presence, wide, high }, mask, width / wide),
-      ...openEdge(mask, above(small, INKED / 2), wide, high, width / wide),
-    ];
-  }
-  const covered = snapOutline(same ? mask : enlarged(mask, wide, high, width, height), ink, width, height);
-  return { mask: above(covered, 0.5), covered, closed, guessed: !reading && filled.guessed, unsure };
+  const presence = reading ? presenceAt(reading, wide, high) : Float32Array.from(without(enclosedBy(inked, wide, high), inked));
+  const { labels, boxes } = components(opposite(inked), wide, high, 4);
+  const enclosed = boxes.map((box, k) => k > 0 && box.left > 0 && box.top > 0 && box.right < wide && box.bottom < high);
+  const votes = votesOf(labels, boxes, presence);
+  const solid = new Uint8Array(inked.length);
+  for (let i = 0; i < solid.length; i++) if (!inked[i]) solid[i] = Number((enclosed[labels[i]] ? votes[labels[i]] : presence[i]) > 0.5);
+  const beside = dilated(solid, wide, high, ellipse(2 * rint(lineWidth(inked, wide, high) + 1.5) + 1));
+  const mask = solid.slice();
+  for (let i = 0; i < mask.length; i++) if (inked[i] && (beside[i] || presence[i] > 0.5)) mask[i] = 1;
+  // A hole has a line around it.
+  const whole = enclosedBy(mask, wide, high);
+  for (let i = 0; i < mask.length; i++) if (whole[i] && !inked[i] && !enclosed[labels[i]]) mask[i] = 1;
+  const scale = width / wide;
+  const unsure = reading
+    ? [...doubts({ labels, boxes, enclosed, votes, wide, high }, mask, scale), ...openEdge(mask, above(small, INKED / 2), wide, high, scale)]
+    : [];
+  const rough = same ? mask : above(refitted(blurred(mask, wide, high, 0.8), wide, high, width, height), 0.5);
+  const covered = snapOutline(rough, ink, width, height);
+  const object = above(covered, 0.5);
+  return object.includes(1) ? { mask: object, covered, unsure } : { mask: null, covered: null, unsure: [{ code: "guessed" }] };
+}
+
+/** Returns the size at which areas are voted on. @param {number} width @param {number} height @returns {[number, number]} */
+function decided(width, height) {
+  const longest = Math.max(width, height);
+  const side = Math.min(Math.max(longest, SIDE / 2), SIDE);
+  return side === longest ? [width, height] : [Math.max(rint((width * side) / longest), 1), Math.max(rint((height * side) / longest), 1)];
+}
+
+/** Returns the mean presence of each region. @param {Int32Array} labels @param {{area: number}[]} boxes @param {Float32Array} presence */
+function votesOf(labels, boxes, presence) {
+  const sum = new Float64Array(boxes.length);
+  for (let i = 0; i < labels.length; i++) sum[labels[i]] += presence[i];
+  return boxes.map(({ area }, k) => sum[k] / Math.max(area, 1));
 }
 
 /**
  * @typedef {object} Regions
  * @property {Int32Array} labels the region between lines that each pixel lies in; 0 on lines
+ * @property {{area: number}[]} boxes
  * @property {boolean[]} enclosed
- * @property {Float32Array} presence
+ * @property {number[]} votes
  * @property {number} wide
  * @property {number} high
  */
 
-/** Returns regions by their votes, with the lines about them. @param {Regions & {inked: Uint8Array, outline: Uint8Array}} drawn */
-function voted({ inked, labels, enclosed, outline, presence, wide, high }) {
-  // A cell is a part of a region that the outline treats alike.
-  const count = 2 * enclosed.length;
-  const [size, sum] = [new Uint32Array(count), new Float64Array(count)];
-  let object = 0;
-  for (let i = 0; i < labels.length; i++) {
-    object += outline[i];
-    if (inked[i]) continue;
-    size[2 * labels[i] + outline[i]]++;
-    sum[2 * labels[i] + outline[i]] += presence[i];
-  }
-  const [kept, mixed] = [new Uint8Array(count), new Uint8Array(count)];
-  for (let cell = 2; cell < count; cell++) {
-    const [mean, inside, within] = [sum[cell] / Math.max(size[cell], 1), enclosed[cell >> 1], cell % 2 === 1];
-    kept[cell] = (within ? mean >= HOLE || (inside && size[cell] < EYE * object) : inside && mean > ADDED) ? 1 : 0;
-    mixed[cell] = !inside && (!within || mean < PART) && size[cell] ? 1 : 0;
-  }
-  let solid = new Uint8Array(labels.length);
-  for (let i = 0; i < solid.length; i++) {
-    if (inked[i]) continue;
-    const cell = 2 * labels[i] + outline[i];
-    solid[i] = mixed[cell] ? Number(presence[i] > 0.5) : kept[cell];
-  }
-  if (mixed.includes(1)) solid = withoutGuesses(solid, outline, presence, wide, high);
-  const near = dilated(solid, wide, high, ellipse(reachOf(inked, wide, high)));
-  const mask = solid.slice();
-  for (let i = 0; i < mask.length; i++) if (inked[i] && (near[i] ? outline[i] || presence[i] > 0.15 : presence[i] > 0.4)) mask[i] = 1;
-  // Between a line and what it bounds there is no gap of a pixel.
-  const closed = eroded(dilated(mask, wide, high, SQUARE), wide, high, SQUARE);
-  for (let i = 0; i < mask.length; i++) {
-    if (closed[i] && (outline[i] || presence[i] > 0.3) && !(outline[i] && labels[i] && !kept[2 * labels[i] + 1])) mask[i] = 1;
-  }
-  return mask;
-}
-
-/** Returns the object without areas off the outline that are specks, or of which the reader is unsure. @param {Uint8Array} solid @param {Uint8Array} outline @param {Float32Array} presence @param {number} wide @param {number} high */
-function withoutGuesses(solid, outline, presence, wide, high) {
-  const { labels, boxes } = components(without(solid, outline), wide, high, 4);
-  const sum = new Float64Array(boxes.length);
-  for (let i = 0; i < labels.length; i++) sum[labels[i]] += presence[i];
-  const least = SPECK * Math.max(sumOf(solid), 1);
-  const kept = boxes.map(({ area }, k) => k === 0 || (sum[k] >= SURE * area && area >= least));
-  return both(solid, labelled(labels, kept));
-}
-
-/** Returns how wide a window about a line is that reaches what it bounds. @param {Uint8Array} inked @param {number} wide @param {number} high */
-const reachOf = (inked, wide, high) => 2 * rint(lineWidth(inked, wide, high) + 1.5) + 1;
-
-/** Returns the share of lines in or at the object. @param {Uint8Array} inked @param {Uint8Array} mask @param {number} wide @param {number} high */
-function shareAt(inked, mask, wide, high) {
-  const reach = reachOf(inked, wide, high);
-  const near = dilated(mask, wide, high, Array.from({ length: reach }, () => reach >> 1));
-  let [held, all] = [0, 0];
-  for (let i = 0; i < inked.length; i++) {
-    all += inked[i];
-    held += inked[i] & near[i];
-  }
-  return held / Math.max(all, 1);
-}
-
 /**
  * Returns what is to be said of regions of which the reader is unsure.
- * @param {Regions & {boxes: {area: number}[]}} regions @param {Uint8Array} mask @param {number} scale pixels of the drawing for one of these
+ * @param {Regions} regions @param {Uint8Array} mask @param {number} scale pixels of the drawing for one of these
  * @returns {import("./findings.js").Finding[]}
  */
-function doubts({ labels, boxes, enclosed, presence, wide, high }, mask, scale) {
-  const sum = new Float64Array(boxes.length);
-  for (let i = 0; i < labels.length; i++) sum[labels[i]] += presence[i];
+function doubts({ labels, boxes, enclosed, votes, wide, high }, mask, scale) {
   const least = SHARE * Math.max(sumOf(mask), 1);
-  const numbers = boxes.map(({ area }, k) => ({ k, area, vote: sum[k] / Math.max(area, 1) }))
+  const numbers = boxes.map(({ area }, k) => ({ k, area, vote: votes[k] }))
     .filter(({ k, area, vote }) => enclosed[k] && vote > LOW && vote < HIGH && area > least).sort((one, other) => other.area - one.area);
   if (!numbers.length) return [];
   const places = numbers.map(({ k }) => {

@@ -8,7 +8,7 @@ import { WIDE, above, both, boxOf, dilated, distance, either, part, quantile, re
  * @typedef {import("./findings.js").Finding} Finding */
 /** @typedef {(planes: Float32Array, width: number, height: number) => Promise<Float32Array>} Refiner six planes in, three out */
 
-const [PRESENT, LEAST, CLOSED] = [0.6, 0.02, 0.8];
+const [PRESENT, LEAST] = [0.6, 0.02];
 const [CELL, RIM, ENLARGED, LARGEST] = [4, 16, 1.2, 4];
 const SWEEPS = 6;
 /** How far beside the mask a hint may lie, as a share of the longer side; */
@@ -71,11 +71,7 @@ function coveredBy({ covered, width, height }, mask) {
 }
 
 /** Returns the mask and what is to be said of it. @param {Prepared} prepared @param {Uint8Array} present @returns {{mask: Uint8Array, findings: Finding[]}} */
-function chosen({ mask, closed, guessed, unsure }, present) {
-  if (!mask) return { mask: present, findings: [] };
-  if (closed >= CLOSED) return { mask, findings: guessed ? [{ code: "gap" }] : unsure };
-  return { mask: mask.map((value, i) => value | present[i]), findings: [{ code: "open", share: closed }] };
-}
+const chosen = ({ mask, unsure }, present) => ({ mask: mask ?? present, findings: unsure });
 
 /**
  * Returns what is to be said of hints that lie off the object, if any does.

@@ -16,8 +16,6 @@ import { SQUARE, WIDE, above, blurred, boxOf, components, dilated, distance, enc
  * @property {Float32Array | null} alpha the drawing's opacity, if that tells the mask
  * @property {Frame} frame
  * @property {Float32Array} seen what the network is shown
- * @property {number} closed share of the ink that encloses something
- * @property {boolean} guessed whether a wide gap was closed
  * @property {import("./findings.js").Finding[]} unsure what is to be said of regions of which the reader is unsure
  */
 
@@ -77,7 +75,7 @@ export async function prepare(plane, size, source, longest, widths, reader, begi
   if (!frame || (blank && !reading)) throw new Unpaintable("no_lines");
   const seen = shown(ink, width, height, frame, widths);
   begin(seen, frame, width / plane.width);
-  const rest = { width, height, ink, frame, seen, closed: 1, guessed: false, unsure: [], alpha: null, covered: null };
+  const rest = { width, height, ink, frame, seen, unsure: [], alpha: null, covered: null };
   if (opaque && !source) return { ...rest, mask: opaque, alpha: cut };
   if (source === "model") return { ...rest, mask: null };
   return { ...rest, ...decide(ink, width, height, reading) };

@@ -115,18 +115,6 @@ export function stretched(values, factor, more) {
   return out;
 }
 
-/** Returns what is marked and all within a reach of it. @param {Uint8Array} marked @param {number} width @param {number} height @param {number} reach */
-export function thicker(marked, width, height, reach) {
-  if (reach < 1) return marked;
-  if (reach < WINDOW) {
-    const rows = Math.floor(reach);
-    return dilated(marked, width, height, Array.from({ length: 2 * rows + 1 }, (_, i) => Math.floor(Math.sqrt(reach * reach - (i - rows) ** 2))));
-  }
-  return near(marked, width, height, reach);
-}
-
-/** Pixels; up to as many a disc is round, and a larger one has corners, as in Python. */
-const WINDOW = 7;
 export const CROSS = [0, 1, 0];
 export const SQUARE = [1, 1, 1];
 export const WIDE = [2, 2, 2, 2, 2];

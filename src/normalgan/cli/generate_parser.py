@@ -82,8 +82,7 @@ def build_parser(engine: Engine | None = None) -> LightParser:
     drawing.add_argument(
         "--explain",
         type=str | None,
-        help="a folder for pictures that show how each mask was found: ink, outline, votes on regions, "
-        "presence",
+        help="a folder for pictures that show how each mask was found: ink, votes on regions, presence",
     )
     drawing.add_argument(
         "--size",

@@ -9,16 +9,13 @@ from normalgan.errors import InputError
 __all__ = ["Code", "Finding", "LackingError", "finding_of", "join", "words_of"]
 
 Code = Literal[
-    "alone",
     "edge",
     "empty_mask",
-    "gap",
-    "held",
+    "guessed",
     "hints",
     "no_lines",
     "no_object",
     "note",
-    "open",
     "regions",
     "unseen",
 ]
@@ -103,22 +100,14 @@ def _places(finding: Finding) -> str:
 
 
 _WORDS: dict[Code, Callable[[Finding], str]] = {
-    "alone": lambda _: "until its outline is closed, it is predicted without the other layers",
     "edge": lambda finding: (
         f"no line bounds the object about {_places(finding)}, so its edge is a guess; close it if it is wrong"
     ),
-    "gap": lambda _: (
-        "its outline has a wide gap, which was closed by a straight line; "
-        "draw on there, or give --mask, if the object goes on"
-    ),
-    "held": lambda _: (
-        "its outline is open, so the object stays as it was before; close the gaps, or give --mask"
+    "guessed": lambda _: (
+        "no object is seen among its lines, so its mask is a guess by the network of normals; "
+        "close the outline, or give --mask"
     ),
     "hints": _hints,
-    "open": lambda finding: (
-        f"its outline is not closed, only {finding.share:.0%} of its lines enclose anything; where they do "
-        "not, the mask is the model's guess (close the gaps, or give --mask)"
-    ),
     "regions": _regions,
     "unseen": lambda finding: (
         f"the model takes only {finding.share:.0%} of its mask for an object and is unsure of the rest"

@@ -11,7 +11,6 @@ from normalgan.arrays import BoolMask, Floats
 from normalgan.inference.edits import MOST_PINS, REACH, enforce_pins
 from normalgan.inference.findings import Finding, LackingError
 from normalgan.inference.histogram import ranked
-from normalgan.inference.mask.decision import CLOSED
 from normalgan.inference.mask.edge import soft_edge
 from normalgan.inference.network.backend import Backend
 from normalgan.inference.network.upsampling import Coarse, Upsampler
@@ -166,19 +165,8 @@ def predict(backend: Backend, prepared: Prepared, upsample: Upsampler | None = N
 
 def _choose(prepared: Prepared, present: BoolMask) -> tuple[BoolMask, tuple[Finding, ...]]:
     """Return the object's mask, and the findings about it."""
-    mask, findings = _found(prepared, present)
+    mask = present if prepared.mask is None else prepared.mask
     if prepared.painted is None:
-        return mask, findings
+        return mask, prepared.unsure
     # Edits by hand have the last word, so nothing is said about them.
     return (mask | (prepared.painted > 0)) & (prepared.painted >= 0), ()
-
-
-def _found(prepared: Prepared, present: BoolMask) -> tuple[BoolMask, tuple[Finding, ...]]:
-    """Return the object's mask before edits by hand, and the findings about it."""
-    if prepared.mask is None:
-        return present, ()
-    if prepared.held:
-        return prepared.mask, (Finding("held"),)
-    if prepared.closed >= CLOSED:
-        return prepared.mask, (Finding("gap"),) if prepared.guessed else prepared.unsure
-    return prepared.mask | present, (Finding("open", share=prepared.closed),)

@@ -40,12 +40,9 @@ class Prepared:
         frame: the square the model is shown.
         seen: (S, S), what it is shown.
         hints: (4, S, S), or None.
-        closed: share of the ink that encloses something, if the mask comes from filling the outline; else 1.
-        guessed: whether that closed a gap so wide that it may have been meant, and the reader was not asked.
         pins: the hints in pixels of the map, or None.
         painted: (h, w), 1 where the user has added to the object, -1 where they have cut, 0 elsewhere; or
             None.
-        held: whether the outline is open and the mask is the one before it was.
         line_widths: of the lines that the model is shown as they were drawn.
         given: the hints in pixels of the drawing, to check that they lie on the object; or None.
         unsure: findings about the mask; places are in pixels of the drawing.
@@ -61,11 +58,8 @@ class Prepared:
     frame: Frame
     seen: Floats
     hints: Floats | None
-    closed: float
-    guessed: bool
     pins: Hints | None = None
     painted: NDArray[np.int8] | None = None
-    held: bool = False
     line_widths: LineWidths = USUAL_WIDTHS
     given: Hints | None = None
     unsure: tuple[Finding, ...] = ()
@@ -126,8 +120,6 @@ def prepare(
         frame=frame,
         seen=render_model_input(cleaned.ink, frame, line_widths),
         hints=None,
-        closed=1.0,
-        guessed=False,
         painted=painted,
         line_widths=line_widths,
         reading=reading,
@@ -141,14 +133,13 @@ def prepare(
         prepared = replace(prepared, mask=cleaned.silhouette, alpha=picture.alpha)
     elif source != MODEL:
         decision = decide(walls, reading, [(x * scale, y * scale) for x, y in flips])
+        seen = bool(decision.mask.any()) or bool(flips)
         prepared = replace(
             prepared,
-            mask=decision.mask,
-            closed=decision.closed,
-            guessed=decision.guessed,
-            unsure=_in_drawing(decision.unsure, scale),
+            mask=decision.mask if seen else None,
+            unsure=_in_drawing(decision.unsure, scale) if seen else (Finding("guessed"),),
             decision=decision,
-            coverage=decision.coverage,
+            coverage=decision.coverage if seen else None,
         )
     if flips and prepared.decision is None:
         raise InputError("a hole is cut in what lines enclose, but its mask does not come from its lines.")

@@ -30,6 +30,8 @@ _BESIDE = 0.25
 """How much of its repeats is worked on around a drawing, as a share of its longer side."""
 MOST_TILED = int(MOST_WORKED / (1 + 2 * _BESIDE))
 """Longest side in pixels at which a drawing is worked on that is repeated."""
+_CLOSED = 0.8
+"""Share of the ink that must enclose something for that to be the object."""
 _ALL = 0.9
 """Share of a tile that lines enclose from which all of it is the object."""
 _SURE = 0.5
@@ -102,8 +104,6 @@ def predict_tile(
         frame=frame,
         seen=render_model_input(around, frame, backend.line_widths),
         hints=None,
-        closed=1.0,
-        guessed=False,
         pins=None if hints is None else repeated(hints, tile, worked, before, around.shape),
         line_widths=backend.line_widths,
     )
@@ -135,10 +135,11 @@ def _frame_of(around: Floats, window: Window) -> Frame:
 def _outlined(ink: Floats, tile: Tile) -> BoolMask:
     """Return the area that the lines (H, W) of a repeated drawing enclose; everything, if much is open."""
     half = ink.shape[0] // 2, ink.shape[1] // 2
-    outline = decide(wrapped(ink, tile, half), None)
-    if not outline.by_lines:
+    repeated = wrapped(ink, tile, half)
+    enclosed = decide(repeated, None).mask
+    if repeated[enclosed].sum() < _CLOSED * repeated.sum():
         return np.ones(ink.shape, np.bool_)
-    mask = middle(outline.mask, tile, half)
+    mask = middle(enclosed, tile, half)
     # Cracks between what is enclosed are no air: stones lie on the ground of a texture.
     return np.ones(ink.shape, np.bool_) if mask.mean() > _ALL else mask
 

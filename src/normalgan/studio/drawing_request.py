@@ -29,7 +29,7 @@ from normalgan.inference.mask.masks import MODEL, OUTLINE, MaskOrSource, mask_of
 from normalgan.inference.reading.hint_files import Hints, parse_hints
 from normalgan.inference.reading.picture import Picture, read_picture
 from normalgan.normals import LEAST_Z
-from normalgan.studio.fields import Fields, take_bytes, take_choice, take_text
+from normalgan.studio.fields import Fields, take_bytes, take_choice
 
 __all__ = [
     "LEAST_SIDE",
@@ -76,8 +76,6 @@ class DrawingRequest:
         areas: list of what is turned as a whole or brushed, as `read_areas` takes it.
         mask_strokes: list of strokes that add to the object or cut from it, as `read_mask` takes them.
         form: of the whole drawing, as `read_form` takes it; None leaves it as predicted.
-        tab: who draws; while its outline is open, the object stays as it was. Empty for nobody.
-        remembers: whether its object is held for later.
     """
 
     picture: bytes | NDArray[np.uint8]
@@ -86,8 +84,6 @@ class DrawingRequest:
     areas: Any = ()
     mask_strokes: Any = ()
     form: Any = None
-    tab: str = ""
-    remembers: bool = True
 
     @property
     def shape(self) -> tuple[int, ...] | None:
@@ -320,7 +316,6 @@ def take_drawing(fields: Fields, picture: NDArray[np.uint8] | None = None) -> Dr
         areas,
         strokes,
         fields.get("form"),
-        "" if fields.get("tab") is None else take_text(fields, "tab", 64),
     )
 
 

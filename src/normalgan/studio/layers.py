@@ -40,8 +40,7 @@ def take_layers(fields: Fields, kept: KeptPlanes, pixels: memoryview | None) -> 
     Args:
         fields: of the request: ``layers``, each with an ``id``, a ``name``, and what a drawing has of its
             own, with a ``source`` in place of the request's; or those of a drawing with one layer. With
-            pixels, each layer tells how many ``bytes`` are its own. ``object_of`` names the tab whose held
-            objects are theirs, null for none; it is left out by that tab itself.
+            pixels, each layer tells how many ``bytes`` are its own.
         kept: what the layers' tab has sent before.
         pixels: behind the fields; None if pictures are PNG in them.
 
@@ -56,9 +55,6 @@ def take_layers(fields: Fields, kept: KeptPlanes, pixels: memoryview | None) -> 
     if not isinstance(listed, list) or not 1 <= len(listed) <= MOST_LAYERS:
         raise InputError(f"layers are to be a list of 1 to {MOST_LAYERS}.")
     tab = take_text(fields, "tab", 48)
-    holder = tab
-    if "object_of" in fields:
-        holder = "" if fields["object_of"] is None else take_text(fields, "object_of", 48)
     found, start, ids = [], 0, set[int]()
     for entry in listed:
         if not isinstance(entry, dict):
@@ -67,8 +63,7 @@ def take_layers(fields: Fields, kept: KeptPlanes, pixels: memoryview | None) -> 
         if own in ids:
             raise InputError(f"there are two layers with the id {own}.")
         ids.add(own)
-        # Each has its own pixels to be changed, and its own object to be held while its outline is open.
-        layer = {"source": fields.get("source"), **entry, "tab": f"{holder} {own}" if holder else None}
+        layer = {"source": fields.get("source"), **entry}
         layer |= {name: fields[name] for name in ("number", "keep") if name in fields}
         ink = None
         if pixels is not None:
@@ -76,8 +71,7 @@ def take_layers(fields: Fields, kept: KeptPlanes, pixels: memoryview | None) -> 
             ink = kept.take(f"{tab} {own}", layer, pixels[start : start + size])["ink"]
             start += size
         name = take_text(entry, "name", LONGEST_NAME) if len(listed) > 1 else ""
-        drawing = take_drawing(layer, ink)
-        found.append(Layer(name, replace(drawing, remembers="object_of" not in fields)))
+        found.append(Layer(name, take_drawing(layer, ink)))
     if pixels is not None and start != len(pixels):
         raise InputError(f"there are {len(pixels)} bytes of pixels; the layers tell of {start}.")
     if pixels is not None and len({each.drawing.shape for each in found}) > 1:

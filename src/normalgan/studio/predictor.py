@@ -3,26 +3,24 @@
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 from threading import Lock
 from typing import TypeVar
 
-import cv2
 import numpy as np
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError, RunError
 from normalgan.inference.composites.context import Context, Inferred, context_of, surest, ways_to_see
-from normalgan.inference.findings import Finding
 from normalgan.inference.mask.reader import read
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.network.upsampling import Coarse
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.pipeline import finish
 from normalgan.inference.preparation import Prepared, hinted, prepare
-from normalgan.inference.reading.picture import Picture, resize
+from normalgan.inference.reading.picture import Picture
 from normalgan.studio.drawing_request import DrawingRequest
 
 __all__ = ["Predictor"]
@@ -37,29 +35,10 @@ several layers only one is predicted again. So many have four of the largest dra
 
 As many drawings are kept prepared: while a pin is turned, nothing but the hints changes.
 """
-_Key = tuple[bytes, int | None, int]
-"""What is drawn, the map's longer side, and which object an open outline is given."""
-_LEFT = 0.9
-"""The share of an outline's lines that must be left for its object to be held while it is open."""
+_Key = tuple[bytes, int | None]
+"""What is drawn, and the map's longer side."""
 _CONTEXTS = 16
 """Drawings of several layers whose context, and what the network predicts of it, is kept."""
-_TABS = 32
-"""Layers of tabs whose objects are held."""
-
-
-@dataclass(frozen=True, eq=False)
-class _Closed:
-    """The object of an outline while it was closed.
-
-    Args:
-        version: a new number for each.
-        ink: (h, w), where the lines were.
-        mask: (h, w), the object.
-    """
-
-    version: int
-    ink: BoolMask
-    mask: BoolMask
 
 
 class Predictor:
@@ -86,8 +65,6 @@ class Predictor:
         self._network = ThreadPoolExecutor(1, "network")
         self._inferred: OrderedDict[bytes, Future[Inferred]] = OrderedDict()
         self._contexts: OrderedDict[tuple[_Key, ...], Context] = OrderedDict()
-        self._closed: OrderedDict[str, _Closed] = OrderedDict()
-        self._count = 0
 
     def predict(
         self,
@@ -111,7 +88,7 @@ class Predictor:
         Raises:
             InputError: if the drawing cannot be used.
         """
-        key = drawing.digest(), longest, self._version(drawing.tab)
+        key = drawing.digest(), longest
         if any_context:
             with self._lock:
                 around = next((around for each, around in reversed(self._predicted) if each == key), None)
@@ -136,10 +113,7 @@ class Predictor:
                 [hinted(each, hints, shape) for each in ways], lambda way: self._infer(way).result()
             )
             predicted = finish(seen, preds, confidence, upsample)
-            if context is not None and len(ways) == 1 and predicted.findings:
-                predicted = replace(predicted, findings=(*predicted.findings, Finding("alone")))
             predicted = replace(predicted, extended=drawing.edit(predicted.extended, predicted.mask, shape))
-            key = *key[:2], self._version(drawing.tab)
             self._remember(self._predicted, (key, around), predicted, _size_of_map)
         return predicted
 
@@ -171,7 +145,7 @@ class Predictor:
         # Those of different sizes are refused later.
         if len(seen) < 2 or len({prepared.ink.shape for _, prepared in seen}) > 1:
             return None
-        key = tuple((part.lines_digest(), longest, self._version(part.tab)) for part, _ in seen)
+        key = tuple((part.lines_digest(), longest) for part, _ in seen)
         found = self._recalled(self._contexts, key)
         if found is None:
             found = context_of([prepared for _, prepared in seen])
@@ -185,7 +159,7 @@ class Predictor:
 
         The network runs ahead while the mask is found.
         """
-        key = drawing.lines_digest(), longest, self._version(drawing.tab)
+        key = drawing.lines_digest(), longest
         found = self._recalled(self._prepared, key)
         if found is None:
             picture, mask = drawing.read_lines()
@@ -201,49 +175,10 @@ class Predictor:
                 line_widths=self.model.line_widths,
                 on_seen=infer_ahead,
             )
-            if drawing.tab:
-                prepared = self._hold(drawing.tab, prepared, whole=longest is None and drawing.remembers)
-                key = *key[:2], self._version(drawing.tab)
             # How the mask was found takes more memory than all else, and nobody asks for it again.
             found = replace(prepared, decision=None, reading=None), picture.shape
             self._remember(self._prepared, key, found, _size_of_prepared)
         return found
-
-    def _version(self, tab: str) -> int:
-        """Return the version of the object for a tab's open outline; it is part of the cache key."""
-        with self._lock:
-            return self._closed[tab].version if tab in self._closed else 0
-
-    def _hold(self, tab: str, prepared: Prepared, *, whole: bool) -> Prepared:
-        """Keep the object of a closed outline, and use it while the outline is open."""
-        if prepared.mask is None or prepared.alpha is not None:
-            return prepared
-        ink = prepared.ink > 0.35
-        with self._lock:
-            if prepared.decision is None or prepared.decision.by_lines:
-                before = self._closed.get(tab)
-                known = before is not None and np.array_equal(before.ink, ink)
-                if whole and prepared.mask.any() and not known:
-                    self._count += 1
-                    self._closed[tab] = _Closed(self._count, ink, prepared.mask)
-                    while len(self._closed) > _TABS:
-                        self._closed.popitem(last=False)
-                return prepared
-            found = self._closed.get(tab)
-        if found is None:
-            return prepared
-        shape = (prepared.ink.shape[0], prepared.ink.shape[1])
-        if abs(found.ink.shape[0] * shape[1] - found.ink.shape[1] * shape[0]) > max(shape):
-            return prepared  # another paper
-        lines, mask = (resize(each.astype(np.float32), shape) for each in (found.ink, found.mask))
-        # Lines are a little wider in a smaller drawing.
-        near = cv2.dilate(ink.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
-        left = float((lines * near).sum() / max(float(lines.sum()), 1e-6))
-        if left < _LEFT:
-            return prepared
-        # Where the outline is open now, the reader would only guess what is known from before.
-        enclosed = resize(prepared.decision.outline.astype(np.float32), shape) > 0.5
-        return replace(prepared, mask=enclosed | (mask > 0.5), held=True)
 
     def _recalled(self, kept: OrderedDict[K, T], key: K) -> T | None:
         with self._lock:

@@ -37,7 +37,6 @@ def assert_same_lines(ink: Floats, truth: Floats = INK) -> None:
     assert (ink[cv2.erode(drawn.astype(np.uint8), np.ones((2, 2))) > 0] > 0.3).mean() > 0.97
     near = cv2.dilate(drawn.astype(np.uint8), np.ones((5, 5))) > 0
     assert found[~near].sum() <= 2
-    assert decide(ink, None).closed > 0.9
     assert overlap(decide(ink, None).mask, np.maximum(FILLED, truth > 0.5)) > 0.95
 
 
@@ -133,8 +132,6 @@ def test_shared_sketches_are_all_seen(shared_sketches: list[Path]) -> None:
     for path in shared_sketches:
         cleaned = clean(read_picture(path))
         assert (cleaned.ink > 0.5).mean() > 0.002, path
-        if "outline" in path.name:
-            assert decide(cleaned.ink, None).closed > 0.9, path
         if path.suffix == ".svg":
             assert cleaned.silhouette is not None, path
 

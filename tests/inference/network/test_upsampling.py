@@ -39,7 +39,7 @@ def given(truth: Floats, mask: Floats, ink: Floats, size: int = SIZE) -> tuple[C
     )
     there = frame.shrink(mask) > 0.5
     coarse = Coarse(normalize(np.asarray(small, np.float32)), there, frame.shrink(mask) > 0)
-    return coarse, Prepared(mask.shape, ink, mask > 0.5, None, frame, frame.cut(ink), None, 1.0, False)
+    return coarse, Prepared(mask.shape, ink, mask > 0.5, None, frame, frame.cut(ink), None)
 
 
 def rim_of(mask: Floats, width: int = 3) -> Floats:

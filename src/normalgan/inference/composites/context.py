@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from normalgan.arrays import Floats
-from normalgan.inference.mask.decision import CLOSED
 from normalgan.inference.network.framing import Frame
 from normalgan.inference.network.line_width import render_model_input
 from normalgan.inference.preparation import Prepared
@@ -57,7 +56,7 @@ def ways_to_see(part: Prepared, context: Context | None) -> list[Prepared]:
         part: as `prepare` gives it.
         context: the drawing that it is a part of; None if there are no other parts.
     """
-    if context is None or part.mask is None or (part.closed < CLOSED and not part.held):
+    if context is None or part.mask is None:
         return [part]
     return [part, replace(part, frame=context.frame, seen=context.seen, hints=None, pins=None, given=None)]
 

@@ -9,31 +9,21 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
+from normalgan.inference.cleaning.silhouette import enclosed_by
 from normalgan.inference.findings import Finding
 from normalgan.inference.mask.edge import snap
-from normalgan.inference.mask.outline_mask import fill_outline
 from normalgan.inference.mask.reader import Reading
 from normalgan.inference.network.line_width import line_width
 from normalgan.inference.reading.picture import fitted, resize
 
-__all__ = ["CLOSED", "Decision", "decide"]
+__all__ = ["Decision", "decide"]
 
-CLOSED = 0.8
-"""Share of the ink that must enclose something for the outline to be believed."""
 _SIDE = 512
-"""Longest side at which areas are filled and voted on, and twice the shortest; the ink gives their edge."""
+"""Longest side at which areas are voted on, and twice the shortest; the ink gives their edge."""
 _OFF, _LEAST_OFF = 2.5, 2.0
 """How far the edge found at that size may be off, in its pixels; and at least, in pixels of the drawing."""
 _INKED = 0.35
 """Least ink of a line."""
-_HOLE, _PART = 0.3, 0.75
-"""Mean presence below which a region is a hole; and above which an open one is object all over."""
-_EYE = 0.004
-"""Share of the object below which an enclosed region is an eye or a button, and never a hole."""
-_ADDED = 0.6
-"""Mean presence from which an enclosed region is object although no outline encloses it."""
-_SURE, _SPECK = 0.72, 0.002
-"""Least mean presence of an area that no outline encloses, and its least share of the object."""
 _UNSURE = 0.15, 0.7, 0.02
 """Mean presence between which the reader is unsure of a region; and the least share of the object to warn."""
 _OPEN = 0.2
@@ -50,23 +40,18 @@ class Decision:
 
     Args:
         ink: (h, w) in [0, 1], the lines.
-        outline: (h, w), what the lines enclose, with small gaps closed.
         presence: (h, w) in [0, 1], of the reader; None if it was not asked.
         regions: (h, w), the number of the region between lines that each pixel lies in; 0 on lines.
-        votes: (N,), the mean presence of each region; 1 if the reader was not asked.
+        votes: (N,), the mean presence of each region.
         enclosed: (N,), whether lines enclose the region on all sides.
         small: (h, w), the object.
         mask: (H, W), the object at the drawing's size.
         coverage: (H, W) in [0, 1], how much of each pixel that is.
-        closed: share of the lines that lie in or at the object.
-        guessed: whether a wide gap was closed although the reader was not asked.
-        by_lines: whether lines alone enclose most of what is drawn, without a wide gap.
         unsure: regions that may or may not be object, and edges without a line; places are in pixels of the
             ink as it was given.
     """
 
     ink: Floats
-    outline: BoolMask
     presence: Floats | None
     regions: NDArray[np.int32]
     votes: Floats
@@ -74,15 +59,11 @@ class Decision:
     small: BoolMask
     mask: BoolMask
     coverage: Floats
-    closed: float
-    guessed: bool
-    by_lines: bool
     unsure: tuple[Finding, ...]
 
     def explain(self) -> dict[str, NDArray[np.uint8]]:
         """Return each stage as a picture (h, w) or (h, w, 3) of uint8, RGB, by the stage's name."""
-        stages: dict[str, NDArray[np.uint8]] = {"outline": np.where(self.outline, 255, 0).astype(np.uint8)}
-        stages["regions"] = self._votes_picture()
+        stages = {"regions": self._votes_picture()}
         if self.presence is not None:
             stages["presence"] = np.rint(255 * self.presence).astype(np.uint8)
         return stages
@@ -106,7 +87,7 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
     """Return the object by the lines and the reader's presence.
 
     Each region that lines enclose is object or hole as a whole, by its mean presence. Where an outline is
-    open, presence closes it. Without a reading, all that lines enclose is object.
+    open, presence tells pixel by pixel. Without a reading, all that lines enclose is object.
 
     Args:
         ink: (H, W) in [0, 1], the lines.
@@ -129,50 +110,32 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
     size = shape if side == max(shape) else fitted(shape, side)
     small_ink = ink if size == shape else resize(ink, size)
     inked = small_ink > _INKED
-    filled = fill_outline(inked)
-    outline = filled.mask
-    presence = None if reading is None else reading.presence_at(size)
+    read = None if reading is None else reading.presence_at(size)
+    presence = (enclosed_by(inked) & ~inked).astype(np.float32) if read is None else read
     count, found, measured, _ = cv2.connectedComponentsWithStats((~inked).astype(np.uint8), connectivity=4)
     regions, stats = np.asarray(found, np.int32), np.asarray(measured, np.int32)
     sizes = np.maximum(stats[:, cv2.CC_STAT_AREA], 1)
+    summed = np.bincount(regions.ravel(), weights=presence.ravel(), minlength=count)
+    votes = (summed / sizes).astype(np.float32)
     enclosed = _enclosed(stats, size)
-    if presence is None:
-        votes = np.ones(count, np.float32)
-        small = outline
-    else:
-        summed = np.bincount(regions.ravel(), weights=presence.ravel(), minlength=count)
-        votes = (summed / sizes).astype(np.float32)
-        small = _voted(inked, regions, enclosed, outline, presence)
-        if not small.any():
-            small = outline
-    total = int(np.count_nonzero(small))
+    solid = np.where(enclosed[regions], votes[regions] > 0.5, presence > 0.5) & ~inked
+    small = solid | (inked & (_beside(solid, inked) | (presence > 0.5)))
+    # A hole has a line around it.
+    small |= enclosed_by(small) & ~enclosed[regions] & ~inked
     settled = np.zeros(count, bool)
     for x, y in flips:
         number = _region_at(x, y, shape, regions, enclosed)
-        own = regions == number
-        small = small & ~own if small[own].mean() > 0.5 else small | own
+        small[regions == number] ^= True
         settled[number] = True
     unsure: list[Finding] = []
-    if presence is not None:
+    if read is not None:
+        total = int(np.count_nonzero(small))
         unsure += _unsure(regions, votes, sizes, enclosed & ~settled, total, shape)
         unsure += _open(small, small_ink > _INKED / 2, shape)
     rough: BoolMask = small if size == shape else resize(_smooth(small), shape) > 0.5
     coverage = snap(rough, ink, max(_OFF * max(shape) / _SIDE, _LEAST_OFF))
-    return Decision(
-        ink=small_ink,
-        outline=outline,
-        presence=presence,
-        regions=regions,
-        votes=votes,
-        enclosed=enclosed,
-        small=small,
-        mask=coverage > 0.5,
-        coverage=coverage,
-        closed=filled.closed if presence is None else _closed(inked, small),
-        guessed=presence is None and filled.guessed,
-        by_lines=filled.closed >= CLOSED and not filled.guessed,
-        unsure=tuple(unsure),
-    )
+    mask = coverage > 0.5
+    return Decision(small_ink, read, regions, votes, enclosed, small, mask, coverage, tuple(unsure))
 
 
 def _enclosed(stats: NDArray[np.int32], size: tuple[int, int]) -> BoolMask:
@@ -184,53 +147,11 @@ def _enclosed(stats: NDArray[np.int32], size: tuple[int, int]) -> BoolMask:
     return enclosed
 
 
-def _voted(
-    inked: BoolMask, regions: NDArray[np.int32], enclosed: BoolMask, outline: BoolMask, presence: Floats
-) -> BoolMask:
-    """Return the object (h, w): the regions voted for, with the lines around them."""
-    # A cell is a part of a region that the outline treats alike.
-    count = len(enclosed)
-    cells = np.where(inked, 0, 2 * regions + outline)
-    size = np.bincount(cells.ravel(), minlength=2 * count)
-    mean = np.bincount(cells.ravel(), weights=presence.ravel(), minlength=2 * count) / np.maximum(size, 1)
-    within = np.arange(2 * count) % 2 == 1
-    inside = np.repeat(enclosed, 2)
-    kept = np.where(within, mean >= _HOLE, inside & (mean > _ADDED))
-    kept |= within & inside & (size < _EYE * np.count_nonzero(outline))
-    pixelwise = ~inside & (~within | (mean < _PART))
-    kept[0] = pixelwise[0] = False
-    mixed = pixelwise[cells]
-    solid: BoolMask = np.where(mixed, presence > 0.5, kept[cells]) & ~inked
-    if mixed.any():
-        solid = _without_guesses(solid, outline, presence)
+def _beside(solid: BoolMask, inked: BoolMask) -> BoolMask:
+    """Return what is as near to the object between its lines (h, w) as a line is wide."""
     reach = 2 * round(line_width(inked) + 1.5) + 1
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (reach, reach))
-    near = cv2.dilate(solid.astype(np.uint8), disc) > 0
-    lines = inked & ((outline & near) | (near & (presence > 0.15)) | (presence > 0.4))
-    mask = solid | lines
-    # Between a line and what it bounds there is no gap of a pixel.
-    closed = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8)) > 0
-    mask |= closed & ((presence > 0.3) | outline) & ~(within & ~kept)[cells]
-    return mask
-
-
-def _without_guesses(solid: BoolMask, outline: BoolMask, presence: Floats) -> BoolMask:
-    """Return the object without specks and unsure areas outside the outline."""
-    added = solid & ~outline
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(added.astype(np.uint8), connectivity=4)
-    area = stats[:, cv2.CC_STAT_AREA]
-    sure = np.bincount(labels[added], weights=presence[added], minlength=count) >= _SURE * area
-    kept = sure & (area >= _SPECK * max(int(np.count_nonzero(solid)), 1))
-    kept[0] = True
-    found: BoolMask = solid & kept[labels]
-    return found
-
-
-def _closed(inked: BoolMask, mask: BoolMask) -> float:
-    """Return the share of lines in or at the object."""
-    reach = 2 * round(line_width(inked) + 1.5) + 1
-    near = cv2.dilate(mask.astype(np.uint8), np.ones((reach, reach), np.uint8)) > 0
-    return float(np.count_nonzero(inked & near) / max(int(np.count_nonzero(inked)), 1))
+    return np.asarray(cv2.dilate(solid.astype(np.uint8), disc) > 0)
 
 
 def _region_at(

@@ -14,7 +14,7 @@ from normalgan.inference.reading.picture import Picture
 
 __all__ = ["STAGES", "write_explanation"]
 
-STAGES = ("input", "ink", "outline", "regions", "presence", "mask")
+STAGES = ("input", "ink", "regions", "presence", "mask")
 """The stages in their order; the names of the files are numbered so."""
 
 
@@ -23,7 +23,7 @@ def write_explanation(
 ) -> None:
     """Write `<stem>_<number>_<stage>.png` for each stage that there was.
 
-    A drawing whose mask was given, or is its opacity, has no outline, regions or presence.
+    A drawing whose mask was given, or is its opacity, has no regions or presence.
 
     Args:
         folder: is made if it does not exist.

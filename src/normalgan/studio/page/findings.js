@@ -14,15 +14,12 @@ const percent = (share) => ({ share: Math.round(100 * (share ?? 0)) });
 
 /** @type {Record<string, (finding: Finding) => string>} */
 const WORDS = {
-  alone: () => text.foundAlone,
   edge: () => text.foundEdge,
   empty_mask: () => text.foundEmptyMask,
-  gap: () => text.foundGap,
-  held: () => text.foundHeld,
+  guessed: () => text.foundGuessed,
   hints: ({ count = 1, total = 1 }) => (count === 1 ? text.foundPoint : say("foundPoints", { count, total })),
   no_lines: () => text.foundNoLines,
   no_object: () => text.foundNoObject,
-  open: ({ share }) => say("foundOpen", percent(share)),
   regions: ({ count = 1 }) => (count === 1 ? text.foundRegion : say("foundRegions", { count })),
   unseen: ({ share }) => say("foundUnseen", percent(share)),
 };

@@ -176,8 +176,8 @@ export class Predictor extends EventTarget {
       };
       return { fields, pixels: bytes };
     });
-    // Apart from what the server keeps of the drawing at its own size; but an open outline has the object that is on show.
-    return this.#send(send, parts, { ...more, tab: `${this.tab} other`, object_of: doc === this.editor.doc ? this.tab : null });
+    // Apart from what the server keeps of the drawing at its own size.
+    return this.#send(send, parts, { ...more, tab: `${this.tab} other` });
   }
 
   /** Returns what is sent of a layer: of its pixels those that have changed since. @param {Layer} layer @returns {Part} */
