@@ -15,7 +15,7 @@ from PIL import Image
 from needs import Need
 
 ROOT = Path(__file__).parents[2]
-FOX = ROOT / "examples" / "sketches" / "fox.png"
+DOG = ROOT / "examples" / "sketches" / "dog.png"
 PATIENCE = 800  # seconds for a program to do its work; one that waits for a click would wait for ever
 
 

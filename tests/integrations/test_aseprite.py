@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from add_ons import FOX, install, own_command, painted_by_hand, program, start
+from add_ons import DOG, install, own_command, painted_by_hand, program, start
 from PIL import Image
 
 from needs import LUA
@@ -66,7 +66,7 @@ dofile(SCRIPT)
 """
 
 
-def run(home: Path, frames: int = 1, drawing: Path = FOX, state: str = "", **environment: str) -> list[str]:
+def run(home: Path, frames: int = 1, drawing: Path = DOG, state: str = "", **environment: str) -> list[str]:
     """Run the script in the stand-in, and return what it did, a line each."""
     lua = program(LUA, "lua5.4", "lua")
     if not (home / "normalgan").exists():
@@ -88,7 +88,7 @@ def test_each_frame_gets_a_cel_of_normals(tmp_path: Path) -> None:
     assert hidden.split() == ["HIDDEN", "true"]  # an earlier map is no part of the drawing
     assert [cel.split("\t")[:3] for cel in cels] == [["CEL", "Normal map", "1"], ["CEL", "Normal map", "2"]]
     script, settings = tmp_path / "normalgan", ("--alpha", "--frame", "shared")
-    by_hand = painted_by_hand(script, FOX, tmp_path / "hand.png", *settings)
+    by_hand = painted_by_hand(script, DOG, tmp_path / "hand.png", *settings)
     for cel in cels:
         with Image.open(cel.split("\t")[3]) as image:
             assert np.abs(np.asarray(image).astype(int) - by_hand).max() <= 1

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
-from add_ons import FOX, ROOT, install, own_command
+from add_ons import DOG, ROOT, install, own_command
 from PIL import Image
 
 import normalgan
@@ -33,7 +33,7 @@ def node(tmp_path: Path) -> Any:
 
 def fox() -> tuple[np.ndarray[Any, np.dtype[np.uint8]], torch.Tensor]:
     """A drawing as an array and as ComfyUI's LoadImage gives it."""
-    with Image.open(FOX) as image:
+    with Image.open(DOG) as image:
         drawing = np.asarray(image.convert("RGB"))
     return drawing, torch.from_numpy(drawing.astype(np.float32) / 255)[None]
 

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from add_ons import FOX, assert_normal_map, install, own_command, painted_by_hand, program, start
+from add_ons import DOG, assert_normal_map, install, own_command, painted_by_hand, program, start
 from PIL import Image
 
 from needs import GIMP
@@ -39,18 +39,18 @@ def run(gimp: str, home: Path, drawing: Path, **environment: str) -> str:
 
 @pytest.mark.slow  # starts GIMP
 def test_the_map_is_a_layer_above_the_drawing_and_where_it_is(gimp: str, tmp_path: Path) -> None:
-    said = run(gimp, tmp_path, FOX)
+    said = run(gimp, tmp_path, DOG)
     assert "Normal map at 30 20 of 2 place 0" in said
     with Image.open(tmp_path / "normals.png") as image:
         predicted = np.asarray(image)
     assert_normal_map(predicted)
-    by_hand = painted_by_hand(tmp_path / "normalgan", FOX, tmp_path / "hand.png", "--alpha")
+    by_hand = painted_by_hand(tmp_path / "normalgan", DOG, tmp_path / "hand.png", "--alpha")
     assert np.abs(predicted.astype(int) - by_hand.astype(int)).max() <= 1
 
 
 @pytest.mark.slow  # starts GIMP
 def test_without_normalgan_one_sentence_says_what_to_do(gimp: str, tmp_path: Path) -> None:
-    said = run(gimp, tmp_path, FOX, NORMALGAN="/nowhere/normalgan")
+    said = run(gimp, tmp_path, DOG, NORMALGAN="/nowhere/normalgan")
     assert "normalgan was not found: /nowhere/normalgan is not a command; install it" in said
     assert "Traceback" not in said
 

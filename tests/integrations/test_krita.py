@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from add_ons import FOX, assert_normal_map, install, own_command, painted_by_hand, program, start
+from add_ons import DOG, assert_normal_map, install, own_command, painted_by_hand, program, start
 from PIL import Image
 
 from needs import KRITA
@@ -61,7 +61,7 @@ def run(krita: str, home: Path, **environment: str) -> dict[str, Any]:
     places = {
         "PYTHONPATH": str(plugins),
         "QT_QPA_PLATFORM": "offscreen",
-        "DRAWING": str(FOX),
+        "DRAWING": str(DOG),
         "SPACE": COLOURS,
     }
     done = start([krita, "-s", "normalgan_run", "-f", "run"], home, {**places, **environment})
@@ -76,7 +76,7 @@ def test_the_map_is_a_layer_above_the_drawing(krita: str, tmp_path: Path, space:
     told = run(krita, tmp_path, SPACE=space)
     assert told["layers"] == ["Background", "Normal map"]  # from below
     assert told["space"] == ["RGBA", "U8"]
-    by_hand = painted_by_hand(tmp_path / "normalgan", FOX, tmp_path / "hand.png", "--alpha")
+    by_hand = painted_by_hand(tmp_path / "normalgan", DOG, tmp_path / "hand.png", "--alpha")
     pixels = np.fromfile(tmp_path / "normals.raw", np.uint8).reshape(by_hand.shape)[..., [2, 1, 0, 3]]
     assert_normal_map(pixels)
     if "U8" in space:
