@@ -83,5 +83,6 @@ export function dropGround(ink, width, height, reading) {
   }
   // A caption may be ink; but no object is there.
   const dropped = boxes.map(({ area }, k) => k > 0 && ((own[k] < 0.2 * area && seen[k] < 0.3 * area) || seen[k] < 0.1 * area));
+  if (!dropped.includes(false, 1)) return ink; // nothing looks like a drawing, so nothing is known of its lines
   return dropped.includes(true) ? ink.map((value, i) => (dropped[labels[i]] ? 0 : value)) : ink;
 }

@@ -6,7 +6,7 @@ import pytest
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.inference.mask.masks import OUTLINE
-from normalgan.inference.mask.reader import drop_ground, read
+from normalgan.inference.mask.reader import Reading, drop_ground, read
 from normalgan.inference.preparation import prepare
 from normalgan.inference.reading.picture import Picture
 
@@ -151,6 +151,13 @@ def test_a_caption_is_left_out() -> None:
     kept = drop_ground(ink, read(picture_of(page)))
     assert kept[262:].sum() < 0.3 * ink[262:].sum()
     assert np.array_equal(kept[:240], ink[:240])
+
+
+def test_where_nothing_looks_like_a_drawing_all_lines_are_kept() -> None:
+    ink = np.zeros((SIDE, SIDE), np.float32)
+    ink[:, 20:24] = 1
+    seen = Reading(np.ones_like(ink), np.zeros_like(ink), np.zeros((2, SIDE, SIDE), np.float32))
+    assert np.array_equal(drop_ground(ink, seen), ink)
 
 
 def photographed(

@@ -97,6 +97,8 @@ def drop_ground(ink: Floats, reading: Reading) -> Floats:
     # A caption may be ink; but no object is there.
     dropped = ((believed < 0.2 * sizes) & (seen < 0.3 * sizes)) | (seen < 0.1 * sizes)
     dropped[0] = False
+    if dropped[1:].all():  # nothing looks like a drawing, so nothing is known of its lines
+        return ink
     return np.where(dropped[labels], 0, ink).astype(np.float32) if dropped.any() else ink
 
 
