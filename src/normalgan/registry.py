@@ -166,8 +166,9 @@ class Registry(Generic[T]):
         """Return the class that a file names, None if it is not known; nothing is imported for the name.
 
         Args:
-            name: name of a registered class, or its dotted path. Of a path only the package counts, because
-                classes move within a package. An unregistered class counts if it is imported already.
+            name: name of a registered class, or its dotted path. In a path only the package has to be right,
+                because classes move within a package. A class that is not registered is found if it is
+                imported already.
         """
         known = self._registered(name)
         return known if known is not None or "." not in name else find_imported(name, self.base)

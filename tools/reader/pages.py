@@ -312,7 +312,8 @@ class _Writer:
             self.page = self.page * (1 - mask[..., None]) + colour * mask[..., None]
             dark = mask * darkness(colour) if shape.lined else 0.0 * mask
             area = cv2.morphologyEx(dark, cv2.MORPH_OPEN, np.ones((9, 9), np.uint8))
-            dark = np.where(area > 0.1, area > darkness(np.full((1, 1, 3), BLACK)), dark)  # shades are no ink
+            # A shade is not ink.
+            dark = np.where(area > 0.1, area > darkness(np.full((1, 1, 3), BLACK)), dark)
             target = np.maximum(dark, self._rim(mask, np.float32(colour), None) * (dark < 0.3))
             self.ink_weight[(mask > 0.5) & (target < 0.3)] = 0.5
         self.ink = np.maximum(self.ink * (1 - mask), target)

@@ -19,8 +19,8 @@ def source_hash(kind: type) -> str:
     """Return a hash of the code of a third-party class and its bases; empty for a class of this package.
 
     It covers the files of the modules that define them, and the modules that these import from the same
-    package, or from the same folder if it is not site-packages. Of a class of the script that runs, or of no
-    file, it covers the class alone.
+    package, or from the same folder if it is not site-packages. If a class is defined in the script that
+    runs, or at a prompt, only the class itself is covered.
     """
     code = []
     for base in kind.__mro__:

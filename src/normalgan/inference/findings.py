@@ -104,7 +104,7 @@ _WORDS: dict[Code, Callable[[Finding], str]] = {
         f"no line bounds the object about {_places(finding)}, so its edge is a guess; close it if it is wrong"
     ),
     "guessed": lambda _: (
-        "no object is seen among its lines, so its mask is a guess by the network of normals; "
+        "no object is seen among its lines, so the network of normals has guessed its mask; "
         "close the outline, or give --mask"
     ),
     "hints": _hints,

@@ -148,7 +148,7 @@ def _enclosed(stats: NDArray[np.int32], size: tuple[int, int]) -> BoolMask:
 
 
 def _beside(solid: BoolMask, inked: BoolMask) -> BoolMask:
-    """Return what is as near to the object between its lines (h, w) as a line is wide."""
+    """Return the pixels (h, w) that are at most a line's width away from the object."""
     reach = 2 * round(line_width(inked) + 1.5) + 1
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (reach, reach))
     return np.asarray(cv2.dilate(solid.astype(np.uint8), disc) > 0)
