@@ -16,6 +16,7 @@ from needs import Need
 
 ROOT = Path(__file__).parents[2]
 DOG = ROOT / "examples" / "sketches" / "dog.png"
+FOX = ROOT / "examples" / "sketches" / "fox.png"
 PATIENCE = 800  # seconds for a program to do its work; one that waits for a click would wait for ever
 
 

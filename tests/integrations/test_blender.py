@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from add_ons import DOG, install, own_command, program, start
+from add_ons import FOX, install, own_command, program, start
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -101,7 +101,7 @@ def grey(picture: Path) -> NDArray[np.float64]:
 
 @pytest.mark.slow  # renders with Cycles
 def test_a_drawing_becomes_a_plane_lit_from_where_the_lamp_is(blender: list[str], tmp_path: Path) -> None:
-    run(blender, tmp_path, SCENE, DOG)
+    run(blender, tmp_path, SCENE, FOX)
     above, below = grey(tmp_path / "above.png"), grey(tmp_path / "below.png")
     back, belly = np.s_[25:55, 50:125], np.s_[75:95, 60:125]
     assert above[back].mean() > below[back].mean() + 20
@@ -111,7 +111,7 @@ def test_a_drawing_becomes_a_plane_lit_from_where_the_lamp_is(blender: list[str]
 
 @pytest.mark.slow  # starts Blender
 def test_without_normalgan_one_sentence_says_what_to_do(blender: list[str], tmp_path: Path) -> None:
-    said = run(blender, tmp_path, FAILING, DOG, NORMALGAN="/nowhere/normalgan")
+    said = run(blender, tmp_path, FAILING, FOX, NORMALGAN="/nowhere/normalgan")
     assert "SHOWN Error: normalgan was not found: /nowhere/normalgan is not a command; install it" in said
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from add_ons import DOG, ROOT, install, own_command, program, start
+from add_ons import FOX, ROOT, install, own_command, program, start
 from numpy.typing import NDArray
 from PIL import Image
 
@@ -236,7 +236,7 @@ def project(godot: Godot, tmp_path: Path) -> Path:
     script = own_command(tmp_path)
     install(godot.add_on, tmp_path, "--to", str(folder), "--normalgan", str(script))
     (folder / "project.godot").write_text(godot.project, encoding="utf-8")
-    (folder / "fox.png").write_bytes(DOG.read_bytes())
+    (folder / "fox.png").write_bytes(FOX.read_bytes())
     (folder / "fox.png.import").write_text(godot.asked, encoding="utf-8")
     (folder / "lit.gd").write_text(godot.script, encoding="utf-8")
     return folder
@@ -258,7 +258,7 @@ def test_a_map_for_godot_is_imported_as_a_normal_map(godot: Godot, tmp_path: Pat
     folder = tmp_path / "game"
     folder.mkdir()
     (folder / "project.godot").write_text(godot.plain, encoding="utf-8")
-    assert main(["generate", str(DOG), "-o", str(folder), "--engine", godot.engine]) == 0
+    assert main(["generate", str(FOX), "-o", str(folder), "--engine", godot.engine]) == 0
     asked = (folder / "fox_n.png.import").read_text(encoding="utf-8")
     said = godot.open(folder)
     assert godot.found(folder, godot.texture), said
