@@ -86,7 +86,8 @@ export class Arranging {
   /** Moves the selection. @param {number} x @param {number} y @returns {boolean} whether there was one */
   nudge(x, y) {
     if (isNothing(this.editor.selection)) return false;
-    this.#move({ scale: 1, x, y }, "nudged");
+    // Presses on one selection are one step, however long the hand looks at it between them.
+    this.#move({ scale: 1, x, y }, `nudged ${JSON.stringify(this.editor.selection)}`);
     return true;
   }
 
@@ -95,7 +96,7 @@ export class Arranging {
     const { editor } = this;
     const { doc, selection } = withMoved(editor.history.state, editor.selection, move);
     editor.selection = selection;
-    editor.commit(doc, kind);
+    editor.commit(doc, kind, Infinity);
   }
 
   /** Puts a copy of the selected lines beside them. */

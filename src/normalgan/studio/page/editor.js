@@ -5,7 +5,7 @@ import { History } from "./history.js";
 
 /** @typedef {import("./document.js").Doc} Doc */
 
-/** Milliseconds within which steps of one kind are one. */
+/** Milliseconds within which steps of one kind are one, unless they say otherwise. */
 const TOGETHER = 1000;
 
 /** @typedef {{strokes: number[], pictures: number[]}} Selection places in the strokes of the layer that is worked on, and in the
@@ -113,12 +113,13 @@ export class Editor extends EventTarget {
    * Makes a document the next step in history.
    * @param {Doc} doc
    * @param {string} [kind] steps of one kind that follow one another at once are one step
+   * @param {number} [within] milliseconds that are at once
    */
-  commit(doc, kind = "") {
+  commit(doc, kind = "", within = TOGETHER) {
     this.draft = null;
     const { history, last } = this;
     const now = performance.now();
-    const goesOn = kind !== "" && last.kind === kind && last.state === history.state && now - last.at < TOGETHER && !history.canRedo;
+    const goesOn = kind !== "" && last.kind === kind && last.state === history.state && now - last.at < within && !history.canRedo;
     if (goesOn) history.replace(doc);
     else history.push(doc);
     this.last = { kind, at: now, state: doc };
