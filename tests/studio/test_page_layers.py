@@ -202,7 +202,9 @@ def test_arrow_keys_move_a_layer_and_keep_it_in_hand(studio: Studio) -> None:
     assert page.evaluate("document.activeElement.className") == "grip"
 
 
-@pytest.mark.parametrize("size", [(1440, 900), (1280, 800), (1024, 768), (390, 844), (3840, 2160)])
+@pytest.mark.parametrize(
+    "size", [(1440, 900), (1280, 800), (1024, 768), (390, 844), (667, 375), (3840, 2160)]
+)
 def test_beside_the_layers_every_control_has_its_room(
     opened: "Browser", server: Server, size: tuple[int, int]
 ) -> None:
@@ -215,6 +217,7 @@ def test_beside_the_layers_every_control_has_its_room(
         if (!each.matches(controls) || !each.checkVisibility()) continue;
         const box = each.getBoundingClientRect();
         for (let around = each.parentElement; around; around = around.parentElement) {
+          if (getComputedStyle(around).position === "fixed") break;
           if (getComputedStyle(around).overflow === "visible") continue;
           const limits = around.getBoundingClientRect();
           const beyond = box.left < limits.left - 1 || box.right > limits.right + 1;
@@ -234,6 +237,11 @@ def test_beside_the_layers_every_control_has_its_room(
     with open_studio(opened, server.url, width=size[0], height=size[1]) as studio:
         page = studio.page
         assert page.evaluate(cramped) == []
+        page.locator("#paper summary").click()
+        assert page.evaluate(cramped) == [], "the paper's card"
+        page.keyboard.press("Escape")
+        page.locator("#layout-both").click()
+        assert page.evaluate(cramped) == [], "both panes"
         page.locator("#layers-toggle").click()
         add(studio)
         for tool in ("pen", "mask", "hint"):
