@@ -147,6 +147,41 @@ def test_a_draft_is_waited_for_where_a_hand_would_see_no_map_for_too_long(
     assert page.evaluate("sent.map(({ draft }) => draft)") == [True, False]
 
 
+def test_where_a_map_takes_longer_than_a_stroke_one_of_half_its_size_comes_first(studio: Studio) -> None:
+    page = studio.page
+    page.evaluate("() => { window.time = 0; performance.now = () => time; }")
+    studio.new(512, 512)
+    page.evaluate(
+        """() => {
+          const ask = window.fetch;
+          window.fetch = async (path, options) => {
+            const answer = await ask(path, options);
+            if (path === "/api/predict" && sent.at(-1).longest === null) time += 1100;
+            return answer;
+          };
+        }"""
+    )
+    with studio.repainting():
+        studio.circle()
+    page.evaluate("() => { sent.length = 0; holding = true; }")
+    asked = "sent.map(({ draft, longest }) => [draft, longest])"
+    studio.line((100, 100), (140, 130))
+    for _ in range(2):  # a draft of the stroke may come first
+        page.wait_for_function("() => held.length")
+        if page.evaluate("sent.at(-1).longest") is None:
+            break
+        page.evaluate("() => held.pop()()")
+    assert page.evaluate(asked)[-2:] == [[False, 256], [True, None]]
+    # It is on show, and the fine one gives way to the next stroke.
+    assert page.locator("#result").get_attribute("aria-busy") == "true"
+    page.evaluate("() => { holding = false; window.fine = sent.at(-1); }")
+    with studio.repainting(begun=True):
+        studio.line((100, 140), (140, 150))
+        page.evaluate("held.splice(0).forEach((each) => each())")
+    assert page.evaluate("fine.aborted()")
+    assert page.evaluate(asked)[-2:] == [[False, 256], [True, None]]
+
+
 def test_what_a_stroke_changes_is_on_show_before_the_other_layers_follow(studio: Studio) -> None:
     studio.new()
     with studio.repainting():

@@ -47,6 +47,8 @@ const painted = new Map();
 let turn = Promise.resolve();
 /** @type {Set<number>} wishes that are no longer wanted */
 const dropped = new Set();
+/** The wish that is being answered. */
+let current = 0;
 
 async function load() {
   /** @type {Promise<number>} side of the model's pictures */
@@ -67,8 +69,9 @@ async function load() {
   return { widths, size: await side };
 }
 
-/** Runs a network. @param {string} name @param {import("./networks.js").Run["planes"]} planes @returns {Promise<Record<string, Float32Array>>} */
+/** Runs a network, if its answer is still wanted. @param {string} name @param {import("./networks.js").Run["planes"]} planes @returns {Promise<Record<string, Float32Array>>} */
 function run(name, planes) {
+  if (dropped.has(current)) return Promise.reject(new Error("this is no longer wanted"));
   const id = ++runs;
   return new Promise((resolve, reject) => {
     running.set(id, { resolve, reject });
@@ -144,7 +147,7 @@ async function paintLayer({ ink, strokes, hints, areas, form }, ways, key) {
 const byError = (tried) => tried.map((each) => ({ each, error: expectedError(each.lines, each.confidence) })).sort((a, b) => a.error - b.error).map(({ each }) => each);
 
 /** @param {Wish} wish @returns {Promise<Answer>} */
-async function paint({ id, layers, longest, what, count, changedOnly }) {
+async function paint({ layers, longest, what, count, changedOnly }) {
   const { widths } = await ready;
   /** @type {Painted[]} */
   const maps = [];
@@ -167,7 +170,6 @@ async function paint({ id, layers, longest, what, count, changedOnly }) {
   const ways = waysToSee(parts.map(({ lines }) => lines), widths);
   const all = parts.length > 1 ? digest(new TextEncoder().encode(parts.map(({ key }) => key).join())) : 0;
   for (const [i, { layer, name, key }] of parts.entries()) {
-    if (dropped.delete(id)) throw new Error("this is no longer wanted");
     const own = JSON.stringify([key, layer.strokes, layer.hints, layer.areas, layer.form]);
     const before = changedOnly ? [...painted.keys()].findLast((each) => each.startsWith(own)) : undefined;
     try {
@@ -242,6 +244,7 @@ addEventListener("message", (/** @type {MessageEvent<Wish | {drop: number}>} */ 
     return;
   }
   turn = turn.then(async () => {
+    current = data.id;
     try {
       const painted = await paint(data);
       postMessage({ id: data.id, painted }, { transfer: [painted.rgba.buffer] });

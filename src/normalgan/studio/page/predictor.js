@@ -20,6 +20,8 @@ const MOST_BYTES = 17 * 2 ** 20;
 const AHEAD = 64;
 /** Longer side of the map while a gesture goes on: it follows the hand, and is refined when the hand rests. */
 const COARSE = { pen: 256, pin: 512 };
+/** Milliseconds from one stroke to the next: where a map takes longer, one of half its size comes first. */
+const PACE = 1000;
 /** Milliseconds after which a hand that draws is to have seen another map, and how many of them what is foreseen may be late. */
 const GAP = 300;
 const LATE = 30;
@@ -60,9 +62,9 @@ export class Predictor extends EventTarget {
     this.took = 0;
     /** Whether something changed since the last request. */
     this.stale = false;
-    /** Whether layers are on show as they were seen before others changed. */
+    /** Whether layers are on show as they were seen before others changed, or at half their size. */
     this.behind = false;
-    /** Whether those are being painted: the next change breaks that off. */
+    /** Whether that is being made up for: the next change breaks it off. */
     this.catchingUp = false;
     /** @type {"pen" | "pin" | null} the gesture that goes on */
     this.gesture = null;
@@ -290,13 +292,16 @@ export class Predictor extends EventTarget {
   /** @param {AbortController} running what it belongs to */
   async #paint(running) {
     const start = performance.now();
-    const { doc } = this.editor;
-    const coarse = this.gesture && COARSE[this.gesture];
-    const longest = coarse && coarse < Math.max(doc.width, doc.height) ? coarse : null;
-    const draft = this.gesture === "pen" || longest !== null;
+    const { editor: { doc }, gesture } = this;
+    const side = Math.max(doc.width, doc.height);
     const catchingUp = !this.stale;
+    const slow = !gesture && !catchingUp && this.took > PACE && side >= 2 * COARSE.pen;
+    const coarse = slow ? Math.round(side / 2) : gesture && COARSE[gesture];
+    const longest = coarse && coarse < side ? coarse : null;
+    const draft = gesture === "pen" || (gesture !== null && longest !== null);
     // What has changed is on show first; the other layers, which are seen among all, follow.
-    const first = !catchingUp && !draft && this.#drawn().length > 1;
+    const first = !catchingUp && !draft && (slow || this.#drawn().length > 1);
+    const refines = catchingUp && Math.max(this.painted?.width ?? 0, this.painted?.height ?? 0) < side;
     [this.draft, this.catchingUp] = [draft, catchingUp];
     this.asked = doc;
     this.stale = this.behind = false;
@@ -311,14 +316,14 @@ export class Predictor extends EventTarget {
     this.painted = painted;
     this.heights = null;
     // A gesture that has ended since is refined, whether or not it changed more.
-    if (longest && !this.gesture) this.stale = true;
+    if (gesture && longest && !this.gesture) this.stale = true;
     this.behind = first;
     this.whole = !longest && !this.stale && !first;
     const ms = Math.round(performance.now() - start);
     this.dispatchEvent(new CustomEvent("painted", { detail: { ms, whole: this.whole } }));
     this.since = performance.now();
     const took = this.since - start;
-    if (!draft && !catchingUp) this.took = Math.max(took, this.took + FALL * (took - this.took));
+    if (!draft && !longest && (!catchingUp || refines)) this.took = Math.max(took, this.took + FALL * (took - this.took));
   }
 
   /** Asks for the heights of the map, once. */
