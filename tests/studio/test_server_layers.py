@@ -171,7 +171,7 @@ def test_only_layers_that_look_different_are_painted_again(
         assert (len(asked), len(made)) == (5, 5)  # what was painted is remembered
         assert again.content == second.content
         hidden = sent(client, 5, [raw(1, "a", 4, None)])
-        alone = client.post("/api/predict", json=asking(6, picture=b64(png(BACK))))
+        alone = sent(client, 6, [raw(1, "a", None, BACK)])
         assert hidden.content == alone.content
         assert sent(client, 7, [raw(1, "a", 2, None), raw(2, "b", 3, None)]).status_code == 409
 

@@ -62,14 +62,15 @@ export async function prepare(plane, size, source, longest, widths, reader, begi
   const cut = alpha && isSilhouette(alpha, width, height) ? alpha : null;
   const opaque = cut && above(cut, 0.5);
   const asked = source || opaque ? null : read(plane, reader);
+  const drawn = plane.channels === 1; // strokes are the ink as they are
   /** @type {Float32Array} */
-  let ink = withoutSpecks(inkOnPaper(dark, width, height), width, height);
+  let ink = drawn ? dark.map((value) => 1 - value) : withoutSpecks(inkOnPaper(dark, width, height), width, height);
   if (opaque) {
     const line = contour(opaque, width, height);
     ink = ink.map((value, i) => (opaque[i] ? Math.max(value, line[i]) : 0));
   }
   const blank = !ink.some((value) => value >= 0.3);
-  const reading = blank && alpha ? null : await asked;
+  const reading = drawn || (blank && alpha) ? null : await asked;
   if (reading) ink = blank ? rimOf(reading, width, height) : dropGround(ink, width, height, reading);
   const frame = frameAround(ink, width, height, size);
   if (!frame || (blank && !reading)) throw new Unpaintable("no_lines");
@@ -78,7 +79,7 @@ export async function prepare(plane, size, source, longest, widths, reader, begi
   const rest = { width, height, ink, frame, seen, unsure: [], alpha: null, covered: null };
   if (opaque && !source) return { ...rest, mask: opaque, alpha: cut };
   if (source === "model") return { ...rest, mask: null };
-  return { ...rest, ...decide(ink, width, height, reading) };
+  return { ...rest, ...decide(ink, width, height, drawn ? await asked : reading) };
 }
 
 /** Returns the square about the lines of a drawing; null if there are none. @param {Float32Array} ink @param {number} width @param {number} height @param {number} size @returns {Frame | null} */
@@ -246,8 +247,9 @@ export function shown(ink, width, height, frame, widths) {
   const [wide, high] = [right - left, bottom - top];
   const inked = new Uint8Array(part(whole, fine, fine, [left, top, right, bottom]));
   const depth = distance(inked, wide, high, true);
-  const lines = lineWidth(inked, wide, high, depth);
-  const thick = areas(inked, wide, high, lines, depth, fine);
+  const usual = lineWidth(inked, wide, high, depth);
+  const thick = areas(inked, wide, high, usual, depth, fine);
+  const lines = thick ? lineWidth(where(inked, (value, i) => value > 0 && !thick[i]), wide, high, depth) : usual;
   const known = lines >= widths[0] * FINER && lines <= widths[1] * FINER;
   if (known && !thick) return cut(ink, width, height, frame);
   let [drawn, drawnWidth] = [inked, WIDTH * FINER - lines + 1];

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
-from normalgan.inference.cleaning.cleaning import Cleaned, clean
+from normalgan.inference.cleaning.cleaning import Cleaned, clean, strokes
 from normalgan.inference.cleaning.silhouette import contour
 from normalgan.inference.findings import Finding, LackingError
 from normalgan.inference.mask.decision import Decision, decide
@@ -77,6 +77,7 @@ def prepare(
     painted: NDArray[np.int8] | None = None,
     line_widths: LineWidths = USUAL_WIDTHS,
     flips: Sequence[tuple[float, float]] = (),
+    drawn: bool = False,
     on_seen: Callable[["Prepared"], object] | None = None,
 ) -> Prepared:
     """Clean and frame a picture.
@@ -95,6 +96,7 @@ def prepare(
         line_widths: of the lines that the model knows, in its pixels; they are shown as they were drawn.
         flips: x and y in pixels of the drawing; the region that lines enclose there becomes a hole, or object
             if it is a hole.
+        drawn: whether the picture is nothing but dark strokes on white, which are the ink as they are.
         on_seen: called without mask and hints as soon as what the model is shown is known, so that the model
             can run while the mask is found.
 
@@ -106,10 +108,14 @@ def prepare(
     worked = shape if max(shape) <= MOST_WORKED else fitted(shape, MOST_WORKED)
     source = mask if isinstance(mask, str) else None
     asked = mask is None or source == READER
-    cleaned, reading = _clean_and_read(picture, picture.resized(worked), asked, source == READER)
+    shown, reading = picture.resized(worked), None
+    if drawn:
+        cleaned = strokes(shown)
+    else:
+        cleaned, reading = _clean_and_read(picture, shown, asked, source == READER)
     if painted is not None:
-        shown = cv2.resize(painted, worked[::-1], interpolation=cv2.INTER_NEAREST)
-        painted = np.asarray(shown, np.int8)
+        by_hand = cv2.resize(painted, worked[::-1], interpolation=cv2.INTER_NEAREST)
+        painted = np.asarray(by_hand, np.int8)
     walls = cleaned.ink if painted is None else np.maximum(cleaned.ink, (painted > 0).astype(np.float32))
     frame = Frame.around(walls, size)
     prepared = Prepared(
@@ -122,7 +128,6 @@ def prepare(
         hints=None,
         painted=painted,
         line_widths=line_widths,
-        reading=reading,
     )
     if on_seen is not None:
         on_seen(prepared)
@@ -132,6 +137,8 @@ def prepare(
     elif mask is None and cleaned.silhouette is not None:
         prepared = replace(prepared, mask=cleaned.silhouette, alpha=picture.alpha)
     elif source != MODEL:
+        if drawn and asked:
+            reading = read(picture)
         decision = decide(walls, reading, [(x * scale, y * scale) for x, y in flips])
         seen = bool(decision.mask.any()) or bool(flips)
         prepared = replace(
@@ -139,6 +146,7 @@ def prepare(
             mask=decision.mask if seen else None,
             unsure=_in_drawing(decision.unsure, scale) if seen else (Finding("guessed"),),
             decision=decision,
+            reading=reading,
             coverage=decision.coverage if seen else None,
         )
     if flips and prepared.decision is None:

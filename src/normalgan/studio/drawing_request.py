@@ -90,6 +90,11 @@ class DrawingRequest:
         """(H, W), if it came as pixels."""
         return None if isinstance(self.picture, bytes) else self.picture.shape[:2]
 
+    @property
+    def drawn(self) -> bool:
+        """Whether it is strokes alone, and no picture was imported."""
+        return not isinstance(self.picture, bytes) and self.picture.shape[-1] == 1
+
     def digest(self) -> bytes:
         """Return a hash of the drawing."""
         by_hand = json.dumps([self.hints, self.areas, self.form]).encode()

@@ -173,6 +173,7 @@ class Predictor:
             prepared = prepare(
                 *(picture, self.model.size, mask, None, longest, by_hand),
                 line_widths=self.model.line_widths,
+                drawn=drawing.drawn,
                 on_seen=infer_ahead,
             )
             # How the mask was found takes more memory than all else, and nobody asks for it again.

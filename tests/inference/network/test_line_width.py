@@ -40,3 +40,17 @@ def test_lines_that_are_thin_beside_the_others_are_shown() -> None:
     assert where.sum() > 100
     near = cv2.dilate(shown, np.ones((3, 3), np.uint8)) > 0.5
     assert near[where].mean() > 0.98
+
+
+def test_a_black_shape_is_shown_as_its_outline_alone() -> None:
+    disc = np.zeros((256, 256), np.uint8)
+    cv2.circle(disc, (128, 128), 90, 255, -1, cv2.LINE_AA)
+    drawn = disc / np.float32(255)
+    frame = Frame.around(drawn, 256)
+    shown = render_model_input(drawn, frame, USUAL_WIDTHS)
+    black = (frame.cut(drawn) > 0.5).astype(np.uint8)
+    square = np.ones((3, 3), np.uint8)
+    edge = black > cv2.erode(black, square)
+    near = cv2.dilate(edge.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
+    assert shown[~near].max() < 0.1
+    assert cv2.dilate(shown, square)[edge].min() > 0.3

@@ -13,9 +13,11 @@ from normalgan.inference.cleaning.silhouette import contour, enclosed_by, is_sil
 from normalgan.inference.findings import LackingError
 from normalgan.inference.reading.picture import Picture
 
-__all__ = ["Cleaned", "clean", "without_specks"]
+__all__ = ["Cleaned", "clean", "strokes", "without_specks"]
 
 _GREY = np.array([0.299, 0.587, 0.114], np.float32)
+_LEAST = 0.3
+"""Least ink of a line."""
 _BLACK, _VOIDS = 0.15, 1.05
 """The lightest black ink; and what it encloses with itself, as a multiple of itself, at least."""
 
@@ -52,11 +54,24 @@ def clean(picture: Picture) -> Cleaned:
     ink = without_specks(ink_on_paper(colour))
     if silhouette is not None:
         ink = np.maximum(np.where(silhouette, ink, 0), contour(silhouette))
-    if float(ink.max()) < 0.3:
+    return _with_lines(Cleaned(ink.astype(np.float32), silhouette))
+
+
+def strokes(picture: Picture) -> Cleaned:
+    """Return the ink of a drawing that is nothing but dark strokes on white: all that is not white.
+
+    Raises:
+        LackingError: if it holds no line.
+    """
+    return _with_lines(Cleaned(np.asarray(1 - picture.colour.min(-1), np.float32), None))
+
+
+def _with_lines(cleaned: Cleaned) -> Cleaned:
+    if float(cleaned.ink.max()) < _LEAST:
         raise LackingError(
             "no line is seen in it; a sketch needs lines that differ from their paper.", "no_lines"
         )
-    return Cleaned(ink.astype(np.float32), silhouette)
+    return cleaned
 
 
 def _is_ink(colour: Floats, alpha: Floats) -> bool:

@@ -38,6 +38,8 @@ def render_model_input(ink: Floats, frame: Frame, widths: LineWidths) -> Floats:
     depth = _depth(inked)
     width = _width(inked, depth)
     thick = areas(inked, width, depth, frame.size * _FINER)
+    if thick.any():
+        width = _width(inked & ~thick, depth)
     kept, drawn_width = None, DRAWN_WIDTH * _FINER
     if widths[0] * _FINER <= width <= widths[1] * _FINER:
         if not thick.any():
