@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from shapes import Points, Rng, Shape, darkness, doodle
+from shapes import Points, Rng, Shape, darkness, doodle, sheet
 
 Floats = NDArray[np.float32]
 KINDS = (
@@ -26,10 +26,11 @@ KINDS = (
     "tiny",
     "child",
     "framed",
+    "bordering",
     "strokes",
     "blank",
 )
-SHARES = (0.13, 0.15, 0.07, 0.09, 0.09, 0.08, 0.05, 0.03, 0.05, 0.08, 0.04, 0.1, 0.01, 0.02, 0.01)
+SHARES = (0.13, 0.14, 0.06, 0.09, 0.09, 0.07, 0.05, 0.03, 0.05, 0.08, 0.04, 0.11, 0.01, 0.02, 0.02, 0.01)
 BLACK = 90
 """Channel, of 255, up to which a filled area is ink; one in another colour is paint, and its edge is ink."""
 SEEN = 40
@@ -104,6 +105,7 @@ class _Writer:
             "tiny": 0.3,
             "child": 0.4,
             "strokes": 0.0,
+            "bordering": 0.1,
         }.get(kind, 0.25)
         if self.chance(0.3) and kind != "gaps":
             self.damage = 0.0
@@ -174,6 +176,8 @@ class _Writer:
                         boxes.append((cx, cy, span))
                         break
             return boxes
+        if kind == "bordering":
+            return [(w / 2, h / 2, self.long - 2 * rng.uniform(1, 0.1 * self.long))]
         span = small * rng.uniform(0.55, 0.97)
         if h != w and self.chance(0.4):
             span = self.long * rng.uniform(0.6, 0.95)
@@ -187,12 +191,19 @@ class _Writer:
     def _draw(self, box, style: "_Style") -> None:  # noqa: PLR0912, PLR0915 - one choice after the other
         rng = self.rng
         cx, cy, span = box
-        if self.kind in ("child", "strokes") and (self.kind == "strokes" or self.chance(0.75)):
+        if self.kind == "bordering":
+            shape = sheet(
+                rng,
+                1 - (self.long - min(self.h, self.w)) / span * np.array([self.h > self.w, self.w > self.h]),
+            )
+        elif self.kind in ("child", "strokes") and (self.kind == "strokes" or self.chance(0.75)):
             shape = doodle(rng, self.kind)
         elif not self.shapes or self.chance(0.3):
             shape = doodle(rng)
         else:
             shape = self.shapes[rng.integers(len(self.shapes))]
+        if shape.name == "doodle/plain" and self.chance(0.5):
+            span *= rng.uniform(0.3, 1)
         if shape.paint is not None and self.chance(0.6) and self._paste(shape, box, style):
             return
         move = self._placement(shape, cx, cy, span)
@@ -202,7 +213,7 @@ class _Writer:
             return
         span = max(span, 8)
         strokes = [(s, k < shape.outlines) for k, s in enumerate(_moved(move, shape.strokes))]
-        if self.kind != "clean" and not shape.bare and self.chance(0.14):
+        if not shape.bare and self.chance(0.1 if self.kind == "clean" else 0.2):
             mask, strokes = self._ended(mask, strokes)
         if self.chance(0.35):
             strokes += [(spot, False) for spot in self._spots(mask, span)]
@@ -215,10 +226,12 @@ class _Writer:
         solid = bool(mask.max(initial=0) > 0.5)
         if solid and self.rng.random() < self.coloured:
             painted = self._painted(shape, mask, move, strokes, style)
-        outline_drawn = painted is None or self.chance(0.8) or self._unseen(mask, painted)
+        outline_drawn = painted is None or self.chance(0.7) or self._unseen(mask, painted)
         lines = self._hand(strokes, span, style)
         loose = self._hand([(s, True) for s in bare], span, style)
         width = style.width(span)
+        if shape.name == "doodle/plain" and self.chance(0.25):  # a disc in a broad pen, which is no ring
+            width = span * rng.uniform(0.02, 0.09)
         ink = self._strokes(lines, width, style) if outline_drawn else np.zeros_like(mask)
         whisker = self._strokes(loose, width, style) if loose else np.zeros_like(mask)
         drawn = np.maximum(ink, whisker)
@@ -258,8 +271,6 @@ class _Writer:
             target = drawn
         if not outline_drawn or (painted is not None and style.outline_target):
             target = np.maximum(target, self._rim(mask, painted, ink if outline_drawn else None))
-        if painted is not None:
-            self.ink_weight[(mask > 0.5) & (target < 0.3)] = 0.5
         if painted is not None or self.kind in {"inverted", "flat"}:
             self.ink_weight[target > 0.5] = 2.0
         present = np.maximum(mask, np.where(whisker > 0.3, whisker, 0))
@@ -384,6 +395,8 @@ class _Writer:
             turn = 0.0
         flip = -1 if self.chance(0.5) else 1
         stretch = np.exp(rng.normal(0, 0.12))
+        if self.kind == "bordering":
+            turn, stretch, bent = 0.0, 1.0, bent and self.chance(0.3)
         a, b = np.cos(turn), np.sin(turn)
         matrix = np.array([[a, -b], [b, a]]) @ np.diag([flip * stretch, 1 / stretch])
         waves = [
@@ -734,7 +747,9 @@ class _Writer:
         for group in contours:
             for c in group:
                 cv2.fillPoly(filled, [np.rint(c - 0.5).astype(np.int32)], 1)
-        hole = (filled > 0) & (mask < 0.3)
+        reached = np.pad(thin | (solid > 0), 1).astype(np.uint8)
+        cv2.floodFill(reached, None, (0, 0), 2)
+        hole = ((filled > 0) | (reached[1:-1, 1:-1] == 0)) & (mask < 0.3) & ~thin
         area = hole.sum()
         if area:
             self.weight[hole] = np.clip(0.04 * self.h * self.w / area, 2, 8)
@@ -1020,7 +1035,7 @@ class _Style:
         self.missed = rng.choice([0, 0, 0.3, 0.8])
         self.construction = kind == "sketchy" and rng.random() < 0.5
         self.hatched = rng.random() < (0.02 if kind == "clean" else 0.07)
-        self.blacks = rng.random() < (0.1 if kind == "clean" else 0.15) and kind not in (
+        self.blacks = rng.random() < (0.12 if kind == "clean" else 0.2) and kind not in (
             "inverted",
             "sketchy",
             "photo",
@@ -1043,6 +1058,8 @@ class _Style:
         rng = self.rng
         if rng.random() < 0.3:
             return np.clip(rng.uniform(60, 250, 3) + rng.normal(0, 30, (count, 3)), 0, 255)
+        if rng.random() < 0.25:  # greys
+            return np.repeat(rng.uniform(BLACK, 235, (count, 1)), 3, 1)
         colours = rng.uniform(10, 255, (count, 3))
         return np.where(colours.max(1, keepdims=True) > BLACK, colours, colours + BLACK)
 

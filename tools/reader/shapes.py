@@ -134,10 +134,29 @@ def smoothed(path: Points, closed: bool) -> Points:
 def doodle(rng: Rng, kind: str | None = None) -> Shape:
     """Return a figure of round and pointed parts, as children and sign painters draw."""
     kind = kind or rng.choice(
-        ["figure", "animal", "blob", "thing", "stick", "ring", "snow", "frame", "plain"],
-        p=[0.17, 0.14, 0.1, 0.12, 0.07, 0.1, 0.03, 0.02, 0.25],
+        ["figure", "animal", "blob", "thing", "stick", "ring", "snow", "frame", "wire", "plain"],
+        p=[0.16, 0.13, 0.1, 0.12, 0.06, 0.1, 0.03, 0.02, 0.04, 0.24],
     )
     return _Doodle(rng).draw(kind)
+
+
+def sheet(rng: Rng, sides: NDArray) -> Shape:
+    """Return one closed line along the edges of its page, a card, a window or a pond: an object, no frame.
+
+    Args:
+        rng: a source of chance.
+        sides: its width and height, in [0, 1].
+    """
+    round_ = rng.random() < 0.3
+    t = np.linspace(0, 2 * np.pi, 160, endpoint=False)
+    power = rng.choice([1.0, 0.6, 0.3]) if round_ else 0.05
+    c, s = np.cos(t), np.sin(t)
+    unit = np.stack([np.sign(c) * np.abs(c) ** power, np.sign(s) * np.abs(s) ** power], 1)
+    if not round_:
+        corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], np.float32)
+        unit = _dense(corners + rng.choice([0.0, 0.03]) * rng.normal(0, 1, (4, 2)).astype(np.float32))
+    outline = (0.5 + 0.5 * unit * sides).astype(np.float32)
+    return _shape("doodle/sheet", [(outline, True)], [], [], [], False, False, [])
 
 
 class _Doodle:
@@ -467,7 +486,7 @@ class _Doodle:
             return
         for _ in range(rng.integers(1, 5)):
             t = np.linspace(0, rng.uniform(2, 9), 40)
-            r = np.exp(-t * rng.uniform(0.05, 0.4)) * rng.uniform(0.1, 0.3)
+            r = np.exp(-t * rng.uniform(0.15, 0.4)) * rng.uniform(0.1, 0.3)
             start = rng.uniform(0.25, 0.75, 2)
             drift = rng.normal(0, 0.04, 2)
             line = start + np.stack([r * np.cos(t), r * np.sin(t)], 1) + drift * t[:, None]
@@ -544,7 +563,12 @@ class _Doodle:
     def _plain(self):
         """One closed line with nothing in it, or a sign: a disc, a square, a triangle."""
         rng = self.rng
-        if rng.random() < 0.6:
+        if rng.random() < 0.25:  # a card, a door
+            corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * rng.uniform(0.1, 0.3, 2) + 0.5
+            outline = _dense(corners.astype(np.float32))
+        elif rng.random() < 0.3:  # a coin, a ball
+            outline = self.ellipse(0.5, 0.5, 0.3, 0.3, squareness=1.0, wobble=0)
+        elif rng.random() < 0.6:
             size = rng.uniform(0.1, 0.3)
             flat = size * (1.0 if rng.random() < 0.4 else rng.uniform(0.3, 1))
             outline = self.ellipse(
@@ -756,14 +780,55 @@ class _Doodle:
             for y in np.linspace(-1, rng.uniform(0.2, 1), rng.integers(2, 6)):
                 self._bar((0.5 - wide, 0.5 + y * high), (0.5 + wide, 0.5 + y * high), width)
         else:  # rings: tyres, doughnuts, frames
-            r, share = rng.uniform(0.2, 0.4), rng.uniform(0.3, 0.85)
+            r, share = rng.uniform(0.2, 0.4), rng.uniform(0.3, 0.8)
             square = rng.choice([1.0, 1.0, 0.3])
             flat = rng.uniform(0.6, 1)
             self.parts.append((self.ellipse(0.5, 0.5, r, r * flat, squareness=square, wobble=0), True))
             shift = rng.normal(0, 0.1, 2) * r * (1 - share)
             hole = self.ellipse(*(0.5 + shift), r * share, r * flat * share, squareness=square, wobble=0)
             self.holes.append(hole)
+            if rng.random() < 0.4:
+                self._icing(r, share, flat, 0.5 + shift / 2, square)
         self.merged = bool(rng.random() < 0.5)
+
+    def _icing(self, r, share, flat, middle, square):
+        """Draw icing on a ring, and what is strewn on it."""
+        rng = self.rng
+        wide = r * (share + rng.uniform(0.4, 0.8) * (1 - share))
+        edge = self.ellipse(*middle, wide, wide * flat, squareness=square, wobble=0.03)
+        self.details.append(_closed(edge))
+        for angle in rng.uniform(0, 6.28, rng.integers(0, 14)):
+            at = 0.5 + r * (1 + share) / 2 * np.array([np.cos(angle), flat * np.sin(angle)])
+            way = rng.normal(0, 0.04 * r, 2)
+            self.details.append(np.stack([at - way, at + way]).astype(np.float32))
+
+    def _wire(self):
+        """Single lines that enclose air, mostly with something solid on them: tripods, racks, swings."""
+        rng = self.rng
+        top = np.array([0.5, rng.uniform(0.2, 0.4)])
+        count = rng.integers(2, 5)
+        feet = np.stack([np.linspace(0.25, 0.75, count) + rng.normal(0, 0.03, count),
+                         rng.uniform(0.75, 0.9) + rng.normal(0, 0.03, count)], 1)  # fmt: skip
+        apart = rng.uniform(0, 0.15) if rng.random() < 0.5 else rng.uniform(0.3, 0.5)
+        heads = np.stack([0.5 + np.linspace(-apart, apart, count) / 2, np.full(count, top[1])], 1)
+        for head, foot in zip(heads, feet, strict=True):
+            self.bare.append(np.stack([head, foot]).astype(np.float32))
+        self.bare.append(np.stack([heads[0], heads[-1]]).astype(np.float32))
+        for share in rng.uniform(0.3, 1, rng.integers(0, 3)):
+            bar = heads[[0, -1]] * (1 - share) + feet[[0, -1]] * share
+            self.bare.append(bar.astype(np.float32))
+        solid = rng.integers(5)
+        if solid == 0:
+            self.parts.append((self.ellipse(*top, *rng.uniform(0.05, 0.2, 2)), True))
+        elif solid == 1:
+            ends = top + np.array([[-1, 0], [1, 0]]) * rng.uniform(0.1, 0.3) + rng.normal(0, 0.05, (2, 2))
+            self.parts.append((self.tube(ends, (rng.uniform(0.02, 0.1),) * 2), True))
+        elif solid == 2:
+            low = feet.mean(0)
+            self.parts.append((self.ellipse(*low, *rng.uniform(0.04, 0.12, 2)), True))
+        elif solid == 3:
+            hook = top + 0.06 * np.array([[0, 0], [rng.normal(), -1.2], [rng.normal(), -0.4]])
+            self.bare.append(_curve(hook.astype(np.float32)))
 
     def _snow(self):
         rng = self.rng

@@ -20,7 +20,10 @@ from shapes import Views
 from torch.nn import functional
 from torch.utils.data import DataLoader, IterableDataset
 
-SIZES = (((256, 256), 8), ((256, 192), 10), ((384, 384), 4), ((384, 288), 5), ((288, 384), 5))
+SIZES = (
+    ((256, 256), 8), ((256, 192), 10), ((384, 384), 4), ((384, 384), 4), ((384, 288), 5), ((288, 384), 5),
+    ((384, 224), 6), ((224, 384), 6),
+)  # fmt: skip
 RATE = 1.2e-3
 RELOAD = 300
 """Batches after which views that have been rendered since are taken too."""
@@ -64,9 +67,7 @@ def loss_of(out, ink, presence, middle, weight, ink_weight):
     out = out.float()
     seen, drawn = out[:, 1], out[:, 0]
     there = functional.binary_cross_entropy_with_logits(seen, presence, reduction="none")
-    lines = (
-        functional.binary_cross_entropy_with_logits(drawn, ink, reduction="none") * (1 + 2 * ink) * ink_weight
-    )
+    lines = functional.binary_cross_entropy_with_logits(drawn, ink, reduction="none") * (1 + ink) * ink_weight
     p = seen.sigmoid()
     overlap = 1 - (2 * (p * presence).sum((1, 2)) + 20) / (p.sum((1, 2)) + presence.sum((1, 2)) + 20)
     ways = ((out[:, 2:] - middle).abs().sum(1) * presence).sum() / presence.sum().clamp(min=1)
