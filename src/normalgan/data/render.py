@@ -48,6 +48,16 @@ def render_samples(
 ) -> dict[str, ShardedSamples]:
     """Render missing and damaged samples, and return the samples of every split.
 
+    >>> from normalgan.animals import Animal
+    >>> from normalgan.rendering import EmbreeRenderer, Views
+    >>> from normalgan.rendering.lines import SuggestiveContours
+    >>> from normalgan.rendering.samples import Recipe
+    >>> recipe = Recipe(Views(elevation=(0, 20)), EmbreeRenderer(), SuggestiveContours(), size=64)
+    >>> animals = {"train": [Animal("horse", 1)]}
+    >>> samples = render_samples("memory://cache", animals, 2, recipe, progress=False)["train"]
+    >>> samples.name(0), samples.read(0).normal.shape
+    ('horse-0001/0', (64, 64, 3))
+
     The bytes do not depend on the machine or on interruptions. A mesh that cannot be used or rendered is left
     out with a warning that says why. A damaged shard is named in a warning.
 
