@@ -89,7 +89,7 @@ class NormalGAN(SavedSettings, Evaluation):
             with those before it is most wrong. Each takes a prediction of these samples.
         hint_noise: largest mean angle in degrees by which the hints of a training sample are turned.
         distractor_consistency: weight of the mean angle in radians between the normals with and without
-            strokes that say nothing of the form. A quarter of each batch is predicted twice for it; 0: none.
+            strokes that mean nothing. A quarter of each batch is predicted twice for it; 0: none.
         share_every: every so many generator steps, log the ratio of the adversarial to the reconstruction
             gradient norm, as ``train/adversarial_share`` (at its weights) and
             ``train/adversarial_share_output`` (at its output); 0 logs none. Such a step takes two more

@@ -149,7 +149,7 @@ def _hints(own: HintSampler, batch: Batch, error: Tensor, tests: HintTests) -> I
 
 @contextmanager
 def true_float32() -> Iterator[None]:
-    """Keep a GPU from convolving in TF32, of 10 bits, as PyTorch lets it; as on the CPU then."""
+    """Keep a GPU from convolving in TF32, which has 10 bits, so that it measures as the CPU does."""
     before = torch.backends.cudnn.allow_tf32
     torch.backends.cudnn.allow_tf32 = False
     try:

@@ -182,7 +182,7 @@ class MeshDataModule(LightningDataModule):
         return {split: list(found.get(split, [])) for split in SPLITS}
 
     def _meshes(self, settings: SplitSettings) -> dict[str, Sequence[Loadable]]:
-        """Return what there is if no source is named: meshes, groups of them, or the embedded animals."""
+        """Return the default source: meshes, groups of them, or the embedded animals."""
         kinds = [group.split(settings) for group in self.groups]
         reading, animals = self.reading, self.animals
         if self.meshes is not None:
@@ -205,7 +205,7 @@ class MeshDataModule(LightningDataModule):
 
     @property
     def kept(self) -> dict[str, Sequence[Loadable]]:
-        """What of each split is kept as samples: all, or all but what to train on if that is on the fly."""
+        """The splits that are stored: all, or all but the training split if it is rendered on the fly."""
         return {
             name: part for name, part in self.sources.items() if not (self.on_the_fly and name == "train")
         }
@@ -222,7 +222,7 @@ class MeshDataModule(LightningDataModule):
 
         Args:
             cluster: a Dask cluster to render on instead of this machine.
-            thorough: whether to check every byte in a distant store too, and to try failed meshes once more.
+            thorough: whether to check every byte in a distant store too, and to retry failed meshes.
         """
         views_by_split(self.views_per_mesh, self.sources)  # refuses now what training would stumble over
         if any(self.kept.values()):

@@ -21,7 +21,7 @@ class Killed:
 
 @dataclass(frozen=True)
 class Again:
-    """The result of a task that must be done once more.
+    """The result of a task that must be repeated.
 
     Args:
         lost: whether its result was lost, which can be its own fault.

@@ -80,7 +80,7 @@ def fitted(shape: tuple[int, int], longest: int) -> tuple[int, int]:
 
 
 def read_picture(path: Path, content: bytes | None = None, longest: int | None = None) -> Picture:
-    """Read a drawing of any mode and format, upright; of a larger one than is worked on a reduced one.
+    """Read a drawing of any mode and format, upright; a very large one is reduced.
 
     Args:
         path: its file, or what to call it.
