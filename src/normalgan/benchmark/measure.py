@@ -68,7 +68,7 @@ class HintTests:
         seed: seed of all hints.
         placements: samplers by what their figures are called.
         noise: degrees and pixels that hints are off by, by what their figures are called.
-        noisy: how many common hints these are.
+        noisy: number of common hints that are off.
         metrics: other metrics that are measured with all of them.
     """
 

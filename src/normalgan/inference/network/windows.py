@@ -161,5 +161,5 @@ def _corner(frame: Frame) -> tuple[int, int]:
 
 
 def _pixel(frame: Frame) -> float:
-    """Return the side of the network's pixels, in those of the drawing."""
+    """Return the side of a pixel of the network, in pixels of the drawing."""
     return round(frame.side) / frame.size
