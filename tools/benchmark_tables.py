@@ -352,19 +352,28 @@ def drawings() -> list[str]:
     trained = found["suggestive contours, as in training"]
     text = "The same trained networks, tested on other line styles and on an unsteady [hand](hand.md)."
     lines = section("Other drawings than in training", "lines_64", text, " ".join(list(names)[1:]))
-    for row, label in (("paper", "The paper"), ("ours", "Ours")):
-        columns = dict(THREE)
-        for heading, given in (("no hints", "0"), ("15 hints", "15")):
-            columns[f"{heading}, less as in training"] = beside(trained[row], given)
-        lines += ["", f"{label}:"]
-        lines += table({drawn: rows[row] for drawn, rows in found.items()}, columns, "tested on")
-    lines += ["", "Ours less the paper:"]
     papers = {id(rows["ours"]): rows["paper"] for rows in found.values()}
+    figures: dict[str, Cell] = {}
+    for row, label in (("paper", "the paper"), ("ours", "ours")):
+        for heading, cell in THREE.items():
+            figures[f"{label}, {heading}"] = of_both(cell, row, papers)
+    drawn = {label: rows["ours"] for label, rows in found.items()}
+    lines += table(drawn, figures, "tested on")
+    changes: dict[str, Cell] = {}
+    for row, label in (("paper", "the paper"), ("ours", "ours")):
+        for heading, given in (("no hints", "0"), ("15 hints", "15")):
+            changes[f"{label}, {heading}"] = of_both(beside(trained[row], given), row, papers)
     less = {
-        heading: lambda runs, given=given: beside(papers[id(runs)], given)(runs)
+        f"{heading}, ours less the paper": lambda runs, given=given: beside(papers[id(runs)], given)(runs)
         for heading, given in {"no hints": "0", "15 hints": "15", "own hints": OWN}.items()
     }
-    return lines + table({drawn: rows["ours"] for drawn, rows in found.items()}, less, "tested on")
+    lines += ["", "Less as in training, and ours less the paper:"]
+    return lines + table(drawn, {**changes, **less}, "tested on")
+
+
+def of_both(cell: Cell, row: str, papers: Mapping[int, Runs]) -> Cell:
+    """Return what shows a cell of ours, or of the paper's runs that were tested on the same drawings."""
+    return lambda runs: cell(papers[id(runs)] if row == "paper" else runs)
 
 
 def people() -> list[str]:
