@@ -4,7 +4,7 @@ import torch
 from torch import Tensor
 
 from normalgan.metrics import MapMetric
-from normalgan.testing.conformance import Check, demand, device_list
+from normalgan.testing.conformance import Check, demand, device_list, untouched
 from normalgan.testing.pictures import pictures
 
 __all__ = ["metric_checks"]
@@ -110,10 +110,8 @@ def _reset(metric: MapMetric) -> None:
 
 def _untouched(metric: MapMetric) -> None:
     given = _samples()
-    kept = [part.clone() for part in given]
-    _value(metric, given)
-    same = all(torch.equal(a, b) for a, b in zip(given, kept, strict=True))
-    demand(same, metric, "changed what it was given", "it belongs to the caller; copy it")
+    with untouched(metric, given):
+        _value(metric, given)
 
 
 def _devices(metric: MapMetric) -> None:
