@@ -26,7 +26,8 @@ def test_every_species_is_one_closed_body_of_its_seed(species: str) -> None:
     pose = SPECIES[species].poses[0]
     mesh = coarse(species, 1, pose)
     check_closed(mesh)
-    assert (mesh.vertices.dtype, mesh.faces.dtype) == (np.float32, np.int32)
+    assert mesh.vertices.dtype == np.float32
+    assert mesh.faces.dtype == np.int32
     np.testing.assert_allclose(np.linalg.norm(mesh.normals, axis=1), 1, atol=1e-5)
     assert np.mean(np.einsum("ij,ij->i", mesh.normals, area_normals(mesh))) > 0.97
     first, again, other = (

@@ -67,15 +67,17 @@ def build_parser(engine: Engine | None = None) -> LightParser:
 def _add_drawing(group: argparse._ArgumentGroup) -> None:
     group.add_argument(
         "--model",
-        type=str | None,
+        type=str | None,  # type: ignore[arg-type]
         help="a file or an address of a model that normalgan export wrote; by default the package's own",
     )
     group.add_argument(
-        "--hints", type=str | None, help="a file of hints, or a folder of <sketch>_hints.png or .json"
+        "--hints",
+        type=str | None,  # type: ignore[arg-type]
+        help="a file of hints, or a folder of <sketch>_hints.png or .json",
     )
     group.add_argument(
         "--mask",
-        type=str | None,
+        type=str | None,  # type: ignore[arg-type]
         help="where the object is: a file, a folder of <sketch>_mask.png, outline (all that lines enclose), "
         "reader (a small network decides on each region), or model (the model's guess); by default the "
         "drawing's opacity if that shows the object, else reader",
@@ -91,7 +93,7 @@ def _add_drawing(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--single", action="store_true", help="predict all figures of a page as one object")
     group.add_argument(
         "--explain",
-        type=str | None,
+        type=str | None,  # type: ignore[arg-type]
         help="a folder for pictures that show how each mask was found: ink, votes on regions, presence",
     )
     group.add_argument(
@@ -115,7 +117,7 @@ def _add_drawing(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument(
         "--tile",
-        type=Tile | None,
+        type=Tile | None,  # type: ignore[arg-type]
         metavar=choices(Tile),
         help="the drawing repeats side by side (x), one above the other (y) or both, and so do its maps",
     )

@@ -79,8 +79,8 @@ def predict_tile(
     opacity = None if page.alpha is None else wrapped(page.alpha, tile, room)
     cleaned = clean(Picture(wrapped(page.colour, tile, room), opacity))
     ink = middle(cleaned.ink, tile, room)
-    by_opacity = mask is None and cleaned.silhouette is not None
-    found = middle(cleaned.silhouette, tile, room) if by_opacity else _object(mask, ink, tile)
+    silhouette = cleaned.silhouette if mask is None else None
+    found = _object(mask, ink, tile) if silhouette is None else middle(silhouette, tile, room)
     shown = windows(ink, tile, backend.size)
     around = wrapped(ink, tile, room)
     origin = (around.shape[0] - ink.shape[0]) // 2, (around.shape[1] - ink.shape[1]) // 2
@@ -96,7 +96,7 @@ def predict_tile(
         shape=(around.shape[0], around.shape[1]),
         ink=around,
         mask=None if found is None else wrapped(found, tile, room),
-        alpha=opacity if by_opacity else None,
+        alpha=None if silhouette is None else opacity,
         frame=frame,
         seen=render_model_input(around, frame, backend.line_widths),
         hints=None,
