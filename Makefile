@@ -3,6 +3,7 @@
 # make coverage   sets everything up, runs the tests, and reports the lines and branches that they do not reach
 # make integrations   sets everything up and tests the add-ons in those programs that are installed
 # make audit   sets everything up and looks at the licences of what it depends on, and for known advisories
+# make baselines   trains the benchmark's methods for a release, in half an hour
 # make release   builds everything that is published into dist/, and tests each piece
 # make docs   sets everything up and builds the documentation into site/index.html
 VENV ?= .venv
@@ -14,7 +15,7 @@ export PYTHONDONTWRITEBYTECODE :=
 # As many processes as cores, but no more than four: each needs 1.5 GB. A file's tests share fixtures, so they stay together.
 PYTEST := $(BIN)/pytest --numprocesses=logical --maxprocesses=4 --dist=loadfile --no-loadscope-reorder --durations=10
 
-.PHONY: help install dev demo test integrations processors coverage audit docs release lint types clean
+.PHONY: help install dev demo test integrations processors coverage audit docs baselines release lint types clean
 help:
 	@sed -n 's/^# \(make .*\)/\1/p' Makefile
 
@@ -57,6 +58,9 @@ coverage: dev
 # Warnings are errors. The variable silences an advertisement that the theme prints.
 docs: dev
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
+
+baselines: install
+	tools/baselines.sh build/baselines $(BIN)/python
 
 # TORCH=torch==2.13.0 takes that version from pip's usual index.
 release: docs

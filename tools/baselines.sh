@@ -2,11 +2,11 @@
 # Trains the methods of the benchmark's first table on the embedded animals, and exports them with a card:
 # tools/baselines.sh [FOLDER] [PYTHON]
 #
-# About half an hour on two cores, at 128 pixels. The runs stay in runs/baselines: a command that was stopped
-# is given again, and goes on.
+# The default FOLDER is build/baselines, where `make release` looks. It takes about half an hour on two cores, at 128
+# pixels. The runs stay in runs/baselines; run the command again to continue one that was stopped.
 set -euo pipefail
 cd "$(dirname "$0")/.."
-folder=${1:-dist/baselines}
+folder=${1:-build/baselines}
 python=${2:-.venv/bin/python}
 runs=runs/baselines
 

@@ -23,9 +23,6 @@ RESULTS, PAGE = ROOT / "docs" / "results", ROOT / "docs" / "benchmark_tables.md"
 Runs = Sequence[Any]
 """The runs of one method, a seed each."""
 Cell = Callable[[Runs], str]
-RUN = "normalgan benchmark --config configs/benchmark/{plan}.yaml --config configs/cpu.yaml"
-MESHES = "--set data.meshes='meshes/*.off' data.size=64 data.workers=0"
-KEEP = "python tools/keep_results.py runs/{name}/results.json {options}-o docs/results/{name}.json"
 INTRODUCTION = """# Benchmark: all tables
 
 This page is the appendix of [the benchmark](benchmark.md). `python tools/benchmark_tables.py` writes it from
@@ -35,7 +32,8 @@ the files in `docs/results`, which also name the machine, the versions and the c
   object; *own* hints come from the sampler that a method was trained with.
 - ± is the standard deviation over the seeds, on the same meshes.
 - A difference has a 95 % interval over meshes and seeds in brackets (Student's t, paired by both).
-- `meshes/` holds the [FourLeg meshes](data.md#the-fourleg-meshes).
+- `tools/benchmark_runs.sh NAME` measures a section's figures again, with the [FourLeg
+  meshes](data.md#the-fourleg-meshes) in `meshes`.
 """
 
 
@@ -114,37 +112,42 @@ def labelled(rows: Mapping[str, Runs]) -> dict[str, Runs]:
     return {runs[0]["label"]: runs for runs in rows.values()}
 
 
-def section(title: str, results: Mapping[str, Any], text: str, command: str) -> list[str]:
-    """Return the beginning of a section: heading, how it was measured, command.
+def section(title: str, name: str, text: str, names: str | None = None) -> list[str]:
+    """Return the beginning of a section: heading, what was compared, and how to repeat it.
 
     Args:
         title: heading.
-        results: from which machine, budget, seeds and commits are taken.
+        name: of the results, from which machine, budget and seeds are taken.
         text: what was compared, in a sentence or two.
-        command: that repeats it.
+        names: what `tools/benchmark_runs.sh` is given; the name without it.
     """
-    images = results.get("images")
-    budget = f"{images:,} images a method".replace(",", " ") if images else "22 minutes a run"
+    results = read(name)
+    budget = f"{results['images']:,} images a method".replace(",", " ")
     seeds = len({run["seed"] for run in results["runs"]} - {None})
-    where = f"{results['size']} pixels, {budget}, {seeds} seed{'s' * (seeds > 1)}, one core each"
-    lines = ["", f"## {title}", "", text, "", f"{where} ({results['machine']['processor']}):"]
-    return [*lines, "", "```sh", *command.splitlines(), "```"]
+    where = f"{results['size']} pixels, {budget}, {seeds} seeds, one core each"
+    where += f" ({results['machine']['processor']})"
+    return ["", f"## {title}", "", text, f"{where}: `tools/benchmark_runs.sh {names or name}`."]
 
 
 def comparison() -> list[str]:
     """Return the section on all methods at 64 pixels."""
-    results = read("benchmark_64")
-    rows = methods(results)
-    command = f"{RUN.format(plan='fourlegs')} --images 21000 \\\n    {MESHES} -o runs/benchmark_64 \\\n"
-    command += "    --rows constant,mean,inflation,pix2pix,sketch2normal,paper,ours\n"
-    command += KEEP.format(name="benchmark_64", options="--by-mesh angular_mean below_11_25 ")
-    lines = section(
-        "All methods", results, "FourLeg meshes, published split: 5 test meshes, 40 views each.", command
-    )
-    lines += table(labelled(rows), FIGURES, "method")
-    trained = {name: rows[name] for name in TRAINED if name in rows}
-    less = table(labelled(trained), differences(rows["paper"]), "method")
-    return [*lines, "", "Less the paper:", *less]
+    rows = methods(read("benchmark_64"))
+    lines = section("All methods", "benchmark_64", PUBLISHED)
+    return lines + table(labelled(rows), {**FIGURES, **less_the_paper(rows)}, "method")
+
+
+def less_the_paper(rows: Mapping[str, Runs]) -> dict[str, Cell]:
+    """Return the columns of what trained methods have less the paper."""
+    trained = [rows[name] for name in TRAINED if name in rows]
+    return {
+        f"{heading}, less the paper": only(trained, cell)
+        for heading, cell in differences(rows["paper"]).items()
+    }
+
+
+def only(methods: Sequence[Runs], cell: Cell) -> Cell:
+    """Return what shows a cell of these methods and leaves those of others empty."""
+    return lambda runs: cell(runs) if any(runs is one for one in methods) else ""
 
 
 def differences(reference: Runs) -> dict[str, Cell]:
@@ -170,6 +173,7 @@ FIGURES: dict[str, Cell] = {
     "own hints": error(OWN),
     "how many": how_many,
 }
+PUBLISHED = "FourLeg meshes, published split: 5 test meshes, 40 views each."
 TRAINED = ("pix2pix", "sketch2normal", "deepnormals-slim", "ours")
 """The methods beside the paper's, in the order of the tables."""
 UNSEEN = {"foreign": "foreign meshes", "people": "bodies", "props": "things"}
@@ -179,33 +183,18 @@ THREE = {"no hints": error("0"), "15 hints": error("15"), "50 hints": error("50"
 
 def larger() -> list[str]:
     """Return the section on 128 pixels: the test meshes, and subjects that none of the methods has seen."""
-    results = read("benchmark_128")
-    rows = ours_last(methods(results))
-    run = f"{RUN.format(plan='fourlegs')} --images 10500 \\\n"
-    options = "    --set data.meshes='meshes/*.off' data.workers=0 -o runs/benchmark_128 \\\n"
-    command = f"{run}{options}    --rows {','.join(rows)}\n"
-    command += KEEP.format(name="benchmark_128", options="--by-mesh angular_mean below_11_25 ")
-    text = "FourLeg meshes, published split: 5 test meshes, 40 views each."
-    lines = section("128 pixels", results, text, command)
-    lines += table(labelled(rows), FIGURES, "method")
-    trained = {name: rows[name] for name in TRAINED if name in rows}
-    lines += ["", "Less the paper:", *table(labelled(trained), differences(rows["paper"]), "method")]
+    rows = ours_last(methods(read("benchmark_128")))
+    lines = section("128 pixels", "benchmark_128", PUBLISHED)
+    lines += table(labelled(rows), {**FIGURES, **less_the_paper(rows)}, "method")
     others = {kind: ours_last(methods(read(f"fourlegs_{kind}_128"))) for kind in UNSEEN}
     names = list(next(iter(others.values())))
-    lines += ["", "The same networks, which have seen nothing but FourLegs, on other subjects:"]
-    lines += ["", "```sh", f"{RUN.format(plan='fourlegs_foreign')} --images 10500 \\"]
-    lines += [*options.splitlines(), f"    --rows {','.join(names)}", "```"]
-    columns = {
-        f"{UNSEEN[kind]}, {heading}": across(others[kind], given)
-        for kind in UNSEEN
-        for given, heading in (("0", "no hints"), ("15", "15"))
-    }
+    lines += ["", "The same networks, which have seen nothing but FourLegs, on other subjects"]
+    lines += ["(`tools/benchmark_runs.sh fourlegs_foreign_128 fourlegs_people_128 fourlegs_props_128`):"]
+    of = [(kind, given, heading) for kind in UNSEEN for given, heading in (("0", "no hints"), ("15", "15"))]
+    columns = {f"{UNSEEN[kind]}, {heading}": across(others[kind], given) for kind, given, heading in of}
     lines += table({rows[name][0]["label"]: rows[name] for name in names}, columns, "method")
-    less = {
-        f"{UNSEEN[kind]}, {heading}": across(others[kind], given, "paper")
-        for kind in UNSEEN
-        for given, heading in (("0", "no hints"), ("15", "15"))
-    }
+    trained = {name: rows[name] for name in TRAINED if name in rows}
+    less = {f"{UNSEEN[kind]}, {heading}": across(others[kind], given, "paper") for kind, given, heading in of}
     return [*lines, "", "Less the paper:", *table(labelled(trained), less, "method")]
 
 
@@ -222,37 +211,16 @@ def across(rows: Mapping[str, Runs], given: str, reference: str | None = None) -
 
 def folds() -> list[str]:
     """Return the section on all 20 meshes."""
-    results = read("folds_64")
-    rows = methods(results)
-    command = f"for k in 0 1 2 3 4; do {RUN.format(plan='fourlegs')} --images 10500 \\\n"
-    command += f"    {MESHES} data.split.file=configs/fourleg/folds/$k.json \\\n"
-    command += "    --rows paper,ours -o runs/fold$k; done\n"
-    command += (
-        "python tools/join_folds.py configs/benchmark/fourlegs.yaml runs/fold?/results.json \\\n"
-        "    -o docs/results/folds_64.json\n"
-        "python tools/folds_picture.py docs/results/folds_64.json folds.png"
-    )
-    lines = section(
-        "All 20 meshes, five folds", results, "Each of the 20 FourLeg meshes is tested on once.", command
-    )
+    rows = methods(read("folds_64"))
+    text = "Each of the 20 FourLeg meshes is tested on once."
+    lines = section("All 20 meshes, five folds", "folds_64", text)
     figures = {heading: cell for heading, cell in FIGURES.items() if not heading.startswith("median")}
-    lines += table(labelled(rows), figures, "method")
-    lines += [
-        "",
-        "Less the paper:",
-        *table(labelled({"ours": rows["ours"]}), differences(rows["paper"]), "method"),
-    ]
+    lines += table(labelled(rows), {**figures, **less_the_paper(rows)}, "method")
     lines += ["", "The gain of hints, less no hints:"]
-    lines += table(
-        labelled(rows), {f"{n} hints": beside((), str(n), "0") for n in (5, 10, 15, 20, 50)}, "method"
-    )
-    return [
-        *lines,
-        "",
-        "Ours less the paper by mesh, mean over the seeds; a run is a mesh and a seed:",
-        "",
-        *by_mesh(rows),
-    ]
+    gains = {f"{n} hints": beside((), str(n), "0") for n in (5, 10, 15, 20, 50)}
+    lines += table(labelled(rows), gains, "method")
+    title = "Ours less the paper by mesh, mean over the seeds; a run is a mesh and a seed:"
+    return [*lines, "", title, "", *by_mesh(rows)]
 
 
 def by_mesh(rows: Mapping[str, Runs]) -> list[str]:
@@ -276,22 +244,15 @@ def by_mesh(rows: Mapping[str, Runs]) -> list[str]:
 
 def placement() -> list[str]:
     """Return the section on where hints lie and how many there are."""
-    results = read("placement_64")
-    rows = methods(results)
+    rows = methods(read("placement_64"))
     names = {
         "uniform": "uniform",
         "curvature": "by curvature",
         "farthest": "far apart",
         "worst": "where the error is largest (oracle)",
     }
-    ran = [f"paper-{where}-17" for where in names] + [
-        f"paper-{w}-{n}" for n in (3, 60) for w in ("uniform", "curvature")
-    ]
-    command = f"{RUN.format(plan='placement')} --images 21000 \\\n    {MESHES} -o runs/placement_64 \\\n"
-    command += f"    --rows {','.join(ran)}\n"
-    command += KEEP.format(name="placement_64", options="--by-mesh angular_mean --without distance ")
     text = "The paper's networks, trained with exactly 3, 17 or 60 hints a view and tested with others."
-    lines = section("Where hints lie, and how many", results, text, command)
+    lines = section("Where hints lie, and how many", "placement_64", text)
     counts = {
         f"{n} {names[where]}": rows[f"paper-{where}-{n}"]
         for n in (3, 17, 60)
@@ -312,12 +273,15 @@ def placement() -> list[str]:
         },
         "hints in training",
     )
-    lines += ["", "Four placements, 17 hints in training (rows) and in the test (columns):"]
+    lines += [
+        "",
+        "Four placements, 17 hints in training (rows) and in the test (columns), and less uniform hints:",
+    ]
     matrix = {label: rows[f"paper-{where}-17"] for where, label in names.items()}
-    lines += table(matrix, {label: error(f"{where}-17") for where, label in names.items()}, "trained with")
-    lines += ["", "The same networks, less the one trained with uniform hints:"]
-    others = {label: runs for label, runs in matrix.items() if label != "uniform"}
-    lines += table(others, differences(rows["paper-uniform-17"]), "trained with")
+    tested = {label: error(f"{where}-17") for where, label in names.items()}
+    less = differences(rows["paper-uniform-17"])
+    tested |= {f"{heading}, less uniform": cell for heading, cell in less.items()}
+    lines += table(matrix, tested, "trained with")
     lines += ["", "The gain of uniform hints for the network trained with 17 of them, less no hints:"]
     gains = {f"{n} hints": beside((), f"uniform-{n}", "0") for n in (3, 10, 17, 30, 60)}
     return lines + table({"17 uniform": rows["paper-uniform-17"]}, gains, "trained with")
@@ -325,34 +289,24 @@ def placement() -> list[str]:
 
 def thresholds() -> list[str]:
     """Return the section on the levels of the curvature map that training hints lie on."""
-    results = read("thresholds_64")
-    rows = methods(results)
-    command = f"{RUN.format(plan='thresholds')} --images 10500 \\\n    {MESHES} -o runs/thresholds_64 \\\n"
-    command += f"    --rows {','.join(rows)}\n"
-    command += KEEP.format(name="thresholds_64", options="--by-mesh angular_mean --without distance ")
+    rows = methods(read("thresholds_64"))
     text = "The paper's networks, trained with exactly 17 hints a view on other levels of the curvature map."
-    lines = section("Thresholds of the curvature map", results, text, command)
-    tested = {"no hints": error("0"), "17 uniform": error("uniform-17"), "own 17": error(OWN)}
+    lines = section("Thresholds of the curvature map", "thresholds_64", text)
+    hints = {"no hints": "0", "17 uniform": "uniform-17", "own 17": OWN}
+    columns = {heading: error(given) for heading, given in hints.items()}
+    reference = rows["paper-curvature-17"]
+    columns |= {f"{heading}, less the paper's": beside(reference, given) for heading, given in hints.items()}
     labels = {"paper-uniform-17": "uniform", "paper-curvature-17": "127, 126: mild valleys, the paper's"}
     named = {labels.get(name, runs[0]["label"]): runs for name, runs in rows.items()}
-    lines += table(named, tested, "trained with hints on")
-    less = {
-        heading: beside(rows["paper-curvature-17"], given)
-        for heading, given in {"no hints": "0", "17 uniform": "uniform-17", "own 17": OWN}.items()
-    }
-    others = {label: runs for label, runs in named.items() if runs is not rows["paper-curvature-17"]}
-    return [*lines, "", "Less the paper's thresholds:", *table(others, less, "trained with hints on")]
+    return lines + table(named, columns, "trained with hints on")
 
 
 def critic() -> list[str]:
     """Return the section on the critic."""
-    results = read("critic_64")
-    rows = methods(results)
+    rows = methods(read("critic_64"))
     none = rows["none"]
-    command = f"{RUN.format(plan='critic')} --images 10500 \\\n    {MESHES} -o runs/critic_64 \\\n"
-    command += f"    --rows {','.join(rows)}\n" + KEEP.format(name="critic_64", options="")
     text = "The paper's networks with a critic of several weights. The last checkpoint is measured."
-    lines = section("The critic", results, text, command)
+    lines = section("The critic", "critic_64", text)
     columns = {
         "adversarial / reconstruction gradient": share,
         **THREE,
@@ -368,11 +322,8 @@ def critic() -> list[str]:
 
 def ablation() -> list[str]:
     """Return the section on the parts of ours."""
-    results = read("ablation_64")
-    rows = methods(results)
-    command = f"{RUN.format(plan='ablation')} --images 10500 \\\n    {MESHES} -o runs/ablation_64 \\\n"
-    command += f"    --rows {','.join(rows)}\n" + KEEP.format(name="ablation_64", options="")
-    lines = section("Ours, one part changed", results, "Each row changes one part of our method.", command)
+    rows = methods(read("ablation_64"))
+    lines = section("Ours, one part changed", "ablation_64", "Each row changes one part of our method.")
     less = {f"{heading}, less ours": cell for heading, cell in differences(rows["ours"]).items()}
     lines += table(labelled(rows), {**THREE, **less}, "method")
     lines += ["", "Ours with a patch critic, without hints:"]
@@ -399,37 +350,37 @@ def drawings() -> list[str]:
     }
     found = {label: methods(read(name)) for name, label in names.items()}
     trained = found["suggestive contours, as in training"]
-    command = f"for plan in lines hand_25 hand_50 hand_100; do {RUN.format(plan='$plan')} --images 10500 \\\n"
-    command += f"    {MESHES} -o runs/${{plan}}_64 --rows paper,ours; done"
     text = "The same trained networks, tested on other line styles and on an unsteady [hand](hand.md)."
-    lines = section("Other drawings than in training", read("lines_64"), text, command)
-    for row, label in (("paper", "The paper"), ("ours", "Ours")):
-        columns = dict(THREE)
-        for heading, given in (("no hints", "0"), ("15 hints", "15")):
-            columns[f"{heading}, less as in training"] = beside(trained[row], given)
-        lines += ["", f"{label}:"]
-        lines += table({drawn: rows[row] for drawn, rows in found.items()}, columns, "tested on")
-    lines += ["", "Ours less the paper:"]
+    lines = section("Other drawings than in training", "lines_64", text, " ".join(list(names)[1:]))
     papers = {id(rows["ours"]): rows["paper"] for rows in found.values()}
+    figures: dict[str, Cell] = {}
+    for row, label in (("paper", "the paper"), ("ours", "ours")):
+        for heading, cell in THREE.items():
+            figures[f"{label}, {heading}"] = of_both(cell, row, papers)
+    drawn = {label: rows["ours"] for label, rows in found.items()}
+    lines += table(drawn, figures, "tested on")
+    changes: dict[str, Cell] = {}
+    for row, label in (("paper", "the paper"), ("ours", "ours")):
+        for heading, given in (("no hints", "0"), ("15 hints", "15")):
+            changes[f"{label}, {heading}"] = of_both(beside(trained[row], given), row, papers)
     less = {
-        heading: lambda runs, given=given: beside(papers[id(runs)], given)(runs)
+        f"{heading}, ours less the paper": lambda runs, given=given: beside(papers[id(runs)], given)(runs)
         for heading, given in {"no hints": "0", "15 hints": "15", "own hints": OWN}.items()
     }
-    return lines + table({drawn: rows["ours"] for drawn, rows in found.items()}, less, "tested on")
+    lines += ["", "Less as in training, and ours less the paper:"]
+    return lines + table(drawn, {**changes, **less}, "tested on")
+
+
+def of_both(cell: Cell, row: str, papers: Mapping[int, Runs]) -> Cell:
+    """Return what shows a cell of ours, or of the paper's runs that were tested on the same drawings."""
+    return lambda runs: cell(papers[id(runs)] if row == "paper" else runs)
 
 
 def people() -> list[str]:
     """Return the section on hints as people give them."""
-    results = read("users_64")
-    rows = methods(results)
-    command = (
-        "cp -r runs/benchmark_64 runs/users_64 # trained networks are measured again, not trained again\n"
-    )
-    command += f"{RUN.format(plan='users_fourlegs')} --images 21000 \\\n    {MESHES} \\\n"
-    command += "    --rows sketch2normal,paper,ours -o runs/users_64\n"
-    command += KEEP.format(name="users_64", options="--by-mesh angular_mean --without distance ")
+    rows = methods(read("users_64"))
     text = "The networks of the first table with 15 hints, each turned by an angle or moved by pixels of 64."
-    lines = section("Hints as people give them", results, text, command)
+    lines = section("Hints as people give them", "users_64", text)
     turned = {f"{n}°": error(f"degrees-{n}") for n in (5, 10, 15, 30)}
     moved = {f"{n} px": error(f"pixels-{n}") for n in (1, 2, 3, 6)}
     lines += table(
@@ -477,11 +428,8 @@ def shipped() -> list[str]:
         "",
         "The [weights that come with the package](model_card.md) on meshes that they were not trained on.",
         "*Foreign* sets come from sources that no training mesh comes from. *Same source* sets share their",
-        "artists with the training meshes.",
-        *("", "```sh"),
-        "normalgan benchmark --config configs/benchmark/foreign.yaml --evaluate shipped -o foreign",
-        "python tools/keep_results.py foreign/evaluation.json -o docs/results/shipped_foreign.json",
-        "```",
+        "artists with the training meshes. `tools/benchmark_runs.sh shipped_foreign shipped_foreign_dressed "
+        "shipped_animals`.",
     ]
     counts = ("0", "5", "10", "15", "20", "50", "200")
     lines += table(found, {f"{n} hints" if n != "0" else "no hints": error(n) for n in counts}, "test set")

@@ -74,4 +74,7 @@ saved = torch.load("run/checkpoints/last.ckpt", weights_only=True)["hyper_parame
 assert saved["class_path"] == "normalgan_poisson.PoissonHints", saved
 assert saved["init_args"]["distance"] == 6, saved
 CHECK
+step "its plan"
+(cd example && "$work/venv/bin/normalgan" benchmark --config plan.yaml)
+grep -q 'hints scattered evenly' example/runs/benchmark/table.md
 step "all as it should be"

@@ -47,7 +47,7 @@ _MODULES = {
     "Pairs": "normalgan.data.sources",
     "load": "normalgan.inference.load",
 }
-"""Where what is imported late comes from."""
+"""The modules of names that are imported late."""
 _PACKAGES = ("hints", "metrics", "models", "losses")
 """Packages that are imported late, each with what it offers."""
 

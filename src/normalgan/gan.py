@@ -51,6 +51,14 @@ def _rmsprop(parameters: object) -> Optimizer:
     return RMSprop(cast("list[Tensor]", parameters), lr=5e-5, alpha=0.9)
 
 
+def _check_optimizer(name: str, optimizer: object) -> None:
+    if not callable(optimizer):
+        raise InputError(
+            f"{name} must make an optimiser of parameters, such as partial(torch.optim.Adam, lr=1e-4), "
+            f"not be {describe(optimizer)}."
+        )
+
+
 def _check_callbacks(callbacks: Iterable[object]) -> None:
     """Refuse callbacks that need an optimiser which Lightning steps.
 
@@ -89,7 +97,7 @@ class NormalGAN(SavedSettings, Evaluation):
             with those before it is most wrong. Each takes a prediction of these samples.
         hint_noise: largest mean angle in degrees by which the hints of a training sample are turned.
         distractor_consistency: weight of the mean angle in radians between the normals with and without
-            strokes that say nothing of the form. A quarter of each batch is predicted twice for it; 0: none.
+            strokes that mean nothing. A quarter of each batch is predicted twice for it; 0: none.
         share_every: every so many generator steps, log the ratio of the adversarial to the reconstruction
             gradient norm, as ``train/adversarial_share`` (at its weights) and
             ``train/adversarial_share_output`` (at its output); 0 logs none. Such a step takes two more
@@ -140,15 +148,8 @@ class NormalGAN(SavedSettings, Evaluation):
             "reconstruction": (reconstruction, Reconstruction),
         }
         check_kinds(kinds, optional=["discriminator"])
-        for name, optimizer in {
-            "generator_optimizer": generator_optimizer,
-            "discriminator_optimizer": discriminator_optimizer,
-        }.items():
-            if not callable(optimizer):
-                raise InputError(
-                    f"{name} must make an optimiser of parameters, such as "
-                    f"partial(torch.optim.Adam, lr=1e-4), not be {describe(optimizer)}."
-                )
+        _check_optimizer("generator_optimizer", generator_optimizer)
+        _check_optimizer("discriminator_optimizer", discriminator_optimizer)
         if discriminator is not None:
             objective.check(discriminator)
         with warnings.catch_warnings():

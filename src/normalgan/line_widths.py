@@ -10,7 +10,7 @@ __all__ = ["DRAWN_WIDTH", "USUAL_WIDTHS", "LineWidths", "check_line_widths", "li
 LineWidths = tuple[float, float]
 """The thinnest and the thickest line that a model knows from its training, in pixels of its pictures."""
 DRAWN_WIDTH = 1.25
-"""How wide lines are drawn anew: as wide as the usual training samples have them."""
+"""Width of redrawn lines: that of the usual training samples."""
 USUAL_WIDTHS: LineWidths = (0.8, 1.9)
 """Of models that do not say what they know: lines about as wide as that keep the hand that drew them."""
 

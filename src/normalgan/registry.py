@@ -166,7 +166,7 @@ class Registry(Generic[T]):
         """Return the class that a file names, None if it is not known; nothing is imported for the name.
 
         Args:
-            name: name of a registered class, or its dotted path. In a path only the package has to be right,
+            name: name of a registered class, or its dotted path. In a path only the package must be right,
                 because classes move within a package. A class that is not registered is found if it is
                 imported already.
         """

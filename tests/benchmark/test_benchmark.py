@@ -78,6 +78,7 @@ def figures(printed: str, heading: str) -> list[str]:
     return re.findall(r"\d+\.\d+", table.strip().splitlines()[-1])
 
 
+@pytest.mark.slow  # renders and measures
 def test_the_mean_of_the_training_maps_comes_first_on_a_fresh_cache(
     tmp_path: Path, meshes: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -16,10 +16,6 @@ def change(source: Path, target: Path, edit: Callable[[dict[str, Any]], object])
     torch.save(checkpoint, target)
 
 
-def other_module(checkpoint: dict[str, Any]) -> None:
-    checkpoint["hyper_parameters"] = {"learning_rate": 0.1}
-
-
 def plugin_gone(checkpoint: dict[str, Any]) -> None:
     checkpoint["hyper_parameters"]["hint_sampler"]["class_path"] = "gone.Dots"
 
@@ -30,9 +26,7 @@ def plugin_changed(checkpoint: dict[str, Any]) -> None:
 
 # More that is no checkpoint: tests/trust.
 BAD: dict[str, tuple[Callable[[Path, Path], object], str]] = {
-    "text": (lambda good, bad: bad.write_text("no checkpoint at all\n"), "damaged or no checkpoint"),
     "truncated": (lambda good, bad: bad.write_bytes(good.read_bytes()[:-9000]), "damaged or no checkpoint"),
-    "other module": (lambda good, bad: change(good, bad, other_module), "holds no normalgan model"),
     "plug-in gone": (lambda good, bad: change(good, bad, plugin_gone), "cannot be built here"),
     "plug-in changed": (lambda good, bad: change(good, bad, plugin_changed), "cannot be built here"),
 }
@@ -40,12 +34,7 @@ BAD: dict[str, tuple[Callable[[Path, Path], object], str]] = {
 
 @pytest.mark.parametrize(
     ("command", "kind"),
-    [
-        *(("test", kind) for kind in BAD),
-        ("fit", "truncated"),
-        ("fit", "plug-in gone"),
-        ("fit", "plug-in changed"),
-    ],
+    [("test", "truncated"), ("fit", "plug-in gone"), ("test", "plug-in changed")],
 )
 def test_a_bad_checkpoint_is_refused(
     bench: Bench, trained: Path, tmp_path: Path, command: str, kind: str
@@ -86,13 +75,6 @@ def test_a_checkpoint_that_is_missing(bench: Bench, tmp_path: Path) -> None:
     bench.run("test", tmp_path, "--ckpt_path", "last").refused("there is no checkpoint", "last.ckpt")
     for command in ("validate", "test"):
         bench.run(command, tmp_path).refused(f"{command} needs a trained model: --ckpt_path")
-
-
-def test_a_checkpoint_of_another_size_is_refused(bench: Bench, trained: Path, tmp_path: Path) -> None:
-    outcome = bench.run(
-        "test", tmp_path, "--ckpt_path", trained / "checkpoints" / "last.ckpt", "--data.size", 64
-    )
-    outcome.refused("was trained at 32 pixels, not 64; data.size must be 32.")
 
 
 @pytest.mark.filterwarnings("default")

@@ -157,13 +157,6 @@ def test_what_has_a_default_is_not_required(bench: Bench, tmp_path: Path) -> Non
         assert "required" not in help_page[help_page.index(line) :][:400].split("--model.", 2)[1]
 
 
-@pytest.mark.parametrize("name", ["best", "last"])
-def test_a_run_that_has_no_checkpoint_is_said(bench: Bench, tmp_path: Path, name: str) -> None:
-    bench.run("validate", tmp_path / "run", "--ckpt_path", name).refused(
-        "there is no checkpoint", "last.ckpt"
-    )
-
-
 @pytest.mark.skipif(importlib.util.find_spec("wandb") is not None, reason="wandb is installed")
 def test_a_logger_that_is_not_installed_is_named_with_the_reason(bench: Bench, tmp_path: Path) -> None:
     outcome = bench.run("fit", tmp_path / "run", "--trainer.logger", "WandbLogger")

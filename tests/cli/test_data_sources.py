@@ -24,6 +24,7 @@ def on_pairs(command: str, folder: Path, files: object, *arguments: object) -> O
     )
 
 
+@pytest.mark.slow  # trains, tests twice and predicts
 def test_fit_test_and_predict_on_pairs(tmp_path: Path) -> None:
     pairs = write_pairs(tmp_path / "pairs", 10, "down", 16)
     for number in range(10):

@@ -163,6 +163,7 @@ def test_a_mistake_is_one_sentence(
     assert said.count("\n") == 1
 
 
+@pytest.mark.slow  # imports torch in a process of its own
 def test_the_list_needs_no_lightning() -> None:
     code = (
         "import sys; from normalgan.__main__ import main; main(['plugins']);"

@@ -51,6 +51,7 @@ class ShareFacing(MapMetric):
 '''
 
 
+@pytest.mark.slow  # trains, tests and compares
 def test_they_are_used_by_short_name(bench: Bench, tmp_path: Path, site: Path) -> None:
     entries = {
         "normalgan.metrics": {"S": "foreign_measures:ShareFacing"},

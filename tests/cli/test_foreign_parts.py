@@ -60,6 +60,7 @@ def offer(site: Path) -> dict[str, str]:
     return {setting: f"Foreign{parent}" for setting, (_, _, parent, _) in PARTS.items()}
 
 
+@pytest.mark.slow  # trains and tests
 @pytest.mark.filterwarnings("ignore:.*LeafSpec.*is deprecated.*")
 def test_every_kind_comes_from_a_package_by_short_name_through_training_and_testing(
     bench: Bench, tmp_path: Path, site: Path

@@ -390,6 +390,7 @@ def test_a_watch_never_has_the_highest_of_all(here: Path, capsys: pytest.Capture
     assert "--height-scale batch needs all drawings, and --watch never has them" in capsys.readouterr().err
 
 
+@pytest.mark.slow  # two processes, of which one converts fifty drawings
 def test_a_long_batch_takes_the_memory_of_a_short_one(here: Path) -> None:
     small = Image.fromarray(GREY).resize((120, 80))
     Path("in").mkdir()

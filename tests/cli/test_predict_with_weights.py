@@ -58,6 +58,7 @@ def test_predict_needs_nothing_but_a_drawing(predict: Callable[..., Outcome], tm
     assert 0.3 < (np.abs(target - [0, 0, 1]).max(-1) > 0.02).mean() < 0.6  # the disc
 
 
+@pytest.mark.slow  # tests and predicts twice
 def test_weights_paint_and_measure_as_their_checkpoint(
     predict: Callable[..., Outcome], bench: Bench, trained: Path, weights: Path, tmp_path: Path
 ) -> None:

@@ -63,6 +63,7 @@ def test_a_run_killed_and_resumed_ends_as_an_unbroken_one(bench: Bench, tmp_path
     assert not [name for name in left_in(killed) if name.endswith(".tmp")]
 
 
+@pytest.mark.slow  # trains twice
 def test_another_seed_ends_otherwise(bench: Bench, tmp_path: Path) -> None:
     # Else the test above would prove nothing.
     more = ("--config", CONF / "resume.yaml", "--trainer.max_epochs", 1)

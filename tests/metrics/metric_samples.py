@@ -17,7 +17,7 @@ def random_batch(seed: int, size: int = 24) -> Sample:
     return preds, target, (torch.rand(4, 1, size, size, generator=rng) < share).float()
 
 
-def by_numpy(batches: list[Sample], normalize: bool = True) -> dict[str, float]:
+def by_numpy(batches: list[Sample]) -> dict[str, float]:
     """All metrics from the definitions, in float64, over a list of all errors."""
     angles, l1, l2, images = [], [], [], []
     for preds, target, mask in batches:
@@ -27,7 +27,7 @@ def by_numpy(batches: list[Sample], normalize: bool = True) -> dict[str, float]:
             unit = p / np.linalg.norm(p, axis=0)
             cosine = (unit * t).sum(0) / np.linalg.norm(t, axis=0)
             angle = np.degrees(np.arccos(np.clip(cosine, -1, 1)))
-            difference = (unit if normalize else p) - t
+            difference = unit - t
             angles.append(angle)
             l1.append(np.abs(difference).sum(0))
             l2.append(np.sqrt((difference**2).sum(0)))

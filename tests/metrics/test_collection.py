@@ -17,13 +17,12 @@ NAMES = {
 }
 
 
-@pytest.mark.parametrize("normalize", [True, False])
-def test_all_metrics_are_numpys(normalize: bool) -> None:
+def test_all_metrics_are_numpys() -> None:
     batches = [random_batch(0), random_batch(1), random_batch(2)]
-    metrics = normal_map_metrics(normalize=normalize)
+    metrics = normal_map_metrics()
     for batch in batches:
         metrics.update(*batch)
-    result, expected = computed(metrics), by_numpy(batches, normalize)
+    result, expected = computed(metrics), by_numpy(batches)
     assert set(result) == NAMES
     assert result.pop("angular_median") == pytest.approx(expected.pop("angular_median"), abs=0.0051)
     assert result == pytest.approx(expected, rel=1e-5)

@@ -135,7 +135,7 @@ SAMPLERS = broken(
         ),
         "IntoTheMask": (
             into_the_mask,
-            "changed the normals or the mask it was given; they belong to the caller",
+            "changed the tensors it was given; they belong to the caller",
         ),
     },
 )
@@ -271,12 +271,6 @@ def unsure(right: Any, condition: Tensor) -> Any:
     return torch.cat([predicted, predicted[:, :1] - 2], dim=1)
 
 
-def into_the_condition(right: Any, condition: Tensor) -> Any:
-    if not condition.requires_grad:
-        condition[:, 3] = 0
-    return right(condition)
-
-
 GENERATORS: Cases = [
     *broken(
         *(Network, "forward", HERE),
@@ -321,10 +315,6 @@ GENERATORS: Cases = [
             "Mixes": (
                 lambda right, condition: right(condition - condition.mean(0)),
                 "answers .* otherwise to a picture in a batch than alone; in evaluation",
-            ),
-            "IntoTheCondition": (
-                into_the_condition,
-                "changed the tensors it was given; they belong to the caller",
             ),
             "Saturates": (  # bfloat16 rounds it to 1, where tanh has no slope
                 lambda right, condition: torch.tanh(right.__self__.conv(condition) + 5),
@@ -516,12 +506,6 @@ class Squares(Reconstruction):
         return {"square": Term(square, 1.0)}
 
 
-def into_the_truth(right: Any, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> Any:
-    terms = right(preds, target, mask, where)
-    target.mul_(0.5)
-    return terms
-
-
 RECONSTRUCTIONS = broken(
     *(Squares, "terms", HERE),
     {
@@ -561,7 +545,6 @@ RECONSTRUCTIONS = broken(
             },
             "is nan for pictures without an object or a hint; it must be finite",
         ),
-        "IntoTheTruth": (into_the_truth, "changed the tensors it was given; they belong to the caller"),
     },
 )
 

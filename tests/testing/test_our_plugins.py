@@ -125,7 +125,7 @@ OURS: list[tuple[Registry[Any], list[Any]]] = [
             MeanAngularError(),
             MeanAngularErrorPerImage(),
             MeanL1(),
-            MeanL2(False),
+            MeanL2(),
             MedianAngularError(),
             RootMeanSquareAngularError(),
             ShareBelow(7.5),

@@ -13,7 +13,6 @@ from normalgan.errors import InputError
 sys.path.insert(0, str(Path(__file__).parents[2] / "tools"))
 fuzz: Any = import_module("fuzz")
 seeds_of: Any = import_module("fuzz_seeds")
-IMPORT_TORCH = {"checkpoint", "configuration", "weights"}
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="limits of memory are those of Linux")
 
 
@@ -21,13 +20,8 @@ def test_every_target_has_seeds() -> None:
     assert seeds_of.READERS.keys() == fuzz.TARGETS.keys()
 
 
-@pytest.mark.parametrize(
-    "target",
-    [
-        pytest.param(target, marks=pytest.mark.slow if target in IMPORT_TORCH else ())
-        for target in fuzz.TARGETS
-    ],
-)
+@pytest.mark.slow  # a process each
+@pytest.mark.parametrize("target", fuzz.TARGETS)
 def test_a_target_finds_nothing_in_its_seeds(tmp_path: Path, target: str) -> None:
     seeds = seeds_of.lay_out_seeds(tmp_path / target, target)
     assert len(seeds) >= 3

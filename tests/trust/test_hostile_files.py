@@ -64,7 +64,10 @@ def check_reader(folder: Path, reader: str, files: Files, memory: int | None = N
     assert not (folder / "touched").exists()
 
 
-@pytest.mark.parametrize("reader", HOSTILE)
+@pytest.mark.parametrize(
+    "reader",
+    [pytest.param(name, marks=[pytest.mark.slow] * (name in {"mesh", "rig"})) for name in HOSTILE],  # seconds
+)
 def test_sound_files_are_read_and_hostile_ones_refused_in_one_sentence(tmp_path: Path, reader: str) -> None:
     good: Files = {name: (content, "") for name, content in sound()[reader].items()}
     bad: Files = {path.name: (path.read_bytes(), " ") for path in (CORPUS / reader).glob("*")}

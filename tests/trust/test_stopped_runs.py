@@ -29,6 +29,7 @@ def load(path: Path) -> dict[str, Any]:
     return checkpoint
 
 
+@pytest.mark.slow  # trains in two processes
 def test_a_preempted_run_saves_and_says_where(bench: Bench, tmp_path: Path) -> None:
     stop = ("--trainer.callbacks", "killer.KillAt", "--trainer.callbacks.number", int(signal.SIGTERM))
     when = ("--trainer.callbacks.epoch", 1, "--trainer.callbacks.batch", 1)

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import pytest
 import torch
 from safetensors import safe_open
 from safetensors.torch import load_file
@@ -87,6 +88,7 @@ def test_a_plug_in_is_found_by_its_entry_point(site: Path) -> None:
     assert type(built).__module__ == "lent"
 
 
+@pytest.mark.slow  # imports the exporter
 def test_the_weights_of_an_exported_onnx_file_are_those_of_the_network(tmp_path: Path) -> None:
     torch.manual_seed(3)
     generator = ResidualUNetGenerator(widths=(8, 16), blocks=(1, 1), norm="batch", patch=2)

@@ -115,7 +115,7 @@ def drawn_pose(habits: Sequence[str], pose: str | None, rng: Rng) -> str:
 def proportions(
     general: Mapping[str, Span], own: Mapping[str, Span], rng: Rng, young: Mapping[str, float] | None = None
 ) -> dict[str, float]:
-    """Draw by which factors an individual differs from the drawing of its species.
+    """Draw the factors by which an individual differs from its species.
 
     Args:
         general: the range of each factor in all species of the body plan.

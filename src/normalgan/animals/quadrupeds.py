@@ -277,7 +277,7 @@ class Quadruped:
 
     @property
     def poses(self) -> tuple[str, ...]:
-        """All poses and postures, common and rare; in armour, only its habits."""
+        """All poses and postures, common and rare; an armoured animal has only its habits."""
         return (*POSES, *POSTURES) if self.armour is None else tuple(dict.fromkeys(self.habits))
 
     def grow(self, pose: str | None, rng: Rng) -> list[Part]:
@@ -516,7 +516,7 @@ def _on_skull(head: Head, x: float, degrees: float) -> Doubles:
 
 
 def _face(head: Head, muzzle: float, frame: Frame, size: float) -> list[Part]:
-    """Return shallow sockets to dig, eyeballs to lay in them, and the groove of the mouth, to dig, if any."""
+    """Return eye sockets and perhaps the groove of the mouth, which are dug, and the eyeballs."""
     x, angle, radius = head.eye.x, head.eye.angle, head.eye.radius
     at = np.array([_on_skull(head, x, angle), _on_skull(head, x + 0.02, angle)])
     socket = tube(at + radius * np.array([0.5, 0.1, 0.35]), 1.15 * radius)

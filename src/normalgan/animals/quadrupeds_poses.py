@@ -212,4 +212,4 @@ POSTURES: Mapping[str, Callable[[Rng], Pose]] = {
     "leap": _leap,
     "look_back": _look_back,
 }
-"""Poses that no species takes by itself; they are to be asked for."""
+"""Poses that no species has as a habit; they have to be named."""

@@ -67,7 +67,7 @@ class Shape(ABC):
 
     @abstractmethod
     def mirrored(self) -> Self:
-        """Return its image on the other side of the plane z = 0."""
+        """Return its mirror image in the plane z = 0."""
 
     @abstractmethod
     def pieces(self, spacing: float) -> Iterator[Piece]:
@@ -146,7 +146,7 @@ class Sweep(Shape):
         )
 
     def mirrored(self) -> Self:
-        """Return its image on the other side of the plane z = 0."""
+        """Return its mirror image in the plane z = 0."""
         cut = None if self.cut is None else Cut(self.cut.point * MIRROR, self.cut.normal * MIRROR)
         return replace(self, points=self.points * MIRROR, sides=self.sides * MIRROR, cut=cut)
 
@@ -231,7 +231,7 @@ class Solid(Shape):
         return replace(self._scaled(size), frame=self.frame.carried(frame, size))
 
     def mirrored(self) -> Self:
-        """Return its image on the other side of the plane z = 0."""
+        """Return its mirror image in the plane z = 0."""
         # A body that is its own image in its own planes: a rotation remains of the reflection.
         rotation = self.frame.rotation * MIRROR[:, None] * MIRROR
         return replace(self, frame=Frame(self.frame.origin * MIRROR, rotation))
@@ -405,7 +405,7 @@ class Plate(Solid):
         return replace(self, rim=max(self.rim, thinnest), most=max(self.most, thinnest))
 
     def mirrored(self) -> Self:
-        """Return its image on the other side of the plane z = 0."""
+        """Return its mirror image in the plane z = 0."""
         # The third axis is turned round, so that the frame stays a rotation, and the bow with it.
         return replace(super().mirrored(), bow=(-self.bow[0], -self.bow[1]))
 

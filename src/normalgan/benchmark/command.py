@@ -139,7 +139,7 @@ def compare(plan: Plan, scale: Scale, out: Path, rows: list[str], seeds: list[in
         plan: what is compared.
         scale: at which.
         out: folder of the runs and the report.
-        rows: names of those to train; others are reported if they are there.
+        rows: names of those to train; others are reported if they have results.
         seeds: seeds of the runs.
     """
     # Here, so that --help needs no torch.

@@ -45,7 +45,7 @@ def mesh_interval(runs: Sequence[Result], given: str, name: str) -> Interval | N
     Args:
         runs: runs of one method, one for each seed.
         given: the hints, ``15`` or ``own``.
-        name: the figure's name, such as ``angular_mean``; it has to be a mean over pixels.
+        name: the figure's name, such as ``angular_mean``; it must be a mean over pixels.
     """
     tables = _tables(runs, given, name)
     if tables is None:
@@ -69,7 +69,7 @@ def difference_interval(
         runs: runs of the method.
         reference: runs of the other method.
         given: the hints, ``15`` or ``own``.
-        name: the figure's name; it has to be a mean over pixels.
+        name: the figure's name; it must be a mean over pixels.
     """
     one, other = _tables(runs, given, name), _tables(reference, given, name)
     if one is None or other is None or one[0] != other[0]:
@@ -94,7 +94,7 @@ def total_interval(
         runs: runs of the method.
         reference: runs of the other method.
         given: the hints, ``15`` or ``own``.
-        name: the figure's name; it has to be a mean over pixels.
+        name: the figure's name; it must be a mean over pixels.
         beside: the hints of the reference; None if the same.
 
     References:

@@ -68,7 +68,7 @@ class HintTests:
         seed: seed of all hints.
         placements: samplers by what their figures are called.
         noise: degrees and pixels that hints are off by, by what their figures are called.
-        noisy: how many common hints these are.
+        noisy: number of common hints that are off.
         metrics: other metrics that are measured with all of them.
     """
 
@@ -149,7 +149,7 @@ def _hints(own: HintSampler, batch: Batch, error: Tensor, tests: HintTests) -> I
 
 @contextmanager
 def true_float32() -> Iterator[None]:
-    """Keep a GPU from convolving in TF32, of 10 bits, as PyTorch lets it; as on the CPU then."""
+    """Keep a GPU from convolving in TF32, which has 10 bits, so that it measures as the CPU does."""
     before = torch.backends.cudnn.allow_tf32
     torch.backends.cudnn.allow_tf32 = False
     try:

@@ -82,7 +82,7 @@ class Plan:
         gallery: test samples in the gallery.
         reference: name of the row that every panel of the curves shows.
         placements: ways of placing hints that all methods are tested with, at equal counts.
-        placement_counts: these.
+        placement_counts: how many hints each placement gives.
         noise_degrees: by how much hints of table 1 are turned, in tests of hints that are off.
         noise_pixels: by how much they are moved.
         pins: how many pins a simulated user gives one after the other; 0 tests none.
@@ -162,8 +162,7 @@ def is_plan(path: str | Path) -> bool:
 def read_plan(path: str | Path) -> Plan:
     """Return the plan of a file.
 
-    Its ``base`` names another plan, beside it: it provides the fields that the file lacks, and its rows come
-    first.
+    Its ``base`` names another plan in the same folder, which provides missing fields and the first rows.
 
     Raises:
         InputError: if something in it cannot be used; the sentence names the file and the row.

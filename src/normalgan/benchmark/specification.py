@@ -22,7 +22,7 @@ _DRAWN_ALIKE = ("size", "renderer")  # the size stands beside, and renderers giv
 
 
 def specify(data: MeshDataModule, tests: HintTests, trained: MeshDataModule | None = None) -> Specification:
-    """Return what decides on the figures of a given model.
+    """Return everything that the figures of a given model depend on.
 
     ``meshes`` stands for the names of each split's meshes, ``views`` for how and how often each test mesh is
     looked at and drawn, ``hints`` for where the common hints lie,

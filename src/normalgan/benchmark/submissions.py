@@ -3,7 +3,7 @@
 A submission is a folder of ``submission.json``, ``{"name": "…"}``, and normal maps: ``0/horse/3.png`` is what
 was painted of view 3 of the mesh horse without hints, ``15/horse/3.png`` with the 15 hints of the benchmark.
 A map declares two things: its colours the direction of each pixel, its opacity where there is an object.
-Without opacity an object is where the vector is longer than 1/2, as with methods of ours.
+Without opacity an object is where the vector is longer than 1/2, as for our methods.
 """
 
 import json

@@ -157,7 +157,7 @@ def _section(title: str, table: Sequence[str], notes: str = "") -> list[str]:
 
 
 def ranked_error(error: float, iou: float) -> float:
-    """Return what methods are ranked by, in degrees: a pixel missed or wrongly predicted counts 90°.
+    """Return the ranking score of a method, in degrees: a pixel missed or wrongly predicted counts 90°.
 
     Args:
         error: mean angular error on the true object, in degrees.
@@ -194,7 +194,7 @@ def _ranking(plan: Plan, results: Results, given: str) -> list[str]:
 
 
 def figure_cell(given: str, name: str, unit: str | None = None) -> Cell:
-    """Return what says a figure of the runs of a row.
+    """Return the function that gives a cell its figure from the runs of a row.
 
     Args:
         given: the hints, ``15`` or ``own``.

@@ -27,7 +27,7 @@ class OwnDefaultsParser(ArgumentParser):
         return super().add_argument(*names, **how)
 
     def get_defaults(self, *given: Any, **how: Any) -> Namespace:
-        """Return all defaults; of a class that is a default only what was set, as parsing adds the rest."""
+        """Return all defaults; for a class that is a default, only what was set: parsing adds the rest."""
         defaults = super().get_defaults(*given, **how)
         for key, value in list(defaults.items(branches=True)):
             if isinstance(value, Namespace) and "class_path" in value and "init_args" in value:

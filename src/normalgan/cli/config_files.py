@@ -41,7 +41,7 @@ def check_config(path: str | Path, sections: Collection[str] = ()) -> None:
 
 
 def load_bounded(text: str, load: Callable[[str], Any], safe: bool = False) -> Any:
-    """Return what a text in YAML says, wherever the parser meets one: in a file, or as an argument.
+    """Return the content of a YAML text, from a file or an argument.
 
     Args:
         text: what to load.
@@ -95,7 +95,7 @@ def _variable(found: re.Match[str], safe: bool) -> str:
 
 
 def _read(path: Path) -> Any:
-    """Return what a file says."""
+    """Return the content of a file."""
     try:
         text = read_bounded(path, MOST_SETTINGS).decode("utf-8")
         if excess := yaml_limit_error(text):

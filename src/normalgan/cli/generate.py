@@ -283,7 +283,7 @@ class _Batch:
         find: Callable[[], "_Found"],
         found: "_Found",
     ) -> None:
-        """Predict drawings whenever they are saved, until Ctrl-C; of those that share a frame, all.
+        """Predict drawings whenever they are saved, until Ctrl-C; those that share a frame all together.
 
         Raises:
             RunError: if a folder that was named was removed.
@@ -372,7 +372,7 @@ class _Found:
 
 
 def _find(settings: Namespace, outputs: Outputs, packing: Packing, content: bytes | None) -> _Found:
-    """Return what a command names."""
+    """Return the inputs that a command names."""
     folder = Path(settings.output)
     files, missing = find_many(
         settings.sketches,

@@ -54,61 +54,7 @@ def build_parser(engine: Engine | None = None) -> LightParser:
         "output",
     )
     parser.add_argument("--dry-run", action="store_true", help="only print what would be read and written")
-    drawing = parser.add_argument_group("The drawing")
-    drawing.add_argument(
-        "--model",
-        type=str | None,
-        help="a file or an address of a model that normalgan export wrote; by default the package's own",
-    )
-    drawing.add_argument(
-        "--hints", type=str | None, help="a file of hints, or a folder of <sketch>_hints.png or .json"
-    )
-    drawing.add_argument(
-        "--mask",
-        type=str | None,
-        help="where the object is: a file, a folder of <sketch>_mask.png, outline (all that lines enclose), "
-        "reader (a small network decides on each region), or model (the model's guess); by default the "
-        "drawing's opacity if that shows the object, else reader",
-    )
-    drawing.add_argument(
-        "--hole",
-        type=str,
-        action="append",
-        metavar="X,Y",
-        help="a point of the drawing; the region that lines enclose there becomes a hole, or object if it is "
-        "a hole; may be given several times",
-    )
-    drawing.add_argument("--single", action="store_true", help="predict all figures of a page as one object")
-    drawing.add_argument(
-        "--explain",
-        type=str | None,
-        help="a folder for pictures that show how each mask was found: ink, votes on regions, presence",
-    )
-    drawing.add_argument(
-        "--size",
-        type=Side | None,
-        help="longer side of the map in pixels; by default the drawing's, 1024 for an SVG",
-    )
-    drawing.add_argument(
-        "--strength", type=Strength, default=1.0, help="factor of the map's slopes (default %(default)s)"
-    )
-    drawing.add_argument(
-        "--detail",
-        type=ClosedUnitInterval,
-        default=0.0,
-        help="how much of the drawing's own shading is added as relief, 0 to 1 (default %(default)s)",
-    )
-    drawing.add_argument(
-        "--pixel-art",
-        action="store_true",
-        help="one normal for each art pixel, in 25 directions; thin dark outlines are flat",
-    )
-    drawing.add_argument(
-        "--tile",
-        type=Tile | None,
-        metavar=choices(Tile),
-        help="the drawing repeats side by side (x), one above the other (y) or both, and so do its maps",
-    )
+    _add_drawing(parser.add_argument_group("The drawing"))
     _add_folders(parser.add_argument_group("Folders"))
     _add_sheets(parser.add_argument_group("Several drawings in one file"))
     OUTPUTS.load_entry_points()
@@ -116,6 +62,65 @@ def build_parser(engine: Engine | None = None) -> LightParser:
     if engine is not None:
         parser.set_defaults(engine_defaults(engine))
     return parser
+
+
+def _add_drawing(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
+        "--model",
+        type=str | None,  # type: ignore[arg-type]
+        help="a file or an address of a model that normalgan export wrote; by default the package's own",
+    )
+    group.add_argument(
+        "--hints",
+        type=str | None,  # type: ignore[arg-type]
+        help="a file of hints, or a folder of <sketch>_hints.png or .json",
+    )
+    group.add_argument(
+        "--mask",
+        type=str | None,  # type: ignore[arg-type]
+        help="where the object is: a file, a folder of <sketch>_mask.png, outline (all that lines enclose), "
+        "reader (a small network decides on each region), or model (the model's guess); by default the "
+        "drawing's opacity if that shows the object, else reader",
+    )
+    group.add_argument(
+        "--hole",
+        type=str,
+        action="append",
+        metavar="X,Y",
+        help="a point of the drawing; the region that lines enclose there becomes a hole, or object if it is "
+        "a hole; may be given several times",
+    )
+    group.add_argument("--single", action="store_true", help="predict all figures of a page as one object")
+    group.add_argument(
+        "--explain",
+        type=str | None,  # type: ignore[arg-type]
+        help="a folder for pictures that show how each mask was found: ink, votes on regions, presence",
+    )
+    group.add_argument(
+        "--size",
+        type=Side | None,
+        help="longer side of the map in pixels; by default the drawing's, 1024 for an SVG",
+    )
+    group.add_argument(
+        "--strength", type=Strength, default=1.0, help="factor of the map's slopes (default %(default)s)"
+    )
+    group.add_argument(
+        "--detail",
+        type=ClosedUnitInterval,
+        default=0.0,
+        help="how much of the drawing's own shading is added as relief, 0 to 1 (default %(default)s)",
+    )
+    group.add_argument(
+        "--pixel-art",
+        action="store_true",
+        help="one normal for each art pixel, in 25 directions; thin dark outlines are flat",
+    )
+    group.add_argument(
+        "--tile",
+        type=Tile | None,  # type: ignore[arg-type]
+        metavar=choices(Tile),
+        help="the drawing repeats side by side (x), one above the other (y) or both, and so do its maps",
+    )
 
 
 def _add_folders(group: argparse._ArgumentGroup) -> None:

@@ -83,7 +83,7 @@ def ignored_settings(
 
 
 def _same_class(a: Mapping[str, Any], b: Mapping[str, Any]) -> bool:
-    """Compare by package and name: a package shows a class in other places than where it is defined."""
+    """Compare by package and name, because a package may export a class from several modules."""
     one, other = str(a.get("class_path")), str(b.get("class_path"))
     return one.rpartition(".")[2] == other.rpartition(".")[2] and (
         one.partition(".")[0] == other.partition(".")[0]

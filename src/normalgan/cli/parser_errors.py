@@ -27,7 +27,7 @@ _FEW = 16
 
 
 def explain(message: str, plugins: Mapping[str, Registry[Any]], settings: Sequence[str] = ()) -> str:
-    r"""Return what jsonargparse says of a mistake as one sentence, with what may have been meant.
+    r"""Return jsonargparse's message about a mistake as one sentence, with a suggestion.
 
     Args:
         message: several lines, each deeper into the types that were tried.
@@ -120,7 +120,7 @@ def _unknown(registry: Registry[Any], name: str) -> str:
 
 
 def _wanted(message: str) -> Iterable[str]:
-    """Yield what would have been right, in the words of `_KINDS` where there are any."""
+    """Yield the accepted values, in the words of `_KINDS` if it has them."""
     for text in re.findall(r"Expected an? (.+?)(?:\. Got value.*)?$", message, re.MULTILINE):
         if text.startswith(("path but", "dot import path")):
             continue

@@ -81,6 +81,30 @@ def build_parser() -> LightParser:
     parser.add_argument(
         "--size", type=Side, default=512, help="side of the drawing in pixels (default %(default)s)"
     )
+    _add_view(parser)
+    parser.add_argument(
+        "--lines",
+        type=LineDrawing,
+        help="the style of the lines, a class that `normalgan plugins` lists (default SuggestiveContours)",
+    )
+    parser.add_argument(
+        "--renderer",
+        type=Renderer,
+        help="what renders the mesh, a class that `normalgan plugins` lists (default EmbreeRenderer)",
+    )
+    parser.add_argument(
+        "--hand", type=Hand | None, help="how unsteadily the lines are drawn; by default they are exact"
+    )
+    parser.add_argument("--medium", type=Medium | None, help="pen and paper, PNG only; by default clean ink")
+    parser.add_argument(
+        "--seed", type=NonNegativeInt, default=0, help="of the style's choices, the hand and the medium"
+    )
+    defaults = {"lines": SuggestiveContours, "renderer": EmbreeRenderer}
+    parser.set_defaults({name: {"class_path": cls.__name__} for name, cls in defaults.items()})
+    return parser
+
+
+def _add_view(parser: LightParser) -> None:
     parser.add_argument(
         "--azimuth",
         type=float,
@@ -110,26 +134,6 @@ def build_parser() -> LightParser:
         "--time", type=float | None, help="moment of the clip in seconds; by default its first"
     )
     parser.add_argument("--crease_angle", type=float | None, help="degrees from which an edge is sharp")
-    parser.add_argument(
-        "--lines",
-        type=LineDrawing,
-        help="the style of the lines, a class that `normalgan plugins` lists (default SuggestiveContours)",
-    )
-    parser.add_argument(
-        "--renderer",
-        type=Renderer,
-        help="what renders the mesh, a class that `normalgan plugins` lists (default EmbreeRenderer)",
-    )
-    parser.add_argument(
-        "--hand", type=Hand | None, help="how unsteadily the lines are drawn; by default they are exact"
-    )
-    parser.add_argument("--medium", type=Medium | None, help="pen and paper, PNG only; by default clean ink")
-    parser.add_argument(
-        "--seed", type=NonNegativeInt, default=0, help="of the style's choices, the hand and the medium"
-    )
-    defaults = {"lines": SuggestiveContours, "renderer": EmbreeRenderer}
-    parser.set_defaults({name: {"class_path": cls.__name__} for name, cls in defaults.items()})
-    return parser
 
 
 def draw(settings: Namespace) -> None:

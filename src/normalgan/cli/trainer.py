@@ -49,7 +49,7 @@ class RenderingTrainer(Trainer):
 
 
 class SaveConfig(SaveConfigCallback):
-    """Keeps the settings of training beside the run; those of a later test do not take their place."""
+    """Saves the settings of training beside the run; a later test does not overwrite them."""
 
     def setup(self, trainer: Trainer, pl_module: LightningModule, stage: str) -> None:
         """Write them when training starts."""

@@ -121,22 +121,6 @@ class MeshDataModule(LightningDataModule):
             "data.augmentation": (augmentation, BatchAugmentation),
         }
         check_kinds(kinds, optional=["data.source", "data.hand", "data.medium", "data.augmentation"])
-        if animals.extra and meshes is None and not groups:
-            raise InputError(
-                "data.animals.extra join meshes of yours, and data.meshes names none; data.animals.count "
-                "says how many animals there are without."
-            )
-        given = {"meshes": meshes, "groups": groups, "animals.extra": animals.extra}
-        if source is not None and (named := [name for name, value in given.items() if value]):
-            raise InputError(
-                f"data.{named[0]} says that the data are meshes, and data.source names "
-                f"{type(source).__name__}; leave one of them out."
-            )
-        if on_the_fly and isinstance(source, PairSource):
-            raise InputError(
-                f"data.on_the_fly renders meshes while training, but {type(source).__name__} has "
-                "pairs, which are read once and kept; leave it out."
-            )
         self.meshes, self.groups, self.source = meshes, groups, source
         self.reading, self.animals, self.split = reading, animals, split
         self.recipe: SampleRecipe = Recipe(views, renderer, lines, size, seed, hand, medium)
@@ -152,7 +136,28 @@ class MeshDataModule(LightningDataModule):
         self.augmentation = augmentation
         self.seed = seed
         self.prediction = prediction
+        self._check_source()
         check_ranges(self)
+
+    def _check_source(self) -> None:
+        """Raise `InputError` if two settings say where the samples come from."""
+        meshes, groups, source, extra = self.meshes, self.groups, self.source, self.animals.extra
+        if extra and meshes is None and not groups:
+            raise InputError(
+                "data.animals.extra join meshes of yours, and data.meshes names none; data.animals.count "
+                "says how many animals there are without."
+            )
+        given = {"meshes": meshes, "groups": groups, "animals.extra": extra}
+        if source is not None and (named := [name for name, value in given.items() if value]):
+            raise InputError(
+                f"data.{named[0]} says that the data are meshes, and data.source names "
+                f"{type(source).__name__}; leave one of them out."
+            )
+        if self.on_the_fly and self.of_pairs:
+            raise InputError(
+                f"data.on_the_fly renders meshes while training, but {type(source).__name__} has "
+                "pairs, which are read once and kept; leave it out."
+            )
 
     # --- what there is --------------------------------------------------------------------------------
 
@@ -182,7 +187,7 @@ class MeshDataModule(LightningDataModule):
         return {split: list(found.get(split, [])) for split in SPLITS}
 
     def _meshes(self, settings: SplitSettings) -> dict[str, Sequence[Loadable]]:
-        """Return what there is if no source is named: meshes, groups of them, or the embedded animals."""
+        """Return the default source: meshes, groups of them, or the embedded animals."""
         kinds = [group.split(settings) for group in self.groups]
         reading, animals = self.reading, self.animals
         if self.meshes is not None:
@@ -205,7 +210,7 @@ class MeshDataModule(LightningDataModule):
 
     @property
     def kept(self) -> dict[str, Sequence[Loadable]]:
-        """What of each split is kept as samples: all, or all but what to train on if that is on the fly."""
+        """The splits that are stored: all, or all but the training split if it is rendered on the fly."""
         return {
             name: part for name, part in self.sources.items() if not (self.on_the_fly and name == "train")
         }
@@ -222,7 +227,7 @@ class MeshDataModule(LightningDataModule):
 
         Args:
             cluster: a Dask cluster to render on instead of this machine.
-            thorough: whether to check every byte in a distant store too, and to try failed meshes once more.
+            thorough: whether to check every byte in a distant store too, and to retry failed meshes.
         """
         views_by_split(self.views_per_mesh, self.sources)  # refuses now what training would stumble over
         if any(self.kept.values()):

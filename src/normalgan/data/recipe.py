@@ -63,7 +63,7 @@ class SampleRecipe(Protocol):
 
 
 def fingerprint(source: Loadable) -> str:
-    """Return what a mesh is; one that cannot be read is left for `look_at` to refuse."""
+    """Return the identity of a mesh; `look_at` refuses one that cannot be read."""
     try:
         return source.fingerprint()
     except InputError as error:

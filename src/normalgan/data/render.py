@@ -48,6 +48,16 @@ def render_samples(
 ) -> dict[str, ShardedSamples]:
     """Render missing and damaged samples, and return the samples of every split.
 
+    >>> from normalgan.animals import Animal
+    >>> from normalgan.rendering import EmbreeRenderer, Views
+    >>> from normalgan.rendering.lines import SuggestiveContours
+    >>> from normalgan.rendering.samples import Recipe
+    >>> recipe = Recipe(Views(elevation=(0, 20)), EmbreeRenderer(), SuggestiveContours(), size=64)
+    >>> animals = {"train": [Animal("horse", 1)]}
+    >>> samples = render_samples("memory://cache", animals, 2, recipe, progress=False)["train"]
+    >>> samples.name(0), samples.read(0).normal.shape
+    ('horse-0001/0', (64, 64, 3))
+
     The bytes do not depend on the machine or on interruptions. A mesh that cannot be used or rendered is left
     out with a warning that says why. A damaged shard is named in a warning.
 
@@ -60,7 +70,7 @@ def render_samples(
         progress: whether to show progress bars on the error stream.
         cluster: a Dask cluster to render on instead; see `Cluster`.
         thorough: whether to check every byte in a distant store too, not only that all objects are there, and
-            to try meshes once more that could not be rendered.
+            to retry meshes that could not be rendered.
         per_shard: samples to a shard, if the data set is new: 32 suit reading in any order, more suit a store
             that counts objects.
         later: splits whose samples are made when they are first read; see `open_samples`. Only the first
@@ -89,7 +99,7 @@ def render_samples(
             manifest = _lay_out(pool, sources, views, recipe, meshes, per_shard)
             manifest.write(folder)
         elif folder.local or thorough:
-            manifest.describe(folder)  # mends what describes the arrays
+            manifest.describe(folder)  # repairs the arrays' metadata
         make = MakeShard(folder.address, recipe, meshes)
         tasks = [
             make.task(shard)

@@ -20,7 +20,7 @@ from normalgan.line_widths import USUAL_WIDTHS, LineWidths
 __all__ = ["SketchDataset", "SketchSample"]
 
 _KEPT = 2**29
-"""Bytes of prepared drawings that are kept; others are prepared anew when they are asked for."""
+"""Bytes of prepared drawings that are kept; others are prepared again when they are needed."""
 
 
 class SketchSample(TypedDict):

@@ -18,7 +18,7 @@ def shipped_names() -> list[str]:
 
 
 def find_beside(given: str) -> Path:
-    """Return the path of a file that a configuration names: one that is there, else the package's own.
+    """Return the path of a file that a configuration names: an existing file, or else the package's.
 
     Args:
         given: a path, such as ``configs/fourleg/split.json``, from the working directory.

@@ -37,7 +37,7 @@ def source_hash(kind: type) -> str:
 
 
 def _with_imports(module: str, file: Path) -> list[Path]:
-    """Return the files of a module, of the modules that it imports, of those that these import, and so on."""
+    """Return the files of a module and of all that it imports, directly or not."""
     root = file.parents[module.count(".") + (file.stem == "__init__")]
     theirs = {module.partition(".")[0]} if root.name in {"site-packages", "dist-packages"} else None
     found, waiting = {module: file}, [module]

@@ -42,8 +42,8 @@ class ErrorHintSampler(HintSampler):
     def sample(self, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
         """Return the hint mask for a prediction that faces the viewer everywhere.
 
-        So it is where there is no generator, as in a picture of the sampler; in training and testing
-        `sample_by_error` is asked.
+        Training and testing call `sample_by_error`; this is for places without a generator, such as a picture
+        of the sampler.
         """
         return self.sample_by_error((1 - normal[:, 2:3]).clamp(min=0), mask, rng)
 

@@ -53,7 +53,7 @@ class Drawing:
         return read_content(self.path, self._given)
 
     def picture(self, longest: int | None = None) -> Picture:
-        """Return it as `reading.picture.read_picture` does; of a large one a reduced one.
+        """Return it as `reading.picture.read_picture` does; a very large one is reduced.
 
         Args:
             longest: longer side in pixels that an SVG is drawn with; None is `SVG_SIDE`.

@@ -23,7 +23,7 @@ __all__ = [
 ]
 
 REACH = 0.05
-"""How far a pin has an effect that says nothing else, as a share of the map's longer side."""
+"""Default reach of a pin, as a share of the map's longer side."""
 MOST_PINS = 200
 """More hints are areas painted in normals, not pins: the network alone follows them."""
 _LEAST_REACH = 2.0

@@ -20,7 +20,7 @@ KINDS: tuple[_Kind, ...] = get_args(_Kind)
 _SIDE = 256
 """Longer side in pixels at which a form is computed; it is smooth, and enlarged to the map's size."""
 _COARSE = 64
-"""Longer side at which the inflation starts; from there on each size only mends the one before it."""
+"""Longer side at which the inflation starts; each larger size starts from the one before it."""
 _SWEEPS = 24
 """Of each larger size."""
 _OUTSIDE = 2.0

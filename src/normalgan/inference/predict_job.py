@@ -337,7 +337,7 @@ def _moving_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
 
 
 def written_for(job: Job, outputs: Outputs, packing: Packing, layers: bool = False) -> Iterator[Path]:
-    """Yield the files that are written for a job; of several frames the map and the outputs of the first."""
+    """Yield the files that are written for a job; for several frames, the map and the first one's outputs."""
     try:
         target = target_of(job, outputs, packing, layers)
         moves = not packing.given and Drawing(job.files.drawing, job.files.content).moving is not None

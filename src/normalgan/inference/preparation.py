@@ -92,13 +92,13 @@ def prepare(
         longest: longer side of the map in pixels; None keeps the drawing's own size.
         painted: (H, W) of any size, 1 where the user has added to the object, -1 where they have cut, 0
             elsewhere.
-            What was added closes the gaps that it covers in an outline.
+            An addition closes the gaps that it covers in an outline.
         line_widths: of the lines that the model knows, in its pixels; they are shown as they were drawn.
         flips: x and y in pixels of the drawing; the region that lines enclose there becomes a hole, or object
             if it is a hole.
         drawn: whether the picture is nothing but dark strokes on white, which are the ink as they are.
-        on_seen: called without mask and hints as soon as what the model is shown is known, so that the model
-            can run while the mask is found.
+        on_seen: called with the input of the model, without mask and hints, as soon as it is known, so that
+            the model can run while the mask is found.
 
     Raises:
         LackingError: if there is no line in it.

@@ -57,7 +57,7 @@ def suggest(
         normals: (H, W, 3), unit, as predicted.
         mask: (H, W), the object.
         confidence: (H, W), the model's κ ≥ 0; None leaves it to the curvature.
-        taken: (K, 2), x and y in pixels of the hints that are there already.
+        taken: (K, 2), x and y in pixels of the hints that are given already.
         count: number of points.
         lines: (H, W), the ink. On a line two surfaces meet, and nobody can tell the normal there. Points
             keep off it as far as there is room.

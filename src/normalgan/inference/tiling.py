@@ -78,13 +78,9 @@ def predict_tile(
     room = (round(_BESIDE * max(worked)),) * 2
     opacity = None if page.alpha is None else wrapped(page.alpha, tile, room)
     cleaned = clean(Picture(wrapped(page.colour, tile, room), opacity))
-    ink, found, alpha = middle(cleaned.ink, tile, room), None, None
-    if isinstance(mask, np.ndarray):
-        found = resize(mask.astype(np.float32), worked) > 0.5
-    elif mask is None and cleaned.silhouette is not None:
-        found, alpha = middle(cleaned.silhouette, tile, room), opacity
-    elif mask != MODEL:
-        found = _outlined(ink, tile)
+    ink = middle(cleaned.ink, tile, room)
+    silhouette = cleaned.silhouette if mask is None else None
+    found = _object(mask, ink, tile) if silhouette is None else middle(silhouette, tile, room)
     shown = windows(ink, tile, backend.size)
     around = wrapped(ink, tile, room)
     origin = (around.shape[0] - ink.shape[0]) // 2, (around.shape[1] - ink.shape[1]) // 2
@@ -100,7 +96,7 @@ def predict_tile(
         shape=(around.shape[0], around.shape[1]),
         ink=around,
         mask=None if found is None else wrapped(found, tile, room),
-        alpha=alpha,
+        alpha=None if silhouette is None else opacity,
         frame=frame,
         seen=render_model_input(around, frame, backend.line_widths),
         hints=None,
@@ -122,6 +118,13 @@ def predict_tile(
         off = hints_off(given.points, hints.points, whole.mask)
         whole = replace(whole, findings=whole.findings + off)
     return whole if worked == shape else _enlarged(whole, shape, tile)
+
+
+def _object(mask: MaskOrSource, ink: Floats, tile: Tile) -> BoolMask | None:
+    """Return the object of a drawing (H, W) whose opacity does not tell; None leaves it to the model."""
+    if isinstance(mask, np.ndarray):
+        return np.asarray(resize(mask.astype(np.float32), ink.shape) > 0.5)
+    return None if mask == MODEL else _outlined(ink, tile)
 
 
 def _frame_of(around: Floats, window: Window) -> Frame:

@@ -30,7 +30,7 @@ def check_terms(reconstruction: Reconstruction, terms: object, alone: bool) -> N
 
     Args:
         reconstruction: the loss.
-        terms: what it returned; `Term` by name is right.
+        terms: its output, which should be `Term` by name.
         alone: whether there is no other loss, so that at least one term is needed.
 
     Raises:

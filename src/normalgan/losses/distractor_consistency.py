@@ -1,4 +1,4 @@
-"""Steadiness: strokes that carry no form should not change the map."""
+"""Distractor consistency: strokes that mean nothing should not change the map."""
 
 import math
 

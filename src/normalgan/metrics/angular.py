@@ -92,14 +92,13 @@ class ShareBelow(NormalMapMetric):
 
     Args:
         threshold: degrees, above 0 and below 180, with at most two decimals.
-        normalize: as in `NormalMapMetric`.
     """
 
     higher_is_better = True
     unit = "%"
 
-    def __init__(self, threshold: float, normalize: bool = True, **kwargs: Any) -> None:
-        super().__init__(normalize, **kwargs)
+    def __init__(self, threshold: float, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
         bins = threshold * BINS_PER_DEGREE
         if not 0 < threshold < 180 or abs(bins - round(bins)) > 1e-6:
             raise InputError(

@@ -70,10 +70,7 @@ class NormalMapMetric(MapMetric):
 
     A metric is nan over no pixels, and over predictions that are not finite on the object. An image without
     a pixel in the mask is ignored.
-
-    Args:
-        normalize: scale the predictions to unit length before L1 and L2, as is right for a normal map;
-            angles do not depend on it. False measures the network's raw output.
+    Vectors count as unit vectors, whatever the length of the prediction.
     """
 
     is_differentiable = False
@@ -88,9 +85,8 @@ class NormalMapMetric(MapMetric):
     image_count: Tensor
     image_angle_sum: Tensor
 
-    def __init__(self, normalize: bool = True, **kwargs: Any) -> None:
+    def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
-        self.normalize = normalize
         for name in ("count", "invalid", "angle_sum", "angle_square_sum", "l1_sum", "l2_sum"):
             self._add(name, torch.zeros((), dtype=torch.int64))
         self._add("histogram", torch.zeros(180 * BINS_PER_DEGREE, dtype=torch.int64))
@@ -116,8 +112,7 @@ class NormalMapMetric(MapMetric):
             raise InputError(
                 f"mask has the shape {tuple(mask.shape)}; it must be {tuple(angle.shape)}, as preds."
             )
-        if self.normalize:
-            preds = unit_vectors(preds)
+        preds = unit_vectors(preds)
         l1, l2 = l1_distance(preds, target), l2_distance(preds, target)
         inside = mask > 0.5
         finite = torch.isfinite(angle + l1 + l2)

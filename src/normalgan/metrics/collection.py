@@ -45,7 +45,6 @@ def check_names(more: Sequence[MapMetric]) -> None:
 
 def normal_map_metrics(
     prefix: str = "",
-    normalize: bool = True,
     more: Sequence[MapMetric] = (),
     own: Sequence[MapMetric] = (),
 ) -> MetricCollection:
@@ -57,7 +56,6 @@ def normal_map_metrics(
 
     Args:
         prefix: put before each name, such as ``val/``.
-        normalize: take L1 and L2 of predictions scaled to unit length; see `NormalMapMetric`.
         own: further metrics of ours, such as `MaskIoU`, under names that no other may have.
         more: other metrics, copies of which are measured beside these under their `figure`.
 
@@ -73,14 +71,14 @@ def normal_map_metrics(
         tensor(1.)
     """
     metrics: dict[str, Metric] = {
-        "angular_mean": MeanAngularError(normalize),
-        "angular_median": MedianAngularError(normalize),
-        "angular_rmse": RootMeanSquareAngularError(normalize),
-        "angular_mean_per_image": MeanAngularErrorPerImage(normalize),
-        "l1": MeanL1(normalize),
-        "l2": MeanL2(normalize),
+        "angular_mean": MeanAngularError(),
+        "angular_median": MedianAngularError(),
+        "angular_rmse": RootMeanSquareAngularError(),
+        "angular_mean_per_image": MeanAngularErrorPerImage(),
+        "l1": MeanL1(),
+        "l2": MeanL2(),
     }
-    metrics |= {share.figure: share for share in (ShareBelow(t, normalize) for t in THRESHOLDS)}
+    metrics |= {share.figure: share for share in (ShareBelow(t) for t in THRESHOLDS)}
     known = sorted(metrics)
     check_names(more)
     metrics |= {metric.figure: metric.clone() for metric in (*own, *more)}

@@ -33,7 +33,7 @@ class MeshSource(Protocol):
 
     @property
     def name(self) -> str:
-        """What the user calls it: a file name without suffix, a species with its number."""
+        """Its name: a file name without suffix, or a species with its number."""
 
     def fingerprint(self) -> str:
         """Return a hash of everything that `load` depends on: file bytes, orientation, parameters."""

@@ -127,7 +127,7 @@ def _check_views(path: Path, tree: dict[str, Any], held: int) -> None:
     """Refuse views of buffers that repeat their bytes: each is copied, and each element of a short stride."""
     views = tree.get("bufferViews", [])
     if sum(view["byteLength"] for view in views) > max(FREE_NUMBERS, REPEATED * held):
-        raise InputError(f"{path} refers to the same bytes again and again; export it anew.")
+        raise InputError(f"{path} refers to the same bytes again and again; export it again.")
     for index, entry in enumerate(tree.get("accessors", [])):
         if "bufferView" not in entry or "byteStride" not in (view := views[entry["bufferView"]]):
             continue
@@ -135,7 +135,7 @@ def _check_views(path: Path, tree: dict[str, Any], held: int) -> None:
         if view["byteStride"] < size:
             raise InputError(
                 f"{path} has elements of {size} bytes {view['byteStride']} bytes apart, in accessor {index}; "
-                "export it anew."
+                "export it again."
             )
 
 

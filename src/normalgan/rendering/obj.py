@@ -1,4 +1,4 @@
-"""Read OBJ files (Wavefront), with their faces whole."""
+"""Read OBJ files (Wavefront); polygons are not cut into triangles."""
 
 from normalgan.rendering.polygons import BrokenMeshError, Polygons, decode_text, parse_points, polygons_of
 

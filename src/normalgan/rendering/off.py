@@ -1,4 +1,4 @@
-"""Read OFF files (Geomview), with their faces whole."""
+"""Read OFF files (Geomview); polygons are not cut into triangles."""
 
 import re
 from collections.abc import Sequence

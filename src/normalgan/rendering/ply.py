@@ -1,4 +1,4 @@
-"""Read PLY files (Stanford), as text and binary, with their faces whole."""
+"""Read PLY files (Stanford), as text and binary; polygons are not cut into triangles."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ _TYPES = {
 }
 _ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">", "ascii": ""}
 _FACES = ("vertex_indices", "vertex_index")
-"""What writers call the list of a face's corners."""
+"""Names of the list of a face's corners."""
 
 
 def read_ply(data: bytes) -> Polygons:

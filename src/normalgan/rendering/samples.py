@@ -30,7 +30,7 @@ from normalgan.rendering.view import View
 __all__ = ["RENDERING_VERSION", "Recipe", "Sample", "draw_ink", "draw_strokes", "no_lines", "sample_rng"]
 
 RENDERING_VERSION = 2
-"""Raise it when a change to the code changes what a recipe renders: stored samples are then made anew."""
+"""Raise it when a change to the code changes what a recipe renders: stored samples are then made again."""
 
 
 @dataclass(frozen=True)
@@ -112,7 +112,7 @@ class Recipe:
         """Return all that the samples depend on besides the mesh, as plain values for JSON.
 
         Raises:
-            TypeError: if a plug-in is not a dataclass of plain values, so that its settings cannot be told.
+            TypeError: if a plug-in is not a dataclass of plain values, so that its settings cannot be saved.
         """
         return {**_plain(self), "rendering_version": RENDERING_VERSION}
 

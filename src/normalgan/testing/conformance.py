@@ -3,7 +3,7 @@
 import inspect
 import pickle
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Generic, TypeVar
@@ -22,6 +22,7 @@ __all__ = [
     "global_randomness_untouched",
     "held_to_contract",
     "promised",
+    "untouched",
 ]
 
 T = TypeVar("T")
@@ -137,6 +138,19 @@ def _global_states() -> dict[str, bytes]:
     return {name: pickle.dumps(state) for name, state in states.items()} | {
         "torch": torch.get_rng_state().numpy().tobytes()
     }
+
+
+@contextmanager
+def untouched(plugin: object, tensors: Sequence[torch.Tensor]) -> Iterator[None]:
+    """Demand that tensors do not change.
+
+    Raises:
+        ConformanceError: if one did.
+    """
+    kept = [tensor.clone() for tensor in tensors]
+    yield
+    same = all(torch.equal(one, other) for one, other in zip(tensors, kept, strict=True))
+    demand(same, plugin, "changed the tensors it was given", "they belong to the caller; copy them")
 
 
 def device_list() -> list[torch.device]:

@@ -12,6 +12,7 @@ from normalgan.testing.conformance import (
     global_randomness_untouched,
     held_to_contract,
     promised,
+    untouched,
 )
 from normalgan.testing.pictures import pictures
 from normalgan.testing.settings import settings_checks
@@ -101,12 +102,8 @@ def _independent(sampler: HintSampler) -> None:
 
 def _untouched(sampler: HintSampler) -> None:
     normal, mask = pictures(2)
-    kept = normal.clone(), mask.clone()
-    _sample(sampler, normal, mask)
-    same = torch.equal(normal, kept[0]) and torch.equal(mask, kept[1])
-    demand(
-        same, sampler, "changed the normals or the mask it was given", "they belong to the caller; copy them"
-    )
+    with untouched(sampler, [normal, mask]):
+        _sample(sampler, normal, mask)
 
 
 def _devices(sampler: HintSampler) -> None:

@@ -8,7 +8,7 @@ import torch
 from torch import Tensor, nn
 
 from normalgan.models.condition import make_condition
-from normalgan.testing.conformance import Check, demand, device_list
+from normalgan.testing.conformance import Check, demand, device_list, untouched
 from normalgan.testing.pictures import batch
 
 __all__ = ["Answer", "given", "network_checks"]
@@ -128,10 +128,8 @@ def _independence(network: N, size: int, answer: Answer[N]) -> None:
 def _leaving(network: N, size: int, answer: Answer[N]) -> None:
     """Demand that the inputs are not modified."""
     condition, normal = given(2, size)
-    kept = condition.clone(), normal.clone()
-    answer(network.eval(), condition, normal)
-    same = torch.equal(condition, kept[0]) and torch.equal(normal, kept[1])
-    demand(same, network, "changed the tensors it was given", "they belong to the caller; copy them")
+    with untouched(network, [condition, normal]):
+        answer(network.eval(), condition, normal)
 
 
 def _state(network: N, size: int, answer: Answer[N]) -> None:

@@ -7,7 +7,7 @@ from normalgan.errors import InputError
 from normalgan.losses import Reconstruction, Term
 from normalgan.losses.checks import check_terms
 from normalgan.models.predictions import Predictions
-from normalgan.testing.conformance import Check, demand, held_to_contract, promised
+from normalgan.testing.conformance import Check, demand, held_to_contract, promised, untouched
 from normalgan.testing.pictures import pictures
 from normalgan.testing.settings import settings_checks
 
@@ -113,7 +113,5 @@ def _empty(reconstruction: Reconstruction) -> None:
 
 def _untouched(reconstruction: Reconstruction) -> None:
     target, mask = pictures(2)
-    kept = target.clone(), mask.clone()
-    _compare(reconstruction, target / 2, target, mask)
-    same = torch.equal(target, kept[0]) and torch.equal(mask, kept[1])
-    demand(same, reconstruction, "changed the tensors it was given", "they belong to the caller; copy them")
+    with untouched(reconstruction, [target, mask]):
+        _compare(reconstruction, target / 2, target, mask)

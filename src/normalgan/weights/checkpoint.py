@@ -412,7 +412,7 @@ def _are_dicts(found: Any, count: int) -> bool:
 
 
 def _is_recent(version: Any) -> bool:
-    """Return whether a version of Lightning is one that the package has ever run with."""
+    """Return whether a version of Lightning is one that the package has run with."""
     try:
         return Version(version) >= Version("2.6")
     except (InvalidVersion, TypeError):

@@ -33,7 +33,7 @@ def no_local_classes() -> Iterator[None]:
 
 
 def find_local(name: str, base: type[T]) -> type[T] | None:
-    """Return the class that a dotted path names, from a module in the working directory; None if none is.
+    """Return the class that a dotted path names, from a module in the working directory, or None.
 
     Python must search the working directory, as ``python -m normalgan`` lets it. A file of weights is data
     and may come from a stranger, so a module is imported only if its text defines the class.

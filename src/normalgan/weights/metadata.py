@@ -29,8 +29,8 @@ class ModelMetadata:
         noise_at_test: whether the noise stays on when testing and predicting.
         seed: seed of the hints and the noise.
         licence: licence of the weights.
-        refined: whether the refiner of the package was trained for it, and mends its maps.
-        line_widths: the thinnest and the thickest line that it is shown as drawn, in its pixels.
+        refined: whether the refiner of the package was trained for it and sharpens its maps.
+        line_widths: the thinnest and the thickest line that it was trained on, in its pixels.
         version: the version of normalgan that wrote them.
     """
 

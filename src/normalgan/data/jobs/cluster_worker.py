@@ -104,7 +104,7 @@ def worker_versions() -> dict[str, str]:
 
 
 def _difference(theirs: Mapping[str, str], ours: Mapping[str, str]) -> str | None:
-    """Return what differs on another machine, or None.
+    """Return how another machine differs, or None.
 
     >>> _difference({"numpy": "2.0"}, {"numpy": "2.4", "zarr": "3.1"})
     'numpy 2.0, not 2.4; no zarr, not 3.1'

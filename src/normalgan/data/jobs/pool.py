@@ -21,7 +21,7 @@ class Killed:
 
 @dataclass(frozen=True)
 class Again:
-    """The result of a task that must be done once more.
+    """The result of a task that must be repeated.
 
     Args:
         lost: whether its result was lost, which can be its own fault.
@@ -38,7 +38,7 @@ def unrelated(_: object) -> tuple[str, ...]:
 class Pool(ABC):
     """Does tasks in processes, and continues when one of them dies.
 
-    Those of this machine and those of a cluster are started, asked and missed in ways of their own.
+    Subclasses say how processes of this machine or of a cluster are started, asked and replaced.
     """
 
     @property

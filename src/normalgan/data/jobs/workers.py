@@ -69,7 +69,7 @@ class Workers(Pool):
 
     @property
     def room(self) -> int:
-        """Two tasks a worker: none waits for the next, and few fall with it."""
+        """The number of tasks to submit at once: two a worker, so that none waits and few die with it."""
         return max(2 * self.count, 1)
 
     def submit(self, function: Callable[[T], R], task: T) -> "Future[R]":

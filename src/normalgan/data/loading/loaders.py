@@ -157,7 +157,7 @@ class EqualShare(Dataset[Item]):
         return {**item, "mask": torch.zeros_like(item["mask"])}
 
     def in_order(self) -> DistributedSampler[Item]:
-        """Return the sampler of the whole share; of this class, or Lightning would share it out once more."""
+        """Return a sampler of this share in order, of a class that Lightning does not replace."""
         return DistributedSampler(self, num_replicas=1, rank=0, shuffle=False)
 
 

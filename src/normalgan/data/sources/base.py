@@ -33,9 +33,9 @@ class SplitSettings(Split):
 class DataSource(ABC):
     """Base of the data sources, which list what to train, validate and test on.
 
-    A source is a frozen dataclass of plain settings. What it returns is loaded once to see whether it can be
-    used, in worker processes too, and becomes samples that are kept in the cache. What it returns are meshes,
-    which are rendered as the settings of the data say, unless it derives from `PairSource`.
+    A source is a frozen dataclass of plain settings. It returns meshes, which are rendered as
+    the settings of the data say, or pairs, if it derives from `PairSource`. Each is loaded once, perhaps in a
+    worker process, to see whether it can be used. The samples made of it are kept in the cache.
     """
 
     @abstractmethod

@@ -17,7 +17,7 @@ __all__ = ["MeshGroup", "join_variants", "pose", "split_meshes"]
 class MeshGroup:
     """Meshes of one kind: where they are, how they are read, and how many samples are made of them.
 
-    A group is split by itself, so that every kind has its share in each split. As all training meshes get
+    Each group is split separately, so that every kind has its share in each split. As all training meshes get
     equally many views, poses and variants decide how much of a kind there is.
 
     Args:

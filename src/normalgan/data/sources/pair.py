@@ -20,7 +20,7 @@ from normalgan.rendering.samples import Sample
 __all__ = ["PAIRS_VERSION", "Pair", "PairRecipe", "background"]
 
 PAIRS_VERSION = 2
-"""Raise it when a change to the code changes the samples that are made of pairs: they are then made anew."""
+"""Raise it when a change to the code changes the samples that are made of pairs: they are then made again."""
 
 _RIGHT = "axes of the camera, x right, y up, z to the viewer, stored as (n + 1) / 2"
 

@@ -36,7 +36,7 @@ class Pairs(PairSource):
             and hints.
         green: which way of y the normal maps hold as green: up as in OpenGL, down as in DirectX.
         hints: take the hints that pairs have, in place of a sampler's; a pair without gets none.
-        group_by: what is on one side of the split: each file by itself, or all of a folder; the group of a
+        group_by: what stays on one side of the split: each file, or each folder; the group of a
             CSV counts before it.
 
     Raises:

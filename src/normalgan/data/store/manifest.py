@@ -17,7 +17,7 @@ from normalgan.errors import InputError
 __all__ = ["FORMAT_VERSION", "Manifest", "dataset_key", "fingerprints", "views_by_split"]
 
 FORMAT_VERSION = 1
-"""Raise it when samples are stored in another way: those stored before are then made anew."""
+"""Raise it when samples are stored in another way: those stored before are then made again."""
 
 _NAME = "dataset.json"
 _SUM = "sha256"

@@ -205,7 +205,7 @@ class ShardedSamples:
     def _trouble(self, shard: int) -> InputError:
         return InputError(
             f"shard {shard} of {self.split} in {self.url} is unfinished or damaged; "
-            "render the data set again, which mends it."
+            "render the data set again to repair it."
         )
 
     def _open(self) -> dict[str, Any]:

@@ -148,7 +148,7 @@ class Storage:
             raise InputError(f"cannot remove {self.url}/{path}: {reason(error)}.") from error
 
     def sweep(self) -> None:
-        """Remove what killed processes left half written an hour ago or more, if that can be done."""
+        """Remove files that killed processes left half written at least an hour ago, if possible."""
         files, root = self._files()
         if not isinstance(files, LocalFileSystem):
             return

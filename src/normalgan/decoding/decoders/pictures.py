@@ -45,9 +45,9 @@ _SUBFILE, _NO_PAGE = 254, 1 | 4
 _MOST_NOTES = 4000
 """Characters of the words that are sent about a picture."""
 _LONGEST_NAME, _DEEPEST = 255, 32
-"""Characters of a layer's name, and groups within one another, of which the parent is told."""
+"""Most characters of a layer's name, and most nested groups, that the parent gets."""
 _MOST_NOTED = 64
-"""Notes on layers that the parent is told."""
+"""Most notes on layers that the parent gets."""
 _TOPS = (255, 1023, 4095, 16383, 65535, 2**24 - 1, 2**31 - 1)
 """White of greys of 8, 10, 12, 14, 16, 24 and 31 bits, which programs store in 16 or 32."""
 

@@ -1,4 +1,4 @@
-"""Animation: GIF, WebP and PNG that move: told from still ones, and written."""
+"""Animation: recognise and write animated GIF, WebP and PNG."""
 
 import io
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ from normalgan.inference.reading.drawings import MOST_BYTES
 __all__ = ["PAGES", "Kind", "count_parts", "encode_animation", "kind_of", "moving_kind"]
 
 Kind = Literal["gif", "webp", "png"]
-"""Of an animation; a PNG that moves is an APNG."""
+"""Formats of animations; APNG has the ending .png too."""
 PAGES: Literal["pages"] = "pages"
 """In place of the kind of an animation: several pictures that do not follow one another in time."""
 _MOST_CHUNKS = 1000
@@ -231,7 +231,7 @@ def _gif(images: Sequence[Image.Image], durations: Sequence[int], loop: int, tra
 
 
 def _webp(images: Sequence[Image.Image], durations: Sequence[int], loop: int) -> bytes:
-    """Return a WebP of whole frames, each by itself: libwebp would join equal ones.
+    """Return a WebP of whole frames, encoded separately: libwebp would join equal ones.
 
     The container is that of RFC 9649, section 2.7.
     """

@@ -94,7 +94,7 @@ def read_atlas(
 
 
 def _page_of(pages: list[Page], sheet: Path, path: Path) -> Page:
-    """Return what an atlas says of a sheet; of several sheets by its name."""
+    """Return the sprites that an atlas lists for a sheet, by the sheet's name if it has several."""
     named = next((each for each in pages if each.image == sheet.name), None)
     if named is not None:
         return named

@@ -102,7 +102,7 @@ def _text(content: bytes) -> str:
 
 
 def _number(value: Any) -> float | None:
-    """Return a number, which some programs write as text; None of anything else."""
+    """Return a number, which some programs write as text, or None."""
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         return None
     try:
@@ -113,7 +113,7 @@ def _number(value: Any) -> float | None:
 
 
 def _frame(name: str, box: list[Any], turned: int = 0, upright: bool = False) -> tuple[str, Frame | None]:
-    """Return a frame of left, top, width and height; with ``upright`` the size is that before turning."""
+    """Return a frame of left, top, width and height; if ``upright``, the size before rotation."""
     left, top, width, height = [_number(each) for each in box] if len(box) == 4 else [None] * 4
     if left is None or top is None or width is None or height is None or min(width, height) < 0:
         return name, None
@@ -342,7 +342,7 @@ FORMATS = (
 )
 """The formats, in the order in which a file is tried as each."""
 ENDINGS = tuple(dict.fromkeys(["_atlas.json", *(end for each in FORMATS for end in each.endings)]))
-"""What the atlas of a sheet is named, after its stem."""
+"""Endings of the atlas that belongs to a sheet, after the sheet's stem."""
 
 _LOOKS = (
     (
@@ -363,7 +363,7 @@ _LOOKS = (
     ("looks like XML without a list of sprites", r"\A\s*<"),
     ("looks like YAML", r"\A(?:%YAML|---|[\w\"'-]+:(?:\s|$))"),
 )
-"""What a text that is not an atlas is called, and how it is told; the first that fits counts."""
+"""What to call a file that is not an atlas, and the pattern that recognises it; the first match counts."""
 _BINARY = {b"\x89PNG": "PNG", b"\xff\xd8\xff": "JPEG", b"GIF8": "GIF", b"RIFF": "WebP", b"8BPS": "PSD"}
 
 

@@ -21,9 +21,9 @@ _GAP = 0.004
 _INK, _FAINT = 0.35, 8
 """Ink that is a line; opacity, of 255, that is still none."""
 _SMALL = 0.2
-"""What spans less than this share of the largest drawing may be a part of the one beside it."""
+"""A drawing that spans less than this share of the largest may be a part of the one beside it."""
 _BESIDE = 0.1
-"""How far from it, as a share of that one's span; farther away it is a drawing of its own."""
+"""Largest distance from it, as a share of its span; farther away it is a separate drawing."""
 
 _Boxes = NDArray[np.intp]
 

@@ -27,7 +27,7 @@ from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, to
 __all__ = ["LayeredKind", "cut", "encode_layers", "is_plain", "layered_kind", "picture_of", "read_layers"]
 
 LayeredKind = Literal["psd", "ora", "aseprite"]
-"""Of a layered file that can be written; what its name ends in."""
+"""Endings of layered files that can be written."""
 _KINDS: dict[str, LayeredKind] = {"PSD": "psd", "Krita": "ora", "OpenRaster": "ora", "Aseprite": "aseprite"}
 _GROUND = (128, 128, 255, 0)
 """A flat normal of which nothing is seen."""

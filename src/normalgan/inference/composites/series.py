@@ -30,7 +30,7 @@ _ALIKE = 0.075
 _SAME = 0.05
 """Difference of two frames' normals, in radians, from which they are those of two surfaces."""
 _PASSES = 3
-"""How often frames are averaged: what moves on from each to the next is alike in neighbours alone."""
+"""How often frames are averaged with their neighbours, because moving parts match in neighbours only."""
 
 
 @dataclass(frozen=True)
@@ -162,7 +162,7 @@ def flat_map(shape: tuple[int, int], size: int | None = None) -> NormalMap:
 
 
 def prepare_member(predictor: Predictor, member: Member, size: int | None = None) -> Prepared:
-    """Return a drawing of a series, cleaned and framed by itself; its hints are left out."""
+    """Return one drawing of a series, cleaned and framed separately, without hints."""
     widths = predictor.backend.line_widths
     given = member.picture, predictor.size, member.mask, None, size
     return prepare(*given, line_widths=widths, flips=member.flips)

@@ -28,7 +28,7 @@ __all__ = ["MOST_CELLS", "drawings_in", "grid_cells", "parse_grid", "predict_she
 MOST_CELLS = 4096
 """Drawings in one sheet; the largest atlases in use have some hundreds."""
 _NAMED = 3
-"""Cells of which a warning tells; of more it tells how many."""
+"""Cells that a warning names; it counts the others."""
 
 
 def parse_grid(text: str) -> tuple[int, int]:

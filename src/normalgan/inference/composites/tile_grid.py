@@ -17,7 +17,7 @@ from normalgan.inference.reading.drawings import SMALLEST
 __all__ = ["ENDINGS", "MOST_TILES", "TileGrid", "parse_tile_size", "read_tiled"]
 
 ENDINGS = (".tsx", ".tsj", ".json", ".xml")
-"""What the tileset file of a picture is named, after its stem."""
+"""Endings of a picture's tileset file, after its stem."""
 MOST_TILES = 16384
 """Tiles in one picture; the largest sheets in use have some thousands."""
 _MOST_BYTES = 2**24

@@ -26,7 +26,7 @@ __all__ = ["predict_tileset"]
 _REACH = 1 / 4
 """How far into a tile its edge is adjusted to those that it fits, as a share of the tile."""
 _PASSES = 4
-"""How often both ways are adjusted: each disturbs the other a little at the corners."""
+"""Rounds of adjusting both directions: each disturbs the other a little at the corners."""
 _USUAL = 0.9
 """Share of the steps between the lines of a tile that are usual; an outline makes others."""
 _ALIKE = 1 / 15
@@ -126,7 +126,7 @@ class _Tiles:
         return cls(grid, (cut.shape[0], cut.shape[1]), cut[..., 4].max((2, 3)) > 0, plain, wraps, joins)
 
     def cells(self) -> list[Cell]:
-        """Return what is predicted: tiles that fit their neighbours together, others separately.
+        """Return the groups to predict: tiles that fit their neighbours together, others alone.
 
         A tile that needs no other, because it repeats wherever it fits one, comes after those that it is
         shown with, and is predicted as it repeats.

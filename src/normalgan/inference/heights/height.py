@@ -21,7 +21,7 @@ _REFINED = 4
 _LARGE, _SETTLED = 40_000, 2
 """Pixels from which only what is fine is settled at a size, and rounds: the rest was at half of it."""
 _MOST = 1536
-"""Longest side that is solved; of larger maps a reduced one, whose heights are enlarged."""
+"""Longest side that is solved; larger maps are reduced, and their heights enlarged."""
 
 
 def integrate(

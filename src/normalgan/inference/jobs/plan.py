@@ -35,12 +35,12 @@ FILES: dict[str, Literal["png", "exr", "tiff"]] = {
     **{".png": "png", ".apng": "png", ".gif": "png", ".webp": "png"},
     **{".exr": "exr", ".tif": "tiff", ".tiff": "tiff"},
 }
-"""What a map's file may end in, and the format of a map in it; GIF and WebP hold animations."""
+"""Endings of a map's file, and the format of each; GIF and WebP hold animations."""
 _NO_MAPS = {
     *(each for each in SUFFIXES if each not in FILES),
     *(".avif", ".dds", ".hdr", ".jxl", ".ktx", ".ktx2", ".tga", ".avi", ".mov", ".mp4", ".webm", ".json"),
 }
-"""What no folder's name ends in: who names such an output wants a file that is not written."""
+"""Endings that no output folder has: such a name means a file of a kind that is not written."""
 
 
 @dataclass(frozen=True)
@@ -214,7 +214,7 @@ def format_of(target: Path, asked: str | None) -> Literal["png", "exr", "tiff"]:
 
     Args:
         target: the file.
-        asked: the format that was asked for; None if none was.
+        asked: the requested format, or None.
 
     Raises:
         InputError: if they disagree.

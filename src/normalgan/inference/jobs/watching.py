@@ -6,7 +6,7 @@ from pathlib import Path
 __all__ = ["Stamp", "Watcher"]
 
 Stamp = tuple[tuple[Path, int, int] | None, ...]
-"""Of a drawing and all that is read for it: what changes when one is saved."""
+"""State of a drawing and of all files that are read for it, which changes when one is saved."""
 
 
 class Watcher:

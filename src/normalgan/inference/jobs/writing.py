@@ -71,7 +71,7 @@ class Writer:
     def write_sidecar(self, target: Path) -> None:
         """Write the file by which an engine imports a map, unless it exists.
 
-        Unity's or Godot's own file holds the id that scenes refer to, and settings changed there since.
+        An existing file of Unity or Godot holds the id that scenes refer to, and perhaps changed settings.
         """
         # Of the whole path: two folders may each have a normals/fox_NormalMap.png, and their ids must differ.
         found = self.outputs.normal.sidecar(target.absolute())

@@ -61,8 +61,8 @@ def render_model_input(ink: Floats, frame: Frame, widths: LineWidths) -> Floats:
 def _is_known(ink: Floats, frame: Frame, widths: LineWidths) -> bool:
     """Return whether all lines have a known width and none is a filled area.
 
-    The test uses half the resolution, where a width is exact to one pixel. If that could matter, it returns
-    False.
+    The test uses half the resolution, where a width is exact to one pixel. It returns False if a pixel could
+    make the difference.
     """
     marked = _finer(frame, _ROUGH).marked(ink)
     inked = marked[around(marked, 1)]

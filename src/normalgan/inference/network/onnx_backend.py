@@ -70,7 +70,7 @@ class OnnxBackend:
         onnxruntime.disable_telemetry_events()  # on by default on Windows
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = threads
-        options.log_severity_level = 4  # what goes wrong is told in one sentence, by us
+        options.log_severity_level = 4  # we report errors in one sentence
         # Threads that wait by spinning take the cores from what comes after a run, and from a browser.
         options.add_session_config_entry("session.intra_op.allow_spinning", "0")
         options.add_session_config_entry("session.use_env_allocators", "1")  # the one with a limit

@@ -31,7 +31,7 @@ __all__ = [
 CELL = 4
 """Its pictures are whole numbers of cells of so many pixels a side."""
 RIM = 16
-"""How many pixels inside the silhouette it is told the distance."""
+"""Largest distance from the silhouette, in pixels, that its input gives."""
 _ENLARGED = 1.2
 """How much larger than the model's a map must be to be refined."""
 _LARGEST = 4.0
@@ -110,7 +110,7 @@ class Refiner:
         return normals
 
     def _refined(self, normals: Floats, ink: Floats, mask: BoolMask, factor: float) -> Floats:
-        """Return enlarged normals (H, W, 3), mended at ``factor`` times their size."""
+        """Return enlarged normals (H, W, 3), refined at ``factor`` times their size."""
         h, w = mask.shape
         if factor < 1:
             shape = (max(round(w * factor), 1), max(round(h * factor), 1))
@@ -120,11 +120,11 @@ class Refiner:
         given = planes(normals, ink, mask)
         below, right = (-side % CELL for side in mask.shape)
         given = np.pad(given, ((0, 0), (0, below), (0, right)), mode="edge")
-        (mended,) = self._session.run(["normal"], {"planes": given[None]})
-        mended = np.moveaxis(np.asarray(mended)[0, :, : mask.shape[0], : mask.shape[1]], 0, -1)
+        (refined,) = self._session.run(["normal"], {"planes": given[None]})
+        refined = np.moveaxis(np.asarray(refined)[0, :, : mask.shape[0], : mask.shape[1]], 0, -1)
         if factor < 1:
-            mended = cv2.resize(np.ascontiguousarray(mended), (w, h), interpolation=cv2.INTER_LINEAR)
-        return np.asarray(mended, np.float32)
+            refined = cv2.resize(np.ascontiguousarray(refined), (w, h), interpolation=cv2.INTER_LINEAR)
+        return np.asarray(refined, np.float32)
 
 
 def upsampler(*, refined: bool, threads: int = 1) -> Upsampler:

@@ -19,7 +19,7 @@ from normalgan.inference.reading.hint_files import Hints
 __all__ = ["Window", "predict_windows", "repeated", "windows"]
 
 _SIDE = 1.5
-"""Of a window, as a share of the drawing's longer side."""
+"""Side of a window, as a share of the drawing's longer side."""
 _IN = 6
 """In how many windows each place of a repeated drawing lies, along each way, at the least."""
 
@@ -161,5 +161,5 @@ def _corner(frame: Frame) -> tuple[int, int]:
 
 
 def _pixel(frame: Frame) -> float:
-    """Return the side of the network's pixels, in those of the drawing."""
+    """Return the side of a pixel of the network, in pixels of the drawing."""
     return round(frame.side) / frame.size

@@ -17,7 +17,7 @@ Engine = Literal["unity", "unreal", "godot", "godot3", "blender"]
 
 @dataclass(frozen=True)
 class Convention:
-    """What an engine's users call and store a normal map like.
+    """How an engine names and stores a normal map.
 
     Args:
         y: where green points.

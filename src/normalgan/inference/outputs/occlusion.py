@@ -14,7 +14,7 @@ _SIDE = 512
 _WAYS = 12
 """Directions in which is looked."""
 _REACH = 0.12
-"""How far is looked, as a share of the longer side."""
+"""Reach of the search, as a share of the longer side."""
 _STEPS = 7
 _BIAS = 0.12
 """Less than this is noise of the heights, and at the rim of their steepness."""

@@ -32,7 +32,7 @@ _FINE = 1 / 256
 _BEND = 0.04
 """Share of a drawing's longer side that is the radius of a ball that is half as light as can be."""
 _BESIDE = 0.25
-"""How much of its repeats is looked at about a map that has some, as a share of its longer side."""
+"""Margin of repeats around a map that repeats, as a share of its longer side."""
 
 
 @OUTPUTS.register

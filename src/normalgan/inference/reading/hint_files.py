@@ -17,7 +17,7 @@ from normalgan.normals import LEAST_Z, normalize
 __all__ = ["ENDINGS", "MOST_LISTED", "Hints", "load_hints", "parse_hints"]
 
 ENDINGS = ("_hints.png", "_hints.json", ".json", ".png")
-"""What the hints of a drawing are named, after its stem, in the order in which they are looked for."""
+"""Endings of a drawing's file of hints, after its stem, in the order of the search."""
 MOST_LISTED = 2**24
 """Larger lists of hints are refused, in bytes; each hint takes some fifty."""
 

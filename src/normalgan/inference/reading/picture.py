@@ -27,7 +27,7 @@ class Picture:
         colour: (h, w, 3) in [0, 1], red, green, blue; not multiplied by the opacity.
         alpha: (h, w) opacity in [0, 1], or None where every pixel is opaque.
         full: (H, W) of its file, if that has more pixels; None if it has the same.
-        note: what of its file is not shown as its program shows it, a part of a sentence; empty if all is.
+        note: what looks different than in the file's program, as a part of a sentence; empty if nothing does.
         partial: whether a layer of its file is missing.
         notes: the same as ``note``, layer by layer.
     """
@@ -80,7 +80,7 @@ def fitted(shape: tuple[int, int], longest: int) -> tuple[int, int]:
 
 
 def read_picture(path: Path, content: bytes | None = None, longest: int | None = None) -> Picture:
-    """Read a drawing of any mode and format, upright; of a larger one than is worked on a reduced one.
+    """Read a drawing of any mode and format, upright; a very large one is reduced.
 
     Args:
         path: its file, or what to call it.

@@ -53,7 +53,7 @@ class Hand:
         overshoot: mean length by which an end is too long; it happens to one of two.
         gaps: mean length by which the other one is too short.
         pressure: deviation of the logarithm of the width, along and among strokes.
-        fade: deviation of the logarithm of the darkness; above the style's it never is.
+        fade: deviation of the logarithm of the darkness, which never exceeds the style's.
         taper: share by which the width falls to where the pen is lifted.
         slowness: share by which lines are wider in tight turns.
         pen: range from which the factor of all widths is drawn: thin pens to thick markers.
@@ -130,7 +130,7 @@ class Hand:
     def _draw_strokes(
         self, strokes: Sequence[Stroke], maps: Maps, streams: Sequence[np.random.Generator]
     ) -> list[Stroke]:
-        """Return the strokes with all that goes wrong with each by itself; ``streams`` are seven."""
+        """Return the strokes with the errors of each; there are seven ``streams``."""
         if not strokes or not any(getattr(self, field.name) for field in fields(self)[3:-1]):
             return list(strokes)
         cutting, missing, skipping, repeating, ending, straying, pressing = streams

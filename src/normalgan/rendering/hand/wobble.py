@@ -22,7 +22,7 @@ def stray(
     side: float,
     rng: np.random.Generator,
 ) -> list[Stroke]:
-    """Return strokes whose points stray smoothly, each by itself, their ends as free as the rest.
+    """Return strokes whose points stray smoothly, independently of one another, ends included.
 
     Args:
         strokes: with points ``step`` pixels apart.

@@ -45,7 +45,7 @@ class ObjectSpaceSuggestive(OutlinedDrawing):
         bridge: gaps up to this fraction of the frame's side do not break a stroke.
         apart: a stroke that keeps nearer than this to a contour, on average, as a fraction of the
             frame's side, is left out: it would only double the contour.
-        resolution: side in pixels of the maps that contours are found in and hidden strokes are told by.
+        resolution: side in pixels of the maps in which contours and hidden strokes are found.
 
     Raises:
         InputError: if a setting is out of range.

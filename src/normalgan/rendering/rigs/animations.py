@@ -73,7 +73,7 @@ def _track(container: Container, nodes: Nodes, animation: dict[str, Any], channe
 
 
 def track_at(track: Track, moments: Doubles) -> Doubles:
-    """Return the (M, D) values of a track; before its first time the first one, after its last the last.
+    """Return the (M, D) values of a track; clamped to the first and the last one outside its times.
 
     glTF 2.0, appendix C: rotations by spherical interpolation along the shorter arc, or by the Hermite
     spline of their components, brought back to unit length.

@@ -27,15 +27,15 @@ __all__ = [
 
 
 SMALL = np.deg2rad(12.0)
-"""How far a joint may turn about each axis if no animation tells."""
+"""Largest turn of a joint about each axis if there is no animation."""
 FRAMES = 24
-"""How many moments of each animation are looked at."""
+"""Moments of each animation that are looked at."""
 OUTLIERS = 5.0
 """Percent of the moments at either end that do not widen a joint's range: a clip may show a fall."""
 
 
 MOST_COPIES = 100
-"""Of vertices of a joint in one place so many are searched for neighbours: trees of points bear no more."""
+"""Most vertices of a joint in one place that are searched for neighbours; k-d trees fail with more."""
 MOST_SEARCHED = 2**23
 """More vertices are not searched, those of each loose tree of joints counted again."""
 

@@ -13,7 +13,7 @@ __all__ = ["ACROSS", "COARSE", "FINE", "PROBES", "Frame", "find_frame"]
 COARSE, FINE = np.arange(0.0, 180.0, 5.0), np.arange(-4.5, 5.0, 0.5)
 """Degrees by which the plane of symmetry is turned to try it: first all around, then about the best."""
 ACROSS = 0.002
-"""How much farther off, by its length across the plane, an image counts."""
+"""Penalty of a mirrored vertex for its distance across the plane."""
 PROBES = 500
 """How many vertices are mirrored to try one."""
 

@@ -15,7 +15,7 @@ class Variation:
     """How far variants differ from their mesh; without any strength it is the mesh.
 
     Args:
-        scale: lengthening or shortening along, up and sideways, each by itself: 0.1 is up to a tenth.
+        scale: independent lengthening or shortening along, up and sideways: 0.1 is up to a tenth.
         taper: how much thicker the object becomes towards one end: 0.1 is up to a tenth at either end.
         bend: up to so many degrees between the directions of the two ends, up or down; sideways it is this
             times ``asymmetry``.

@@ -16,7 +16,7 @@ from normalgan.rendering.variation.variation import Variation
 __all__ = ["LEAST_VOLUME", "cofactors", "vary"]
 
 LEAST_VOLUME = 0.1
-"""What shrinks the space about a vertex to less than this, or turns it over, is too strong."""
+"""A change that shrinks the space around a vertex to less than this, or inverts it, is too strong."""
 
 
 def vary(mesh: Mesh, variation: Variation, rng: np.random.Generator) -> Mesh:

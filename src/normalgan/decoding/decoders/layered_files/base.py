@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 __all__ = ["Layer", "LayeredFile", "Notes", "UnreadableError", "flattened"]
 
 _MOST_NOTES = 12
-"""Notes that are told in full; of more it tells how many."""
+"""Notes that are given in full; the others are counted."""
 
 
 class UnreadableError(Exception):
