@@ -45,7 +45,7 @@ def test_lines_that_are_thin_beside_the_others_are_shown() -> None:
 def test_a_black_shape_is_shown_as_its_outline_alone() -> None:
     disc = np.zeros((256, 256), np.uint8)
     cv2.circle(disc, (128, 128), 90, 255, -1, cv2.LINE_AA)
-    drawn = disc / np.float32(255)
+    drawn = (disc / 255).astype(np.float32)
     frame = Frame.around(drawn, 256)
     shown = render_model_input(drawn, frame, USUAL_WIDTHS)
     black = (frame.cut(drawn) > 0.5).astype(np.uint8)
