@@ -22,10 +22,11 @@ from chromium import page as open_page
 from needs import NPM
 from normalgan.inference.composites.composition import compose
 from normalgan.inference.composites.context import context_of, surest, ways_to_see
+from normalgan.inference.inputs import as_hints, as_picture
 from normalgan.inference.mask.masks import MODEL
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.normal_map import NormalMap
-from normalgan.inference.pipeline import finish
+from normalgan.inference.pipeline import finish, predict
 from normalgan.inference.preparation import prepare
 from normalgan.inference.reading.picture import Picture, read_picture
 from normalgan.inference.suggestion import suggest, uncertainty
@@ -215,7 +216,7 @@ def test_layers_are_composed_as_python_composes_them(studio: "Page") -> None:
 )
 def test_regions_and_the_direction_brush_turn_what_python_turns(studio: "Page", area: dict[str, Any]) -> None:
     grey = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
-    predicted = normalgan.load(SHIPPED)(grey)
+    predicted = of_strokes(grey)
     edited = DrawingRequest(grey[..., None], [], None, [area]).edit(
         predicted.extended, predicted.mask, grey.shape
     )
@@ -378,7 +379,7 @@ def test_the_network_is_shown_what_python_shows_it(studio: "Page", kind: str, mo
     for widths in ((0.5, 5.0), (0.8, 1.9)) * 4:
         grey = random_drawing(kind, rng)
         colour = np.repeat((grey / np.float32(255))[..., None], 3, axis=2).astype(np.float32)
-        wanted = prepare(Picture(colour, None), 256, MODEL, line_widths=widths)
+        wanted = prepare(Picture(colour, None), 256, MODEL, line_widths=widths, drawn=True)
         seen = studio.evaluate(
             """async ([grey, width, height, widths]) => {
               const pixels = Uint8Array.from(atob(grey), (letter) => letter.charCodeAt(0));
@@ -444,7 +445,16 @@ def assert_alike(
 ) -> None:
     """Assert that the page paints nearly the mask and the normals that Python paints."""
     found = decoded(page.evaluate(ASK, [*encoded(grey), {"hints": hints}]), grey.shape)
-    assert_near(found, normalgan.load(SHIPPED)(grey, hints=hints or None), share, degrees)
+    assert_near(found, of_strokes(grey, hints), share, degrees)
+
+
+def of_strokes(grey: NDArray[np.uint8], hints: list[dict[str, Any]] | None = None) -> NormalMap:
+    """Return the map of strokes (H, W), whose pixels are the ink as they are."""
+    model = normalgan.load(SHIPPED)
+    picture = as_picture(grey)
+    points, widths = as_hints(hints or None, picture.shape), model.backend.line_widths
+    prepared = prepare(picture, model.size, hints=points, line_widths=widths, drawn=True)
+    return predict(model.backend, prepared, model.upsample)
 
 
 def assert_near(found: NDArray[np.uint8], wanted: NormalMap, share: float, degrees: float) -> None:
