@@ -153,6 +153,13 @@ def test_an_edge_without_a_line_is_told_as_in_python(studio: "Page") -> None:
     np.testing.assert_allclose(said["places"], wanted.places, atol=3)
 
 
+def test_a_hole_that_was_filled_meets_the_object_at_its_line(studio: "Page") -> None:
+    click = {"points": [206, 155], "size": 1, "adds": True, "fills": True}
+    answer = studio.evaluate(ASK, [*encoded(mug()), {"mask_strokes": [click]}])
+    handle = cv2.circle(np.zeros_like(mug()), (190, 155), 50, (1,), -1) > 0  # over the hole's rim
+    assert (decoded(answer, mug().shape)[handle, 3] == 255).all()
+
+
 def test_the_mask_brush_cuts_and_adds(studio: "Page") -> None:
     grey = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
     stroke = {"points": [100, 100, 120, 110], "size": 40, "adds": False}

@@ -1,6 +1,7 @@
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 
@@ -152,6 +153,23 @@ def test_a_mask_given_wins_and_is_filled_whatever_the_model_thinks(tmp_path: Pat
     assert (predicted.mask == (filled > 0.5)).all()
     # The ramp is nearly harmonic, so that the hole does not show.
     assert degrees(predicted.extended, expected(filled.shape, filled))[filled > 0.5].max() < 6
+
+
+@pytest.mark.parametrize("scale", [1, 2])
+def test_a_hole_that_was_filled_meets_the_object_at_its_line(model: Path, scale: int) -> None:
+    filled = blob((200, 300), (170, 90), 60)
+    inner, other = blob((200, 300), (150, 90), 20), blob((200, 300), (205, 90), 12)
+    ink = np.max([outline(each, 3) for each in (filled, inner, other)], 0)
+    clear, around = ink < 0.35, np.maximum(filled, ink) > 0.5  # a click fills up to where the line begins
+    holes = ((inner > 0.5) | (other > 0.5)) & (ink <= 0.5)
+    painted = (clear & (inner > 0.5)).astype(np.int8)
+    picture = Picture(np.repeat(1 - ink[..., None], 3, -1), None)
+    prepared = prepare(picture, 64, mask=around & ~holes, longest=300 * scale, painted=painted)
+    predicted = predict(OnnxBackend(model), prepared)
+    within = cv2.resize((inner > 0.5).astype(np.uint8), None, fx=scale, fy=scale) > 0
+    assert predicted.mask[within].all()
+    assert predicted.alpha[within].min() == 1
+    assert not predicted.mask[90 * scale, 205 * scale]  # another hole stays one
 
 
 def test_the_models_own_mask_is_what_is_long_enough(tmp_path: Path) -> None:

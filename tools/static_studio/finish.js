@@ -2,7 +2,7 @@
 
 import { softEdge } from "./edge.js";
 import { Unpaintable, shrunk } from "./prepare.js";
-import { WIDE, above, both, boxOf, dilated, distance, either, part, quantile, resized, sumOf, where, without } from "./raster.js";
+import { SQUARE, WIDE, above, both, boxOf, components, dilated, distance, either, opposite, part, quantile, resized, sumOf, where, without } from "./raster.js";
 
 /** @typedef {import("./prepare.js").Prepared} Prepared @typedef {import("./prepare.js").Frame} Frame
  * @typedef {import("./findings.js").Finding} Finding */
@@ -37,7 +37,7 @@ export async function finish(prepared, painted, refiner, hand = null) {
   const present = above(restored(length, prepared, 1), 0.5);
   const { mask: found, findings: said } = chosen(prepared, present);
   // The hand has the last word.
-  const mask = hand ? found.map((value, i) => (hand[i] ? (hand[i] > 0 ? 1 : 0) : value)) : found;
+  const mask = hand ? byHand(found, hand, prepared) : found;
   const inside = sumOf(mask);
   const share = sumOf(both(mask, present)) / Math.max(inside, 1);
   const findings = hand ? [] : [...said];
@@ -57,6 +57,25 @@ export async function finish(prepared, painted, refiner, hand = null) {
     else out.set([0, 0, 1], i);
   }
   return { normals: out, mask, covered: coveredBy(prepared, mask), findings };
+}
+
+/**
+ * Returns the mask as the hand has changed it. Some pixels of a line's edge lie between a filled area, which ends where
+ * the line begins, and the object: gaps beside what was added in which there is ink all over belong to the object too.
+ * @param {Uint8Array} found @param {Int8Array} hand @param {Prepared} prepared
+ */
+function byHand(found, hand, { ink, width, height }) {
+  const added = Uint8Array.from(hand, (value) => (value > 0 ? 1 : 0));
+  const mask = either(found, added);
+  if (added.includes(1)) {
+    const { labels, boxes } = components(opposite(mask), width, height, 4);
+    const [beside, gap] = [dilated(added, width, height, SQUARE), new Uint8Array(boxes.length)];
+    for (let i = 0; i < labels.length; i++) if (beside[i]) gap[labels[i]] = 1;
+    for (let i = 0; i < labels.length; i++) if (!ink[i]) gap[labels[i]] = 0;
+    for (let i = 0; i < labels.length; i++) if (labels[i] && gap[labels[i]]) mask[i] = 1;
+  }
+  for (let i = 0; i < mask.length; i++) if (hand[i] < 0) mask[i] = 0;
+  return mask;
 }
 
 /** Returns how much of each pixel the object covers: what is no longer the outline's has an edge of a pixel. @param {Prepared} prepared @param {Uint8Array} mask */

@@ -168,5 +168,28 @@ def _choose(prepared: Prepared, present: BoolMask) -> tuple[BoolMask, tuple[Find
     mask = present if prepared.mask is None else prepared.mask
     if prepared.painted is None:
         return mask, prepared.unsure
+    added = prepared.painted > 0
+    mask = mask | added
+    if added.any():
+        mask |= _gaps(prepared.ink, mask, added)
     # Edits by hand have the last word, so nothing is said about them.
-    return (mask | (prepared.painted > 0)) & (prepared.painted >= 0), ()
+    return mask & (prepared.painted >= 0), ()
+
+
+def _gaps(ink: Floats, mask: BoolMask, added: BoolMask) -> BoolMask:
+    """Return the gaps (h, w) beside what a user has added in which there is ink all over.
+
+    A filled area ends where a line begins, the object where the line is half dark: some pixels of the line's
+    edge lie between them, which would be holes with a rim each.
+
+    Args:
+        ink: (h, w) in [0, 1].
+        mask: (h, w), the object with what was added.
+        added: (h, w), what was added.
+    """
+    count, parts = cv2.connectedComponents((~mask).view(np.uint8), connectivity=4)
+    gap = np.zeros(count, np.bool_)
+    beside = cv2.dilate(added.view(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    gap[parts[beside & ~mask]] = True
+    gap[parts[ink == 0]] = False
+    return np.asarray(gap[parts], np.bool_)
