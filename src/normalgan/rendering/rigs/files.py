@@ -13,7 +13,6 @@ from normalgan.ranges import Count, Share, check_ranges
 from normalgan.rendering.gltf.container import bad_gltf, has_skin
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile, finish
-from normalgan.rendering.mesh_names import pose_name
 from normalgan.seeds import rng_of
 
 __all__ = ["POSTURES_VERSION", "RIG_VERSION", "RiggedFile", "find_poses"]
@@ -47,8 +46,8 @@ class RiggedFile:
 
     @property
     def name(self) -> str:
-        """The file's name without its suffix, and the number."""
-        return pose_name(self.file.name, self.pose)
+        """The file's name without its suffix, and the number: ``horse@3``."""
+        return f"{self.file.name}@{self.pose}"
 
     def fingerprint(self) -> str:
         """Return a hash of the file's bytes, of those it refers to, and of the settings.
