@@ -60,7 +60,7 @@ def _parts(path: Path) -> list[Triangles]:
             if suffix in _POLYGONS:
                 polygons = _POLYGONS[suffix](mesh_bytes(path))
                 return [(polygons.vertices, polygons.triangles())]
-            return _gltf(path) if suffix in {".glb", ".gltf"} else _stl(path)
+            return _stl(path) if suffix == ".stl" else _gltf(path)
     except InputError:
         raise
     except Exception as error:  # whatever a parser raises on a broken file

@@ -10,7 +10,7 @@ from typing import Any
 from normalgan.errors import InputError, brief
 from normalgan.rendering.gltf.file import read_gltf
 from normalgan.rendering.mesh_bytes import mesh_bytes
-from normalgan.rendering.mesh_limits import name_in_folder
+from normalgan.rendering.mesh_limits import buffer_file
 
 __all__ = ["RIG_SUFFIXES", "Container", "bad_gltf", "has_skin", "read_container"]
 
@@ -114,9 +114,7 @@ def _linked(path: Path, uri: str) -> bytes:
             return base64.b64decode(uri.partition(",")[2], validate=True)
         except binascii.Error as error:
             raise bad_gltf(path, f"a buffer written into it is not base64: {brief(error)}") from error
-    name = name_in_folder(uri)
-    if name is None:
-        raise bad_gltf(path, f"its buffer {uri!r} does not lie in its folder")
-    if not (path.parent / name).is_file():
+    file = buffer_file(path, uri)
+    if not file.is_file():
         raise bad_gltf(path, f"its buffer {uri!r} is missing")
-    return mesh_bytes(path.parent / name)
+    return mesh_bytes(file)
