@@ -3,6 +3,8 @@
 import base64
 import binascii
 import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,7 +14,7 @@ from normalgan.rendering.gltf.file import read_gltf
 from normalgan.rendering.mesh_bytes import mesh_bytes
 from normalgan.rendering.mesh_limits import buffer_file
 
-__all__ = ["RIG_SUFFIXES", "Container", "bad_gltf", "has_skin", "read_container"]
+__all__ = ["RIG_SUFFIXES", "Container", "bad_gltf", "has_skin", "read_container", "refusing_bad_gltf"]
 
 RIG_SUFFIXES = (".glb", ".gltf")
 """The file formats that can hold a skin."""
@@ -55,6 +57,17 @@ class Container:
 def bad_gltf(path: Path, reason: str) -> InputError:
     """Return the error for a file that cannot be used."""
     return InputError(f"{path} cannot be read as a mesh: {reason}.")
+
+
+@contextmanager
+def refusing_bad_gltf(path: Path) -> Iterator[None]:
+    """Refuse a file that breaks the rules of glTF in a way without a message of its own."""
+    try:
+        yield
+    except InputError:
+        raise
+    except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
+        raise bad_gltf(path, "it is not as glTF 2.0 says") from error
 
 
 def has_skin(path: Path) -> bool:

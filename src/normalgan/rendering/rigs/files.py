@@ -18,7 +18,7 @@ from normalgan.seeds import rng_of
 __all__ = ["POSTURES_VERSION", "RIG_VERSION", "RiggedFile", "find_poses"]
 
 RIG_VERSION = 2
-"""Part of every fingerprint; raise it when the same pose comes to be another."""
+"""Part of every fingerprint; raise it when a number gives another pose than before."""
 POSTURES_VERSION = 1
 """Part of the fingerprint where there are postures; raise it when their table changes."""
 

@@ -13,7 +13,7 @@ from normalgan.seeds import rng_of
 __all__ = ["VARIATION_VERSION", "Varied"]
 
 VARIATION_VERSION = 1
-"""Part of every fingerprint; raise it when the same number comes to be another individual."""
+"""Part of every fingerprint; raise it when a number gives another individual than before."""
 
 
 @dataclass(frozen=True)
