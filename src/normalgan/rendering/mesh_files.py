@@ -25,7 +25,7 @@ from normalgan.rendering.repair import shade, weld, wind
 __all__ = ["LOADER_VERSIONS", "MeshFile", "find_meshes", "finish", "place"]
 
 LOADER_VERSIONS = {".obj": 3, ".off": 2}
-"""Part of a fingerprint, 1 if not named: raise one when `MeshFile.load` comes to return another mesh."""
+"""Part of a fingerprint, 1 if not named: raise one when `MeshFile.load` returns another mesh than before."""
 
 
 @dataclass(frozen=True)
@@ -166,7 +166,7 @@ def _paths(source: str) -> list[Path]:
     if place.is_file():
         return [place]
     where = place.iterdir() if place.is_dir() else map(Path, glob(str(place), recursive=True))
-    # What begins with ._ is what macOS notes about a file on a disk of another system.
+    # macOS puts files that begin with ._ beside those that it copies to the disk of another system.
     found = [
         path
         for path in where

@@ -28,9 +28,9 @@ __all__ = [
 HEADER = 2**16
 """Bytes of a file in which it has to say what it holds."""
 FREE_NUMBERS = 2**22
-"""As many numbers as this may be in a glTF's accessors, whatever its size; more only with their bytes."""
+"""Numbers that a glTF's accessors may announce whatever its size; more need their bytes in the file."""
 FREE_VERTICES = 2**18
-"""As many vertices as this may be in a scene, those of a repeated part counted each time; more as above."""
+"""The same of vertices in a scene, those of a repeated part counted each time."""
 MOST_PARTS = 5_000
 """More nodes, or more placed parts of meshes, are refused: each takes trimesh a millisecond and more."""
 REPEATED = 4
