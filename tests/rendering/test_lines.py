@@ -6,7 +6,6 @@ from numpy.typing import NDArray
 from scenes import EYE, bumps, cube, ink, look, plane, sphere, still, view
 
 from normalgan.arrays import Floats
-from normalgan.errors import InputError
 from normalgan.rendering.lines import LineDrawing, OccludingContours, SuggestiveContours
 from normalgan.rendering.maps import Maps
 
@@ -149,16 +148,3 @@ def test_a_single_pixel_is_no_error(style: LineDrawing) -> None:
 def test_specks_are_left_out(style: LineDrawing) -> None:
     scene, speck = sphere(0.3, 0, 0, 0.4), sphere(-0.7, 0, 0, 0.004)
     np.testing.assert_array_equal(ink(style, view(scene, speck)), ink(style, view(scene)))
-
-
-def test_bad_settings_say_what_would_be_right() -> None:
-    with pytest.raises(InputError, match="line_width of OccludingContours is -1"):
-        OccludingContours(line_width=-1.0)
-    with pytest.raises(InputError, match="resolution of SuggestiveContours is 0; it must be 1 or more"):
-        SuggestiveContours(resolution=0)
-    with pytest.raises(InputError, match="crease of OccludingContours is 200"):
-        OccludingContours(crease=200.0)
-    with pytest.raises(InputError, match="theta of SuggestiveContours is 95"):
-        SuggestiveContours(theta=95.0)
-    with pytest.raises(InputError, match=r"shortest of SuggestiveContours is -0\.1; it must be 0 or more"):
-        SuggestiveContours(shortest=-0.1)
