@@ -165,9 +165,6 @@ def test_a_buffer_that_is_not_there_or_elsewhere(tmp_path: Path, uri: str | None
     tree["buffers"][0]["uri"] = "a%20b.bin"
     path.write_text(json.dumps(tree))
     assert len(read_rig(path).pieces) == 1
-    before = RiggedFile(MeshFile(str(path)), 0).fingerprint()
-    (tmp_path / "in" / "a b.bin").write_bytes(gltf.data + b"more")
-    assert RiggedFile(MeshFile(str(path)), 0).fingerprint() != before
     (tmp_path / "in" / "a b.bin").rename(tmp_path / "in" / "a%20b.bin")
     assert len(read_rig(path).pieces) == 1
 
