@@ -9,7 +9,7 @@ from normalgan.arrays import Doubles, Indices
 from normalgan.errors import InputError, did_you_mean
 from normalgan.rendering.gltf.nodes import world_matrices
 from normalgan.rendering.mesh import Mesh
-from normalgan.rendering.mesh_files import MeshFile, finish
+from normalgan.rendering.mesh_files import MeshFile, place
 from normalgan.rendering.rigs.animations import pose_at
 from normalgan.rendering.rigs.reading import read_rig
 from normalgan.rendering.rigs.rig import Clip
@@ -46,7 +46,7 @@ class ClipMeshes:
 
     def mesh(self, moment: float) -> Mesh:
         """Return the mesh at a moment in seconds."""
-        return finish(self._file.name, self._file, *self._surface(moment), self._about)
+        return place(self._file.name, self._file, *self._surface(moment), self._about)[0]
 
     @cached_property
     def hull(self) -> Doubles:

@@ -12,7 +12,7 @@ from normalgan.errors import InputError
 from normalgan.ranges import Count, Share, check_ranges
 from normalgan.rendering.gltf.container import bad_gltf, has_skin
 from normalgan.rendering.mesh import Mesh
-from normalgan.rendering.mesh_files import MeshFile, finish
+from normalgan.rendering.mesh_files import MeshFile, place
 from normalgan.seeds import rng_of
 
 __all__ = ["POSTURES_VERSION", "RIG_VERSION", "RiggedFile", "find_poses"]
@@ -81,7 +81,7 @@ class RiggedFile:
                 raise bad_gltf(Path(self.file.path), str(error)) from error
         if not np.isfinite(vertices).all():
             raise bad_gltf(Path(self.file.path), f"pose {self.pose} throws vertices beyond all numbers")
-        return finish(self.name, self.file, vertices, faces)
+        return place(self.name, self.file, vertices, faces)[0]
 
 
 def find_poses(files: Sequence[MeshFile], poses: int, postures: float = 0.0) -> list[MeshFile | RiggedFile]:
