@@ -254,8 +254,7 @@ def write(network: Refiner, out: Path) -> None:
     torch.save(network.state_dict(), out.with_suffix(".pt"))
     partial = out.with_suffix(".part")
     cells = {2: CELL * Dim("rows", min=1), 3: CELL * Dim("columns", min=1)}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # between torch and its own parts
+    with warnings.catch_warnings(action="ignore"):  # between torch and its own parts
         program = torch.onnx.export(
             network.eval(),
             (torch.zeros(1, 6, 64, 48),),

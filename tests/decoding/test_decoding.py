@@ -142,7 +142,7 @@ from decoders.worker import import_all, limit
 from resvg_py import svg_to_bytes
 dark = []
 def draw():
-    image, _ = decode(bytes(svg_to_bytes(svg_string={drawing!r}, width=64)), 8, 64, 64, 0, True)
+    image, _ = decode(bytes(svg_to_bytes(svg_string={drawing!r}, width=64)), 8, 64, 64, 0, True, [])
     dark.append(image.tobytes().count(0))
 import_all('')
 draw()

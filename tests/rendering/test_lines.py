@@ -3,10 +3,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scenes import EYE, bumps, cube, ink, look, plane, sphere, still, view
+from scenes import bumps, cube, ink, look, plane, sphere, still, view
 
 from normalgan.arrays import Floats
-from normalgan.errors import InputError
 from normalgan.rendering.lines import LineDrawing, OccludingContours, SuggestiveContours
 from normalgan.rendering.maps import Maps
 
@@ -14,11 +13,6 @@ WAVY = bumps(0.03)
 STYLES = [OccludingContours(), SuggestiveContours()]
 both_styles = pytest.mark.parametrize("style", STYLES, ids=lambda s: type(s).__name__)
 both_cameras = pytest.mark.parametrize("perspective", [False, True], ids=["orthographic", "perspective"])
-
-
-def radii(size: int) -> NDArray[np.float64]:
-    grid = np.arange(size) + 0.5 - size / 2
-    return np.sqrt(grid**2 + grid[:, None] ** 2)
 
 
 def inside_of_square(sketch: Floats, half: float) -> Floats:
@@ -31,36 +25,6 @@ def nothing(side: int = 512) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """Return the normal, depth and mask of an empty frame."""
     shape = (side, side)
     return np.zeros((*shape, 3), np.float32), np.full(shape, np.inf, np.float32), np.zeros(shape, bool)
-
-
-@both_styles
-@both_cameras
-@pytest.mark.parametrize("size", [64, 128])
-def test_sphere_is_one_closed_ring_of_the_right_radius_and_width(
-    style: LineDrawing, size: int, perspective: bool
-) -> None:
-    sketch = ink(style, view(sphere(0, 0, 0, 0.6), size=size, perspective=perspective))
-    # A sphere at distance D seen in perspective spans the angle asin(R / D).
-    apparent = EYE * np.tan(np.arcsin(0.6 / EYE)) if perspective else 0.6
-    radius, r = apparent * size / 2, radii(size)
-    assert (sketch * r).sum() / sketch.sum() == pytest.approx(radius, abs=0.3)
-    assert sketch[np.abs(r - radius) > 2.5].max() == 0
-    assert sketch.sum() / (2 * np.pi * radius) == pytest.approx(1.25, rel=0.12)
-    angle = np.arctan2(*np.meshgrid(np.arange(size) + 0.5 - size / 2, np.arange(size) + 0.5 - size / 2))
-    sectors = (np.floor((angle + np.pi) / (2 * np.pi) * 60).astype(int)).clip(0, 59)
-    assert min(sketch[sectors == k].max() for k in range(60)) > 0.5
-
-
-@both_styles
-@both_cameras
-def test_a_sphere_before_another_keeps_its_whole_outline(style: LineDrawing, perspective: bool) -> None:
-    near, far = sphere(-0.2, 0, 0.5, 0.4), sphere(0.3, 0, -0.4, 0.4)
-    whole = ink(style, view(near, perspective=perspective))
-    pair = ink(style, view(near, far, perspective=perspective))
-    # The near sphere's ring is there as if alone, where it crosses the far one too.
-    assert np.all(pair[whole > 0.5] > 0.4)
-    hidden = look(near, perspective=perspective).mask[2::4, 2::4] & (whole == 0)
-    assert pair[hidden].max() < 0.05  # and nothing of the far one shows through
 
 
 @both_styles
@@ -82,21 +46,9 @@ def test_coarse_meshes_whose_normals_deny_the_slope_have_no_ink_inside() -> None
     assert inside_of_square(sketch, 0.6).max() == 0
 
 
-@both_styles
-def test_ink_is_antialiased_float32_within_0_and_1(style: LineDrawing) -> None:
-    sketch = ink(style, view(sphere(0, 0, 0, 0.6), sphere(0.3, 0.2, 0.5, 0.3)))
-    assert sketch.dtype == np.float32
-    assert sketch.shape == (128, 128)
-    assert sketch.min() == 0
-    assert 0.9 < sketch.max() <= 1
-    assert len(np.unique(sketch)) > 10
-
-
-@pytest.mark.parametrize("width", [0.5, 1.0, 2.0])
-def test_twice_the_width_is_twice_the_ink(width: float) -> None:
+def test_twice_the_width_is_twice_the_ink() -> None:
     maps = look(sphere(0, 0, 0, 0.6))
-    once = ink(OccludingContours(line_width=width), still(maps)).sum()
-    twice = ink(OccludingContours(line_width=2 * width), still(maps)).sum()
+    once, twice = (ink(OccludingContours(line_width=width), still(maps)).sum() for width in (1.0, 2.0))
     assert twice / once == pytest.approx(2, rel=0.06)
 
 
@@ -109,13 +61,6 @@ def test_the_drawing_moves_with_the_object(style: LineDrawing, shift: tuple[int,
     there = Maps(normal, depth, np.roll(here.mask, fine, (0, 1)))
     expected = np.roll(ink(style, still(here)), shift[::-1], (0, 1))
     np.testing.assert_array_equal(ink(style, still(there)), expected)
-
-
-@both_styles
-def test_lines_are_the_same_at_any_size(style: LineDrawing) -> None:
-    small, large = ink(style, view(WAVY)), ink(style, view(WAVY, size=256))
-    # Equal widths in pixels: the length of the lines in pixels, and so the ink, doubles.
-    assert large.sum() / small.sum() == pytest.approx(2, rel=0.1)
 
 
 def test_creases_draw_the_near_edges_of_a_cube_once() -> None:
@@ -149,16 +94,3 @@ def test_a_single_pixel_is_no_error(style: LineDrawing) -> None:
 def test_specks_are_left_out(style: LineDrawing) -> None:
     scene, speck = sphere(0.3, 0, 0, 0.4), sphere(-0.7, 0, 0, 0.004)
     np.testing.assert_array_equal(ink(style, view(scene, speck)), ink(style, view(scene)))
-
-
-def test_bad_settings_say_what_would_be_right() -> None:
-    with pytest.raises(InputError, match="line_width of OccludingContours is -1"):
-        OccludingContours(line_width=-1.0)
-    with pytest.raises(InputError, match="resolution of SuggestiveContours is 0; it must be 1 or more"):
-        SuggestiveContours(resolution=0)
-    with pytest.raises(InputError, match="crease of OccludingContours is 200"):
-        OccludingContours(crease=200.0)
-    with pytest.raises(InputError, match="theta of SuggestiveContours is 95"):
-        SuggestiveContours(theta=95.0)
-    with pytest.raises(InputError, match=r"shortest of SuggestiveContours is -0\.1; it must be 0 or more"):
-        SuggestiveContours(shortest=-0.1)

@@ -115,12 +115,6 @@ def test_an_empty_picture_and_a_single_pixel_have_no_lines() -> None:
     assert thin(alone) == []
 
 
-@pytest.mark.parametrize("style", [Silhouette, Brush])
-def test_a_pen_without_width_is_refused(style: type[Silhouette | Brush]) -> None:
-    with pytest.raises(InputError, match=r"line_width of \w+ is 0; it must be more than 0"):
-        style(line_width=0)
-
-
 @pytest.mark.parametrize("kind", list(LINE_DRAWINGS), ids=lambda kind: kind.__name__)
 def test_a_sheet_seen_edge_on_is_refused_by_name(kind: type[LineDrawing]) -> None:
     lines = Mixture([Silhouette()]) if kind is Mixture else kind()

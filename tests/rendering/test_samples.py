@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from normalgan.errors import InputError
 from normalgan.files.source_hash import source_hash
 from normalgan.rendering.cameras import Camera, Views
 from normalgan.rendering.lines.base import LineDrawing
@@ -220,8 +219,3 @@ def test_a_plug_in_that_cannot_be_described_is_refused() -> None:
 
     with pytest.raises(TypeError, match="object is not a dataclass of plain values"):
         Recipe(Views(), Opaque(), Shade(), 8).describe()
-
-
-def test_a_picture_has_at_least_one_pixel() -> None:
-    with pytest.raises(InputError, match="size of Recipe is 0; it must be 1 or more"):
-        Recipe(Views(), Slope(), Shade(), 0)

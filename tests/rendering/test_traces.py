@@ -82,14 +82,6 @@ def test_strokes_stay_in_the_frame_and_their_points_a_pixel_apart(style: LineDra
 
 
 @both_styles
-def test_the_same_view_gives_the_same_strokes(style: LineDrawing) -> None:
-    one, other = (trace(style, View(blob(), camera_at(blob()), EmbreeRenderer(), 96)) for _ in range(2))
-    assert len(one) == len(other) > 3
-    for a, b in zip(one, other, strict=True):
-        np.testing.assert_array_equal(a.points, b.points)
-
-
-@both_styles
 def test_a_drawing_twice_as_large_is_the_same_drawing(style: LineDrawing) -> None:
     small, large = (trace(style, view(bumps(0.03), size=size)) for size in (128, 256))
     assert len(small) == len(large)

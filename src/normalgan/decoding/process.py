@@ -44,7 +44,7 @@ _MOST_WORDS = 4096
 _MOST_HEADER = 2**20
 """Bytes of a message that holds no pixels."""
 _NONSENSE = (EOFError, OSError, ValueError, KeyError, TypeError)
-"""What is raised of a child that has ended, or sends what it never should: it is not believed."""
+"""Raised when a child has ended, or sends what a sound one never does."""
 
 
 def decode(
@@ -112,7 +112,7 @@ class _Question(Generic[T]):
         name: what to call it in an error.
         content: its file.
         sides: pixels that each side has at least and at most.
-        read: makes of the child's answer what is wanted; raises one of `_NONSENSE` of one that cannot be.
+        read: makes the result of the child's answer; raises one of `_NONSENSE` if that is impossible.
         more: how to decode it.
     """
 

@@ -7,15 +7,13 @@ from normalgan.arrays import Floats
 from normalgan.exporting.deployed import Deployed
 from normalgan.exporting.formats import Run
 from normalgan.normals import angles
-from normalgan.rendering.strokes import rasterise
-from normalgan.rendering.strokes.stroke import Stroke
+from normalgan.rendering.strokes import Stroke, rasterise
 
 __all__ = ["examples", "largest_difference", "predict", "turn_in_degrees"]
 
-
 _STROKES, _HINTS = 12, 15
 _OBJECT = 0.5
-"""Normals that are shorter mean: no object."""
+"""Torch predicts no object where its normals are shorter."""
 
 
 def examples(count: int, size: int, seed: int = 0) -> tuple[Floats, Floats]:
@@ -27,7 +25,7 @@ def examples(count: int, size: int, seed: int = 0) -> tuple[Floats, Floats]:
         strokes = []
         for _ in range(_STROKES):
             walk = np.cumsum(rng.normal(0, size / 24, (12, 2)), axis=0) + rng.uniform(0, size, 2)
-            strokes.append(Stroke(walk, np.full(12, rng.uniform(0.8, 2.0)), np.full(12, 1.0)))
+            strokes.append(Stroke.even(walk, rng.uniform(0.8, 2.0)))
         sketch[0] = rasterise(strokes, size)
         normals = rng.normal(size=(_HINTS, 3))
         normals[:, 2] = np.abs(normals[:, 2])

@@ -67,8 +67,8 @@ def write_onnx(model: Deployed, notes: Mapping[str, str]) -> bytes:
     from normalgan.exporting.onnx_file import finish, fold_constants
 
     batch = {0: Dim.DYNAMIC}
-    with warnings.catch_warnings(), quiet_loggers("torch.onnx", "onnxscript", "onnx_ir", level=logging.ERROR):
-        warnings.simplefilter("ignore")  # between torch and its own parts
+    loggers = quiet_loggers("torch.onnx", "onnxscript", "onnx_ir", level=logging.ERROR)
+    with warnings.catch_warnings(action="ignore"), loggers:  # between torch and its own parts
         program = torch.onnx.export(
             model,
             model.example(2),
@@ -105,9 +105,8 @@ def halve_onnx(content: bytes) -> bytes:
 def write_torchscript(model: Deployed, notes: Mapping[str, str]) -> bytes:
     """Return a model as TorchScript, traced, for libtorch without Python."""
     file = BytesIO()
-    with warnings.catch_warnings():
-        # torch calls it deprecated for torch.export, which old libtorch cannot read; tracing fixes the size.
-        warnings.simplefilter("ignore")
+    # torch calls it deprecated for torch.export, which old libtorch cannot read; tracing fixes the size.
+    with warnings.catch_warnings(action="ignore"):
         traced = torch.jit.trace(model, model.example(2), check_trace=False)
         torch.jit.save(torch.jit.freeze(traced), file, _extra_files={"notes.json": json.dumps(dict(notes))})
     return file.getvalue()
@@ -115,16 +114,14 @@ def write_torchscript(model: Deployed, notes: Mapping[str, str]) -> bytes:
 
 def read_torchscript(content: bytes) -> Run:
     """Return a model run by TorchScript."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with warnings.catch_warnings(action="ignore"):
         return _tensors(torch.jit.load(BytesIO(content), map_location="cpu"))
 
 
 def write_program(model: Deployed, notes: Mapping[str, str]) -> bytes:
     """Return a model as a program of ``torch.export``."""
     file, batch = BytesIO(), {0: Dim.DYNAMIC}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with warnings.catch_warnings(action="ignore"):
         program = torch.export.export(model, model.example(2), dynamic_shapes=(batch, batch))
         torch.export.save(program, file, extra_files={"notes.json": json.dumps(dict(notes))})
     return file.getvalue()
@@ -132,8 +129,7 @@ def write_program(model: Deployed, notes: Mapping[str, str]) -> bytes:
 
 def read_program(content: bytes) -> Run:
     """Return a model run by ``torch.export``."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with warnings.catch_warnings(action="ignore"):
         return _tensors(torch.export.load(BytesIO(content)).module())
 
 

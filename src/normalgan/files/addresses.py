@@ -23,7 +23,7 @@ __all__ = ["CACHE", "Address", "Kept", "is_address", "kept_files", "local_file",
 CACHE = "NORMALGAN_CACHE"
 """The environment variable that names the folder of files that were fetched."""
 _WAIT = 30
-"""Seconds that a server may say nothing."""
+"""Seconds to wait for a server's answer."""
 _HASH = re.compile(r"sha256=([0-9a-fA-F]{64})")
 _HUB_FILE = "model.onnx"
 """The file of a repository on the hub, if the address names none."""

@@ -25,9 +25,9 @@ MOST_BYTES = 2**30
 MOST_SETTINGS = 2**18
 """Larger configurations are refused, in bytes: PyYAML takes seconds for each megabyte."""
 MOST_DEPTH = 50
-"""More lists and mappings in one another than any settings need."""
+"""Deeper lists and mappings are refused; no settings need them."""
 MOST_NODES = 100_000
-"""More values than any settings need, those counted again that an alias repeats."""
+"""More values are refused, those counted again that an alias repeats; no settings need as many."""
 _POINTER = b"version https://git-lfs.github.com/spec/"
 """What a pointer of Git LFS begins with."""
 
@@ -114,8 +114,8 @@ def load_yaml(text: str) -> Any:
     """Return the value of a YAML text, loaded safely; ask `yaml_limit_error` first.
 
     Raises:
-        yaml.MarkedYAMLError: with the line, also for what looks like a date or a number and is none, of
-            which PyYAML raises a bare ValueError or worse.
+        yaml.MarkedYAMLError: with the line, also for what looks like a date or a number and is none, where
+            PyYAML raises a bare ValueError or worse.
 
     >>> load_yaml("a: 2026-02-30")
     Traceback (most recent call last):

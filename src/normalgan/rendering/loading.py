@@ -25,7 +25,7 @@ Triangles = tuple[Doubles, Indices]
 _POLYGONS = {".obj": read_obj, ".off": read_off, ".ply": read_ply}
 """Readers of the formats whose faces may have more than three corners."""
 SUFFIXES = (".off", ".obj", ".ply", ".stl", ".glb", ".gltf")
-"""The file formats taken, by suffix; upper case is as good."""
+"""The suffixes of the formats that can be read, in lower case."""
 
 
 def read_triangles(path: Path) -> Triangles:
@@ -60,7 +60,7 @@ def _parts(path: Path) -> list[Triangles]:
             if suffix in _POLYGONS:
                 polygons = _POLYGONS[suffix](mesh_bytes(path))
                 return [(polygons.vertices, polygons.triangles())]
-            return _gltf(path) if suffix in {".glb", ".gltf"} else _stl(path)
+            return _stl(path) if suffix == ".stl" else _gltf(path)
     except InputError:
         raise
     except Exception as error:  # whatever a parser raises on a broken file
@@ -87,6 +87,5 @@ def _stl(path: Path) -> list[Triangles]:
 def _silence() -> Iterator[None]:
     """Silence the warnings and log messages of trimesh and its parsers."""
     loggers = quiet_loggers("trimesh", "charset_normalizer", "chardet")
-    with loggers, warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore")
+    with loggers, warnings.catch_warnings(action="ignore"), np.errstate(all="ignore"):
         yield

@@ -22,10 +22,10 @@ from normalgan.rendering.mesh_limits import linked_buffers
 from normalgan.rendering.orientation import Orientation, Rotation, checked_rotation, read_orientations
 from normalgan.rendering.repair import shade, weld, wind
 
-__all__ = ["LOADER_VERSIONS", "MeshFile", "find_meshes", "finish", "place"]
+__all__ = ["LOADER_VERSIONS", "MeshFile", "find_meshes", "place"]
 
 LOADER_VERSIONS = {".obj": 3, ".off": 2}
-"""Part of a fingerprint, 1 if not named: raise one when `MeshFile.load` comes to return another mesh."""
+"""Part of a fingerprint, 1 if not named: raise one when `MeshFile.load` returns another mesh than before."""
 
 
 @dataclass(frozen=True)
@@ -74,19 +74,20 @@ class MeshFile:
         Raises:
             InputError: if the file cannot be read or holds no surface; the message says why.
         """
-        return finish(self.name, self, *read_triangles(Path(self.path)))
+        return place(self.name, self, *read_triangles(Path(self.path)))[0]
 
 
-def finish(
+def place(
     name: str,
     file: MeshFile,
     vertices: Doubles,
     faces: Indices,
     about: Doubles | None = None,
-) -> Mesh:
-    """Return the mesh of a file's triangles, prepared by the file's settings.
+) -> tuple[Mesh, Doubles]:
+    """Return the mesh of a file's triangles, and the (4, 4) matrix from it to the file's world axes.
 
-    It is moved and scaled so that its box is centred on the origin and its farthest vertex 1 away.
+    The file's settings hold. The mesh is moved and scaled so that its box is centred on the origin and its
+    farthest vertex 1 away.
 
     Args:
         name: name of the mesh.
@@ -99,17 +100,6 @@ def finish(
     Raises:
         InputError: if no face has an area.
     """
-    return place(name, file, vertices, faces, about)[0]
-
-
-def place(
-    name: str,
-    file: MeshFile,
-    vertices: Doubles,
-    faces: Indices,
-    about: Doubles | None = None,
-) -> tuple[Mesh, Doubles]:
-    """Return a mesh as `finish` does, and the (4, 4) matrix from there back to the file's world axes."""
     # By a power of two, so that no digit changes: squares of huge or tiny lengths leave floating point.
     _, exponent = np.frexp(np.abs(vertices[np.unique(faces)]).max(initial=0))
     about = None if about is None else np.ldexp(about, -exponent)
@@ -166,7 +156,7 @@ def _paths(source: str) -> list[Path]:
     if place.is_file():
         return [place]
     where = place.iterdir() if place.is_dir() else map(Path, glob(str(place), recursive=True))
-    # What begins with ._ is what macOS notes about a file on a disk of another system.
+    # macOS puts files that begin with ._ beside those that it copies to the disk of another system.
     found = [
         path
         for path in where

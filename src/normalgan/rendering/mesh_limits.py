@@ -7,8 +7,10 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
+import numpy as np
+
 from normalgan.errors import InputError
-from normalgan.rendering.gltf.file import read_gltf
+from normalgan.rendering.gltf.file import COMPONENTS, WIDTHS, read_gltf
 from normalgan.rendering.mesh_bytes import mesh_bytes
 
 __all__ = [
@@ -17,8 +19,6 @@ __all__ = [
     "HEADER",
     "MOST_PARTS",
     "REPEATED",
-    "SIZES",
-    "WIDTHS",
     "buffer_file",
     "check_limits",
     "linked_buffers",
@@ -28,16 +28,13 @@ __all__ = [
 HEADER = 2**16
 """Bytes of a file in which it has to say what it holds."""
 FREE_NUMBERS = 2**22
-"""As many numbers as this may be in a glTF's accessors, whatever its size; more only with their bytes."""
+"""Numbers that a glTF's accessors may announce whatever its size; more need their bytes in the file."""
 FREE_VERTICES = 2**18
-"""As many vertices as this may be in a scene, those of a repeated part counted each time; more as above."""
+"""The same of vertices in a scene, those of a repeated part counted each time."""
 MOST_PARTS = 5_000
 """More nodes, or more placed parts of meshes, are refused: each takes trimesh a millisecond and more."""
 REPEATED = 4
 """How often the bytes of a glTF may be used; nearly all exporters use them once."""
-SIZES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
-"""Bytes of each type of component."""
-WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 
 
 def check_limits(path: Path) -> None:
@@ -102,9 +99,10 @@ def buffer_file(path: Path, uri: str) -> Path:
     name = name_in_folder(uri)
     if name is None:
         raise InputError(f"{path} refers to {uri[:80]!r}, which does not lie in its folder.")
-    # A URI writes a space as %20; some exporters do not.
+    # In a URI %20 is a space; some exporters mean the digits. From a folder "a%2fb", ".." would lead out.
     plain = path.parent / uri
-    file = plain if "%" in uri and plain.is_file() else path.parent / name
+    literal = "%" in uri and ".." not in Path(uri).parts and plain.is_file()
+    file = plain if literal else path.parent / name
     if file.exists() and not file.is_file():
         raise InputError(f"{path} refers to {uri[:80]!r}, which is not a file.")
     return file
@@ -131,7 +129,7 @@ def _check_views(path: Path, tree: dict[str, Any], held: int) -> None:
     for index, entry in enumerate(tree.get("accessors", [])):
         if "bufferView" not in entry or "byteStride" not in (view := views[entry["bufferView"]]):
             continue
-        size = WIDTHS[entry["type"]] * SIZES[entry["componentType"]]
+        size = WIDTHS[entry["type"]] * np.dtype(COMPONENTS[entry["componentType"]]).itemsize
         if view["byteStride"] < size:
             raise InputError(
                 f"{path} has elements of {size} bytes {view['byteStride']} bytes apart, in accessor {index}; "

@@ -52,7 +52,7 @@ def checked_rotation(where: str, rows: Any) -> Rotation:
         rows: 3 rows of 3 numbers.
 
     Raises:
-        InputError: if they are not so, or mirror, scale or shear.
+        InputError: if they are not, or if they mirror, scale or shear.
 
     Example:
         >>> checked_rotation("example", [[0, -1, 0], [1, 0, 0], [0, 0, 1]])[0]

@@ -31,7 +31,7 @@ def read_ply(data: bytes) -> Polygons:
     References:
         Turk 1994, "The PLY polygon file format".
     """
-    if data.startswith((b"\xff\xfe", b"\xfe\xff", b"\xef\xbb\xbf")):  # text of a program that marks it
+    if data.startswith((b"\xff\xfe", b"\xfe\xff", b"\xef\xbb\xbf")):  # text with a byte order mark
         data = decode_text(data).encode("ascii", "replace")
     head, end, body = data.partition(b"end_header")
     if not data.startswith(b"ply") or not end:

@@ -175,7 +175,7 @@ def sample_rng(seed: int, name: str, index: int, step: str) -> np.random.Generat
         >>> bool(a.random() == b.random() != sample_rng(0, "horse", 3, "lines").random())
         True
     """
-    # Not Python's hash(): it is salted anew in every process.
+    # Not Python's hash(), whose salt differs from process to process.
     digest = hashlib.sha256(json.dumps([seed, name, index, step]).encode()).digest()
     return np.random.default_rng(int.from_bytes(digest, "big"))
 

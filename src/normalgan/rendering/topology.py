@@ -48,7 +48,7 @@ def bodies(faces: Indices) -> tuple[Indices, BoolMask]:
     label = components(
         2 * count, np.r_[first, first + count], np.r_[second + other, second + count - other]
     ).reshape(2, count)
-    # The component of a body's first face as it is, is the choice; faces found there turned are to turn.
+    # A body's first face stays as it is; those faces turn whose turned copy hangs together with it.
     _, leaders = np.unique(body, return_index=True)
     chosen = label[0, leaders][body]
     return body, (label[0] != chosen) & (label[1] == chosen)

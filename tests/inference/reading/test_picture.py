@@ -184,7 +184,7 @@ def test_what_is_not_installed_is_told_with_a_way_out(monkeypatch: pytest.Monkey
     head = b"\0\0\0\x18ftypheic\0\0\0\0mif1heic"
     monkeypatch.setitem(sys.modules, "pillow_heif", None)
     with pytest.raises(RefusedError, match=r"is a HEIC; run `pip install 'normalgan\[heic\]'` .* as PNG"):
-        decode(head, 8, 64, 64, 0, False)
+        decode(head, 8, 64, 64, 0, False, [])
 
 
 @pytest.mark.parametrize("turn", range(1, 9))

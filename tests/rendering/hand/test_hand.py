@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 from ellipsoids import drawing, ellipsoid
 
-from normalgan.errors import InputError
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.strokes import Stroke
@@ -163,19 +162,3 @@ def test_nothing_to_draw_is_no_trouble() -> None:
     strokes, maps = FULL.draw([dot], empty, np.random.default_rng(0))
     assert len(strokes) >= 1
     assert not maps.mask.any()
-
-
-@pytest.mark.parametrize(
-    ("settings", "message"),
-    [
-        ({"strength": (0.5, 0.2)}, r"strength of Hand is \(0.5, 0.2\)"),
-        ({"strength": (0.0, 1.5)}, "low then high, from 0 to 1"),
-        ({"pen": (0.0, 1.0)}, "pen of Hand is .* two numbers, low then high, from 0.1"),
-        ({"wobble": -0.1}, "wobble of Hand is -0.1; it must be from 0 to 0.1"),
-        ({"missed": 1.2}, "it must be from 0 to 1"),
-        ({"taper": float("nan")}, "taper of Hand is nan"),
-    ],
-)
-def test_what_no_hand_can_do_is_refused(settings: dict[str, Any], message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        Hand(**settings)

@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 
 from normalgan.arrays import Floats
-from normalgan.errors import InputError
 from normalgan.rendering.media import Medium
 from normalgan.rendering.media.paper import on_paper, scanned
 from normalgan.rendering.media.tools import bleed, pencil
@@ -69,17 +68,3 @@ def test_tinted_paper_is_even_and_a_shadow_falls_from_one_side() -> None:
 def test_noise_has_its_deviation() -> None:
     grey = np.full((128, 128), 0.5, np.float32)
     assert scanned(grey, 0.03, rng()).std() == pytest.approx(0.03, rel=0.05)
-
-
-@pytest.mark.parametrize(
-    ("settings", "message"),
-    [
-        ({"strength": (0.5, 0.2)}, "two numbers, low then high, from 0 to 1"),
-        ({"strength": (0.0, 2.0)}, "two numbers, low then high, from 0 to 1"),
-        ({"noise": -0.1}, "noise of Medium is -0.1; it must be from 0 to 1"),
-        ({"grain": 1.5}, "grain of Medium is 1.5"),
-    ],
-)
-def test_settings_out_of_range_are_refused(settings: dict[str, float], message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        Medium(**settings)  # type: ignore[arg-type]

@@ -137,13 +137,14 @@ def test_a_broken_rig_is_refused(tmp_path: Path, name: str) -> None:
 @pytest.mark.parametrize(
     ("uri", "reason"),
     [
-        ("../bar.bin", "its buffer '../bar.bin' does not lie in its folder"),
+        ("../bar.bin", "refers to '../bar.bin', which does not lie in its folder"),
         ("a/../../bar.bin", "does not lie in its folder"),
         ("%2e%2e/bar.bin", "does not lie in its folder"),
         ("/etc/hostname", "does not lie in its folder"),
         ("file:///etc/hostname", "does not lie in its folder"),
         ("https://example.org/bar.bin", "does not lie in its folder"),
         ("gone.bin", "its buffer 'gone.bin' is missing"),
+        ("a%2fb/../../bar.bin", "its buffer 'a%2fb/../../bar.bin' is missing"),
         ("short.bin", "its buffer 0 has 3 bytes of"),
         ("data:;base64,!!!", "is not base64"),
         (None, "its buffer 0 is missing"),
@@ -153,7 +154,7 @@ def test_a_buffer_that_is_not_there_or_elsewhere(tmp_path: Path, uri: str | None
     gltf, _ = bar()
     tree = gltf.finished()
     tree["buffers"][0]["uri"] = uri
-    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "a%2fb").mkdir(parents=True)
     (tmp_path / "bar.bin").write_bytes(gltf.data)
     (tmp_path / "in" / "short.bin").write_bytes(b"abc")
     path = tmp_path / "in" / "bar.gltf"
@@ -164,9 +165,8 @@ def test_a_buffer_that_is_not_there_or_elsewhere(tmp_path: Path, uri: str | None
     tree["buffers"][0]["uri"] = "a%20b.bin"
     path.write_text(json.dumps(tree))
     assert len(read_rig(path).pieces) == 1
-    before = RiggedFile(MeshFile(str(path)), 0).fingerprint()
-    (tmp_path / "in" / "a b.bin").write_bytes(gltf.data + b"more")
-    assert RiggedFile(MeshFile(str(path)), 0).fingerprint() != before
+    (tmp_path / "in" / "a b.bin").rename(tmp_path / "in" / "a%20b.bin")
+    assert len(read_rig(path).pieces) == 1
 
 
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])

@@ -91,23 +91,6 @@ def test_sparse_and_interleaved_accessors(tmp_path: Path) -> None:
     np.testing.assert_array_equal(found, expected)
 
 
-@pytest.mark.parametrize(
-    ("mode", "corners", "triangles"),
-    [
-        (5, [0, 1, 2, 3, 4], [[0, 1, 2], [2, 1, 3], [2, 3, 4]]),
-        (6, [0, 1, 2, 3, 4], [[0, 1, 2], [0, 2, 3], [0, 3, 4]]),
-    ],
-)
-def test_strips_and_fans(tmp_path: Path, mode: int, corners: list[int], triangles: list[list[int]]) -> None:
-    gltf, primitive = bar()
-    primitive |= {"mode": mode, "indices": gltf.accessor(np.array(corners, dtype=np.uint8))}
-    faces = read_rig(write_gltf(tmp_path / "bar.gltf", gltf)).pieces[0].faces
-    same = [sorted(map(int, face)) for face in faces] == [sorted(face) for face in triangles]
-    turns = [tuple(np.roll(face, -int(np.argmin(face)))) for face in faces]
-    assert same
-    assert turns == [tuple(np.roll(face, -int(np.argmin(face)))) for face in triangles]
-
-
 def with_hat(gltf: Gltf) -> None:
     """Put a stiff triangle on the second bone, mirrored and in a mesh of its own, and points beside it."""
     points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], dtype=np.float32)

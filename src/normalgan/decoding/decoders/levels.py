@@ -3,7 +3,7 @@
 from typing import Any
 
 from .formats import format_of
-from .opening import DTYPES, RefusedError, check_sides, first_line
+from .opening import DTYPES, RefusedError, check_sides, first_line, reduced_size
 
 __all__ = ["exact_levels", "float_white", "is_tiff", "loses_levels", "viewed"]
 
@@ -67,8 +67,7 @@ def viewed(levels: Any, longest: int, grey: bool) -> Any:
     import numpy as np
 
     if longest and max(levels.shape[:2]) > longest:
-        scale = longest / max(levels.shape[:2])
-        size = (max(round(levels.shape[1] * scale), 1), max(round(levels.shape[0] * scale), 1))
+        size = reduced_size(levels.shape[1], levels.shape[0], longest)
         levels = cv2.resize(levels, size, interpolation=cv2.INTER_AREA)
     if not grey or levels.ndim == 2:
         return np.ascontiguousarray(levels)

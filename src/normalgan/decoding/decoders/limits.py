@@ -11,10 +11,10 @@ def limit(memory: int) -> None:
         import resource
     except ImportError:  # Windows has nothing like it
         return
-    # No file, socket or pipe is opened from here on, whatever a decoder is talked into.
+    # From here on no file, socket or pipe can be opened, whatever a decoder tries.
     for what in (resource.RLIMIT_CORE, resource.RLIMIT_FSIZE):
         _lower(what, 0)
-    if sys.platform == "linux":  # macOS does not heed it
+    if sys.platform == "linux":  # macOS ignores it
         with open("/proc/self/statm", encoding="ascii") as file:  # noqa: PTH123 -- nothing more is imported
             mapped = int(file.read().split()[0]) * resource.getpagesize()
         _lower(resource.RLIMIT_AS, mapped + memory)

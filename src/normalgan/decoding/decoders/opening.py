@@ -23,6 +23,7 @@ __all__ = [
     "first_line",
     "import_plugin",
     "opened",
+    "reduced_size",
     "with_form",
 ]
 
@@ -101,6 +102,12 @@ def check_sides(width: int, height: int, least: int, most: int) -> None:
     """Raise `RefusedError` if a side is too short or too long."""
     if not (least <= width <= most and least <= height <= most):
         raise RefusedError(f"is {width} × {height} pixels; a drawing has {least} to {most} a side")
+
+
+def reduced_size(width: int, height: int, longest: int) -> tuple[int, int]:
+    """Return (width, height) of a picture that is reduced to a longer side of ``longest`` pixels."""
+    scale = longest / max(width, height)
+    return max(round(width * scale), 1), max(round(height * scale), 1)
 
 
 def with_form(pixels: Any) -> dict[str, Any]:

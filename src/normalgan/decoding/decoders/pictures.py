@@ -19,6 +19,7 @@ from .opening import (
     check_sides,
     first_line,
     opened,
+    reduced_size,
     with_form,
 )
 from .svg import draw_svg, is_svg
@@ -59,7 +60,7 @@ def decode(
     svg_side: int,
     longest: int,
     grey: bool,
-    notes: list[Any] | None = None,
+    notes: list[Any],
 ) -> "tuple[Image, tuple[int, int]]":
     """Return a picture upright, in one of `MODES`, and the (width, height) that it had before it was reduced.
 
@@ -83,7 +84,7 @@ def decode(
         if (layered := _layered(content, least, most)) is not None:
             with _unreadable_refused():
                 upright = layered.composite()
-            if notes is not None and str(layered.notes):
+            if str(layered.notes):
                 notes.append(layered.notes)
             check_sides(upright.width, upright.height, least, most)
             upright.load()
@@ -304,8 +305,7 @@ def reduced(image: "Image", longest: int) -> "Image":
     """Return a smaller image in which each pixel is the mean of those it replaces."""
     from PIL import Image
 
-    scale = longest / max(image.size)
-    size = (max(round(image.width * scale), 1), max(round(image.height * scale), 1))
+    size = reduced_size(image.width, image.height, longest)
     if image.mode == "RGBA":  # colours of pixels that nobody sees must not bleed into those that are seen
         return image.convert("RGBa").resize(size, Image.Resampling.BOX).convert("RGBA")
     if image.mode == "I;16":

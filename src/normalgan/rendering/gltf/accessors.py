@@ -6,11 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.rendering.gltf.container import Container, bad_gltf
+from normalgan.rendering.gltf.file import COMPONENTS, WIDTHS
 
-__all__ = ["COMPONENTS", "MOST", "WIDTHS", "Array", "read_accessor"]
+__all__ = ["MOST", "Array", "read_accessor"]
 
-COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 MOST = 2**26
 """More elements than this are refused: an accessor may claim any number of zeros."""
 

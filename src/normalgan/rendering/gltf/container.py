@@ -3,6 +3,8 @@
 import base64
 import binascii
 import struct
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,9 +12,9 @@ from typing import Any
 from normalgan.errors import InputError, brief
 from normalgan.rendering.gltf.file import read_gltf
 from normalgan.rendering.mesh_bytes import mesh_bytes
-from normalgan.rendering.mesh_limits import name_in_folder
+from normalgan.rendering.mesh_limits import buffer_file
 
-__all__ = ["RIG_SUFFIXES", "Container", "bad_gltf", "has_skin", "read_container"]
+__all__ = ["RIG_SUFFIXES", "Container", "bad_gltf", "has_skin", "read_container", "refusing_bad_gltf"]
 
 RIG_SUFFIXES = (".glb", ".gltf")
 """The file formats that can hold a skin."""
@@ -55,6 +57,17 @@ class Container:
 def bad_gltf(path: Path, reason: str) -> InputError:
     """Return the error for a file that cannot be used."""
     return InputError(f"{path} cannot be read as a mesh: {reason}.")
+
+
+@contextmanager
+def refusing_bad_gltf(path: Path) -> Iterator[None]:
+    """Refuse a file that breaks the rules of glTF in a way without a message of its own."""
+    try:
+        yield
+    except InputError:
+        raise
+    except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
+        raise bad_gltf(path, "it is not as glTF 2.0 says") from error
 
 
 def has_skin(path: Path) -> bool:
@@ -114,9 +127,7 @@ def _linked(path: Path, uri: str) -> bytes:
             return base64.b64decode(uri.partition(",")[2], validate=True)
         except binascii.Error as error:
             raise bad_gltf(path, f"a buffer written into it is not base64: {brief(error)}") from error
-    name = name_in_folder(uri)
-    if name is None:
-        raise bad_gltf(path, f"its buffer {uri!r} does not lie in its folder")
-    if not (path.parent / name).is_file():
+    file = buffer_file(path, uri)
+    if not file.is_file():
         raise bad_gltf(path, f"its buffer {uri!r} is missing")
-    return mesh_bytes(path.parent / name)
+    return mesh_bytes(file)

@@ -7,7 +7,12 @@ from typing import Any
 
 from normalgan.rendering.mesh_bytes import mesh_bytes
 
-__all__ = ["read_gltf"]
+__all__ = ["COMPONENTS", "WIDTHS", "read_gltf"]
+
+COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+"""The types of a component of an accessor, as NumPy names them."""
+WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
+"""Components of an element of each type of accessor."""
 
 _MAGIC, _JSON, _BINARY = 0x46546C67, 0x4E4F534A, 0x004E4942
 

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from normalgan.arrays import Doubles, Indices
 from normalgan.rendering.gltf.container import Container, bad_gltf
 
-__all__ = ["Nodes", "local_matrices", "read_nodes", "shown_nodes", "world_matrices"]
+__all__ = ["Nodes", "read_nodes", "shown_nodes", "world_matrices"]
 
 
 @dataclass(frozen=True)
@@ -88,8 +88,8 @@ def shown_nodes(container: Container, nodes: Nodes) -> list[int]:
     return sorted(roots)
 
 
-def local_matrices(nodes: Nodes) -> Doubles:
-    """Return the (N, 4, 4) matrices from each node's axes to its parent's, for column vectors."""
+def world_matrices(nodes: Nodes) -> Doubles:
+    """Return the (N, 4, 4) matrices from each node's axes to the world's, for column vectors."""
     matrices = np.zeros((len(nodes.parents), 4, 4))
     if len(matrices):
         turns = Rotation.from_quat(nodes.rotations).as_matrix()
@@ -98,13 +98,7 @@ def local_matrices(nodes: Nodes) -> Doubles:
     matrices[:, 3, 3] = 1.0
     for index, matrix in nodes.matrices.items():
         matrices[index] = matrix
-    return matrices
-
-
-def world_matrices(nodes: Nodes) -> Doubles:
-    """Return the (N, 4, 4) matrices from each node's axes to the world's."""
-    matrices = local_matrices(nodes)
-    for index in nodes.order:
+    for index in nodes.order:  # from each node's parent on, which is placed before it
         parent = nodes.parents[index]
         if parent >= 0:
             matrices[index] = matrices[parent] @ matrices[index]

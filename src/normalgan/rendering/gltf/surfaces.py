@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 
 from normalgan.arrays import Doubles, Indices
-from normalgan.errors import InputError
 from normalgan.rendering.gltf.accessors import read_accessor
-from normalgan.rendering.gltf.container import Container, bad_gltf, read_container
+from normalgan.rendering.gltf.container import Container, bad_gltf, read_container, refusing_bad_gltf
 from normalgan.rendering.gltf.nodes import read_nodes, shown_nodes, world_matrices
 
-__all__ = ["MODES", "not_gltf", "read_faces", "read_surfaces"]
+__all__ = ["MODES", "read_faces", "read_surfaces"]
 
 MODES = (4, 5, 6)
 """Primitives that are lists, strips or fans of triangles; the others are points and lines."""
@@ -26,7 +25,7 @@ def read_surfaces(path: Path) -> list[tuple[Doubles, Indices]]:
     Raises:
         InputError: if the file cannot be read, or does not hold together.
     """
-    try:
+    with refusing_bad_gltf(path):
         container = read_container(path)
         nodes = read_nodes(container)
         if not len(nodes.order):  # a library of meshes
@@ -39,15 +38,6 @@ def read_surfaces(path: Path) -> list[tuple[Doubles, Indices]]:
             if "mesh" in (entry := container.item("nodes", index))
             for each in _surfaces(container, entry["mesh"], world[index])
         ]
-    except InputError:
-        raise
-    except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
-        raise not_gltf(path) from error
-
-
-def not_gltf(path: Path) -> InputError:
-    """Return the error for a file that breaks the glTF rules in a way without a message of its own."""
-    return bad_gltf(path, "it is not as glTF 2.0 says")
 
 
 def _surfaces(container: Container, mesh: Any, matrix: Doubles) -> Iterator[tuple[Doubles, Indices]]:

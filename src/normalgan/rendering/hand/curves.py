@@ -3,6 +3,7 @@
 import numpy as np
 
 from normalgan.arrays import Doubles
+from normalgan.rendering.strokes.curves import lengths_along
 from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["begin_at", "piece", "resample", "turning"]
@@ -14,7 +15,7 @@ def resample(stroke: Stroke, step: float) -> Stroke:
     >>> resample(Stroke.even(np.array([[0.0, 0.0], [0.0, 4.0]]), 1.0), 1.0).points[:, 1]
     array([0., 1., 2., 3., 4.])
     """
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(stroke.points, axis=0).T))])
+    along = lengths_along(stroke.points)
     at = np.linspace(0, along[-1], max(3, int(np.ceil(along[-1] / step - 1e-9)) + 1))
     values = (*stroke.points.T, stroke.width, stroke.darkness)
     x, y, width, darkness = (np.interp(at, along, value) for value in values)

@@ -2,16 +2,14 @@
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from normalgan.arrays import BoolMask, Floats
+from normalgan.arrays import BoolMask, Floats, Indices
 from normalgan.rendering.hand.distortion import Distortion
 from normalgan.rendering.maps import Maps
 
-__all__ = ["Indices", "follow"]
+__all__ = ["follow"]
 
 _ALIKE = 0.5  # neighbours whose normals differ more in one component are taken to be of different surfaces
-Indices = NDArray[np.intp]
 
 
 def follow(maps: Maps, distortion: Distortion) -> Maps:
@@ -49,7 +47,7 @@ def _sample(maps: Maps, x: Floats, y: Floats, at: Indices) -> tuple[Floats, Floa
     height, width = maps.mask.shape
     normal: Floats = cv2.remap(maps.normal, x, y, cv2.INTER_LINEAR).reshape(-1, 3)[at].astype(np.float32)
     x, y = x.reshape(-1)[at], y.reshape(-1)[at]
-    left, top = np.floor(x).astype(np.intp), np.floor(y).astype(np.intp)
+    left, top = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
     inside = (left >= 0) & (top >= 0) & (left < width - 1) & (top < height - 1)
     index = (top * width + left).clip(0, height * width - 1)
     mixed = np.flatnonzero(~(inside & _one_surface(maps).reshape(-1)[index]))

@@ -12,16 +12,13 @@ from normalgan.rendering.lines.buffers import Buffers
 from normalgan.rendering.lines.marks import mark
 from normalgan.rendering.lines.occluding import occluding_contours
 from normalgan.rendering.lines.thinning import thin, without_specks
-from normalgan.rendering.strokes.curves import resample, settle, smooth
+from normalgan.rendering.strokes.curves import SPACING, resample, settle, smooth
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
 __all__ = ["Brush", "facing_ratio", "sharpened"]
 
-_SPACING = 1.0  # pixels of the sketch from point to point of a stroke
-_RATIO = (
-    1.6  # of the two blurs: with it their difference comes nearest to a Laplacian's (Marr, Hildreth 1980)
-)
+_RATIO = 1.6  # of the two blurs, whose difference is then nearest to a Laplacian's (Marr, Hildreth 1980)
 _SPUR = 1.5  # widths of the ink: shorter strokes are spurs
 _TREMBLE = 7.0  # points over which the middle of the ink, which jumps from pixel to pixel, is smoothed
 _SWELL = 6.0  # points over which its width is
@@ -85,7 +82,7 @@ class Brush(LineDrawing):
 
     def _stroke(self, points: Doubles, width: Doubles, buffers: Buffers) -> Stroke:
         """Return the stroke along ``points`` (P, 2) of the buffers, ``width`` (P,) times the usual."""
-        path = resample(buffers.to_sketch(settle(points, _TREMBLE, 1.5)), _SPACING)
+        path = resample(buffers.to_sketch(settle(points, _TREMBLE, 1.5)), SPACING)
         closed = bool((points[0] == points[-1]).all())
         number = np.zeros(len(width)) if closed else np.arange(len(width))
         swelling = smooth(np.stack([width, number], axis=1), _SWELL)[:, 0]

@@ -4,15 +4,13 @@ from dataclasses import dataclass, fields, replace
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Doubles, Floats, Indices
 from normalgan.rendering.strokes.chain import chain
 from normalgan.rendering.topology import components
 
-__all__ = ["PAIRS", "Crossed", "Crossings", "Index", "Line", "Pair", "crossings", "places"]
+__all__ = ["PAIRS", "Crossed", "Crossings", "Line", "Pair", "crossings", "places"]
 
-Index = NDArray[np.intp]
 Pair = tuple[tuple[slice, slice], tuple[slice, slice]]
 
 PAIRS: tuple[Pair, Pair] = (
@@ -22,7 +20,7 @@ PAIRS: tuple[Pair, Pair] = (
 """Each pixel and its right neighbour, each pixel and the one below it."""
 
 
-Crossed = tuple[Index, Index, Doubles, Floats, BoolMask]
+Crossed = tuple[Indices, Indices, Doubles, Floats, BoolMask]
 """Marked pairs along one axis: row and column of the first pixel; how far from its centre to the second's,
 from 0 to 1, the line passes; how strong it is; whether it belongs to the second pixel."""
 
@@ -117,7 +115,7 @@ def _groups(points: Doubles, strength: Floats, group: Indices, seed: float, shor
     return kept
 
 
-def places(marked: BoolMask) -> tuple[Index, Index]:
+def places(marked: BoolMask) -> tuple[Indices, Indices]:
     """Return rows and columns of the marked pixels (H, W), as `numpy.nonzero` does, but faster for few."""
     rows, columns = np.divmod(np.flatnonzero(marked), marked.shape[1])
     return rows, columns

@@ -1,16 +1,13 @@
 """Discontinuities between pixels: silhouette, occluding contours and creases."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from normalgan.arrays import BoolMask, Floats
+from normalgan.arrays import BoolMask, Floats, Indices
 from normalgan.rendering.lines.crossings import PAIRS, Crossed, Crossings, crossings, places
 from normalgan.rendering.lines.sight import Sight
 from normalgan.rendering.maps import Maps
 
-__all__ = ["Index", "creases", "depth_gaps"]
-
-Index = NDArray[np.intp]
+__all__ = ["creases", "depth_gaps"]
 
 _GRAZING = 0.1  # the least cosine a tangent plane is trusted with: beyond, it would explain any gap
 _BAND = 2  # a flank this narrow, in pixels, is a contour: it is thinner than the line that would be drawn
@@ -60,22 +57,22 @@ def _gaps_along(axis: int, depth: Floats, floor: Floats, maps: Maps, sight: Sigh
     strength, second, first = gap[seen] / size[seen], second[seen], line[2][seen]
     # A strong one is a contour of its own, even where a part behind it is about to end.
     weak = gap[seen] < _MUCH * floor.ravel()[nearer[seen]]
-    kept = seen[~(weak & _outdone(np.where(second, -strength, strength), first, depth, axis))]
+    kept = seen[~(weak & _outdone(np.where(second, -strength, strength), first, depth.shape, axis))]
     second, share = front[kept] > back[kept], np.full(len(kept), 0.5)
     return rows[kept], columns[kept], share, gap[kept] / size[kept], second
 
 
-def _moved(rows: Index, columns: Index, by: int, axis: int, shape: tuple[int, ...]) -> Index:
+def _moved(rows: Indices, columns: Indices, by: int, axis: int, shape: tuple[int, ...]) -> Indices:
     """Return flat indices of pixels moved right (axis 0) or down (1), but not out of the picture."""
     if axis:
         rows = (rows + by).clip(0, shape[0] - 1)
     else:
         columns = (columns + by).clip(0, shape[1] - 1)
-    flat: Index = rows * shape[1] + columns
+    flat: Indices = rows * shape[1] + columns
     return flat
 
 
-def _foretold(maps: Maps, sight: Sight, pixel: Index, axis: int) -> Floats:
+def _foretold(maps: Maps, sight: Sight, pixel: Indices, axis: int) -> Floats:
     """Return the depth change of each pixel's tangent plane to the right (axis 0) or downwards (1)."""
     nx, ny, nz = maps.normal.reshape(-1, 3).take(pixel, axis=0).T
     row, column = np.divmod(pixel, maps.mask.shape[1])
@@ -85,21 +82,20 @@ def _foretold(maps: Maps, sight: Sight, pixel: Index, axis: int) -> Floats:
     return slope
 
 
-def _outdone(falls: Floats, first: Index, depth: Floats, axis: int) -> BoolMask:
+def _outdone(falls: Floats, first: Indices, shape: tuple[int, ...], axis: int) -> BoolMask:
     """Return which jumps may be only the start or end of a much larger one beside them in their row.
 
     Args:
         falls: (N,) how far the surface jumps back (positive) or forth (negative).
         first: (N,) flat index of the first pixel of each pair.
-        depth: (H, W) only its shape matters.
+        shape: (H, W) of the picture.
         axis: 0 for pairs side by side, 1 for pairs one above the other.
     """
-    stride = depth.shape[1] if axis else 1
-    pad = stride
-    there = np.zeros(depth.size + 2 * pad, np.float32)
-    there[first + pad] = falls
+    stride = shape[1] if axis else 1
+    there = np.zeros(shape[0] * shape[1] + 2 * stride, np.float32)
+    there[first + stride] = falls
     sign = np.sign(falls)
-    beside = [there[first + pad + k * stride] * sign for k in (-1, 1)]
+    beside = [there[first + k * stride] * sign for k in (0, 2)]
     outdone: BoolMask = np.max(beside, axis=0) > _MUCH * np.abs(falls)
     return outdone
 

@@ -9,14 +9,13 @@ from normalgan.rendering.lines.buffers import Buffers
 from normalgan.rendering.lines.runs import worthy_runs
 from normalgan.rendering.lines.surface import Surface
 from normalgan.rendering.lines.surface_lines import EdgeMarks, paths, seen
-from normalgan.rendering.strokes.curves import resample, smooth
+from normalgan.rendering.strokes.curves import SPACING, lengths_along, resample, smooth
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
 __all__ = ["Inside"]
 
-_SPACING = 1.0  # pixels of the sketch from point to point of a stroke
-_FINE = 0.25  # the same while smoothing
+_FINE = 0.25  # `SPACING` while smoothing
 _FAINTEST = 0.4  # share of its width that a stroke keeps where it is weakest
 
 
@@ -76,9 +75,9 @@ class Inside:
         return strokes
 
     def _stroke(self, points: Doubles, strength: Doubles, size: int) -> Stroke:
-        along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+        along = lengths_along(points)
         fine = resample(points, _FINE)
-        path = resample(smooth(fine, self.smoothing * size / _FINE), _SPACING)
+        path = resample(smooth(fine, self.smoothing * size / _FINE), SPACING)
         share = np.clip(strength / self.strength, 0, 1)
         here = np.interp(np.linspace(0, along[-1], len(path)), along, share)
         pressure = smooth(np.stack([here, here], axis=1), 3.0)[:, 0]

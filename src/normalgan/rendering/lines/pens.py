@@ -2,12 +2,11 @@
 
 from normalgan.rendering.lines.buffers import Buffers
 from normalgan.rendering.lines.crossings import Line
-from normalgan.rendering.strokes.curves import resample, settle, smooth
+from normalgan.rendering.strokes.curves import SPACING, resample, settle, smooth
 from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["draw_border", "draw_curve"]
 
-_SPACING = 1.0  # pixels of the sketch from point to point of a stroke
 _STAIRS = 4.0  # points over which a line known only to pass between two pixels is smoothed
 _SLACK = 0.5  # pixels from the border of two pixels to their centres: there, or nearer, it passes
 _JITTER = 1.5  # points over which a line known more precisely is smoothed
@@ -16,10 +15,10 @@ _JITTER = 1.5  # points over which a line known more precisely is smoothed
 def draw_border(line: Line, buffers: Buffers, width: float) -> Stroke:
     """Return the stroke along a line known only to pass between certain pixels."""
     path = settle(line.points, _STAIRS, _SLACK)
-    return Stroke.even(resample(buffers.to_sketch(path), _SPACING), width)
+    return Stroke.even(resample(buffers.to_sketch(path), SPACING), width)
 
 
 def draw_curve(line: Line, buffers: Buffers, width: float) -> Stroke:
     """Return the stroke along a line with subpixel points."""
     path = smooth(line.points, _JITTER)
-    return Stroke.even(resample(buffers.to_sketch(path), _SPACING), width)
+    return Stroke.even(resample(buffers.to_sketch(path), SPACING), width)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from normalgan.arrays import Doubles
+from normalgan.rendering.strokes.curves import lengths_along
 
 __all__ = ["worthy_runs"]
 
@@ -30,7 +31,7 @@ def worthy_runs(
         bridge: in units of the points.
         shortest: in units of the points, along the path.
     """
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+    along = lengths_along(points)
     good = np.flatnonzero(strength >= least)
     if not len(good):
         return []

@@ -2,7 +2,6 @@
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Doubles, Indices
 from normalgan.rendering.strokes.chain import chain
@@ -56,7 +55,7 @@ def thin(inked: BoolMask) -> list[tuple[Doubles, Doubles]]:
     return [(points[path], width[path]) for path in (chain(points, links) if len(links) else [])]
 
 
-def _neighbours(skeleton: BoolMask, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Indices:
+def _neighbours(skeleton: BoolMask, rows: Indices, columns: Indices) -> Indices:
     """Return pairs of neighbours on a skeleton, (L, 2); corner to corner only if no side joins them."""
     number = np.full((skeleton.shape[0] + 2, skeleton.shape[1] + 2), -1)
     number[rows + 1, columns + 1] = np.arange(len(rows))

@@ -30,8 +30,8 @@ class FloatFramebuffer:
     _main_cb: Any
     _main_db: Any
     _main_fb_dims: tuple[int | None, int | None]
-    # By size, framebuffer, colours and depths: a sample takes maps of two sizes in turn, and making them anew
-    # costs as much as drawing.
+    # By size, framebuffer, colours and depths: a sample takes maps of two sizes in turn, and making buffers
+    # each time would cost as much as drawing.
     _kept: dict[tuple[int, int], tuple[Any, Any, Any]]
 
     def _get_camera_matrices(self, scene: Any) -> tuple[Doubles, Doubles]:

@@ -63,8 +63,7 @@ def _open_context() -> "FloatContext":
                 "unset it, or choose EmbreeRenderer."
             )
         try:
-            with warnings.catch_warnings():  # of the packages that pyrender imports
-                warnings.simplefilter("ignore")
+            with warnings.catch_warnings(action="ignore"):  # of the packages that pyrender imports
                 from normalgan.rendering.renderers.float_framebuffer import FloatContext
 
                 _context = FloatContext()

@@ -9,7 +9,7 @@ from normalgan.arrays import Doubles, Indices
 from normalgan.errors import InputError, did_you_mean
 from normalgan.rendering.gltf.nodes import world_matrices
 from normalgan.rendering.mesh import Mesh
-from normalgan.rendering.mesh_files import MeshFile, finish
+from normalgan.rendering.mesh_files import MeshFile, place
 from normalgan.rendering.rigs.animations import pose_at
 from normalgan.rendering.rigs.reading import read_rig
 from normalgan.rendering.rigs.rig import Clip
@@ -18,7 +18,7 @@ from normalgan.rendering.rigs.skinning import posed_surface
 __all__ = ["ClipMeshes"]
 
 _MOMENTS = 16
-"""Moments of a clip whose boxes together are taken for that of all of it."""
+"""Moments of a clip whose common box stands for that of the whole clip."""
 
 
 class ClipMeshes:
@@ -46,7 +46,7 @@ class ClipMeshes:
 
     def mesh(self, moment: float) -> Mesh:
         """Return the mesh at a moment in seconds."""
-        return self._finished(*self._surface(moment))
+        return place(self._file.name, self._file, *self._surface(moment), self._about)[0]
 
     @cached_property
     def hull(self) -> Doubles:
@@ -59,14 +59,10 @@ class ClipMeshes:
 
     @cached_property
     def _about(self) -> Doubles:
-        places = [self._surface(moment)[0] for moment in self._moments]
-        return np.concatenate(places)
+        return np.concatenate([self._surface(moment)[0] for moment in self._moments])
 
     def _surface(self, moment: float) -> tuple[Doubles, Indices]:
         return posed_surface(self._rig, world_matrices(pose_at(self._rig.nodes, self.clip, moment)))
-
-    def _finished(self, vertices: Doubles, faces: Indices) -> Mesh:
-        return finish(self._file.name, self._file, vertices, faces, self._about)
 
 
 def _find(clips: tuple[Clip, ...], wanted: str, path: str) -> Clip:

@@ -12,14 +12,13 @@ from normalgan.errors import InputError
 from normalgan.ranges import Count, Share, check_ranges
 from normalgan.rendering.gltf.container import bad_gltf, has_skin
 from normalgan.rendering.mesh import Mesh
-from normalgan.rendering.mesh_files import MeshFile, finish
-from normalgan.rendering.mesh_names import pose_name
+from normalgan.rendering.mesh_files import MeshFile, place
 from normalgan.seeds import rng_of
 
 __all__ = ["POSTURES_VERSION", "RIG_VERSION", "RiggedFile", "find_poses"]
 
 RIG_VERSION = 2
-"""Part of every fingerprint; raise it when the same pose comes to be another."""
+"""Part of every fingerprint; raise it when a number gives another pose than before."""
 POSTURES_VERSION = 1
 """Part of the fingerprint where there are postures; raise it when their table changes."""
 
@@ -47,8 +46,8 @@ class RiggedFile:
 
     @property
     def name(self) -> str:
-        """The file's name without its suffix, and the number."""
-        return pose_name(self.file.name, self.pose)
+        """The file's name without its suffix, and the number: ``horse@3``."""
+        return f"{self.file.name}@{self.pose}"
 
     def fingerprint(self) -> str:
         """Return a hash of the file's bytes, of those it refers to, and of the settings.
@@ -82,7 +81,7 @@ class RiggedFile:
                 raise bad_gltf(Path(self.file.path), str(error)) from error
         if not np.isfinite(vertices).all():
             raise bad_gltf(Path(self.file.path), f"pose {self.pose} throws vertices beyond all numbers")
-        return finish(self.name, self.file, vertices, faces)
+        return place(self.name, self.file, vertices, faces)[0]
 
 
 def find_poses(files: Sequence[MeshFile], poses: int, postures: float = 0.0) -> list[MeshFile | RiggedFile]:

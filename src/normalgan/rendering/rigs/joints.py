@@ -25,15 +25,12 @@ __all__ = [
     "owned_vertices",
 ]
 
-
 SMALL = np.deg2rad(12.0)
 """Largest turn of a joint about each axis if there is no animation."""
 FRAMES = 24
 """Moments of each animation that are looked at."""
 OUTLIERS = 5.0
 """Percent of the moments at either end that do not widen a joint's range: a clip may show a fall."""
-
-
 MOST_COPIES = 100
 """Most vertices of a joint in one place that are searched for neighbours; k-d trees fail with more."""
 MOST_SEARCHED = 2**23

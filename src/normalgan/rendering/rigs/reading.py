@@ -7,11 +7,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from normalgan.arrays import Doubles, Indices
-from normalgan.errors import InputError
 from normalgan.rendering.gltf.accessors import read_accessor
-from normalgan.rendering.gltf.container import Container, bad_gltf, read_container
+from normalgan.rendering.gltf.container import Container, bad_gltf, read_container, refusing_bad_gltf
 from normalgan.rendering.gltf.nodes import Nodes, read_nodes, shown_nodes
-from normalgan.rendering.gltf.surfaces import MODES, not_gltf, read_faces
+from normalgan.rendering.gltf.surfaces import MODES, read_faces
 from normalgan.rendering.mesh_limits import check_limits
 from normalgan.rendering.rigs.animations import read_clips
 from normalgan.rendering.rigs.rig import Piece, Rig, Skin
@@ -32,7 +31,7 @@ def read_rig(path: Path) -> Rig:
     Raises:
         InputError: if the file cannot be read, holds no surface, or a rig that does not hold together.
     """
-    try:
+    with refusing_bad_gltf(path):
         container = read_container(path)
         check_limits(path)
         nodes = read_nodes(container)
@@ -41,10 +40,6 @@ def read_rig(path: Path) -> Rig:
         )
         clips = read_clips(container, nodes)
         names = tuple(str(entry.get("name", "")) for entry in container.tree.get("nodes", []))
-    except InputError:
-        raise
-    except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
-        raise not_gltf(path) from error
     if not any(len(piece.faces) for piece in pieces):
         raise bad_gltf(path, "its scene shows no triangles")
     return Rig(nodes, pieces, clips, names)

@@ -11,8 +11,11 @@ Piece = list[int]
 Neighbours = tuple[list[int], list[int]]
 End = tuple[int, int]  # a piece and which of its ends: 0 or -1
 
+_REACH = 6.0  # in units of the points: from so far off the direction of a branch is taken at a junction
+_STRAIGHT = np.cos(np.deg2rad(60.0))  # a path turns by no more at a junction
 
-def chain(points: Doubles, links: Indices, reach: float = 6.0, sharpest: float = 60.0) -> list[Indices]:
+
+def chain(points: Doubles, links: Indices) -> list[Indices]:
     """Return paths that together run once through every link.
 
     At a junction, a point with more than two links, a path continues in the straightest direction. So where
@@ -21,9 +24,6 @@ def chain(points: Doubles, links: Indices, reach: float = 6.0, sharpest: float =
     Args:
         points: (N, 2) positions.
         links: (M, 2) pairs of points, none twice.
-        reach: distance from a junction at which the directions of its branches are measured, in units of the
-            points.
-        sharpest: angle in degrees by which a path may turn at a junction.
 
     Returns:
         The points of each path in order. A closed one ends on its first point.
@@ -34,7 +34,7 @@ def chain(points: Doubles, links: Indices, reach: float = 6.0, sharpest: float =
     """
     degree = np.bincount(links.ravel(), minlength=len(points))
     pieces = _pieces(_neighbours(links, degree), degree)
-    partner = _straight_on(points, pieces, degree, reach, np.cos(np.deg2rad(sharpest)))
+    partner = _straight_on(points, pieces, degree)
     return [np.array(path, np.int64) for path in _joined(pieces, partner)]
 
 
@@ -82,9 +82,7 @@ def _walk(path: Piece, neighbours: Neighbours, inner: list[bool], walked: list[b
     return path
 
 
-def _straight_on(
-    points: Doubles, pieces: list[Piece], degree: Indices, reach: float, least: float
-) -> dict[End, End]:
+def _straight_on(points: Doubles, pieces: list[Piece], degree: Indices) -> dict[End, End]:
     """Return, for each end of a piece that continues through a junction, the end it continues at."""
     meeting: dict[int, list[End]] = defaultdict(list)
     for number, piece in enumerate(pieces):
@@ -93,21 +91,21 @@ def _straight_on(
                 meeting[piece[side]].append((number, side))
     partner: dict[End, End] = {}
     for ends in meeting.values():
-        away = np.array([_direction(points, pieces[number], side, reach) for number, side in ends])
+        away = np.array([_direction(points, pieces[number], side) for number, side in ends])
         straight = -(away @ away.T)
         pairs = [(straight[i, j], i, j) for j in range(len(ends)) for i in range(j)]
         for cosine, i, j in sorted(pairs, key=lambda pair: (-pair[0], *pair[1:])):
-            if cosine >= least and ends[i] not in partner and ends[j] not in partner:
+            if cosine >= _STRAIGHT and ends[i] not in partner and ends[j] not in partner:
                 partner[ends[i]], partner[ends[j]] = ends[j], ends[i]
     return partner
 
 
-def _direction(points: Doubles, piece: Piece, side: int, reach: float) -> Doubles:
-    """Return the unit vector (2,) from one end of a piece to where it leaves the circle of ``reach``."""
-    some = piece[: int(4 * reach) + 2] if side == 0 else piece[: -int(4 * reach) - 3 : -1]
+def _direction(points: Doubles, piece: Piece, side: int) -> Doubles:
+    """Return the unit vector (2,) from one end of a piece to where it leaves the circle of `_REACH`."""
+    some = piece[: int(4 * _REACH) + 2] if side == 0 else piece[: -int(4 * _REACH) - 3 : -1]
     away = points[some] - points[some[0]]
     distance = np.hypot(away[:, 0], away[:, 1])
-    out = distance >= reach
+    out = distance >= _REACH
     at = int(out.argmax()) if out.any() else int(distance.argmax())
     unit: Doubles = away[at] / max(distance[at], 1e-12)
     return unit

@@ -4,7 +4,10 @@ import numpy as np
 
 from normalgan.arrays import Doubles
 
-__all__ = ["resample", "settle", "smooth"]
+__all__ = ["SPACING", "lengths_along", "resample", "settle", "smooth"]
+
+SPACING = 1.0
+"""Pixels of the sketch from point to point of a stroke."""
 
 
 def smooth(path: Doubles, sigma: float) -> Doubles:
@@ -60,14 +63,18 @@ def resample(path: Doubles, spacing: float) -> Doubles:
     >>> resample(np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 1.0]]), 1.0).tolist()
     [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0], [3.0, 1.0]]
     """
-    steps = np.hypot(*np.diff(path, axis=0).T)
-    along = np.concatenate([[0.0], np.cumsum(steps)])
+    along = lengths_along(path)
     # A closed line needs three sides to be one.
     count = max(round(along[-1] / spacing), 3 if _closed(path) else 1)
     wanted = np.linspace(0, along[-1], count + 1)
     spaced = np.stack([np.interp(wanted, along, path[:, k]) for k in (0, 1)], axis=1)
     spaced[[0, -1]] = path[[0, -1]]
     return spaced
+
+
+def lengths_along(path: Doubles) -> Doubles:
+    """Return how far along a polyline (P, 2) each of its points lies, (P,)."""
+    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
 
 
 def _closed(path: Doubles) -> bool:

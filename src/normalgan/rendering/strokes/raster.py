@@ -143,7 +143,7 @@ def _covered(depth: Floats, slant: Doubles) -> Floats:
         depth: (S, K, K) in pixels, negative on the other side.
         slant: (S, 2) both parts of the direction, not negative; (1, 0) or (0, 1) are along the pixels.
     """
-    # Of a border along the pixels, the smaller part is 0 and the formula void; so little slant is not seen.
+    # Along the pixels the smaller part is 0, and the formula divides by it; nobody sees so little slant.
     wide, narrow = np.sort(np.maximum(slant, 0.02), axis=1).astype(np.float32).T[::-1, :, None, None]
     outer, inner = np.float32(0.5) * (wide + narrow), np.float32(0.5) * (wide - narrow)
     depth = np.clip(depth, -outer, outer)

@@ -1,4 +1,4 @@
-"""Dice: the numbers that make an individual, drawn once; strengths then say how much they count."""
+"""The random numbers of one variation, drawn once; strengths then say how much they count."""
 
 from dataclasses import dataclass
 
@@ -43,7 +43,7 @@ class VariationDraws:
 
 
 def draw(rng: np.random.Generator) -> VariationDraws:
-    """Return new dice: always as many numbers, so that no strength shifts the draw of another."""
+    """Return new draws: always as many numbers, so that no strength shifts the draw of another."""
     return VariationDraws(
         scale=rng.uniform(-1, 1, 3),
         taper=float(rng.uniform(-1, 1)),

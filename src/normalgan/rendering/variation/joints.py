@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Doubles
+from normalgan.rendering.topology import components
 from normalgan.rendering.variation.bending import Deformed
 
 if TYPE_CHECKING:
@@ -151,17 +152,15 @@ def _joint(places: Doubles, distance: Doubles, length: float) -> Joint | None:
 def _graph(places: Doubles, faces: NDArray[np.integer]) -> tuple["csr_array", BoolMask]:
     """Return the edges of a surface, with links between its parts, as lengths; and what hangs together."""
     from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    count = (len(places), len(places))
-    _, part = connected_components(coo_array((np.ones(len(edges)), edges.T), shape=count), directed=False)
+    part = components(len(places), *edges.T)
     pairs = cKDTree(places).query_pairs(_CLOTH, output_type="ndarray")
     links = pairs[part[pairs[:, 0]] != part[pairs[:, 1]]]
     edges = np.unique(np.sort(np.concatenate([edges, links]), axis=1), axis=0)
     lengths = np.linalg.norm(places[edges[:, 0]] - places[edges[:, 1]], axis=1)
     both = np.concatenate([edges, edges[:, ::-1]])
-    graph = coo_array((np.tile(lengths, 2) + 1e-9, both.T), shape=count).tocsr()
-    _, part = connected_components(graph, directed=False)
+    graph = coo_array((np.tile(lengths, 2) + 1e-9, both.T), shape=(len(places), len(places))).tocsr()
+    part = components(len(places), *edges.T)
     return graph, part == np.bincount(part).argmax()

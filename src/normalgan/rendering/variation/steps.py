@@ -48,7 +48,7 @@ class Object:
 
 
 def steps(thing: Object, strength: Variation, draws: VariationDraws) -> list[Deformation]:
-    """Return the deformations that make the individual of these draws, in order.
+    """Return the deformations of one variation, in order.
 
     Args:
         thing: the object.

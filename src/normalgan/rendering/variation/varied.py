@@ -6,7 +6,6 @@ from dataclasses import asdict, dataclass, replace
 
 from normalgan.ranges import Count, check_ranges
 from normalgan.rendering.mesh import Mesh, MeshSource
-from normalgan.rendering.mesh_names import variation_name
 from normalgan.rendering.variation.variation import Variation
 from normalgan.rendering.variation.vary import vary
 from normalgan.seeds import rng_of
@@ -14,7 +13,7 @@ from normalgan.seeds import rng_of
 __all__ = ["VARIATION_VERSION", "Varied"]
 
 VARIATION_VERSION = 1
-"""Part of every fingerprint; raise it when the same number comes to be another individual."""
+"""Part of every fingerprint; raise it when a number gives another individual than before."""
 
 
 @dataclass(frozen=True)
@@ -39,8 +38,8 @@ class Varied:
 
     @property
     def name(self) -> str:
-        """The source's name, and the number."""
-        return variation_name(self.source.name, self.number)
+        """The source's name, and the number: ``horse~1``, or ``horse@3~1`` of a pose."""
+        return f"{self.source.name}~{self.number}"
 
     def fingerprint(self) -> str:
         """Return a hash of the source's fingerprint, the strengths and the number.

@@ -7,7 +7,7 @@ from .base import Layer, LayeredFile, Notes, UnreadableError
 from .krita import KritaFile
 from .openraster import OpenRasterFile
 from .psd import PsdFile
-from .zips import open_zip
+from .zips import MERGED, open_zip
 
 __all__ = [
     "KINDS",
@@ -95,9 +95,9 @@ def _zip_format(content: bytes) -> type[KritaFile] | type[OpenRasterFile]:
         names = file.namelist()
     if "maindoc.xml" in names:
         return KritaFile
-    if "stack.xml" in names or "mergedimage.png" in names:
+    if "stack.xml" in names or MERGED in names:
         return OpenRasterFile
     for name, (what, way_out) in _FOREIGN_ZIPS.items():
         if name in names:
             raise UnreadableError(f"is {what}, which cannot be read; {way_out}")
-    raise UnreadableError("is a ZIP without mergedimage.png; OpenRaster and Krita files have one")
+    raise UnreadableError(f"is a ZIP without {MERGED}; OpenRaster and Krita files have one")

@@ -17,18 +17,18 @@ _MOST_FRAMES = 1024
 _FRAME = 0xF1FA
 _LAYER, _CEL, _PALETTE, _TILESET = 0x2004, 0x2005, 0x2019, 0x2023
 _OLD_PALETTES = {0x0004: 255, 0x0011: 63}
-"""Aseprite 1.3.5 and later write the first of them alone where no colour is translucent; its brightest."""
+"""Old palette chunks, each with its brightest level; still written where no colour is translucent."""
 _BACKGROUND, _REFERENCE = 8, 64
-"""Layers of Aseprite in which no colour is transparent, and those to draw after, which it does not export."""
+"""Flags of a layer without a transparent colour, and of one for reference, which Aseprite does not export."""
 _GROUP, _TILES = 1, 2
 _BLEND_MODES = (
     *("normal", "multiply", "screen", "overlay", "darken", "lighten", "color dodge", "color burn"),
     *("hard light", "soft light", "difference", "exclusion", "hue", "saturation", "color", "luminosity"),
     *("addition", "subtract", "divide"),
 )
-"""Of Aseprite, by their numbers."""
+"""The blend modes of Aseprite, by number."""
 _FLIPS = (5, 1, 0)
-"""Of Pillow: along the diagonal, top to bottom, left to right."""
+"""Pillow's numbers of flips along the diagonal, top to bottom, and left to right."""
 
 
 @dataclass(frozen=True)

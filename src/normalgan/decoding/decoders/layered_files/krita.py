@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from .base import Layer, UnreadableError
-from .zips import LayeredZip, member_of, xml_of
+from .zips import MERGED, LayeredZip, member_of, xml_of
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -38,7 +38,7 @@ class KritaFile(LayeredZip):
     def composite(self) -> "Image":
         """Return the merged picture that Krita saved, or else the composite of the layers."""
         shown = super().composite()
-        if self._moment is not None and "mergedimage.png" in self.zip.namelist():
+        if self._moment is not None and MERGED in self.zip.namelist():
             self.notes.add_file(f"{_ANIMATED} the picture that Krita merged when it was saved {_WAY_OUT}")
         return shown
 

@@ -12,9 +12,10 @@ from .base import LayeredFile, UnreadableError, flattened
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-__all__ = ["LayeredZip", "member_of", "open_zip", "png_of", "xml_of"]
+__all__ = ["MERGED", "LayeredZip", "member_of", "open_zip", "png_of", "xml_of"]
 
-_MERGED = "mergedimage.png"
+MERGED = "mergedimage.png"
+"""The picture that all layers show together."""
 _MOST_MEMBER = 2**29
 """Bytes of one file in a ZIP."""
 
@@ -24,9 +25,9 @@ class LayeredZip(LayeredFile):
 
     def composite(self) -> "Image":
         """Return the merged picture that the program saved, or else the composite of the layers."""
-        if _MERGED not in self.zip.namelist():  # MyPaint leaves it out
+        if MERGED not in self.zip.namelist():  # MyPaint leaves it out
             return flattened(self.size, self._read_layers())
-        return png_of(member_of(self.zip, _MERGED))
+        return png_of(member_of(self.zip, MERGED))
 
     @cached_property
     def zip(self) -> zipfile.ZipFile:
@@ -34,8 +35,8 @@ class LayeredZip(LayeredFile):
         return open_zip(self.content)
 
     def _read_size(self) -> tuple[int, int]:
-        if _MERGED in self.zip.namelist():
-            return png_of(member_of(self.zip, _MERGED)).size
+        if MERGED in self.zip.namelist():
+            return png_of(member_of(self.zip, MERGED)).size
         width, height = self._described_size()
         try:
             return int(width), int(height)
