@@ -92,7 +92,7 @@ def drawing() -> Read:
         if is_svg(data):  # has a target of its own
             return
         with suppress(RefusedError, UnknownTiffError, MemoryError):
-            image, full = decode(data, LEAST, 1024, 64, MOST, grey=bool(len(data) % 2))
+            image, full = decode(data, LEAST, 1024, 64, MOST, grey=bool(len(data) % 2), notes=[])
             assert image.mode in MODES
             assert all(LEAST <= side <= 1024 for side in full)
             assert max(image.size) <= MOST
@@ -163,7 +163,7 @@ def layers() -> Read:
         if data[:4] not in {b"8BPS", b"PK\x03\x04"} and not aseprite:
             return
         with suppress(RefusedError, MemoryError):
-            image, full = decode(data, LEAST, MOST, 64, 0, False)
+            image, full = decode(data, LEAST, MOST, 64, 0, False, [])
             assert image.mode in MODES
             assert image.size == full
         if aseprite:
