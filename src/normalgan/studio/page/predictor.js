@@ -20,8 +20,8 @@ const MOST_BYTES = 17 * 2 ** 20;
 const AHEAD = 64;
 /** Longer side of the map while a gesture goes on: it follows the hand, and is refined when the hand rests. */
 const COARSE = { pen: 256, pin: 512 };
-/** Milliseconds from one stroke to the next: where a map takes longer, one of half its size comes first. */
-const PACE = 1000;
+/** Milliseconds from the end of a stroke to the next, at one a second: where a map takes longer, one of half its size comes first. */
+const PACE = 650;
 /** Milliseconds after which a hand that draws is to have seen another map, and how many of them what is foreseen may be late. */
 const GAP = 300;
 const LATE = 30;
