@@ -30,7 +30,7 @@ KINDS = (
     "strokes",
     "blank",
 )
-SHARES = (0.13, 0.14, 0.06, 0.09, 0.09, 0.07, 0.05, 0.03, 0.05, 0.08, 0.04, 0.11, 0.01, 0.02, 0.02, 0.01)
+SHARES = (0.12, 0.13, 0.06, 0.09, 0.09, 0.07, 0.08, 0.03, 0.05, 0.08, 0.04, 0.1, 0.01, 0.02, 0.02, 0.01)
 BLACK = 90
 """Channel, of 255, up to which a filled area is ink; one in another colour is paint, and its edge is ink."""
 SEEN = 40
@@ -227,6 +227,10 @@ class _Writer:
         if solid and self.rng.random() < self.coloured:
             painted = self._painted(shape, mask, move, strokes, style)
         outline_drawn = painted is None or self.chance(0.7) or self._unseen(mask, painted)
+        body = painted is not None or (self.see_through < 1 and style.covered)
+        merged = solid and body and outline_drawn and self._merged(mask, style)
+        if merged:  # what is seen of such an outline is where the body ends
+            strokes = [(line, outer) for line, outer in strokes if not outer]
         lines = self._hand(strokes, span, style)
         loose = self._hand([(s, True) for s in bare], span, style)
         width = style.width(span)
@@ -269,9 +273,9 @@ class _Writer:
             shade = (drawn * (1 - pale))[..., None] * style.darkness
             self.page = self.page * (1 - shade) + colour * shade
             target = drawn
-        if not outline_drawn or (painted is not None and style.outline_target):
+        if not outline_drawn or merged or (painted is not None and style.outline_target):
             target = np.maximum(target, self._rim(mask, painted, ink if outline_drawn else None))
-        if painted is not None or self.kind in {"inverted", "flat"}:
+        if body or self.kind in {"inverted", "flat"}:
             self.ink_weight[target > 0.5] = 2.0
         present = np.maximum(mask, np.where(whisker > 0.3, whisker, 0))
         # overlapping objects: the later one covers the earlier one's middle
@@ -371,6 +375,12 @@ class _Writer:
         solid = (mask > 0.5).astype(np.uint8)
         rim = solid > cv2.erode(solid, np.ones((3, 3), np.uint8), borderValue=1)
         return bool((np.abs(colour - self.page)[rim].max(-1) < SEEN).mean() > 1 / 3) if rim.any() else True
+
+    def _merged(self, mask, style: "_Style") -> bool:
+        """Return whether an outline looks like the ground that it lies on."""
+        solid = (mask > 0.3).astype(np.uint8)
+        beside = cv2.dilate(solid, np.ones((5, 5), np.uint8)) > solid
+        return bool(beside.any() and np.abs(self.page[beside].mean(0) - style.pen).max() < SEEN)
 
     def _kept(self, contours, span, style: "_Style") -> Floats:
         """Return 0 where the lines of an outline were left out, and a pencil's uneven tone elsewhere."""
