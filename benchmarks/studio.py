@@ -2,12 +2,13 @@
 
 studio.py MODEL [--sides 256 512 1024] [--strokes 20] [--memory 0] [--starts 5]: a model by `normalgan
 export`, or the folder of the page without a server: site/draw after `make docs`. For each side of the
-drawing: strokes with pauses between them, from a stroke's end to its map on show; scribbling, four strokes
-a second, with the longest time without a new map; a pin turned by its ball, in maps a second. With
-`--strokes 0` none of this is timed. `--memory 500` draws 500 strokes and prints how much the page's memory
-grew after the first 20, and how much of that in the first half. `--starts 5` loads the page in five new
-browser contexts, twice in each, and prints the milliseconds until one can draw, and the number of requests.
-Needs Playwright, and Chromium on the PATH or as NORMALGAN_CHROMIUM. Prints JSON.
+drawing: strokes with pauses between them, from a stroke's end to its map on show, and to the first one of
+at least half its size; scribbling, four strokes a second, with the longest time without a new map; a pin
+turned by its ball, in maps a second. With `--strokes 0` none of this is timed. `--memory 500` draws 500
+strokes and prints how much the page's memory grew after the first 20, and how much of that in the first half.
+`--starts 5` loads the page in five new browser contexts, twice in each, and prints the milliseconds until one
+can draw, and the number of requests. Needs Playwright, and Chromium on the PATH or as NORMALGAN_CHROMIUM.
+Prints JSON.
 """
 
 import argparse
@@ -22,7 +23,7 @@ import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -31,16 +32,25 @@ from typing import Any
 from machine import describe
 from playwright.sync_api import Browser, CDPSession, Page, sync_playwright
 
-WATCH = """() => {
+WATCH = """(side) => {
   window.events = [];
+  let lifted = 0;
   const note = (kind, at) => events.push([kind, at]);
   addEventListener("pointerdown", (event) => note("down", event.timeStamp), true);
-  addEventListener("pointerup", (event) => note("up", event.timeStamp), true);
+  addEventListener("pointerup", (event) => note("up", lifted = event.timeStamp), true);
   const result = document.getElementById("result");
+  const ask = window.fetch;
+  let half = false; // the last map is of all strokes, and at half the size or more
+  window.fetch = async (path, options) => {
+    const at = performance.now();
+    const answer = await ask(path, options);
+    if (path === "/api/predict") half = at >= lifted && 2 * Number(answer.headers.get("X-Width")) >= side;
+    return answer;
+  };
   // The map is on the screen with the frame after the one in which the viewer draws it.
   new MutationObserver(() => {
     // Not busy: the map is of all that was drawn, and as fine as it will be.
-    const kind = result.ariaBusy === "false" ? "whole" : "map";
+    const kind = result.ariaBusy === "false" ? "whole" : half ? "half" : "map";
     requestAnimationFrame(() => requestAnimationFrame(() => note(kind, performance.now())));
   }).observe(result, { attributeFilter: ["data-painted"] });
 }"""
@@ -112,20 +122,29 @@ class Hand:
 
 
 def strokes(hand: Hand, count: int) -> dict[str, Any]:
-    """Return the milliseconds from the end of strokes, with pauses between them, to their map."""
+    """Return the milliseconds from the end of strokes, with pauses between them, to their map.
+
+    A map of half the size may come before it; ``first`` counts either.
+    """
     hand.events()
     for _ in range(count):
         hand.stroke(hand.arc(24))
         time.sleep(hand.chance.uniform(*PAUSES))
     hand.rest()
+    events = hand.events()
+    # A stroke that was begun before the map of the one before was there has both in one map.
+    return {**waits(events, {"whole"}, count), "first": waits(events, {"half", "whole"}, count)}
+
+
+def waits(events: Sequence[Event], kinds: set[str], count: int) -> dict[str, Any]:
+    """Return the milliseconds from the end of each stroke to the first map of these kinds."""
     times, end = [], None
-    for kind, at in hand.events():
+    for kind, at in events:
         if kind == "up":
             end = at
-        elif kind == "whole" and end is not None:
+        elif kind in kinds and end is not None:
             times.append(at - end)
             end = None
-    # A stroke that was begun before the map of the one before was there has both in one map.
     found: dict[str, Any] = {"count": count, "with_a_map_of_their_own": len(times)}
     if len(times) < 2:
         return found
@@ -146,7 +165,7 @@ def scribble(hand: Hand, seconds: float) -> dict[str, Any]:
     events = hand.events()
     begin = next(at for kind, at in events if kind == "down")
     last = max(at for kind, at in events if kind == "up")
-    maps = [at for kind, at in events if kind in {"map", "whole"} and at < last]
+    maps = [at for kind, at in events if kind in {"map", "half", "whole"} and at < last]
     gaps = [after - before for before, after in itertools.pairwise([begin, *maps, last])]
     return {"strokes": count, "maps": len(maps), "longest_gap_ms": round(max(gaps))}
 
@@ -170,7 +189,7 @@ def turn(hand: Hand, seconds: float) -> dict[str, Any]:
         [(middle[0] + radius * math.cos(i / 20), middle[1] + radius * math.sin(i / 20)) for i in range(count)]
     )
     took = time.perf_counter() - start
-    maps = sum(kind in {"map", "whole"} for kind, _ in hand.events())
+    maps = sum(kind in {"map", "half", "whole"} for kind, _ in hand.events())
     page.mouse.up()
     hand.rest()
     page.locator("#point-remove").click()
@@ -301,7 +320,7 @@ def main() -> None:
             page.locator("#new-width").fill(str(side))
             page.locator("#new-height").fill(str(side))
             page.locator("#new-dialog button.strong").click()
-            page.evaluate(WATCH)
+            page.evaluate(WATCH, side)
             hand = Hand(page)
             hand.outline()
             inside.clear()

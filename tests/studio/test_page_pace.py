@@ -103,13 +103,8 @@ def test_the_end_of_a_stroke_waits_for_no_draft(studio: Studio, side: int, coars
     assert page.evaluate("sent.length") == 2
 
 
-@pytest.mark.parametrize(
-    ("took", "since", "waits"), [(0, 260, False), (0, 301, True), (200, 60, False), (200, 90, True)]
-)
-def test_a_draft_is_waited_for_where_a_hand_would_see_no_map_for_too_long(
-    studio: Studio, took: int, since: int, waits: bool
-) -> None:
-    """A whole map takes so many milliseconds; the pen lifts so many after a map, while a draft is painted."""
+def draw_slowly(studio: Studio, took: int) -> None:
+    """Begin a drawing whose whole maps take so many milliseconds; else the page's clock stands still."""
     page = studio.page
     page.evaluate("() => { window.time = 0; performance.now = () => time; }")
     studio.new(512, 512)
@@ -119,7 +114,7 @@ def test_a_draft_is_waited_for_where_a_hand_would_see_no_map_for_too_long(
           window.fetch = async (path, options) => {
             const asked = ask(path, options);
             // Asked now: the answer to a draft that was given up may come after the whole map was asked for.
-            const whole = path === "/api/predict" && !sent.at(-1).draft;
+            const whole = path === "/api/predict" && sent.at(-1).longest === null;
             const answer = await asked;
             if (whole) time += took;
             return answer;
@@ -127,6 +122,17 @@ def test_a_draft_is_waited_for_where_a_hand_would_see_no_map_for_too_long(
         }""",
         took,
     )
+
+
+@pytest.mark.parametrize(
+    ("took", "since", "waits"), [(0, 260, False), (0, 301, True), (200, 60, False), (200, 90, True)]
+)
+def test_a_draft_is_waited_for_where_a_hand_would_see_no_map_for_too_long(
+    studio: Studio, took: int, since: int, waits: bool
+) -> None:
+    """A whole map takes so many milliseconds; the pen lifts so many after a map, while a draft is painted."""
+    page = studio.page
+    draw_slowly(studio, took)
     with studio.repainting():
         studio.circle()
     page.evaluate("() => { sent.length = 0; holding = true; }")
@@ -149,18 +155,7 @@ def test_a_draft_is_waited_for_where_a_hand_would_see_no_map_for_too_long(
 
 def test_where_a_map_takes_longer_than_a_stroke_one_of_half_its_size_comes_first(studio: Studio) -> None:
     page = studio.page
-    page.evaluate("() => { window.time = 0; performance.now = () => time; }")
-    studio.new(512, 512)
-    page.evaluate(
-        """() => {
-          const ask = window.fetch;
-          window.fetch = async (path, options) => {
-            const answer = await ask(path, options);
-            if (path === "/api/predict" && sent.at(-1).longest === null) time += 1100;
-            return answer;
-          };
-        }"""
-    )
+    draw_slowly(studio, 1100)
     with studio.repainting():
         studio.circle()
     page.evaluate("() => { sent.length = 0; holding = true; }")

@@ -1,6 +1,5 @@
 """The command line of normalgan generate, in sections."""
 
-import argparse
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
@@ -54,9 +53,9 @@ def build_parser(engine: Engine | None = None) -> LightParser:
         "output",
     )
     parser.add_argument("--dry-run", action="store_true", help="only print what would be read and written")
-    _add_drawing(parser.add_argument_group("The drawing"))
-    _add_folders(parser.add_argument_group("Folders"))
-    _add_sheets(parser.add_argument_group("Several drawings in one file"))
+    _add_drawing(parser)
+    _add_folders(parser)
+    _add_sheets(parser)
     OUTPUTS.load_entry_points()
     add_output_options(parser, parser.add_argument_group("What is written"), form=None)
     if engine is not None:
@@ -64,20 +63,21 @@ def build_parser(engine: Engine | None = None) -> LightParser:
     return parser
 
 
-def _add_drawing(group: argparse._ArgumentGroup) -> None:
+def _add_drawing(parser: LightParser) -> None:
+    group = parser.add_argument_group("The drawing")
     group.add_argument(
         "--model",
-        type=str | None,  # type: ignore[arg-type]
+        type=str | None,
         help="a file or an address of a model that normalgan export wrote; by default the package's own",
     )
     group.add_argument(
         "--hints",
-        type=str | None,  # type: ignore[arg-type]
+        type=str | None,
         help="a file of hints, or a folder of <sketch>_hints.png or .json",
     )
     group.add_argument(
         "--mask",
-        type=str | None,  # type: ignore[arg-type]
+        type=str | None,
         help="where the object is: a file, a folder of <sketch>_mask.png, outline (all that lines enclose), "
         "reader (a small network decides on each region), or model (the model's guess); by default the "
         "drawing's opacity if that shows the object, else reader",
@@ -93,7 +93,7 @@ def _add_drawing(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--single", action="store_true", help="predict all figures of a page as one object")
     group.add_argument(
         "--explain",
-        type=str | None,  # type: ignore[arg-type]
+        type=str | None,
         help="a folder for pictures that show how each mask was found: ink, votes on regions, presence",
     )
     group.add_argument(
@@ -117,13 +117,14 @@ def _add_drawing(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument(
         "--tile",
-        type=Tile | None,  # type: ignore[arg-type]
+        type=Tile | None,
         metavar=choices(Tile),
         help="the drawing repeats side by side (x), one above the other (y) or both, and so do its maps",
     )
 
 
-def _add_folders(group: argparse._ArgumentGroup) -> None:
+def _add_folders(parser: LightParser) -> None:
+    group = parser.add_argument_group("Folders")
     group.add_argument(
         "--recursive", action="store_true", help="search subfolders too, and mirror them in the output"
     )
@@ -135,23 +136,24 @@ def _add_folders(group: argparse._ArgumentGroup) -> None:
     )
 
 
-def _add_sheets(group: argparse._ArgumentGroup) -> None:
-    group.add_argument("--sheet", type=str | None, help="a sprite sheet: columns x rows, such as 4x3")  # type: ignore[arg-type]
+def _add_sheets(parser: LightParser) -> None:
+    group = parser.add_argument_group("Several drawings in one file")
+    group.add_argument("--sheet", type=str | None, help="a sprite sheet: columns x rows, such as 4x3")
     group.add_argument(
         "--split",
-        type=Literal["auto"] | None,  # type: ignore[arg-type]
+        type=Literal["auto"] | None,
         metavar="auto",
         help="auto finds a sheet's drawings: islands of opacity or of connected lines",
     )
     group.add_argument(
         "--atlas",
-        type=str | None,  # type: ignore[arg-type]
+        type=str | None,
         help="the file with the places of a sheet's sprites, from TexturePacker, Aseprite, libGDX, Spine, "
         "Starling, Phaser, Cocos2d, Unity or Godot, or a folder of such files",
     )
     group.add_argument(
         "--tileset",
-        type=str | None,  # type: ignore[arg-type]
+        type=str | None,
         metavar="SIZE",
         help="a tileset: width x height of a tile, such as 16x16 or 16x16,margin=1,spacing=2; or a tileset "
         "of Tiled (.tsx, .tsj), or a folder of such files; or own, the tileset of an Aseprite file",
@@ -164,7 +166,7 @@ def _add_sheets(group: argparse._ArgumentGroup) -> None:
     )
     group.add_argument(
         "--frame",
-        type=Literal["own", "shared"] | None,  # type: ignore[arg-type]
+        type=Literal["own", "shared"] | None,
         metavar="{own,shared}",
         help="what the model is shown: own makes each drawing as large as possible; shared shows the same "
         "square of all, so that what stands still does not flicker; by default shared for an animation, else "

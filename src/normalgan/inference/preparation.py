@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
-from normalgan.inference.cleaning.cleaning import Cleaned, clean, strokes
+from normalgan.inference.cleaning.cleaning import Cleaned, clean, ink_of_strokes
 from normalgan.inference.cleaning.silhouette import contour
 from normalgan.inference.findings import Finding, LackingError
 from normalgan.inference.mask.decision import Decision, decide
@@ -110,7 +110,7 @@ def prepare(
     asked = mask is None or source == READER
     shown, reading = picture.resized(worked), None
     if drawn:
-        cleaned = strokes(shown)
+        cleaned = ink_of_strokes(shown)
     else:
         cleaned, reading = _clean_and_read(picture, shown, asked, source == READER)
     if painted is not None:

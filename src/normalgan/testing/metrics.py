@@ -19,7 +19,7 @@ def metric_checks() -> list[Check[MapMetric]]:
         Check("pixels off the mask left out", _masked, "only pixels where mask is 1 count"),
         Check("batches of any size", _batches, "the batches that samples come in must not matter"),
         Check("several processes", _processes, "states must be added with a dist_reduce_fx"),
-        Check("beginning anew", _reset, "after reset it must start from nothing"),
+        Check("reset", _reset, "after reset it must start from nothing"),
         Check("arguments left as they are", _untouched, "what it is given belongs to the caller"),
         Check("every device there is", _devices, "states must be added by add_state"),
     ]

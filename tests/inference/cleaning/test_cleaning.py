@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
-from normalgan.inference.cleaning.cleaning import clean, strokes
+from normalgan.inference.cleaning.cleaning import clean, ink_of_strokes
 from normalgan.inference.cleaning.polarity import is_light_on_dark
 from normalgan.inference.mask.decision import decide
 from normalgan.inference.preparation import prepare
@@ -65,9 +65,9 @@ def test_a_clean_drawing_stays_as_it_is() -> None:
 
 
 def test_strokes_are_the_ink_as_they_are() -> None:
-    assert np.abs(strokes(Picture(grey(INK), None)).ink - INK).max() < 1e-6
+    assert np.abs(ink_of_strokes(Picture(grey(INK), None)).ink - INK).max() < 1e-6
     with pytest.raises(InputError, match="no line is seen"):
-        strokes(Picture(grey(0 * INK), None))
+        ink_of_strokes(Picture(grey(0 * INK), None))
 
 
 @pytest.mark.parametrize("pen", [0.0, 0.4, 1.0])

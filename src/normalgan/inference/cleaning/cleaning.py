@@ -13,7 +13,7 @@ from normalgan.inference.cleaning.silhouette import contour, enclosed_by, is_sil
 from normalgan.inference.findings import LackingError
 from normalgan.inference.reading.picture import Picture
 
-__all__ = ["Cleaned", "clean", "strokes", "without_specks"]
+__all__ = ["Cleaned", "clean", "ink_of_strokes", "without_specks"]
 
 _GREY = np.array([0.299, 0.587, 0.114], np.float32)
 _LEAST = 0.3
@@ -57,7 +57,7 @@ def clean(picture: Picture) -> Cleaned:
     return _with_lines(Cleaned(ink.astype(np.float32), silhouette))
 
 
-def strokes(picture: Picture) -> Cleaned:
+def ink_of_strokes(picture: Picture) -> Cleaned:
     """Return the ink of a drawing that is nothing but dark strokes on white: all that is not white.
 
     Raises:

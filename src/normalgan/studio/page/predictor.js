@@ -64,7 +64,7 @@ export class Predictor extends EventTarget {
     this.stale = false;
     /** Whether layers are on show as they were seen before others changed, or at half their size. */
     this.behind = false;
-    /** Whether that is being made up for: the next change breaks it off. */
+    /** Whether the missing layers, or the full size, are being painted: the next change breaks that off. */
     this.catchingUp = false;
     /** @type {"pen" | "pin" | null} the gesture that goes on */
     this.gesture = null;
