@@ -148,6 +148,11 @@ class Studio:
             self.page.locator("#new-dialog button.strong").click()
         self.size = width, height
 
+    def dismiss(self, dialog: str) -> None:
+        """Close a dialog by Escape: the browser's own process closes it, after the key has come back."""
+        self.page.keyboard.press("Escape")
+        self.page.locator(f"#{dialog}-dialog").wait_for(state="hidden")
+
     @contextmanager
     def answering(self, dialog: str) -> Iterator[None]:
         """Wait, after what is done inside, until a dialog has closed and the page has gone on from there.

@@ -55,7 +55,7 @@ def test_first_steps_are_done_by_keys_and_in_any_order(opened: "Browser", server
             page.locator("#samples button").first.click()
         page.keyboard.press("Control+e")
         page.locator("#export-dialog").wait_for()
-        page.keyboard.press("Escape")
+        studio.dismiss("export")
         assert count.inner_text() == "2 / 4"
         page.keyboard.press("2")
         assert count.inner_text() == "3 / 4"

@@ -117,7 +117,7 @@ def test_exports_and_projects_are_proposed_the_name_of_the_imported_file(
     page = studio.page
     page.locator("#export").click()
     assert page.input_value("#export-name") == "my fox 2 v3"
-    page.keyboard.press("Escape")
+    studio.dismiss("export")
     page.keyboard.press("Control+s")
     page.locator("#save-dialog[open]").wait_for()
     assert page.input_value("#name-field") == "my fox 2 v3"

@@ -255,10 +255,10 @@ def test_an_export_has_the_projects_name_after_a_cancelled_one(studio: Studio) -
     page = studio.page
     page.keyboard.press("Control+e")
     page.locator("#export-name").fill("wrong")
-    page.keyboard.press("Escape")
+    studio.dismiss("export")
     page.keyboard.press("Control+e")
     assert page.locator("#export-name").input_value() == ""
-    page.keyboard.press("Escape")
+    studio.dismiss("export")
 
 
 def test_the_balls_card_lets_clicks_through_and_can_be_moved(studio: Studio) -> None:
