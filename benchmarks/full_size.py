@@ -68,7 +68,7 @@ def _predict(samples: dict[str, Sample], folder: Path, model: str | None) -> dic
     (folder / "in").mkdir()
     for name, sample in samples.items():
         cv2.imwrite(str(folder / "in" / f"{name}.png"), 255 - sample.sketch)
-    command = ["-m", "normalgan", "generate", folder / "in", "-o", folder / "out", "--bits", "16", "--alpha"]
+    command = f"-m normalgan generate {folder}/in -o {folder}/out --bits 16 --alpha".split()
     more = ["--model", model] if model else []
     subprocess.run(
         [sys.executable, *command, *more], check=True, stdout=sys.stderr, env={**os.environ, **ONE_THREAD}

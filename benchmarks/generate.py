@@ -84,7 +84,8 @@ def draw(count: int, folder: Path, width: int = SIDE, height: int = SIDE) -> lis
 
 def peak(model: Path, drawings: list[Path], folder: Path) -> tuple[float, float, float]:
     """Return the most memory in MB that a batch takes in a process of its own, its seconds and its core's."""
-    command = [sys.executable, "-m", "normalgan", "generate", *drawings, "-o", folder, "--model", model]
+    given = map(str, [*drawings, "-o", folder, "--model", model])
+    command = [sys.executable, "-m", "normalgan", "generate", *given]
     start = time.perf_counter()
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     _, status, used = os.wait4(process.pid, 0)

@@ -10,6 +10,7 @@ front is predicted alone, among the others, and as `generate --layers` and the s
 import argparse
 import itertools
 import tempfile
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,17 +20,20 @@ import numpy as np
 from normalgan.__main__ import main as normalgan
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
-from normalgan.inference.composites.context import context_of, surest, ways_to_see
-from normalgan.inference.network.onnx_backend import SHIPPED, OnnxBackend
+from normalgan.inference.composites.context import Inferred, context_of, surest, ways_to_see
+from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.pipeline import finish
 from normalgan.inference.preparation import Prepared, prepare
-from normalgan.inference.reading.picture import Picture
+from normalgan.inference.reading.picture import Picture, read_picture
 from normalgan.normals import normalize, read_png
+from normalgan.weights.shipped import SHIPPED
 
 SIDE, OVERLAP = 512, 6
 PARTS, WHOLES = (0.08, 0.15, 0.25, 0.4), (0.15, 0.25, 0.4, 0.6)
 LEAST = 300
 """Pixels of the smallest part that is measured."""
+Layer = tuple[Floats, BoolMask]
+"""Lines (H, W), and which pixels (H, W) are the object's."""
 
 
 @dataclass(frozen=True)
@@ -48,10 +52,11 @@ def view(mesh: Path, folder: Path, azimuth: int) -> View:
     if normalgan(["sketch", str(mesh), *given]):
         raise InputError(f"{mesh} cannot be drawn")
     normals, opacity = read_png(truth)
-    return View(1 - cv2.imread(str(lines), 0).astype(np.float32) / 255, opacity > 0.5, normals)
+    ink = 1 - read_picture(lines).colour[..., 0]
+    return View(ink, opacity > 0.5, normals)
 
 
-def parts_of(seen: View):
+def parts_of(seen: View) -> Iterator[list[Layer]]:
     """Yield layers: what is left of an object, and the part that was cut from it, in front."""
     rows, columns = np.mgrid[: seen.ink.shape[0], : seen.ink.shape[1]]
     for share, along in itertools.product(PARTS, (rows, columns)):
@@ -62,14 +67,14 @@ def parts_of(seen: View):
             yield [_cut(seen.ink, rest, along - at + OVERLAP), _cut(seen.ink, part, along - at)]
 
 
-def _cut(ink: Floats, mask: BoolMask, away: Floats) -> tuple[Floats, BoolMask]:
+def _cut(ink: Floats, mask: BoolMask, away: Floats) -> Layer:
     """Return the lines of a part, with one where it was cut."""
     rim = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8)) > 0
     near = cv2.dilate(mask.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
     return np.maximum(np.where(near, ink, 0), rim & (np.abs(away) < 3)).astype(np.float32), mask
 
 
-def before(seen: View, other: View, share: float) -> tuple[list[tuple[Floats, BoolMask]], View]:
+def before(seen: View, other: View, share: float) -> tuple[list[Layer], View]:
     """Return another object with this one before it, at a share of its size; and a view of this one there."""
     side, canvas = round(2 * SIDE * share), (2 * SIDE, 2 * SIDE)
     top, left = min(SIDE, 2 * SIDE - side), min(SIDE - SIDE // 8, 2 * SIDE - side)
@@ -77,20 +82,23 @@ def before(seen: View, other: View, share: float) -> tuple[list[tuple[Floats, Bo
     ink, mask = np.zeros(canvas, np.float32), np.zeros(canvas, bool)
     normals = np.zeros((*canvas, 3), np.float32)
     ink[place] = np.minimum(1.5 * cv2.resize(seen.ink, (side, side), interpolation=cv2.INTER_AREA), 1)
-    normals[place] = normalize(cv2.resize(seen.normals, (side, side)))
+    normals[place] = normalize(np.asarray(cv2.resize(seen.normals, (side, side)), np.float32))
     mask[place] = cv2.resize(seen.mask.astype(np.uint8), (side, side)) > 0
-    back = cv2.resize(other.ink, canvas), cv2.resize(other.mask.astype(np.uint8), canvas) > 0
+    back = (
+        np.asarray(cv2.resize(other.ink, canvas), np.float32),
+        cv2.resize(other.mask.astype(np.uint8), canvas) > 0,
+    )
     return [back, (ink, mask)], View(ink, mask, normals)
 
 
-def errors(backend: OnnxBackend, layers: list[tuple[Floats, BoolMask]], normals: Floats) -> list[float]:
+def errors(backend: OnnxBackend, layers: list[Layer], normals: Floats) -> list[float]:
     """Return the mean angular error in degrees of the layer in front, alone, among the others, as chosen."""
     prepared = [
         prepare(Picture(np.dstack([1 - ink] * 3), None), backend.size, mask, line_widths=backend.line_widths)
         for ink, mask in layers
     ]
 
-    def infer(way: Prepared):
+    def infer(way: Prepared) -> Inferred:
         return backend.predict(way.seen, way.hints)
 
     ways = ways_to_see(prepared[-1], context_of(prepared))
@@ -111,7 +119,7 @@ def main() -> None:
     backend = OnnxBackend(SHIPPED)
     with tempfile.TemporaryDirectory() as folder:
         views = [view(mesh, Path(folder), 35 if k % 2 else 80) for k, mesh in enumerate(meshes)]
-    found = {"parts": [], "whole objects": []}
+    found: dict[str, list[list[float]]] = {"parts": [], "whole objects": []}
     for k, seen in enumerate(views):
         found["parts"] += [errors(backend, layers, seen.normals) for layers in parts_of(seen)]
         for share in WHOLES:

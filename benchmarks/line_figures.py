@@ -120,7 +120,7 @@ def _walk(pixels: NDArray[np.intp]) -> NDArray[np.intp]:
 
 def thinned(ink: BoolMask) -> BoolMask:
     """Return the middle of the lines, a pixel wide."""
-    bones: BoolMask = skeletonize(ink)  # type: ignore[no-untyped-call]
+    bones: BoolMask = skeletonize(ink)
     return bones
 
 

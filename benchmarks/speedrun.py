@@ -32,7 +32,7 @@ def seconds_to(curve: Sequence[Mapping[str, Any]], target: float) -> float | Non
     >>> seconds_to(curve, 25.0), seconds_to(curve, 35.0), seconds_to(curve, 5.0)
     (15.0, 10.0, None)
     """
-    known = [(float(point["seconds"]), point[ERROR]) for point in curve if point[ERROR] is not None]
+    known = [(float(point["seconds"]), float(point[ERROR])) for point in curve if point[ERROR] is not None]
     if known and known[0][1] <= target:
         return known[0][0]
     for (start, before), (end, after) in pairwise(known):

@@ -62,8 +62,9 @@ def change(
 ) -> tuple[Floats, NDArray[np.bool_]]:
     """Return by how many degrees each normal changes, (H, W), and where both have an object."""
     right, down = shift
-    normals, mask = (np.roll(each, (-down, -right), (0, 1)) for each in (other.extended, other.mask))
-    return angles(one.extended, normals), one.mask & mask
+    back = (-down, -right)
+    moved = np.roll(other.extended, back, (0, 1))
+    return angles(one.extended, moved), one.mask & np.roll(other.mask, back, (0, 1))
 
 
 def measure(predictor: Predictor, paper: NDArray[np.uint8]) -> tuple[dict[str, float], list[NormalMap]]:

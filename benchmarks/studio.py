@@ -25,12 +25,13 @@ import sys
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 from machine import describe
-from playwright.sync_api import Browser, CDPSession, Page, sync_playwright
+from playwright.sync_api import Browser, CDPSession, Page, Response, sync_playwright
 
 WATCH = """(side) => {
   window.events = [];
@@ -284,6 +285,13 @@ def serving(model: Path) -> Iterator[str]:
             server.wait()
 
 
+def keep(answers: list[int], inside: list[float], response: Response) -> None:
+    """Keep the bytes of an answer, and the milliseconds that the server took, if it tells them."""
+    answers.append(int(response.headers.get("content-length", 0)))
+    if "x-seconds" in response.headers:
+        inside.append(1000 * float(response.headers["x-seconds"]))
+
+
 def main() -> None:
     """Print the figures."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -304,16 +312,7 @@ def main() -> None:
             page = browser.new_page(viewport={"width": 1280, "height": 800})
             inside: list[float] = []
             answers: list[int] = []
-            page.on(
-                "response",
-                lambda r, kept=answers: kept.append(int(r.headers.get("content-length", 0))),  # type: ignore[misc]
-            )
-            page.on(
-                "response",
-                lambda r, kept=inside: (  # type: ignore[misc]
-                    kept.append(1000 * float(r.headers["x-seconds"])) if "x-seconds" in r.headers else None
-                ),
-            )
+            page.on("response", partial(keep, answers, inside))
             page.goto(address)
             page.wait_for_selector("html[data-ready]")
             page.locator("#new").click()

@@ -7,6 +7,7 @@ that cannot be reached are said to be unchecked, and are no failure: a build wit
 import re
 import subprocess
 import sys
+from email.message import Message
 from importlib.metadata import Distribution, PackageNotFoundError, distribution
 
 from packaging.requirements import Requirement
@@ -45,6 +46,7 @@ def dependencies(name: str, extras: tuple[str, ...] = EXTRAS) -> dict[str, Distr
 def permissive(package: Distribution) -> bool:
     """Return whether a package may be used and passed on freely, by what it says of its licence."""
     metadata = package.metadata
+    assert isinstance(metadata, Message)  # not so in the types of Python 3.11
     short = metadata.get("License") or ""
     said = [text for text in metadata.get_all("Classifier") or [] if text.startswith("License ::")]
     said += [metadata.get("License-Expression") or "", short if len(short) < 100 else ""]

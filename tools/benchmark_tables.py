@@ -265,10 +265,14 @@ def placement() -> list[str]:
     lines += ["", "By curvature less uniform, trained with the same number:"]
     pairs = {str(n): rows[f"paper-curvature-{n}"] for n in (3, 17, 60)}
     uniform = {id(rows[f"paper-curvature-{n}"]): rows[f"paper-uniform-{n}"] for n in (3, 17, 60)}
+
+    def beside_uniform(given: str) -> Cell:
+        return lambda runs: beside(uniform[id(runs)], given)(runs)
+
     lines += table(
         pairs,
         {
-            heading: lambda runs, given=given: beside(uniform[id(runs)], given)(runs)
+            heading: beside_uniform(given)
             for heading, given in {"own hints": OWN, "15 uniform hints": "15", "no hints": "0"}.items()
         },
         "hints in training",

@@ -32,7 +32,7 @@ def map_and_lit(path: Path) -> list[NDArray[np.uint8]]:
         alpha = (np.abs(normals - (0, 0, 1)).max(-1) > 0.01).astype(np.float32)
     clay = to_srgb(shade(normals, lamp_direction(130, 40)))
     lit = 255 + alpha[..., None] * (clay - 255.0)
-    return [encode(paint_flat(normals, alpha > 0.5)), lit.astype(np.uint8)]
+    return [encode(paint_flat(normals, alpha > 0.5)).astype(np.uint8), lit.astype(np.uint8)]
 
 
 def main(arguments: list[str]) -> int:

@@ -33,7 +33,7 @@ def picture(results: Mapping[str, Any]) -> bytes:
     first = next(iter(rows.values()))
     order = sorted(first[0]["meshes"]["0"], key=lambda mesh: mean(first, "0", mesh))
     for (given, title), panel in zip(GIVEN.items(), panels, strict=True):
-        for (label, runs), colour in zip(rows.items(), colormaps["tab10"].colors, strict=False):
+        for (label, runs), colour in zip(rows.items(), colormaps["tab10"](range(10)), strict=False):
             for run in runs:
                 panel.plot([run["meshes"][given][m]["angular_mean"] for m in order], "o", color=colour, ms=3)
             panel.plot([mean(runs, given, m) for m in order], color=colour, lw=1, label=label)

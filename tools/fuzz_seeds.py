@@ -122,8 +122,8 @@ def _other(target: str) -> Iterable[tuple[str, bytes | str]]:
 
         for reader, files in (("configuration", CONFIGURATIONS), ("plan", PLANS)):
             yield from sound()[reader].items()
-            for name, (content, _) in files.items():
-                yield f"{reader}-{name}", content
+            for name, (words, _) in files.items():
+                yield f"{reader}-{name}", words
     elif target == "project":
         yield from {"project.json": json.dumps(PROJECT), "request.json": json.dumps(REQUEST)}.items()
         yield from {"deep.json": "[" * 200_000, "digits.json": '{"width": ' + "1" * 10_000 + "}"}.items()

@@ -4,7 +4,7 @@ tools/hint_counts.py 'meshes/*.off' [SIZE [VIEWS [ORIENTATION]]]
 `animals` in place of meshes takes 20 embedded ones.
 """
 
-import sys
+import argparse
 from statistics import median
 
 import torch
@@ -18,7 +18,7 @@ from normalgan.rendering.renderers.embree import EmbreeRenderer
 from normalgan.rendering.samples import sample_rng
 
 
-def main(meshes: str, size: int = 256, views: int = 10, orientation: str | None = None) -> None:
+def main(meshes: str, size: int, views: int, orientation: str | None) -> None:
     """Render the maps of so many views of each mesh, seed 0, and count."""
     given = None if meshes == "animals" else meshes
     animals, reading = EmbeddedAnimals(20), MeshReading(orientation)
@@ -39,4 +39,9 @@ def main(meshes: str, size: int = 256, views: int = 10, orientation: str | None 
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], *map(int, sys.argv[2:4]), *sys.argv[4:5])
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("meshes")
+    parser.add_argument("size", nargs="?", type=int, default=256)
+    parser.add_argument("views", nargs="?", type=int, default=10)
+    parser.add_argument("orientation", nargs="?")
+    main(**vars(parser.parse_args()))

@@ -65,7 +65,7 @@ def follow(what: str, drawing: Path) -> Chain:
             Predictor(SHIPPED).predict(DrawingRequest(drawing.read_bytes(), [], None), [], None, lambda: None)
     finally:
         sys.setprofile(None)
-        threading.setprofile(None)  # type: ignore[arg-type]
+        threading.setprofile(None)
     return chain
 
 

@@ -15,6 +15,7 @@ from pictures import Picture, colours, draw, panels, png, render, sphere
 from PIL import Image
 
 from normalgan.animals import Animal
+from normalgan.arrays import BoolMask
 from normalgan.files.writing import write_bytes
 from normalgan.hints import CurvatureHints
 from normalgan.inference.heights.height import integrate
@@ -38,7 +39,7 @@ def ball(size: int = 128) -> bytes:
     return buffer.getvalue()
 
 
-def lamp(normals: Picture, mask: Picture) -> Picture:
+def lamp(normals: Picture, mask: BoolMask) -> Picture:
     """Return a map as clay under a lamp from the upper left, as an engine would light it."""
     return lit(normals.astype(np.float32), mask, 125.0) / 255
 

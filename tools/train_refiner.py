@@ -65,7 +65,8 @@ class Refiner(nn.Module):
         features = torch.relu(self.stem(given))
         for block in self.blocks:
             features = features + block(features)
-        return given[:, :3] + self.head(torch.relu(features))
+        mended: Tensor = given[:, :3] + self.head(torch.relu(features))
+        return mended
 
 
 def main(arguments: list[str] | None = None) -> None:
@@ -93,13 +94,13 @@ def main(arguments: list[str] | None = None) -> None:
 
 def predict(samples: Path, split: str, out: Path) -> None:
     """Paint the sketches of a split; write what the refiner learns from, a file each."""
-    group = zarr.open_group(samples / "samples.zarr", mode="r")[split]
+    arrays = dict(zarr.open_group(samples / "samples.zarr", mode="r", path=split).arrays())
     network = OnnxBackend(find_model(), threads=1)
     generator = np.random.default_rng(0)
     (out / split).mkdir(parents=True, exist_ok=True)
-    for i in range(group["mask"].shape[0]):
+    for i in range(arrays["mask"].shape[0]):
         target = out / split / f"{i:05}.npz"
-        sketch, truth, object_ = group["sketch"][i], group["normal"][i], group["mask"][i]
+        sketch, truth, object_ = (np.asarray(arrays[name][i]) for name in ("sketch", "normal", "mask"))
         # What is drawn from the generator is the same whether a file is there or not.
         hinted, found, number = generator.random() < 0.5, generator.random() < 0.5, generator.random()
         if target.exists() or not sketch.any() or object_.sum() < 2000:
@@ -205,10 +206,12 @@ def train(sets: Path, out: Path, minutes: float, network: Refiner) -> None:
     torch.set_num_threads(1)
     generator = np.random.default_rng(0)
     files = sorted((sets / "train").glob("*.npz"))
-    network = network.to(memory_format=torch.channels_last)
+    network = network.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
     average = copy.deepcopy(network)
     optimizer = torch.optim.RAdam(network.parameters(), lr=RATE, betas=(0.9, 0.98))
-    start, step, pool, recent = monotonic(), 0, [], []
+    start, step = monotonic(), 0
+    pool: list[tuple[Floats, Floats]] = []
+    recent: list[float] = []
     while (gone := (monotonic() - start) / (60 * minutes)) < 1:
         while len(pool) < 12 * BATCH:
             pool += crops(files[generator.integers(len(files))], generator)

@@ -15,6 +15,7 @@ import re
 import sys
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
@@ -72,12 +73,13 @@ def rendered(path: Path) -> NDArray[np.uint8] | None:
     share = (SIZE - 16) / max(image.size)
     if share > 4 or min(image.size) * share < 24:
         return None
+    width, height = (max(round(side * share), 1) for side in image.size)
     image = image.resize(
-        [max(round(side * share), 1) for side in image.size],
+        (width, height),
         Image.Resampling.BOX if share < 1 else Image.Resampling.BICUBIC,
     )
     whole = Image.new("RGBA", (SIZE, SIZE), (255, 255, 255, 0))
-    whole.paste(image, [(SIZE - side) // 2 for side in image.size])
+    whole.paste(image, ((SIZE - width) // 2, (SIZE - height) // 2))
     return np.asarray(whole)
 
 
@@ -103,7 +105,7 @@ def tells_its_object(drawn: NDArray[np.uint8]) -> bool:
 def lines_of(drawn: NDArray[np.uint8]) -> tuple[list[Points], int, bool]:
     """Return strokes in pixels, how many are outlines, and whether dark lines bound the object."""
     opaque = (drawn[..., 3] > 127).astype(np.uint8)
-    colour = cv2.bilateralFilter(np.ascontiguousarray(drawn[..., :3]), 5, 40, 3)
+    colour = np.asarray(cv2.bilateralFilter(np.ascontiguousarray(drawn[..., :3]), 5, 40, 3), np.uint8)
     dark = ((colour.max(2) < _DARK) & (opaque > 0)).astype(np.uint8)
     rim = opaque > cv2.erode(opaque, np.ones((3, 3), np.uint8), borderValue=0)
     lined = bool(cv2.dilate(dark, np.ones((5, 5), np.uint8))[rim].mean() > 0.85)
@@ -164,7 +166,7 @@ def main() -> None:
     cv2.setNumThreads(1)
     unseen = {first_word(name) for path in given.leave_out for name in names_in(path)}
     series: Counter[str] = Counter()
-    arrays: dict[str, NDArray] = {}
+    arrays: dict[str, NDArray[Any]] = {}
     names: list[str] = []
     files = sorted(CLIPART.rglob("*.svg"))
     written = 0
@@ -197,9 +199,9 @@ def main() -> None:
     _write(given.out, written, names, arrays)
 
 
-def _write(out: Path, number: int, names: list[str], arrays: dict[str, NDArray]) -> None:
+def _write(out: Path, number: int, names: list[str], arrays: dict[str, NDArray[Any]]) -> None:
     temporary = out / f".clipart_{number:02d}.npz"
-    np.savez(temporary, names=json.dumps(names), **arrays)
+    np.savez(temporary, allow_pickle=False, names=json.dumps(names), **arrays)
     temporary.replace(out / f"views_clipart_{number:02d}.npz")
     print(number, len(names), flush=True)
 

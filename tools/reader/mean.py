@@ -20,7 +20,7 @@ def main() -> None:
         own = numpy_helper.to_array(weights)
         if own.dtype == np.float32:
             mean = np.mean([own, *(each[weights.name] for each in stored)], axis=0, dtype=np.float64)
-            weights.CopyFrom(numpy_helper.from_array(mean.astype(np.float32), weights.name))
+            weights.CopyFrom(numpy_helper.from_array(np.asarray(mean, np.float32), weights.name))
     onnx.save(first, given.out)
 
 

@@ -19,6 +19,7 @@ from pages import KINDS, page
 from pierced import drawings
 from shapes import Shape, Views, darkness
 
+from normalgan.arrays import Floats
 from normalgan.errors import InputError
 from normalgan.inference.mask.masks import OUTLINE
 from normalgan.inference.preparation import prepare
@@ -75,7 +76,7 @@ def measure_pages(views: Path, measured: Measured) -> None:
         rng, scores = np.random.default_rng(11), []
         for _ in range(PAGES):
             made = page(rng, shapes, PAGE, kind)
-            colour = np.ascontiguousarray(made.picture[..., ::-1]).astype(np.float32) / 255
+            colour = np.ascontiguousarray(made.picture[..., ::-1]).astype(np.float32) / np.float32(255)
             masks = measured.masks(Picture(colour, None))
             scores.append([iou(mask, made.presence > 0.5) for mask in masks.values()])
         means.append(np.mean(scores, 0))
@@ -88,8 +89,8 @@ def measure_clipart(shapes: list[Shape], measured: Measured) -> None:
     scores: dict[str, list[list[float]]] = {"clip art": [], "its lines": []}
     for shape in shapes:
         drawn = shape.drawn()
-        opacity = drawn[..., 3:].astype(np.float32) / 255
-        colour = drawn[..., 2::-1] / np.float32(255) * opacity + 1 - opacity
+        opacity = drawn[..., 3:].astype(np.float32) / np.float32(255)
+        colour: Floats = drawn[..., 2::-1] / np.float32(255) * opacity + 1 - opacity
         shown = {"clip art": colour}
         if shape.lined:
             shown["its lines"] = np.repeat(1 - darkness(255 * colour)[..., None], 3, 2)
@@ -158,7 +159,8 @@ def measure_folder(folder: Path, measured: Measured) -> list[NDArray[np.uint8]]:
         for name, mask in masks.items():
             line += f" {name} " + ("refused" if mask is None else "")
             if mask is not None and truth.is_file():
-                line += f"{iou(mask, cv2.resize(cv2.imread(str(truth), 0), mask.shape[::-1]) > 127):.3f}"
+                painted = np.asarray(cv2.imread(str(truth), 0))
+                line += f"{iou(mask, cv2.resize(painted, mask.shape[::-1]) > 127):.3f}"
         by_lines, by_reader = masks.values()
         if by_lines is not None and by_reader is not None:
             line += f"  alike {iou(by_lines, by_reader):.3f}"

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from itertools import chain
 from pathlib import Path
+from typing import Any
 
 import onnx
 import torch
@@ -29,7 +30,8 @@ class Block(nn.Module):
 
     def forward(self, x: Tensor) -> Tensor:
         """Return features of the same shape."""
-        return functional.relu(x + self.body(x))
+        features: Tensor = x + self.body(x)
+        return functional.relu(features)
 
 
 class Page(nn.Module):
@@ -41,7 +43,7 @@ class Page(nn.Module):
 
     def forward(self, x: Tensor) -> Tensor:
         """Return features of the same shape."""
-        told = self.mix(torch.cat([x.mean((2, 3)), x.amax((2, 3))], 1))
+        told: Tensor = self.mix(torch.cat([x.mean((2, 3)), x.amax((2, 3))], 1))
         return x + told[:, :, None, None]
 
 
@@ -75,7 +77,7 @@ class Reader(nn.Module):
                 else nn.Identity()
             )
             self.enter.append(first)
-            parts = [Block(width) for _ in range(blocks)]
+            parts: list[nn.Module] = [Block(width) for _ in range(blocks)]
             if level >= 2:
                 parts.insert(1, Page(width))
             self.down.append(nn.Sequential(*parts))
@@ -85,6 +87,7 @@ class Reader(nn.Module):
         self.unfold = nn.Sequential(nn.Conv2d(WIDTHS[0], 12 * FOLD**2, 1), nn.PixelShuffle(FOLD))
         self.gate = nn.Conv2d(WIDTHS[0], 8, 1)  # whether lines are dark or light here
         nn.init.zeros_(self.gate.weight)
+        assert self.gate.bias is not None
         nn.init.zeros_(self.gate.bias)
         self.last = nn.Conv2d(12 + 8, 2, 3, padding=1)
         self.ways = nn.Conv2d(WIDTHS[0], 2, 1)
@@ -161,8 +164,8 @@ class Reader(nn.Module):
             hook.remove()
         self.train()
 
-    def _normalised(self) -> Iterator[tuple[nn.Conv2d, nn.BatchNorm2d]]:
-        """Yield each convolution with its normalisation, in the order in which they run."""
+    def _normalised(self) -> Iterator[tuple[nn.Conv2d, Any]]:
+        """Yield each convolution with its `BatchNorm2d`, in the order in which they run."""
         for part in [
             self.stem,
             self.fold,

@@ -4,14 +4,25 @@ A page is a picture with its true ink, presence (holes are none), the way from e
 object's middle, and a weight of each pixel.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 from shapes import Points, Rng, Shape, darkness, doodle, sheet
 
-Floats = NDArray[np.float32]
+Floats = NDArray[np.floating]
+Bools = NDArray[np.bool_]
+Box = tuple[float, float, float]
+"""Middle and side of the square that an object lies in, in pixels: x, y, span."""
+Stroke = tuple[Points, bool]
+"""A line, and whether it is an outline."""
+Drawn = tuple[Points, bool, int]
+"""A line, whether it is an outline, and which pass of the hand over it this is."""
+Move = Callable[[Points], Points]
+Contours = list[list[Points]]
 KINDS = (
     "clean",
     "gaps",
@@ -71,11 +82,11 @@ class _Writer:
         self.rng, self.shapes, self.kind = rng, shapes, kind
         self.h, self.w = size
         self.long = max(size)
-        self.page = np.full((self.h, self.w, 3), 255, np.float32)
-        self.ink = np.zeros(size, np.float32)
-        self.presence = np.zeros(size, np.float32)
+        self.page: Floats = np.full((self.h, self.w, 3), 255, np.float32)
+        self.ink: Floats = np.zeros(size, np.float32)
+        self.presence: Floats = np.zeros(size, np.float32)
         self.middle = np.zeros((2, *size), np.float32)
-        self.weight = np.ones(size, np.float32)
+        self.weight: Floats = np.ones(size, np.float32)
         self.ink_weight = np.ones(size, np.float32)
 
     def chance(self, share: float) -> bool:
@@ -117,14 +128,14 @@ class _Writer:
         for box in boxes:
             self._draw(box, style)
         if kind != "clean" and self.chance(0.16):
-            self._text(boxes)
+            self._text()
         self._degrade()
-        picture = np.clip(self.page, 0, 255)
+        picture: NDArray[Any] = np.clip(self.page, 0, 255)
         if kind != "clean" and self.chance(0.3):
             code = cv2.imencode(
                 ".jpg", picture.astype(np.uint8), [cv2.IMWRITE_JPEG_QUALITY, int(rng.integers(25, 90))]
             )[1]
-            picture = cv2.imdecode(code, cv2.IMREAD_COLOR)
+            picture = np.asarray(cv2.imdecode(code, cv2.IMREAD_COLOR))
         return Page(
             np.rint(picture).astype(np.uint8),
             self.ink,
@@ -136,10 +147,10 @@ class _Writer:
         )
 
     # --- where objects are
-    def _boxes(self):
+    def _boxes(self) -> list[Box]:
         """Return (cx, cy, span) of each object, in pixels."""
         rng, kind, h, w = self.rng, self.kind, self.h, self.w
-        small = min(h, w)
+        small: float = min(h, w)
         if kind == "tiny":
             count = 1 if self.chance(0.7) else 2
             return [
@@ -150,11 +161,11 @@ class _Writer:
             if self.chance(0.6):
                 columns, rows = rng.integers(1, 6), rng.integers(1, 4)
                 if columns * rows == 1:
-                    columns = 2
+                    columns = columns + 1
                 cell = min(w / columns, h / rows)
                 span = cell * rng.uniform(0.6, 0.95)
                 jitter = (cell - span) / 2
-                return [
+                grid: list[Box] = [
                     (
                         (c + 0.5) * w / columns + rng.uniform(-1, 1) * jitter,
                         (r + 0.5) * h / rows + rng.uniform(-1, 1) * jitter,
@@ -163,8 +174,9 @@ class _Writer:
                     for r in range(rows)
                     for c in range(columns)
                     if rng.random() < 0.93
-                ][:12] or [(w / 2, h / 2, small * 0.7)]
-            boxes = []
+                ]
+                return grid[:12] or [(w / 2, h / 2, small * 0.7)]
+            boxes: list[Box] = []
             for _ in range(rng.integers(2, 6)):
                 for _ in range(12):
                     span = rng.uniform(0.2, 0.6) * small
@@ -188,7 +200,7 @@ class _Writer:
         return [(w / 2 + off[0], h / 2 + off[1], span)]
 
     # --- an object
-    def _draw(self, box, style: "_Style") -> None:  # noqa: PLR0912, PLR0915 - one choice after the other
+    def _draw(self, box: Box, style: "_Style") -> None:  # noqa: PLR0912, PLR0915 - one choice after the other
         rng = self.rng
         cx, cy, span = box
         if self.kind == "bordering":
@@ -286,7 +298,7 @@ class _Writer:
         if solid and style.construction and painted is None:
             self._construction(contours, span, style)
 
-    def _ended(self, mask, strokes):
+    def _ended(self, mask: Floats, strokes: list[Stroke]) -> tuple[Floats, list[Stroke]]:
         """Leave off a part, with no line where it would go on: a bust, a hand without its arm."""
         rng = self.rng
         way = np.array([rng.normal(0, 0.4), 1.0]) if self.chance(0.7) else rng.normal(0, 1, 2)
@@ -295,14 +307,14 @@ class _Writer:
         kept = [(line[a:b], o) for line, o in strokes for a, b in _runs(line @ way <= last) if b - a > 1]
         return mask * (away <= last).astype(np.float32), kept
 
-    def _place_middle(self, inside) -> None:
+    def _place_middle(self, inside: Bools) -> None:
         ys, xs = np.nonzero(inside)
         if len(xs):
             mx, my = (xs.min() + xs.max()) / 2, (ys.min() + ys.max()) / 2
             self.middle[0][inside] = (mx - xs) / self.long
             self.middle[1][inside] = (my - ys) / self.long
 
-    def _paste(self, shape: Shape, box, style: "_Style") -> bool:
+    def _paste(self, shape: Shape, box: Box, style: "_Style") -> bool:
         """Draw clip art in its colours or by its dark lines alone, and return whether it is seen."""
         rng = self.rng
         contours, lines, colour, mask = self._warped(shape, box)
@@ -329,7 +341,7 @@ class _Writer:
             area = cv2.morphologyEx(dark, cv2.MORPH_OPEN, np.ones((9, 9), np.uint8))
             # A shade is not ink.
             dark = np.where(area > 0.1, area > darkness(np.full((1, 1, 3), BLACK)), dark)
-            target = np.maximum(dark, self._rim(mask, np.float32(colour), None) * (dark < 0.3))
+            target = np.maximum(dark, self._rim(mask, colour.astype(np.float32), None) * (dark < 0.3))
             self.ink_weight[(mask > 0.5) & (target < 0.3)] = 0.5
         self.ink = np.maximum(self.ink * (1 - mask), target)
         count, labels, stats, _ = cv2.connectedComponentsWithStats((mask > 0.5).astype(np.uint8))
@@ -342,7 +354,7 @@ class _Writer:
         self._weigh(contours, mask, np.zeros(mask.shape, bool), target)
         return True
 
-    def _warped(self, shape: Shape, box):
+    def _warped(self, shape: Shape, box: Box) -> tuple[Contours, bool, Floats, Floats]:
         """Return the contours of clip art, whether only its lines are drawn, its colours and opacity."""
         cx, cy, span = box
         span = max(span, 16)
@@ -355,6 +367,8 @@ class _Writer:
         lines = shape.lined and self.chance(0.75)
         if lines and share < 1 and self.chance(0.5):  # of thin lines little would be left
             drawn[..., :3] = cv2.erode(drawn[..., :3], np.ones((3, 3), np.uint8))
+        opacity: NDArray[Any]
+        paint: NDArray[Any]
         if share < 0.7:
             small = max(round(side * share), 8)
             opacity = drawn[..., 3:].astype(np.float32) / 255
@@ -366,23 +380,23 @@ class _Writer:
         ends = np.array([[0, 0], [small, 0], [0, small]], np.float32) - 0.5
         warp = cv2.getAffineTransform(ends, corners - 0.5)
         paint = cv2.warpAffine(paint, warp, (self.w, self.h), flags=cv2.INTER_LINEAR)
-        mask = cv2.warpAffine(opacity, warp, (self.w, self.h), flags=cv2.INTER_LINEAR)
+        mask: NDArray[Any] = cv2.warpAffine(opacity, warp, (self.w, self.h), flags=cv2.INTER_LINEAR)
         colour = np.clip(paint / np.maximum(mask[..., None], 1e-3), 0, 255).astype(np.float32)
         return contours, lines, colour, mask
 
-    def _unseen(self, mask, colour) -> bool:
+    def _unseen(self, mask: Floats, colour: Floats) -> bool:
         """Return whether a third of the edge of what is painted looks like its ground."""
         solid = (mask > 0.5).astype(np.uint8)
         rim = solid > cv2.erode(solid, np.ones((3, 3), np.uint8), borderValue=1)
         return bool((np.abs(colour - self.page)[rim].max(-1) < SEEN).mean() > 1 / 3) if rim.any() else True
 
-    def _merged(self, mask, style: "_Style") -> bool:
+    def _merged(self, mask: Floats, style: "_Style") -> bool:
         """Return whether an outline looks like the ground that it lies on."""
         solid = (mask > 0.3).astype(np.uint8)
         beside = cv2.dilate(solid, np.ones((5, 5), np.uint8)) > solid
         return bool(beside.any() and np.abs(self.page[beside].mean(0) - style.pen).max() < SEEN)
 
-    def _kept(self, contours, span, style: "_Style") -> Floats:
+    def _kept(self, contours: Contours, span: float, style: "_Style") -> Floats:
         """Return 0 where the lines of an outline were left out, and a pencil's uneven tone elsewhere."""
         rng = self.rng
         kept = np.ones((self.h, self.w), np.float32)
@@ -396,7 +410,7 @@ class _Writer:
                     cv2.circle(kept, at.tolist(), max(round(width * rng.uniform(0.1, 0.5)), 1), 0.0, -1)
         return kept
 
-    def _placement(self, shape: Shape, cx, cy, span, bent: bool = True):
+    def _placement(self, shape: Shape, cx: float, cy: float, span: float, bent: bool = True) -> Move:
         rng = self.rng
         points = np.concatenate([c for group in shape.contours for c in group] + shape.bare)
         low, high = points.min(0), points.max(0)
@@ -420,13 +434,13 @@ class _Writer:
         bend = rng.choice([0, 0.004, 0.012, 0.02]) if self.kind != "clean" else rng.choice([0, 0, 0.006])
         bend *= bent
 
-        def turned(p):
+        def turned(p: Points) -> Points:
             p = p - (low + high) / 2
             q = p.copy()
             for f, one, two in waves:
                 q[:, 0] += bend * np.sin(f * p[:, 1] + one)
                 q[:, 1] += bend * np.sin(f * p[:, 0] + two)
-            return q @ matrix.T
+            return np.asarray(q @ matrix.T)
 
         corners = turned(points)
         lo, hi = corners.min(0), corners.max(0)
@@ -434,7 +448,7 @@ class _Writer:
         centre = (lo + hi) / 2
         return lambda p: ((turned(p) - centre) * scale + np.array([cx, cy])).astype(np.float32)
 
-    def _filled(self, groups) -> Floats:
+    def _filled(self, groups: Contours) -> Floats:
         """Return the even-odd filling, antialiased by four times four samples."""
         k = 3
         mask = np.zeros((self.h * k, self.w * k), np.uint8)
@@ -444,7 +458,7 @@ class _Writer:
             mask |= fresh
         return cv2.resize(mask, (self.w, self.h), interpolation=cv2.INTER_AREA).astype(np.float32) / 255
 
-    def _whiskers(self, contours, span):
+    def _whiskers(self, contours: Contours, span: float) -> list[Points]:
         rng, found = self.rng, []
         outline = max((c for group in contours for c in group), key=len)
         middle = outline.mean(0)
@@ -459,14 +473,14 @@ class _Writer:
             )
         return found
 
-    def _within(self, mask, away) -> list[Points]:
+    def _within(self, mask: Floats, away: float) -> list[Points]:
         """Return a second outline, inside the first one."""
         depth = cv2.distanceTransform(np.pad((mask > 0.5).astype(np.uint8), 1), cv2.DIST_L2, 5)[1:-1, 1:-1]
         inner = (depth > away).astype(np.uint8)
         found, _ = cv2.findContours(inner, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
         return [np.concatenate([c[:, 0], c[:1, 0]]).astype(np.float32) + 0.5 for c in found if len(c) > 20]
 
-    def _frame(self, boxes, style):
+    def _frame(self, boxes: list[Box], style: "_Style") -> list[Box]:
         """Draw a frame about all objects, and return where these lie within it."""
         rng, h, w = self.rng, self.h, self.w
         edge = rng.uniform(0.015, 0.12) * self.long
@@ -477,7 +491,7 @@ class _Writer:
             if away < 1:
                 break
             corners = np.array([[away, away], [w - away, away], [w - away, h - away], [away, h - away]])
-            path = _even(
+            path: Floats = _even(
                 (closed := np.concatenate([corners, corners[:1]])),
                 np.linalg.norm(np.diff(closed, axis=0), axis=1), 120,
             )  # fmt: skip
@@ -499,7 +513,7 @@ class _Writer:
             for x, y, s in boxes
         ]
 
-    def _spots(self, mask, span) -> list[Points]:
+    def _spots(self, mask: Floats, span: float) -> list[Points]:
         """Return small closed lines inside an object: eyes, buttons, spots, windows."""
         rng, found = self.rng, []
         depth = cv2.distanceTransform(np.pad((mask > 0.5).astype(np.uint8), 1), cv2.DIST_L2, 5)[1:-1, 1:-1]
@@ -529,7 +543,9 @@ class _Writer:
         return found
 
     # --- lines
-    def _hand(self, strokes, span, style):  # noqa: PLR0912 - one choice after the other
+    def _hand(  # noqa: PLR0912 - one choice after the other
+        self, strokes: list[Stroke], span: float, style: "_Style"
+    ) -> list[Drawn]:
         """Return (points, kind of pass) of lines as the hand draws them."""
         rng, drawn = self.rng, []
         damage = self.damage
@@ -585,12 +601,12 @@ class _Writer:
                     if damage and style.overshoot and self.chance(0.5):
                         piece = _longer(piece, rng.exponential(style.overshoot) * span)
                     if each and self.chance(0.5):
-                        cut = rng.integers(0, max(len(piece) // 2, 1))
-                        piece = piece[cut : cut + max(len(piece) // 2, 3)]
+                        first = rng.integers(0, max(len(piece) // 2, 1))
+                        piece = piece[first : first + max(len(piece) // 2, 3)]
                     drawn.append((piece, outline, each))
         return drawn
 
-    def _strokes(self, lines, width, style) -> Floats:
+    def _strokes(self, lines: list[Drawn], width: float, style: "_Style") -> Floats:
         rng, k = self.rng, 2 if self.long <= 400 else 1
         canvas = np.zeros((self.h * k, self.w * k), np.uint8)
         light = np.zeros_like(canvas) if style.pressure or style.sketchy else None
@@ -636,7 +652,7 @@ class _Writer:
             ink = ink * max(width / 0.8, 0.4) if width < 0.8 else ink
         return ink
 
-    def _hatching(self, shape, mask, move, style) -> Floats:
+    def _hatching(self, shape: Shape, mask: Floats, move: Move, style: "_Style") -> Floats:
         rng = self.rng
         canvas = np.zeros((self.h, self.w), np.uint8)
         angle, step = rng.uniform(0, 3.14), rng.uniform(3, 8)
@@ -644,17 +660,16 @@ class _Writer:
         middle = np.array([self.w, self.h]) / 2
         for k in np.arange(-self.long, self.long, step):
             a, b = middle + across * k - way * self.long, middle + across * k + way * self.long
-            cv2.line(
-                canvas, *[tuple(np.rint(p * 16).astype(int).tolist()) for p in (a, b)], 200, 1, cv2.LINE_AA, 4
-            )
+            start, end = (np.rint(p * 16).astype(int).tolist() for p in (a, b))
+            cv2.line(canvas, start, end, 200, 1, cv2.LINE_AA, 4)
         ys, xs = np.nonzero(mask > 0.5)
         pick = rng.integers(len(xs))
         y, x = np.mgrid[: self.h, : self.w]
-        r = rng.uniform(0.1, 0.4) * max(np.ptp(xs), np.ptp(ys), 4)
+        r = rng.uniform(0.1, 0.4) * max(int(np.ptp(xs)), int(np.ptp(ys)), 4)
         region = (np.hypot(x - xs[pick], y - ys[pick]) < r) & (mask > 0.5)
         return np.where(region, canvas, 0).astype(np.float32) / 255
 
-    def _blacks(self, mask, drawn, style) -> Floats:
+    def _blacks(self, mask: Floats, drawn: Floats, style: "_Style") -> Floats:
         """Return areas filled with black: the object as a whole, or some of its regions."""
         rng = self.rng
         if self.chance(0.35):
@@ -670,7 +685,9 @@ class _Writer:
         dark = chosen[labels].astype(np.uint8)
         return np.minimum(cv2.dilate(dark, np.ones((3, 3), np.uint8)).astype(np.float32), mask)
 
-    def _painted(self, shape, mask, move, strokes, style):
+    def _painted(
+        self, shape: Shape, mask: Floats, move: Move, strokes: list[Stroke], style: "_Style"
+    ) -> Floats:
         """Return colours of the object, (H, W, 3), by region or shaded."""
         rng = self.rng
         lines = np.zeros((self.h, self.w), np.uint8)
@@ -695,16 +712,16 @@ class _Writer:
             if len(rows):
                 cut = shade[rows.min() : rows.max() + 1, columns.min() : columns.max() + 1].astype(np.float32)
                 big = cv2.resize(cut, (box[3] - box[2], box[1] - box[0]))
-                field = np.ones((self.h, self.w), np.float32)
+                field: Floats = np.ones((self.h, self.w), np.float32)
                 field[box[0] : box[1], box[2] : box[3]] = big
                 if self.chance(0.5):
                     field = np.round(field * 2) / 2
                 colour = colour * (0.55 + 0.45 * field[..., None])
         if self.chance(0.2):
             colour = colour + _clouds(rng, self.h, self.w, rng.uniform(4, 30))[..., None] * rng.uniform(5, 25)
-        return np.clip(colour, 0, 255).astype(np.float32)
+        return np.asarray(np.clip(colour, 0, 255), np.float32)
 
-    def _rim(self, mask, painted, ink):
+    def _rim(self, mask: Floats, painted: Floats | None, ink: Floats | None) -> Floats:
         """Return lines where painted areas have none: around them, and between their colours."""
         solid = (mask > 0.5).astype(np.uint8)
         inner = cv2.erode(solid, np.ones((3, 3), np.uint8), borderValue=0)
@@ -720,7 +737,7 @@ class _Writer:
             rim = rim * (near < 0.3)
         return rim.astype(np.float32)
 
-    def _construction(self, contours, span, style) -> None:
+    def _construction(self, contours: Contours, span: float, style: "_Style") -> None:
         rng = self.rng
         points = np.concatenate([c for group in contours for c in group])
         low, high = points.min(0), points.max(0)
@@ -748,7 +765,7 @@ class _Writer:
         self.page = self.page * (1 - faint) + np.float32(style.pen) * faint
         self.ink_weight[canvas > 40] *= 0.3
 
-    def _weigh(self, contours, mask, thin, drawn) -> None:
+    def _weigh(self, contours: Contours, mask: Floats, thin: Bools, drawn: Floats) -> None:
         """Weigh what a mean over the page would lose: holes, eyes, what lies just outside, bare lines."""
         solid = (mask > 0.5).astype(np.uint8)
         near = cv2.dilate(solid, np.ones((int(0.06 * self.long) | 1,) * 2, np.uint8))
@@ -768,7 +785,7 @@ class _Writer:
         _, labels, stats, _ = cv2.connectedComponentsWithStats(free, connectivity=4)
         weights = np.clip(0.02 * solid.sum() / np.maximum(stats[:, cv2.CC_STAT_AREA], 1), 1, 4)
         weights[0] = 0
-        self.weight = np.maximum(self.weight, np.float32(weights)[labels])
+        self.weight = np.maximum(self.weight, weights.astype(np.float32)[labels])
         self.weight[thin] = 3.0
 
     # --- the ground
@@ -902,7 +919,7 @@ class _Writer:
         if self.chance(0.5):
             self.page += _clouds(rng, h, w, rng.uniform(3, 30))[..., None] * rng.uniform(3, 20)
 
-    def _text(self, boxes) -> None:
+    def _text(self) -> None:
         """Write words and signatures, where no object is."""
         rng = self.rng
         for _ in range(rng.integers(1, 4)):
@@ -938,7 +955,7 @@ class _Writer:
             y, x = np.mgrid[:h, :w].astype(np.float32) / self.long
             light = 1 + rng.normal(0, 0.25) * (x - 0.5) + rng.normal(0, 0.25) * (y - 0.5)
             if self.chance(0.6):  # the shadow of a hand or a head
-                shadow = np.zeros((h, w), np.float32)
+                shadow: NDArray[Any] = np.zeros((h, w), np.float32)
                 points = (
                     rng.uniform(-0.2, 1.2, 2) * [w, h]
                     + rng.normal(0, 0.35, (rng.integers(4, 9), 2)) * self.long
@@ -954,7 +971,7 @@ class _Writer:
                 self._lying()
         if self.chance(0.25):
             sigma = rng.uniform(0.4, 1.1)
-            self.page = cv2.GaussianBlur(self.page, (0, 0), sigma)
+            self.page = np.asarray(cv2.GaussianBlur(self.page, (0, 0), sigma), self.page.dtype)
         if self.chance(0.4):
             self.page = self.page + rng.normal(0, rng.uniform(0.5, 7), (h, w, 1 if self.chance(0.5) else 3))
         if self.chance(0.2):
@@ -969,7 +986,8 @@ class _Writer:
         tip = out - np.array([np.cos(way), np.sin(way)]) * self.long * rng.uniform(0.1, 0.4)
         shape = np.zeros((h, w), np.uint8)
         wide = max(round(self.long * rng.uniform(0.02, 0.12)), 2)
-        cv2.line(shape, *[tuple(np.rint(p).astype(int).tolist()) for p in (out, tip)], 1, wide, cv2.LINE_AA)
+        start, end = (np.rint(p).astype(int).tolist() for p in (out, tip))
+        cv2.line(shape, start, end, 1, wide, cv2.LINE_AA)
         if (self.presence[shape > 0] > 0.2).any():
             return
         shadow = cv2.GaussianBlur(shape.astype(np.float32), (0, 0), wide / 4 + 1)
@@ -1074,13 +1092,13 @@ class _Style:
         return np.where(colours.max(1, keepdims=True) > BLACK, colours, colours + BLACK)
 
 
-def _moved(move, lines: list[Points]) -> list[Points]:
+def _moved(move: Move, lines: list[Points]) -> list[Points]:
     return (
         np.split(move(np.concatenate(lines)), np.cumsum([len(line) for line in lines])[:-1]) if lines else []
     )
 
 
-def _even(points: Points, steps, count: int) -> Points:
+def _even(points: Points, steps: Floats, count: int) -> Points:
     away = np.concatenate([[0], np.cumsum(steps)])
     at = np.linspace(0, away[-1], count)
     return np.stack([np.interp(at, away, points[:, k]) for k in (0, 1)], 1).astype(np.float32)
@@ -1097,7 +1115,7 @@ def _noise(rng: Rng, count: int, waves: float) -> Points:
     ).astype(np.float32)
 
 
-def _runs(keep) -> list[tuple[int, int]]:
+def _runs(keep: Bools) -> list[tuple[int, int]]:
     edges = np.flatnonzero(np.diff(np.concatenate([[0], keep.view(np.int8), [0]])))
     return [(int(a), int(b)) for a, b in edges.reshape(-1, 2)]
 
@@ -1112,9 +1130,9 @@ def _longer(piece: Points, length: float) -> Points:
 
 def _clouds(rng: Rng, h: int, w: int, grain: float) -> Floats:
     small = rng.normal(0, 1, (max(int(h / grain), 2), max(int(w / grain), 2))).astype(np.float32)
-    return cv2.resize(small, (w, h), interpolation=cv2.INTER_CUBIC)
+    return np.asarray(cv2.resize(small, (w, h), interpolation=cv2.INTER_CUBIC), np.float32)
 
 
-def _box(mask) -> tuple[int, int, int, int]:
+def _box(mask: Floats) -> tuple[int, int, int, int]:
     rows, columns = np.flatnonzero((mask > 0.3).any(1)), np.flatnonzero((mask > 0.3).any(0))
     return (rows[0], rows[-1] + 1, columns[0], columns[-1] + 1) if len(rows) else (0, 1, 0, 1)

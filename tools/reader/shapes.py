@@ -4,15 +4,21 @@ An object is contours, whose even-odd filling is its mask, and strokes, in a squ
 """
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-Points = NDArray[np.float32]
+Points = NDArray[np.floating]
+"""(P, 2), x and y."""
+Part = tuple[Points, bool]
+"""A closed outline, and whether a hole goes through it."""
 Rng = np.random.Generator
+Place = tuple[float, float] | NDArray[np.floating]
 POINT = 32
 
 
@@ -43,7 +49,8 @@ class Shape:
 
     def drawn(self) -> NDArray[np.uint8]:
         """Return clip art as it was drawn, (n, n, 4), BGRA."""
-        return cv2.imdecode(self.paint, cv2.IMREAD_UNCHANGED)
+        assert self.paint is not None
+        return np.asarray(cv2.imdecode(self.paint, cv2.IMREAD_UNCHANGED), np.uint8)
 
     @property
     def pierced(self) -> bool:
@@ -93,7 +100,7 @@ class Views:
         self.pierced = [shape for shape in self.shapes if shape.pierced]
 
 
-def _view(name: str, stored: dict[str, NDArray]) -> Shape:
+def _view(name: str, stored: dict[str, NDArray[Any]]) -> Shape:
     bits = np.unpackbits(stored["mask"])
     size = round(len(bits) ** 0.5)
     mask = cv2.resize(bits.reshape(size, size), None, fx=2, fy=2, interpolation=cv2.INTER_NEAREST)
@@ -102,7 +109,7 @@ def _view(name: str, stored: dict[str, NDArray]) -> Shape:
     contours = [_contour((c[:, 0].astype(np.float32) - 0.5) / (2 * size)) for c in found if len(c) > 8]
     points = stored["points"].astype(np.float32) / (POINT * size)
     strokes = np.split(points, np.cumsum(stored["lengths"])[:-1])
-    normal = stored["normal"].astype(np.float32) / 127 if "normal" in stored else None
+    normal = stored["normal"].astype(np.float32) / np.float32(127) if "normal" in stored else None
     return Shape(
         name,
         [contours],
@@ -114,9 +121,10 @@ def _view(name: str, stored: dict[str, NDArray]) -> Shape:
     )
 
 
-def darkness(colour: NDArray) -> NDArray[np.float32]:
+def darkness(colour: NDArray[Any]) -> NDArray[np.float32]:
     """Return how much each pixel of colours (h, w, 3) in [0, 255] is a dark line of clip art, in [0, 1]."""
-    return np.clip((150 - colour.max(2)) / np.float32(80), 0, 1)
+    dark: NDArray[np.float32] = np.clip((150 - colour.max(2)) / np.float32(80), 0, 1)
+    return dark
 
 
 def _contour(pixels: Points) -> Points:
@@ -140,7 +148,7 @@ def doodle(rng: Rng, kind: str | None = None) -> Shape:
     return _Doodle(rng).draw(kind)
 
 
-def sheet(rng: Rng, sides: NDArray) -> Shape:
+def sheet(rng: Rng, sides: NDArray[np.floating]) -> Shape:
     """Return one closed line along the edges of its page, a card, a window or a pond: an object, no frame.
 
     Args:
@@ -162,14 +170,23 @@ def sheet(rng: Rng, sides: NDArray) -> Shape:
 class _Doodle:
     def __init__(self, rng: Rng) -> None:
         self.rng = rng
-        self.parts: list[tuple[Points, bool]] = []  # closed outlines, and whether a hole goes through them
+        self.parts: list[Part] = []
         self.details: list[Points] = []
         self.bare: list[Points] = []
-        self.bodies: list[tuple[Points, bool]] = []  # parts without a line around them
+        self.bodies: list[Part] = []  # parts without a line around them
         self.holes: list[Points] = []
         self.merged = False  # whether lines inside the union of its parts are left out
 
-    def ellipse(self, cx, cy, rx, ry, turn=0.0, squareness=None, wobble=None) -> Points:
+    def ellipse(
+        self,
+        cx: float,
+        cy: float,
+        rx: float,
+        ry: float,
+        turn: float = 0.0,
+        squareness: float | None = None,
+        wobble: float | None = None,
+    ) -> Points:
         rng = self.rng
         power = squareness if squareness is not None else rng.choice([1.0, 1.0, 1.0, 0.7, 0.45])
         t = np.linspace(0, 2 * np.pi, 72, endpoint=False) + rng.uniform(0, 6.28)
@@ -183,7 +200,7 @@ class _Doodle:
         a, b = np.cos(turn), np.sin(turn)
         return np.stack([cx + rx * x * a - ry * y * b, cy + rx * x * b + ry * y * a], 1).astype(np.float32)
 
-    def tube(self, path: Points, widths) -> Points:
+    def tube(self, path: Points, widths: Sequence[float]) -> Points:
         path = _resampled(np.asarray(path, np.float32), 24)
         way = np.gradient(path, axis=0)
         way /= np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-6)
@@ -195,9 +212,9 @@ class _Doodle:
             cap = [path[-1] + w[-1] * (np.sin(angle) * across[-1] + np.cos(angle) * way[-1])]
         return np.concatenate([path + w * across, *cap, (path - w * across)[::-1]]).astype(np.float32)
 
-    def limb(self, start, way, length, width):
+    def limb(self, start: Place, angle: float, length: float, width: float) -> tuple[Points, Points]:
         rng = self.rng
-        way = np.array([np.cos(way), np.sin(way)])
+        way = np.array([np.cos(angle), np.sin(angle)])
         bend = rng.normal(0, 0.25, 2) * length
         start = np.asarray(start)
         path = np.stack([start, start + way * length * 0.5 + bend * 0.5, start + way * length])
@@ -205,7 +222,7 @@ class _Doodle:
             _curve(path), (width, width * rng.uniform(0.6, 1.3), width * rng.uniform(0.4, 1.2))
         )
 
-    def face(self, cx, cy, r):
+    def face(self, cx: float, cy: float, r: float) -> None:
         rng = self.rng
         if rng.random() < 0.85:
             size = r * rng.uniform(0.05, 0.25)
@@ -237,7 +254,7 @@ class _Doodle:
                 )
             )
 
-    def hair(self, cx, cy, r):
+    def hair(self, cx: float, cy: float, r: float) -> None:
         rng = self.rng
         for angle in rng.uniform(np.pi * 1.05, np.pi * 1.95, rng.integers(3, 14)):
             start = np.array([cx + r * np.cos(angle), cy + r * np.sin(angle)])
@@ -261,7 +278,7 @@ class _Doodle:
             self.bodies,
         )
 
-    def _figure(self):  # noqa: PLR0912 - one choice after the other
+    def _figure(self) -> None:  # noqa: PLR0912 - one choice after the other
         rng = self.rng
         head, body = rng.uniform(0.08, 0.2), rng.uniform(0.1, 0.24)
         high = rng.uniform(0.12, 0.24)
@@ -365,7 +382,7 @@ class _Doodle:
             self.details.append(np.concatenate(points).astype(np.float32))
         (self.parts if edge else self.bodies).append((part, True))
 
-    def _child(self):
+    def _child(self) -> None:
         """A person as a child draws one: a big head, limbs that are closed shapes, clothes, hair."""
         rng = self.rng
         head = rng.uniform(0.1, 0.22)
@@ -386,8 +403,8 @@ class _Doodle:
                 end = np.array(start) + length * step
                 limb = thick * rng.uniform(0.7, 1.2)
                 if kind == 1:
-                    middle = (np.array(start) + end) / 2
-                    part = self.ellipse(*middle, length * 0.6, limb, turn=way, squareness=1.0)
+                    x, y = (np.array(start) + end) / 2
+                    part = self.ellipse(x, y, length * 0.6, limb, turn=way, squareness=1.0)
                 else:
                     widths = (limb, limb) if kind == 0 else (limb, limb * rng.uniform(0.1, 0.8))
                     part = self.tube(np.stack([start, end]), widths)
@@ -414,7 +431,7 @@ class _Doodle:
                 button = self.ellipse(0.5, cy - high * 0.5 + k * high * 0.3, 0.012, 0.012, wobble=0)
                 self.details.append(_closed(button))
 
-    def _clothes(self, cy, wide, high):
+    def _clothes(self, cy: float, wide: float, high: float) -> None:
         """A skirt, a belt or nothing."""
         rng = self.rng
         if rng.random() < 0.4:
@@ -437,7 +454,7 @@ class _Doodle:
             y = cy + high * rng.uniform(-0.3, 0.7)
             self.details.append(np.array([[0.5 - wide, y], [0.5 + wide, y]], np.float32))
 
-    def _headdress(self, hy, head):
+    def _headdress(self, hy: float, head: float) -> None:
         """Hair, a crown, a hat or nothing."""
         rng = self.rng
         hair = rng.integers(6)
@@ -473,7 +490,7 @@ class _Doodle:
             brim = np.array([[-1.2, -0.7], [1.2, -0.7], [0.7, -0.9], [0.6, -1.7], [-0.6, -1.7], [-0.7, -0.9]])
             self.parts.append((_dense((brim * head + [0.5, hy]).astype(np.float32)), True))
 
-    def _strokes(self):
+    def _strokes(self) -> None:
         """Strokes that are the object by themselves: flourishes, birds far away, waves, letters by brush."""
         rng = self.rng
         if rng.random() < 0.5:  # birds
@@ -486,13 +503,13 @@ class _Doodle:
             return
         for _ in range(rng.integers(1, 5)):
             t = np.linspace(0, rng.uniform(2, 9), 40)
-            r = np.exp(-t * rng.uniform(0.15, 0.4)) * rng.uniform(0.1, 0.3)
+            spiral = np.exp(-t * rng.uniform(0.15, 0.4)) * rng.uniform(0.1, 0.3)
             start = rng.uniform(0.25, 0.75, 2)
             drift = rng.normal(0, 0.04, 2)
-            line = start + np.stack([r * np.cos(t), r * np.sin(t)], 1) + drift * t[:, None]
+            line = start + np.stack([spiral * np.cos(t), spiral * np.sin(t)], 1) + drift * t[:, None]
             self.bare.append(line.astype(np.float32))
 
-    def _animal(self):
+    def _animal(self) -> None:
         rng = self.rng
         length, high = rng.uniform(0.2, 0.32), rng.uniform(0.1, 0.2)
         sticks = rng.random() < 0.15
@@ -542,8 +559,9 @@ class _Doodle:
                     ],
                     np.float32,
                 )
+                x, y = ear.mean(0)
                 self.parts.append(
-                    (ear if rng.random() < 0.5 else self.ellipse(*ear.mean(0), head * 0.25, head * 0.5), True)
+                    (ear if rng.random() < 0.5 else self.ellipse(x, y, head * 0.25, head * 0.5), True)
                 )
         self.parts.append((self.ellipse(hx, hy, head, head * rng.uniform(0.7, 1)), True))
         self.face(hx, hy, head)
@@ -560,7 +578,7 @@ class _Doodle:
                         )
                     )
 
-    def _plain(self):
+    def _plain(self) -> None:
         """One closed line with nothing in it, or a sign: a disc, a square, a triangle."""
         rng = self.rng
         if rng.random() < 0.25:  # a card, a door
@@ -582,25 +600,17 @@ class _Doodle:
         self.parts.append((outline, True))
         for _ in range(rng.integers(1, 6) if rng.random() < 0.4 else 0):
             cx, cy = 0.5 + 0.1 * rng.uniform(-1, 1, 2)
-            small = self.ellipse(cx, cy, *rng.uniform(0.01, 0.09, 2), turn=rng.uniform(0, 3))
+            rx, ry = rng.uniform(0.01, 0.09, 2)
+            small = self.ellipse(cx, cy, rx, ry, turn=rng.uniform(0, 3))
             self.details.append(_closed(small))
 
-    def _blob(self):
+    def _blob(self) -> None:
         rng = self.rng
         for _ in range(rng.integers(1, 5)):
             cx, cy = rng.uniform(0.35, 0.65, 2)
-            self.parts.append(
-                (
-                    self.ellipse(
-                        cx,
-                        cy,
-                        *rng.uniform(0.08, 0.32, 2),
-                        turn=rng.uniform(0, 3.14),
-                        wobble=rng.uniform(0, 0.2),
-                    ),
-                    True,
-                )
-            )
+            rx, ry = rng.uniform(0.08, 0.32, 2)
+            blob = self.ellipse(cx, cy, rx, ry, turn=rng.uniform(0, 3.14), wobble=rng.uniform(0, 0.2))
+            self.parts.append((blob, True))
         for _ in range(rng.integers(0, 5)):
             cx, cy = rng.uniform(0.35, 0.65, 2)
             self.details.append(
@@ -609,7 +619,7 @@ class _Doodle:
                 else _curve(rng.uniform(0.35, 0.65, (3, 2)).astype(np.float32))
             )
 
-    def _thing(self):
+    def _thing(self) -> None:
         """Polygons: stars, houses, boxes with stripes and windows; leaves and drops."""
         rng = self.rng
         n = rng.integers(3, 9)
@@ -639,10 +649,9 @@ class _Doodle:
                 self.details.append(np.array([[low[0], y], [high[0], y]], np.float32))
         elif kind == 1:
             for _ in range(rng.integers(1, 5)):
-                c = rng.uniform(low * 0.7 + high * 0.3, low * 0.3 + high * 0.7)
-                self.details.append(
-                    _closed(self.ellipse(*c, *rng.uniform(0.02, 0.07, 2), squareness=rng.choice([0.3, 1.0])))
-                )
+                cx, cy = rng.uniform(low * 0.7 + high * 0.3, low * 0.3 + high * 0.7)
+                rx, ry = rng.uniform(0.02, 0.07, 2)
+                self.details.append(_closed(self.ellipse(cx, cy, rx, ry, squareness=rng.choice([0.3, 1.0]))))
         if rng.random() < 0.3:
             self.parts.insert(
                 0,
@@ -654,7 +663,7 @@ class _Doodle:
                 ),
             )
 
-    def _stick(self):
+    def _stick(self) -> None:
         rng = self.rng
         head = rng.uniform(0.07, 0.16)
         self.parts.append((self.ellipse(0.5, 0.22, head, head), True))
@@ -687,7 +696,7 @@ class _Doodle:
             )
         self.face(0.5, 0.22, head)
 
-    def _ring(self):
+    def _ring(self) -> None:
         """Things with a hole through them: handles, rings, frames, loops."""
         rng = self.rng
         if rng.random() < 0.5:
@@ -722,19 +731,19 @@ class _Doodle:
                 )
             )
 
-    def _wheel(self, cx, cy, r, thick):
+    def _wheel(self, cx: float, cy: float, r: float, thick: float) -> None:
         """Add a ring, round or nearly."""
         flat = self.rng.uniform(0.8, 1.25)
         self.parts.append((self.ellipse(cx, cy, r, r * flat, squareness=1.0, wobble=0), True))
         inner = self.ellipse(cx, cy, r - thick, r * flat - thick, squareness=1.0, wobble=0)
         self.holes.append(inner)
 
-    def _bar(self, start, end, width, pierced=False):
+    def _bar(self, start: Place, end: Place, width: float, pierced: bool = False) -> None:
         """Add a straight bar; a hole behind it is not seen through it unless it is pierced."""
         path = np.linspace(start, end, 8).astype(np.float32)
         self.parts.append((self.tube(path, (width, width)), pierced))
 
-    def _frame(self):  # noqa: PLR0912 - one kind after the other
+    def _frame(self) -> None:  # noqa: PLR0912 - one kind after the other
         """Bars and rings that enclose air: spectacles, bicycles, tripods, ladders, chairs, fences."""
         rng = self.rng
         kind, width = rng.integers(5), rng.uniform(0.015, 0.06)
@@ -785,24 +794,26 @@ class _Doodle:
             flat = rng.uniform(0.6, 1)
             self.parts.append((self.ellipse(0.5, 0.5, r, r * flat, squareness=square, wobble=0), True))
             shift = rng.normal(0, 0.1, 2) * r * (1 - share)
-            hole = self.ellipse(*(0.5 + shift), r * share, r * flat * share, squareness=square, wobble=0)
+            x, y = 0.5 + shift
+            hole = self.ellipse(x, y, r * share, r * flat * share, squareness=square, wobble=0)
             self.holes.append(hole)
             if rng.random() < 0.4:
                 self._icing(r, share, flat, 0.5 + shift / 2, square)
         self.merged = bool(rng.random() < 0.5)
 
-    def _icing(self, r, share, flat, middle, square):
+    def _icing(self, r: float, share: float, flat: float, middle: Place, square: float) -> None:
         """Draw icing on a ring, and what is strewn on it."""
         rng = self.rng
         wide = r * (share + rng.uniform(0.4, 0.8) * (1 - share))
-        edge = self.ellipse(*middle, wide, wide * flat, squareness=square, wobble=0.03)
+        x, y = middle
+        edge = self.ellipse(x, y, wide, wide * flat, squareness=square, wobble=0.03)
         self.details.append(_closed(edge))
         for angle in rng.uniform(0, 6.28, rng.integers(0, 14)):
             at = 0.5 + r * (1 + share) / 2 * np.array([np.cos(angle), flat * np.sin(angle)])
             way = rng.normal(0, 0.04 * r, 2)
             self.details.append(np.stack([at - way, at + way]).astype(np.float32))
 
-    def _wire(self):
+    def _wire(self) -> None:
         """Single lines that enclose air, mostly with something solid on them: tripods, racks, swings."""
         rng = self.rng
         top = np.array([0.5, rng.uniform(0.2, 0.4)])
@@ -830,7 +841,7 @@ class _Doodle:
             hook = top + 0.06 * np.array([[0, 0], [rng.normal(), -1.2], [rng.normal(), -0.4]])
             self.bare.append(_curve(hook.astype(np.float32)))
 
-    def _snow(self):
+    def _snow(self) -> None:
         rng = self.rng
         y, r = 0.75, rng.uniform(0.14, 0.22)
         for _ in range(rng.integers(2, 4)):
@@ -843,7 +854,16 @@ class _Doodle:
                 self.bare.append(np.array([[0.5 + side * 0.15, 0.5], [0.5 + side * 0.35, 0.4]], np.float32))
 
 
-def _shape(name, parts, details, bare, holes, overlap, merged, bodies) -> Shape:
+def _shape(
+    name: str,
+    parts: list[Part],
+    details: list[Points],
+    bare: list[Points],
+    holes: list[Points],
+    overlap: bool,
+    merged: bool,
+    bodies: list[Part],
+) -> Shape:
     """Return a shape of closed parts, later ones before earlier ones; lines that are hidden are left out."""
     side = 256
     strokes: list[Points] = []
@@ -865,15 +885,17 @@ def _shape(name, parts, details, bare, holes, overlap, merged, bodies) -> Shape:
             strokes += _visible(line, above, side)
         above |= masks[index]
     union = above.copy()
-    for part, mask in zip(parts, masks, strict=True):
-        if not part[1]:  # it lies before the hole
+    for (_, pierced), mask in zip(parts, masks, strict=True):
+        if not pierced:  # it lies before the hole
             hole &= 1 - mask
     union &= 1 - hole
     for body, _ in bodies:
         cv2.fillPoly(union, [np.rint(body * side * 16).astype(np.int32)], 1, shift=4)
     if holes:
         found, _ = cv2.findContours(hole, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
-        strokes += [_closed(_contour(np.float32(c[:, 0] + 0.5) / side)) for c in found if len(c) > 12]
+        strokes += [
+            _closed(_contour((c[:, 0] + 0.5).astype(np.float32) / side)) for c in found if len(c) > 12
+        ]
     doubled = cv2.resize(union, None, fx=2, fy=2, interpolation=cv2.INTER_NEAREST)
     found, _ = cv2.findContours(doubled, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
     contours = [_contour((c[:, 0].astype(np.float32) + 0.5) / (2 * side)) for c in found if len(c) > 8]
@@ -909,7 +931,7 @@ def _curve(path: Points) -> Points:
     t = np.linspace(0, 1, 16)[:, None]
     a, b, c = path
     middle = 2 * b - (a + c) / 2
-    return ((1 - t) ** 2 * a + 2 * t * (1 - t) * middle + t**2 * c).astype(np.float32)
+    return np.asarray((1 - t) ** 2 * a + 2 * t * (1 - t) * middle + t**2 * c, np.float32)
 
 
 def _resampled(path: Points, count: int) -> Points:

@@ -8,15 +8,19 @@ OUT/last.pt is written every two minutes and gone on from; the rate falls to not
 
 import argparse
 import time
+from collections.abc import Iterator, Sequence
 from itertools import count
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
 import torch
 from network import Reader
-from pages import KINDS, page
+from numpy.typing import NDArray
+from pages import KINDS, Page, page
 from shapes import Views
+from torch import Tensor, nn
 from torch.nn import functional
 from torch.utils.data import DataLoader, IterableDataset
 
@@ -25,17 +29,19 @@ SIZES = (
     ((384, 224), 6), ((224, 384), 6),
 )  # fmt: skip
 RATE = 1.2e-3
+Batch = tuple[Tensor, ...]
+"""Pictures, ink, presence, ways, weights of the presence, of the ink."""
 RELOAD = 300
 """Batches after which views that have been rendered since are taken too."""
 
 
-class Pages(IterableDataset):
+class Pages(IterableDataset[Batch]):
     """Batches without end."""
 
     def __init__(self, views: Path, seed: int) -> None:
         self.views, self.seed = views, seed
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[Batch]:
         cv2.setNumThreads(1)
         views = Views(self.views, held_out=False)
         worker = torch.utils.data.get_worker_info()
@@ -51,9 +57,12 @@ class Pages(IterableDataset):
             yield batch([page(rng, shapes, size) for _ in range(pages)])
 
 
-def batch(pages):
-    """Return pages as tensors: pictures, ink, presence, ways, weights."""
-    stack = lambda parts: torch.from_numpy(np.ascontiguousarray(np.stack(parts)))  # noqa: E731
+def batch(pages: Sequence[Page]) -> Batch:
+    """Return pages as tensors."""
+
+    def stack(parts: list[NDArray[Any]]) -> Tensor:
+        return torch.from_numpy(np.ascontiguousarray(np.stack(parts)))
+
     return (
         stack([p.picture for p in pages]).permute(0, 3, 1, 2),
         stack([p.ink for p in pages]).float(), stack([p.presence for p in pages]).float(),
@@ -62,7 +71,9 @@ def batch(pages):
     )  # fmt: skip
 
 
-def loss_of(out, ink, presence, middle, weight, ink_weight):
+def loss_of(
+    out: Tensor, ink: Tensor, presence: Tensor, middle: Tensor, weight: Tensor, ink_weight: Tensor
+) -> Tensor:
     """Return the loss of a batch."""
     out = out.float()
     seen, drawn = out[:, 1], out[:, 0]
@@ -74,7 +85,7 @@ def loss_of(out, ink, presence, middle, weight, ink_weight):
     return (there * weight).mean() + 0.3 * overlap.mean() + 0.7 * lines.mean() + 0.5 * ways
 
 
-def measure(model, views: Path, pages_of_kind: int = 24) -> dict[str, float]:
+def measure(model: nn.Module, views: Path, pages_of_kind: int = 24) -> dict[str, float]:
     """Return the mean IoU of the presence on held-out meshes, by kind of difficulty."""
     shapes = Views(views, held_out=True).shapes
     model.eval()
@@ -82,7 +93,8 @@ def measure(model, views: Path, pages_of_kind: int = 24) -> dict[str, float]:
     with torch.no_grad():
         for kind in KINDS:
             rng = np.random.default_rng(5)
-            scores, inks = [], []
+            scores: list[float] = []
+            inks: list[float] = []
             for _ in range(pages_of_kind // 6):
                 pages = [page(rng, shapes, (256, 256), kind) for _ in range(6)]
                 pictures, ink, presence, *_ = batch(pages)
@@ -99,7 +111,7 @@ def measure(model, views: Path, pages_of_kind: int = 24) -> dict[str, float]:
     return found
 
 
-def export(model, target: Path) -> None:
+def export(model: nn.Module, target: Path) -> None:
     """Write the network as ONNX, with inputs of any size."""
     import onnx
 
@@ -152,10 +164,11 @@ def main() -> None:  # noqa: PLR0915 - one run from its first line to its last
             model.settle([next(shown).float() / 255 for _ in range(24)])
         mean.module.load_state_dict(model.state_dict())
     if given.measure or given.export:
+        assert isinstance(mean.module, Reader)
         _finish(mean.module, given)
         return
     print(sum(p.numel() for p in model.parameters()), "parameters", flush=True)
-    model = model.to(memory_format=torch.channels_last)
+    model.to(memory_format=torch.channels_last)  # type: ignore[call-overload]
     loader = DataLoader(Pages(given.views, done), batch_size=None, num_workers=1, prefetch_factor=6)
     start, saved, total = time.monotonic() - seconds, time.monotonic(), 60 * given.minutes
     losses = []
@@ -208,7 +221,9 @@ def _mix(model: Reader, start: Path, share: float) -> None:
     )
 
 
-def _save(last: Path, model, mean, optimizer, done: int, seconds: float) -> None:
+def _save(
+    last: Path, model: nn.Module, mean: nn.Module, optimizer: torch.optim.Optimizer, done: int, seconds: float
+) -> None:
     temporary = last.with_suffix(".new")
     torch.save(
         {

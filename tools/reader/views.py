@@ -12,9 +12,11 @@ import sys
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
+from numpy.typing import NDArray
 
 from normalgan.animals import make_animals
 from normalgan.errors import InputError
@@ -22,6 +24,7 @@ from normalgan.rendering import find_meshes
 from normalgan.rendering.cameras import Views
 from normalgan.rendering.lines.occluding import OccludingContours
 from normalgan.rendering.lines.suggestive import SuggestiveContours
+from normalgan.rendering.mesh import MeshSource
 from normalgan.rendering.renderers.embree import EmbreeRenderer
 from normalgan.rendering.rigs import find_poses
 from normalgan.rendering.view import View
@@ -33,7 +36,7 @@ CREASED = ("objects", "things", "procedural_props")
 _GROUND = ("Tile", "Hexagon", "hex_", "terrain")
 
 
-def sources(folder: str, views: int) -> Iterator[tuple[str, object, int]]:
+def sources(folder: str, views: int) -> Iterator[tuple[str, MeshSource, int]]:
     """Yield the name of each view, its mesh's source and the number of the view."""
     kind = Path(folder).name
     if kind == "herd":
@@ -50,17 +53,18 @@ def sources(folder: str, views: int) -> Iterator[tuple[str, object, int]]:
             "vase",
             "teapot",
         ]
-        meshes = [*make_animals(240, 7, groups)]
+        meshes: list[MeshSource] = [*make_animals(240, 7, groups)]
     else:
-        meshes = [*find_meshes(folder, None, 35.0 if kind in CREASED else None)]
+        files = find_meshes(folder, None, 35.0 if kind in CREASED else None)
+        meshes = [*files]
         if kind in ("animals", "rigs"):
-            meshes = [*find_poses(meshes, 12 if kind == "animals" else 3)]
+            meshes = [*find_poses(files, 12 if kind == "animals" else 3)]
     for mesh in meshes:
         for number in range(views):
             yield f"{kind}/{mesh.name}/{number}", mesh, number
 
 
-def rendered(name: str, source: object, number: int, size: int) -> dict[str, np.ndarray] | None:
+def rendered(name: str, source: MeshSource, number: int, size: int) -> dict[str, NDArray[Any]] | None:
     """Return what is stored of a view; None if nothing of it is seen, or it is a sliver."""
     rng = np.random.default_rng(int.from_bytes(hashlib.sha256(name.encode()).digest()[:8], "big"))
     mesh = source.load()
@@ -109,7 +113,7 @@ def main() -> None:
     cv2.setNumThreads(1)
     part, parts = map(int, given.part.split("/"))
     given.out.mkdir(parents=True, exist_ok=True)
-    wanted = []
+    wanted: list[tuple[str, MeshSource, int]] = []
     for folder in given.meshes:
         path, _, views = folder.partition(":")
         wanted += sources(path, int(views or 1))
@@ -120,7 +124,8 @@ def main() -> None:
         target = given.out / f"views_{start:05d}.npz"
         if target.exists():
             continue
-        arrays, names = {}, []
+        arrays: dict[str, NDArray[Any]] = {}
+        names: list[str] = []
         for name, source, number in wanted[start : start + CHUNK]:
             try:
                 view = rendered(name, source, number, given.size)
@@ -131,7 +136,7 @@ def main() -> None:
                 arrays |= {f"{len(names)}.{key}": value for key, value in view.items()}
                 names.append(name)
         temporary = target.with_name("." + target.name)
-        np.savez_compressed(temporary, names=json.dumps(names), **arrays)
+        np.savez_compressed(temporary, allow_pickle=False, names=json.dumps(names), **arrays)
         temporary.replace(target)
         print(target.name, len(names), flush=True)
 
