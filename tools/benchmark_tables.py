@@ -219,27 +219,20 @@ def folds() -> list[str]:
     lines += ["", "The gain of hints, less no hints:"]
     gains = {f"{n} hints": beside((), str(n), "0") for n in (5, 10, 15, 20, 50)}
     lines += table(labelled(rows), gains, "method")
-    title = "Ours less the paper by mesh, mean over the seeds; a run is a mesh and a seed:"
-    return [*lines, "", title, "", *by_mesh(rows)]
+    by_mesh = f"By mesh, ours leads by {lead(rows, '0')} without hints, and by {lead(rows, '15')} with 15."
+    return [*lines, "", by_mesh]
 
 
-def by_mesh(rows: Mapping[str, Runs]) -> list[str]:
-    """Return the table of how the difference of ours from the paper varies over the meshes."""
-    lines = ["| hints | least lead | largest lead | ahead in |", "| --- | ---: | ---: | ---: |"]
-    for given in ("0", "15"):
-        pairs = [
-            (ours["meshes"][given], paper["meshes"][given])
-            for ours, paper in zip(rows["ours"], rows["paper"], strict=True)
-        ]
-        found = [
-            [p[mesh]["angular_mean"] - o[mesh]["angular_mean"] for o, p in pairs] for mesh in pairs[0][0]
-        ]
-        means, every = [fmean(one) for one in found], [lead for one in found for lead in one]
-        ahead = f"{sum(lead > 0 for lead in every)} of {len(every)} runs"
-        lines.append(
-            f"| {given if given != '0' else 'none'} | {min(means):.1f}° | {max(means):.1f}° | {ahead} |"
-        )
-    return lines
+def lead(rows: Mapping[str, Runs], given: str) -> str:
+    """Return the least and the largest lead of ours over the paper by mesh, and in how many runs it leads."""
+    pairs = [
+        (ours["meshes"][given], paper["meshes"][given])
+        for ours, paper in zip(rows["ours"], rows["paper"], strict=True)
+    ]
+    found = [[p[mesh]["angular_mean"] - o[mesh]["angular_mean"] for o, p in pairs] for mesh in pairs[0][0]]
+    means, every = [fmean(one) for one in found], [each for one in found for each in one]
+    ahead = sum(each > 0 for each in every)
+    return f"{min(means):.1f} to {max(means):.1f}° ({ahead} of {len(every)} runs)"
 
 
 def placement() -> list[str]:
@@ -286,9 +279,11 @@ def placement() -> list[str]:
     less = differences(rows["paper-uniform-17"])
     tested |= {f"{heading}, less uniform": cell for heading, cell in less.items()}
     lines += table(matrix, tested, "trained with")
-    lines += ["", "The gain of uniform hints for the network trained with 17 of them, less no hints:"]
-    gains = {f"{n} hints": beside((), f"uniform-{n}", "0") for n in (3, 10, 17, 30, 60)}
-    return lines + table({"17 uniform": rows["paper-uniform-17"]}, gains, "trained with")
+    gains = [
+        f"{n} hints: {beside((), f'uniform-{n}', '0')(rows['paper-uniform-17'])}" for n in (3, 10, 17, 30, 60)
+    ]
+    lines += ["", "What uniform hints change for the network trained with 17 of them, less no hints:"]
+    return [*lines, "; ".join(gains) + "."]
 
 
 def thresholds() -> list[str]:

@@ -1,9 +1,9 @@
 """Makes a sheet of drawings and, by `normalgan generate`, their maps, also lit.
 
 generated_picture.py OUTPUT DRAWING… [--predicted 200] [--shown 200] [--columns 6]
-    [--models OLD.onnx shipped]:
-files, folders or patterns, as `generate` takes them; the longer side of the maps and of their pictures on the
-sheet; whose maps are set one below the other, by default those of the package's model alone.
+
+Drawings are files, folders or patterns, as `generate` takes them; --predicted is the longer side of the maps,
+--shown that of their pictures on the sheet.
 """
 
 import argparse
@@ -31,11 +31,10 @@ def square(picture: Image.Image, side: int) -> Image.Image:
     return whole
 
 
-def predicted(drawings: list[str], size: int, model: str) -> Iterator[tuple[Image.Image, Image.Image]]:
+def predicted(drawings: list[str], size: int) -> Iterator[tuple[Image.Image, Image.Image]]:
     """Yield the map of each drawing, and the same lit."""
-    chosen = [] if model == "shipped" else ["--model", model]
     with TemporaryDirectory() as folder:
-        if code := normalgan(["generate", *drawings, "-o", folder, "--size", str(size), "--alpha", *chosen]):
+        if code := normalgan(["generate", *drawings, "-o", folder, "--size", str(size), "--alpha"]):
             sys.exit(code)
         for drawing in find_drawings(drawings, "_normal.png", ()):
             path = Path(folder) / f"{drawing.stem}_normal.png"
@@ -53,15 +52,13 @@ def main(arguments: list[str]) -> None:
     parser.add_argument("--predicted", type=int, default=200)
     parser.add_argument("--shown", type=int, default=200)
     parser.add_argument("--columns", type=int, default=6)
-    parser.add_argument("--models", nargs="+", default=["shipped"])
     given = parser.parse_args(arguments)
     side = given.shown
     columns = [
         [square(Image.open(drawing), side)] for drawing in find_drawings(given.drawings, "_normal.png", ())
     ]
-    for model in given.models:
-        for column, pictures in zip(columns, predicted(given.drawings, given.predicted, model), strict=True):
-            column += [square(each, side) for each in pictures]
+    for column, pictures in zip(columns, predicted(given.drawings, given.predicted), strict=True):
+        column += [square(each, side) for each in pictures]
     rows, pictures_each = -(-len(columns) // given.columns), len(columns[0])
     sheet = Image.new("RGB", (min(len(columns), given.columns) * side, rows * pictures_each * side), "white")
     for number, column in enumerate(columns):

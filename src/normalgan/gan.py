@@ -280,7 +280,7 @@ class NormalGAN(SavedSettings, Evaluation):
         self, condition: Tensor, terms: dict[str, Term], predicted: Tensor, fake: Tensor | None, batch: Batch
     ) -> None:
         optimizer = self._optimizers()[0]
-        with self.toggled_optimizer(optimizer):
+        with self.toggled_optimizer(optimizer):  # else its loss would leave gradients on the critic
             if self.discriminator is not None and fake is not None:
                 scores = check_scores(self.discriminator, self.discriminator(condition, fake), condition)
                 score = self.objective.generator_loss(scores)

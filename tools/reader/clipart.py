@@ -163,6 +163,7 @@ def main() -> None:
     parser.add_argument("out", type=Path)
     parser.add_argument("--leave-out", type=Path, nargs="*", default=[])
     given = parser.parse_args()
+    given.out.mkdir(parents=True, exist_ok=True)
     cv2.setNumThreads(1)
     unseen = {first_word(name) for path in given.leave_out for name in names_in(path)}
     series: Counter[str] = Counter()

@@ -15,7 +15,6 @@ FENCE = re.compile(r"^(```.*?^```$)", re.M | re.S)
 CONFIGURATIONS = "reference/configurations.md"
 PLACES = {
     "README.md": "index.md",
-    "docs/README.md": "index.md",
     "CONTRIBUTING.md": "contributing.md",
     "CHANGELOG.md": "changelog.md",
     "configs": CONFIGURATIONS,
