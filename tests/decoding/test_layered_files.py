@@ -232,7 +232,7 @@ def test_a_link_to_a_frame_without_that_cel_shows_nothing(frame: int) -> None:
     content = aseprite([[layer("a"), layer("b"), cel(0, plain)], [cel(0, plain), linked(1, frame)]], (8, 8))
     frames = decode_frames("a.ase", content, (8, 64))
     assert [each.decoded.pixels[0, 0].tolist() for each in frames.parts] == [[20, 20, 20, 255]] * 2
-    assert not frames.note
+    assert not frames.notes.text
 
 
 def test_tilemaps_are_read_with_their_flips() -> None:
@@ -267,12 +267,12 @@ def test_what_of_an_aseprite_file_cannot_be_shown_is_noted_and_the_rest_is_read(
     found = decode("a.ase", aseprite([chunks]), (8, 8192), 64)
     assert np.array_equal(found.pixels[..., :3], FLAT[..., :3])
     layered = decode_layers("a.ase", aseprite([chunks]), (8, 8192))
-    assert set(layered.notes) == set(found.notes)
-    notes = [(each.name, each.reason) for each in found.notes]
+    assert set(layered.notes.layers) == set(found.notes.layers)
+    notes = [(each.name, each.reason) for each in found.notes.layers]
     assert sorted(notes) == [("broken", "damaged"), ("ground", "foreign"), ("shade", "effect")]
-    assert "'ground': tileset in another file left out; convert it to a layer" in found.note
-    assert "'broken': cannot be read in frame 1" in found.note
-    assert "'shade': blend mode multiply shown as normal" in found.note
+    assert "'ground': tileset in another file left out; convert it to a layer" in found.notes.text
+    assert "'broken': cannot be read in frame 1" in found.notes.text
+    assert "'shade': blend mode multiply shown as normal" in found.notes.text
 
 
 def test_an_openraster_file_without_its_merged_picture_is_composed() -> None:
@@ -292,7 +292,7 @@ def test_an_openraster_file_without_its_merged_picture_is_composed() -> None:
         content = content[: place - back] + b"\0" + content[place - back + 1 :]
     found = decode("a.ora", content, (8, 8192), 64)
     assert np.array_equal(found.pixels, FLAT)
-    assert found.note == "'r': blend mode multiply shown as normal"
+    assert found.notes.text == "'r': blend mode multiply shown as normal"
     assert [each.name for each in decode_layers("a.ora", content, (8, 8192)).layers] == ["l", "r"]
 
 
@@ -320,7 +320,7 @@ def test_transparency_masks_of_krita_are_applied_and_other_masks_noted() -> None
     found = decode_layers("a.kra", krita(f"<masks>{mask}</masks>"), (8, 64))
     assert (found.layers[0].left, found.layers[0].pixels.shape) == (32, (64, 32, 4))
     assert found.layers[0].pixels[0, 0].tolist() == [30, 20, 10, 255]
-    assert found.note == "'fox': filter mask left out"
+    assert found.notes.text == "'fox': filter mask left out"
     assert np.array_equal(decode("a.kra", krita(), (8, 64), 64).pixels[0, 0], [30, 20, 10, 255])
 
 
@@ -330,8 +330,8 @@ def test_layers_of_krita_without_pixels_do_not_cost_the_others() -> None:
     )
     found = decode_layers("a.kra", krita(other=others), (8, 64))
     assert [each.name for each in found.layers] == ["fox"]
-    assert "'form': vector layer left out" in found.note
-    assert "'lost': cannot be read: is a ZIP without layers/l9" in found.note
+    assert "'form': vector layer left out" in found.notes.text
+    assert "'lost': cannot be read: is a ZIP without layers/l9" in found.notes.text
 
 
 def test_a_file_of_no_possible_size_is_refused_before_more_of_it_is_read() -> None:

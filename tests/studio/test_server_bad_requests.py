@@ -62,12 +62,12 @@ SMALL = b64(png(np.full((15, 40), 255, np.uint8)))
 @pytest.mark.parametrize(
     ("fields", "sentence"),
     [
-        ({"picture": "no base64!"}, 'picture is "no base64!"; it is to be a PNG in base64.'),
-        ({"picture": "ü"}, "it is to be a PNG in base64."),
-        ({"picture": 7}, "picture is 7; it is to be a PNG in base64."),
+        ({"picture": "no base64!"}, 'picture is "no base64!"; it must be a PNG in base64.'),
+        ({"picture": "ü"}, "it must be a PNG in base64."),
+        ({"picture": 7}, "picture is 7; it must be a PNG in base64."),
         ({"picture": None}, "picture is missing;"),
-        ({"picture": b64(b"text")}, "the picture is no PNG."),
-        ({"picture": b64(jpeg())}, "the picture is no PNG."),
+        ({"picture": b64(b"text")}, "the picture is not a PNG."),
+        ({"picture": b64(jpeg())}, "the picture is not a PNG."),
         ({"picture": b64(png(circle())[:200])}, "the picture cannot be read as an image"),
         (
             {"picture": b64(bomb(60000, 60000))},
@@ -79,16 +79,16 @@ SMALL = b64(png(np.full((15, 40), 255, np.uint8)))
         ({"mask": SMALL}, "the mask is 40 × 15 pixels"),
         ({"mask": b64(png(np.full((50, 50), 255, np.uint8)))}, "the mask is 50 × 50 pixels, but its sketch"),
         ({"mask": BLACK}, "the mask is empty"),
-        ({"source": "sky"}, 'source is "sky"; it is to be one of null, "outline", "model".'),
+        ({"source": "sky"}, 'source is "sky"; it must be one of null, "outline", "model".'),
         ({"source": ["model"]}, "source is"),
         ({"tab": ""}, "tab is"),
-        ({"tab": 5}, "tab is 5; it is to be a text of 1 to 64 characters."),
-        ({"number": -1}, "number is -1; it is to be a whole number"),
+        ({"tab": 5}, "tab is 5; it must be a text of 1 to 64 characters."),
+        ({"number": -1}, "number is -1; it must be a whole number"),
         ({"number": True}, "number is true"),
         ({"number": 1.5}, "number is 1.5"),
         ({"number": 10**400}, "number is"),
-        ({"hints": None}, "the hints are no list"),
-        ({"hints": {"x": 1}}, "the hints are no list"),
+        ({"hints": None}, "the hints are not a list"),
+        ({"hints": {"x": 1}}, "the hints are not a list"),
         ({"hints": [[1, 2]]}, "hint 1 of the request is [1, 2]"),
         (hint(x="1"), "hint 1 of the request is"),
         (hint(x=float("nan")), "the request is not JSON"),
@@ -122,17 +122,17 @@ def test_what_cannot_be_painted_is_told_in_a_sentence(
     [
         (
             {"what": "song"},
-            'what is "song"; it is to be one of "map", "all", "ao", "curvature", "height", "mask", ',
+            'what is "song"; it must be one of "map", "all", "ao", "curvature", "height", "mask", ',
         ),
-        ({"what": "relief", "format": "exr"}, 'format is "exr"; it is to be one of "glb", "obj".'),
+        ({"what": "relief", "format": "exr"}, 'format is "exr"; it must be one of "glb", "obj".'),
         ({"y": "left"}, 'y is "left"'),
-        ({"alpha": 1}, "alpha is 1; it is to be one of false, true."),
-        ({"size": 8}, "size is 8; it is to be a whole number from 16 to 2048."),
+        ({"alpha": 1}, "alpha is 1; it must be one of false, true."),
+        ({"size": 8}, "size is 8; it must be a whole number from 16 to 2048."),
         ({"size": 10**6}, "size is 1000000"),
-        ({"name": "../../fox"}, "'../../fox' is no name"),
-        ({"name": "a\r\nSet-Cookie: b"}, "is no name"),
-        ({"name": "CON"}, "not what Windows calls a device"),
-        ({"name": "lpt1"}, "not what Windows calls a device"),
+        ({"name": "../../fox"}, "'../../fox' is not a valid name"),
+        ({"name": "a\r\nSet-Cookie: b"}, "is not a valid name"),
+        ({"name": "CON"}, "no name of a Windows device"),
+        ({"name": "lpt1"}, "no name of a Windows device"),
         ({"name": ""}, "name is"),
         ({"name": "x" * 81}, "name is"),
     ],
@@ -149,7 +149,7 @@ def test_what_cannot_be_exported_is_told_in_a_sentence(
 def test_a_count_of_points_is_from_1_to_20(client: TestClient, count: object) -> None:
     answer = client.post("/api/suggest", json=asking(count=count))
     assert answer.status_code == 400
-    assert "it is to be a whole number from 1 to 20" in answer.json()["error"]
+    assert "it must be a whole number from 1 to 20" in answer.json()["error"]
 
 
 @pytest.mark.parametrize(
@@ -200,8 +200,8 @@ def test_where_there_is_nothing_it_says_so_in_json(client: TestClient) -> None:
 @pytest.mark.parametrize(
     ("fields", "sentence"),
     [
-        ({"draft": "yes"}, 'draft is "yes"; it is to be one of false, true.'),
-        ({"longest": 15}, "longest is 15; it is to be a whole number from 16 to 2048."),
+        ({"draft": "yes"}, 'draft is "yes"; it must be one of false, true.'),
+        ({"longest": 15}, "longest is 15; it must be a whole number from 16 to 2048."),
     ],
 )
 def test_what_only_maps_are_asked_with_is_checked(

@@ -118,14 +118,14 @@ def test_the_preview_among_all_files_is_the_one_under_the_users_lights(model: Pa
         files = unzipped(exported(client, what="all", format="unity", lit_picture=b64(lit))[1])
         refused = client.post("/api/export", json=asking(what="all", lit_picture=b64(b"no picture")))
     assert files["fox_Preview.png"] == lit
-    assert refused.json()["error"] == "the lit picture is no PNG."
+    assert refused.json()["error"] == "the lit picture is not a PNG."
 
 
 def test_what_is_no_picture_is_no_line_art(model: Path, tmp_path: Path) -> None:
     with serving(model, tmp_path) as client:
         answer = client.post("/api/export", json=asking(what="all", line_art=b64(b"no picture")))
     assert answer.status_code == 400
-    assert answer.json()["error"] == "the line art is no PNG."
+    assert answer.json()["error"] == "the line art is not a PNG."
 
 
 def test_a_groove_is_dark_and_a_ball_is_not() -> None:

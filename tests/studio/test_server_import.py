@@ -172,4 +172,4 @@ def test_another_way_to_import_is_refused(model: Path, tmp_path: Path) -> None:
     with serving(model, tmp_path) as client:
         answer = asked(client, png(circle()), "frames")
     assert answer.status_code == 400
-    assert 'as is "frames"; it is to be one of "drawing", "layers"' in answer.json()["error"]
+    assert 'as is "frames"; it must be one of "drawing", "layers"' in answer.json()["error"]

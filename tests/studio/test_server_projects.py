@@ -133,15 +133,15 @@ def test_a_project_is_not_overwritten_unseen(client: TestClient) -> None:
 @pytest.mark.parametrize(
     ("content", "sentence"),
     [
-        ({"a": 1}, "that is no project of the studio"),
-        ({**document(), "format": "psd"}, "that is no project of the studio"),
+        ({"a": 1}, "that is not a project of the studio"),
+        ({**document(), "format": "psd"}, "that is not a project of the studio"),
         (document(version=6), "the project is of another version; this studio knows 1 to 5"),
         (document(version=4), "the project has no pictures; the file is damaged."),
-        (document(width=2), "width is 2; it is to be a whole number from 16 to 2048."),
+        (document(width=2), "width is 2; it must be a whole number from 16 to 2048."),
         (document(height="9"), 'height is "9"'),
         (document(strokes=None), "the project has no strokes; the file is damaged."),
         (document(settings=[]), "the project has no settings"),
-        ([], "the request is no JSON object"),
+        ([], "the request is not a JSON object"),
     ],
 )
 def test_what_is_no_project_is_not_kept(client: TestClient, content: object, sentence: str) -> None:
@@ -281,7 +281,7 @@ def test_a_project_a_file_or_a_drawing_is_opened(tmp_path: Path) -> None:
         (str(tmp_path / "huge.normalgan"), "huge.normalgan has more than 20971520 bytes"),
         ("cat", "there is neither a project nor a file called cat"),
         ("../fox", "there is neither a project nor a file called ../fox"),
-        (str(tmp_path / "bad.normalgan"), "bad.normalgan: that is no project of the studio"),
+        (str(tmp_path / "bad.normalgan"), "bad.normalgan: that is not a project of the studio"),
         (str(tmp_path / "bad.png"), "bad.png is not an image that can be read"),
     ):
         with pytest.raises(InputError, match=sentence):

@@ -163,7 +163,7 @@ class _Writer:
                 if columns * rows == 1:
                     columns = columns + 1
                 cell = min(w / columns, h / rows)
-                span = cell * rng.uniform(0.6, 0.95)
+                span: float = cell * rng.uniform(0.6, 0.95)
                 jitter = (cell - span) / 2
                 grid: list[Box] = [
                     (

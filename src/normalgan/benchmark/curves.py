@@ -67,9 +67,7 @@ def draw_curves(plan: Plan, results: Results, caption: str) -> bytes | None:
             panel.grid(color="0.9")
             panel.spines[["top", "right"]].set_visible(False)
         hinted.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False, fontsize=9)
-    png = BytesIO()
-    figure.savefig(png, format="png")
-    return png.getvalue()
+    return _png(figure)
 
 
 def draw_calibration(plan: Plan, results: Results, caption: str) -> bytes | None:
@@ -109,6 +107,10 @@ def draw_calibration(plan: Plan, results: Results, caption: str) -> bytes | None
         for panel in (above, below):
             panel.grid(color="0.9")
             panel.spines[["top", "right"]].set_visible(False)
+    return _png(figure)
+
+
+def _png(figure: Figure) -> bytes:
     png = BytesIO()
     figure.savefig(png, format="png")
     return png.getvalue()

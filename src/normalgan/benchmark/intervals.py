@@ -14,7 +14,6 @@ __all__ = [
     "DRAWS",
     "LEVEL",
     "Interval",
-    "Table",
     "difference_interval",
     "draws_of",
     "mesh_interval",
@@ -24,8 +23,6 @@ __all__ = [
 
 DRAWS = 10_000
 LEVEL = 0.95
-
-Table = Doubles
 
 
 class Interval(NamedTuple):
@@ -131,7 +128,7 @@ def draws_of(count: int) -> Indices:
     return np.random.default_rng(0).integers(0, count, (DRAWS, count))
 
 
-def pooled(values: Table, pixels: Table, draws: Indices) -> Table:
+def pooled(values: Doubles, pixels: Doubles, draws: Indices) -> Doubles:
     """Return the mean over the pixels of the drawn meshes, averaged over the runs, (draws,).
 
     Args:
@@ -143,7 +140,7 @@ def pooled(values: Table, pixels: Table, draws: Indices) -> Table:
     return np.asarray((sums / counts).mean(-1))
 
 
-def _interval(drawn: Table, value: float) -> Interval:
+def _interval(drawn: Doubles, value: float) -> Interval:
     low, high = np.quantile(drawn, [(1 - LEVEL) / 2, (1 + LEVEL) / 2])
     return Interval(value, float(low), float(high))
 
@@ -152,18 +149,18 @@ def _seed(run: Result) -> int:
     return int(run["seed"])
 
 
-def _parts(values: Table, pixels: Table) -> tuple[Table, Table]:
+def _parts(values: Doubles, pixels: Doubles) -> tuple[Doubles, Doubles]:
     """Return each run's figure, (runs,), and what each mesh adds to it, (meshes, runs)."""
     weights = pixels / pixels.sum(0)
     figures = (weights * values).sum(0)
     return figures, weights * (values - figures)
 
 
-def _all(pixels: Table) -> Indices:
+def _all(pixels: Doubles) -> Indices:
     return np.arange(len(pixels))[None]
 
 
-def _tables(runs: Sequence[Result], given: str, name: str) -> tuple[list[str], Table, Table] | None:
+def _tables(runs: Sequence[Result], given: str, name: str) -> tuple[list[str], Doubles, Doubles] | None:
     """Return the names of the meshes, and values and pixels as `pooled` takes them."""
     found: list[Mapping[str, Mapping[str, float | None]]] = [
         run.get("meshes", {}).get(given, {}) for run in runs

@@ -14,7 +14,6 @@ from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError
 
 __all__ = [
-    "OWN_DATA",
     "Run",
     "build_data",
     "check_shared",
@@ -24,9 +23,9 @@ __all__ = [
     "timed",
 ]
 
-OWN_DATA = (
-    *("animals.extra", "animals.extra_postures", "augmentation", "batch_size", "on_the_fly"),
-    *("reading.variants", "reading.variation", "storage", "workers"),
+_OWN_DATA = (
+    *("data.animals.extra", "data.animals.extra_postures", "data.augmentation", "data.batch_size"),
+    *("data.on_the_fly", "data.reading.variants", "data.reading.variation", "data.storage", "data.workers"),
 )
 """Settings of the data that are a method's own affair; all others are the same for every row."""
 
@@ -119,12 +118,7 @@ def check_shared(row: Row, settings: Settings, shared: Settings) -> None:
     Raises:
         InputError: if it is not.
     """
-    own = [f"data.{name}" for name in OWN_DATA]
-    differing = [
-        name
-        for name in differences({"data": settings["data"]}, {"data": shared["data"]})
-        if not any(name == known or name.startswith(f"{known}.") for known in own)
-    ]
+    differing = differences(*(without({"data": each["data"]}, _OWN_DATA) for each in (settings, shared)))
     if differing:
         raise InputError(
             f"the row {row.name} sets {', '.join(differing[:4])}, which all rows of a comparison share; "

@@ -7,12 +7,22 @@ limited too.
 """
 
 from normalgan.decoding.process import decode, decode_frames, decode_layers, decode_tileset, start
-from normalgan.decoding.results import Decoded, DecodedLayer, DecodedLayers, LayerNote, Part, Parts, Pixels
+from normalgan.decoding.results import (
+    Decoded,
+    DecodedLayer,
+    DecodedLayers,
+    FileNotes,
+    LayerNote,
+    Part,
+    Parts,
+    Pixels,
+)
 
 __all__ = [
     "Decoded",
     "DecodedLayer",
     "DecodedLayers",
+    "FileNotes",
     "LayerNote",
     "Part",
     "Parts",

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from normalgan.decoding.decoders.opening import DTYPES, MOST_PARTS, MOST_PIXELS
 from normalgan.decoding.decoders.worker import needed
-from normalgan.decoding.results import Decoded, DecodedLayer, DecodedLayers, LayerNote, Part, Parts
+from normalgan.decoding.results import Decoded, DecodedLayer, DecodedLayers, FileNotes, LayerNote, Part, Parts
 from normalgan.errors import InputError, RunError
 
 __all__ = [
@@ -126,13 +126,13 @@ class _Question(Generic[T]):
 
 def _picture(answer: _Answer, most: int) -> Decoded:
     said, ((_, found),) = answer
-    return replace(found, note=_note(said), partial=_partial(said), notes=_notes(said))
+    return replace(found, notes=_notes(said))
 
 
 def _frames(answer: _Answer, most: int) -> Parts:
     said, found = answer
     parts = [Part(decoded, _whole(header["duration"], 0, 2**32)) for header, decoded in found]
-    return Parts(parts, _whole(said["loop"], 0, 2**16), _note(said), _partial(said))
+    return Parts(parts, _whole(said["loop"], 0, 2**16), _notes(said))
 
 
 def _layers(answer: _Answer, most: int) -> DecodedLayers:
@@ -153,7 +153,7 @@ def _layers(answer: _Answer, most: int) -> DecodedLayers:
         )
         opacity, base = _whole(header["opacity"], 0, 255), _whole(header["base"], -1, 2**16)
         layers.append(DecodedLayer(own, tuple(groups), opacity, *place, pixels, base))
-    return DecodedLayers((height, width), durations, layers, _note(said), _partial(said), _notes(said))
+    return DecodedLayers((height, width), durations, layers, _notes(said))
 
 
 def _tileset(answer: _Answer, most: int) -> tuple[Decoded, tuple[int, int]]:
@@ -364,19 +364,10 @@ def _whole(value: Any, least: int, most: int) -> int:
     return value
 
 
-def _note(said: dict[str, Any]) -> str:
-    """Return the note on how a file differs from what its program shows."""
-    return _printable(said.get("note", ""))
-
-
-def _notes(said: dict[str, Any]) -> tuple[LayerNote, ...]:
-    """Return the same, layer by layer."""
-    return tuple(LayerNote(_printable(name), _printable(reason)) for name, reason in said["notes"])
-
-
-def _partial(said: dict[str, Any]) -> bool:
-    """Return whether a layer of a file is missing."""
-    return said.get("partial", False) is True
+def _notes(said: dict[str, Any]) -> FileNotes:
+    """Return how a file looks different than in its program; an animation says nothing of it."""
+    layers = [LayerNote(_printable(name), _printable(reason)) for name, reason in said.get("notes", ())]
+    return FileNotes(_printable(said.get("note", "")), said.get("partial") is True, tuple(layers))
 
 
 def _printable(words: str) -> str:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Decoded", "DecodedLayer", "DecodedLayers", "LayerNote", "Part", "Parts", "Pixels"]
+__all__ = ["Decoded", "DecodedLayer", "DecodedLayers", "FileNotes", "LayerNote", "Part", "Parts", "Pixels"]
 
 Pixels = NDArray[np.uint8] | NDArray[np.uint16] | NDArray[np.int32] | NDArray[np.float32]
 """(H, W) grey of any of these types, or (H, W, 3) or (H, W, 4), red, green, blue and opacity, of 8 bits; as
@@ -28,22 +28,33 @@ class LayerNote:
 
 
 @dataclass(frozen=True)
+class FileNotes:
+    """How a file looks different than in its program.
+
+    Args:
+        text: part of a sentence; empty if it does not.
+        partial: whether a layer is missing.
+        layers: the same, layer by layer.
+    """
+
+    text: str = ""
+    partial: bool = False
+    layers: tuple[LayerNote, ...] = ()
+
+
+@dataclass(frozen=True)
 class Decoded:
     """A picture's pixels, upright.
 
     Args:
         pixels: (h, w), (h, w, 3) or (h, w, 4).
         shape: (H, W) of the file; that of the pixels unless they were reduced.
-        note: how it differs from what its program shows, a part of a sentence; may be empty.
-        partial: whether a layer of it is missing.
-        notes: the same as ``note``, layer by layer.
+        notes: how it looks different.
     """
 
     pixels: Pixels
     shape: tuple[int, int]
-    note: str = ""
-    partial: bool = False
-    notes: tuple[LayerNote, ...] = ()
+    notes: FileNotes = FileNotes()
 
 
 @dataclass(frozen=True)
@@ -66,14 +77,12 @@ class Parts:
     Args:
         parts: the frames.
         loop: how often they are shown; 0 is for ever.
-        note: as `Decoded` has it.
-        partial: as `Decoded` has it.
+        notes: how it looks different.
     """
 
     parts: list[Part]
     loop: int
-    note: str = ""
-    partial: bool = False
+    notes: FileNotes = FileNotes()
 
 
 @dataclass(frozen=True)
@@ -111,14 +120,10 @@ class DecodedLayers:
         shape: (H, W) of the picture.
         durations: milliseconds that each frame is shown; one of 0 if it does not move.
         layers: frame by frame, in each the lowest first; those that nothing is drawn on are not among them.
-        note: as `Decoded` has it.
-        partial: as `Decoded` has it.
-        notes: the same as ``note``, layer by layer.
+        notes: how it looks different.
     """
 
     shape: tuple[int, int]
     durations: list[int]
     layers: list[DecodedLayer]
-    note: str = ""
-    partial: bool = False
-    notes: tuple[LayerNote, ...] = ()
+    notes: FileNotes = FileNotes()

@@ -299,9 +299,9 @@ class JobPredictor:
             durations = [each.duration for each in found.parts]
             self.writer.sink(target, encode_animation(kind_of(target), pixels, durations, found.loop))
         more = f"; and so on, in {len(said)} of its {len(members)} {part}s" if len(said) > 1 else ""
-        warning = "; ".join(filter(None, [found.note, said[0] + more if said else ""]))
+        warning = "; ".join(filter(None, [found.notes.text, said[0] + more if said else ""]))
         # A blank frame is blank on purpose.
-        return Done(target, warning, held, partial=found.partial or not all(map(_blank, flat)))
+        return Done(target, warning, held, partial=found.notes.partial or not all(map(_blank, flat)))
 
     def _member(self, picture: Picture, files: DrawingFiles) -> Member:
         return Member(picture, as_hints(files.hints, picture.shape), _mask(files, picture.shape))
@@ -364,8 +364,9 @@ def _for_sheet(files: DrawingFiles, sheet: Decoded) -> tuple[Hints | None, MaskO
 
 def _noted(preds: NormalMap, picture: Picture) -> NormalMap:
     """Return a map with the warning about its drawing's file added."""
-    noted = (Finding("note", words=picture.note),) if picture.note else ()
-    return replace(preds, findings=noted + preds.findings, partial=preds.partial or picture.partial)
+    notes = picture.notes
+    noted = (Finding("note", words=notes.text),) if notes.text else ()
+    return replace(preds, findings=noted + preds.findings, partial=preds.partial or notes.partial)
 
 
 def _blank(picture: Picture) -> bool:

@@ -62,7 +62,7 @@ def check_type(request: Request, *prefixes: str) -> None:
     """Raise `WrongTypeError` if a request's body is of none of these types."""
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if not kind.startswith(prefixes):
-        raise WrongTypeError(f"the body is {kind or 'of no type'}; it is to be {' or '.join(prefixes)}.")
+        raise WrongTypeError(f"the body is {kind or 'of no type'}; it must be {' or '.join(prefixes)}.")
 
 
 async def wait_disconnect(request: Request) -> None:

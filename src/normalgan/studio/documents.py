@@ -19,7 +19,7 @@ def check_document(content: bytes) -> Fields:
     """
     fields = parse_fields(content)
     if fields.get("format") != FORMAT:
-        raise InputError(f'that is no project of the studio, which begins with "format": "{FORMAT}".')
+        raise InputError(f'that is not a project of the studio, which begins with "format": "{FORMAT}".')
     if fields.get("version") not in range(1, VERSION + 1):
         raise InputError(
             f"the project is of another version; this studio knows 1 to {VERSION}, so update it."

@@ -304,15 +304,15 @@ def take_drawing(fields: Fields, picture: NDArray[np.uint8] | None = None) -> Dr
     """
     hints = fields.get("hints", [])
     if not isinstance(hints, list):
-        raise InputError('the hints are no list; they are like [{"x": 9, "y": 7, "normal": [0, 0, 1]}].')
+        raise InputError('the hints are not a list like [{"x": 9, "y": 7, "normal": [0, 0, 1]}].')
     if len(hints) > MOST_HINTS:
         raise InputError(f"there are {len(hints)} hints; a drawing has at most {MOST_HINTS}.")
     areas = fields.get("areas", [])
     if not isinstance(areas, list) or len(areas) > MOST_AREAS:
-        raise InputError(f"areas are to be a list of at most {MOST_AREAS}.")
+        raise InputError(f"areas must be a list of at most {MOST_AREAS}.")
     strokes = fields.get("mask_strokes", [])
     if not isinstance(strokes, list) or len(strokes) > MOST_MASK_STROKES:
-        raise InputError(f"mask_strokes are to be a list of at most {MOST_MASK_STROKES}.")
+        raise InputError(f"mask_strokes must be a list of at most {MOST_MASK_STROKES}.")
     source = take_choice(fields, "source", (None, OUTLINE, MODEL))
     return DrawingRequest(
         take_bytes(fields, "picture") if picture is None else picture,
@@ -340,7 +340,7 @@ def read_png(name: str, content: bytes) -> Picture:
         InputError: if it is not one, or its size is out of range; that is checked before decoding.
     """
     if content[:8] != _PNG or content[12:16] != b"IHDR" or len(content) < 33:
-        raise InputError(f"the {name} is no PNG.")
+        raise InputError(f"the {name} is not a PNG.")
     width, height = struct.unpack(">II", content[16:24])
     check_sides(name, height, width)
     picture = read_picture(Path(f"the {name}"), content)

@@ -8,9 +8,11 @@ from typing import Any
 
 from normalgan.errors import InputError
 
-__all__ = ["Fields", "parse_fields", "take_bytes", "take_choice", "take_integer", "take_text"]
+__all__ = ["LARGEST", "Fields", "parse_fields", "take_bytes", "take_choice", "take_integer", "take_text"]
 
 Fields = dict[str, Any]
+LARGEST = 2**53
+"""Whole numbers up to here are exact in JavaScript."""
 
 
 def parse_fields(body: bytes) -> Fields:
@@ -21,13 +23,10 @@ def parse_fields(body: bytes) -> Fields:
     """
     try:
         fields = json.loads(body.decode(), parse_constant=_refuse)
-    except (
-        ValueError,
-        RecursionError,
-    ):  # no UTF-8, NaN, a number of ten thousand digits, ten thousand brackets
+    except (ValueError, RecursionError):  # not UTF-8, NaN, ten thousand digits or brackets
         raise InputError('the request is not JSON; it is like {"tab": "a1", "number": 1, …}.') from None
     if not isinstance(fields, dict):
-        raise InputError("the request is no JSON object; it has fields in braces.")
+        raise InputError("the request is not a JSON object with fields in braces.")
     return fields
 
 
@@ -44,7 +43,7 @@ def take_integer(fields: Fields, name: str, least: int, most: int, default: int 
     """
     value = fields.get(name, default)
     if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
-        raise InputError(f"{name} is {_shown(value)}; it is to be a whole number from {least} to {most}.")
+        raise InputError(f"{name} is {_shown(value)}; it must be a whole number from {least} to {most}.")
     return value
 
 
@@ -57,7 +56,7 @@ def take_choice(fields: Fields, name: str, choices: Sequence[str | bool | None],
     value = fields.get(name, default)
     if not any(value is each or (isinstance(each, str) and value == each) for each in choices):
         known = ", ".join(json.dumps(each) for each in choices)
-        raise InputError(f"{name} is {_shown(value)}; it is to be one of {known}.")
+        raise InputError(f"{name} is {_shown(value)}; it must be one of {known}.")
     return value
 
 
@@ -69,7 +68,7 @@ def take_text(fields: Fields, name: str, most: int) -> str:
     """
     value = fields.get(name)
     if not isinstance(value, str) or not 1 <= len(value) <= most:
-        raise InputError(f"{name} is {_shown(value)}; it is to be a text of 1 to {most} characters.")
+        raise InputError(f"{name} is {_shown(value)}; it must be a text of 1 to {most} characters.")
     return value
 
 
@@ -85,7 +84,7 @@ def take_bytes(fields: Fields, name: str) -> bytes:
             return base64.b64decode(value, validate=True)
     except (binascii.Error, ValueError):
         pass
-    raise InputError(f"{name} is {_shown(value)}; it is to be a PNG in base64.")
+    raise InputError(f"{name} is {_shown(value)}; it must be a PNG in base64.")
 
 
 def _shown(value: Any) -> str:

@@ -49,16 +49,16 @@ def take_layers(fields: Fields, kept: KeptPlanes, pixels: memoryview | None) -> 
         InputError: if a field cannot be used.
     """
     if "layers" not in fields:
-        planes = None if pixels is None else kept.take(take_text(fields, "tab", 64), fields, pixels)
-        return [Layer("", take_drawing(fields, None if planes is None else planes["ink"]))]
+        ink = None if pixels is None else kept.take(take_text(fields, "tab", 64), fields, pixels)
+        return [Layer("", take_drawing(fields, ink))]
     listed = fields["layers"]
     if not isinstance(listed, list) or not 1 <= len(listed) <= MOST_LAYERS:
-        raise InputError(f"layers are to be a list of 1 to {MOST_LAYERS}.")
+        raise InputError(f"layers must be a list of 1 to {MOST_LAYERS}.")
     tab = take_text(fields, "tab", 48)
     found, start, ids = [], 0, set[int]()
     for entry in listed:
         if not isinstance(entry, dict):
-            raise InputError("a layer is no JSON object; it has fields in braces.")
+            raise InputError("a layer is not a JSON object with fields in braces.")
         own = take_integer(entry, "id", 0, _LARGEST)
         if own in ids:
             raise InputError(f"there are two layers with the id {own}.")
@@ -68,14 +68,14 @@ def take_layers(fields: Fields, kept: KeptPlanes, pixels: memoryview | None) -> 
         ink = None
         if pixels is not None:
             size = take_integer(entry, "bytes", 0, MOST_BYTES)
-            ink = kept.take(f"{tab} {own}", layer, pixels[start : start + size])["ink"]
+            ink = kept.take(f"{tab} {own}", layer, pixels[start : start + size])
             start += size
         name = take_text(entry, "name", LONGEST_NAME) if len(listed) > 1 else ""
         found.append(Layer(name, take_drawing(layer, ink)))
     if pixels is not None and start != len(pixels):
         raise InputError(f"there are {len(pixels)} bytes of pixels; the layers tell of {start}.")
     if pixels is not None and len({each.drawing.shape for each in found}) > 1:
-        raise InputError("the layers are of different sizes; they are to have the drawing's.")
+        raise InputError("the layers are of different sizes; they must have the drawing's.")
     return found
 
 
@@ -108,6 +108,6 @@ def predict_layers(
     if not predicted:
         raise LackingError(lacks[0].words, lacks[0].code, lacks[0].layer)
     if len({each.mask.shape for each in predicted}) > 1:
-        raise InputError("the layers are of different sizes; they are to have the drawing's.")
+        raise InputError("the layers are of different sizes; they must have the drawing's.")
     whole = compose(predicted)
     return replace(whole, findings=(*whole.findings, *lacks))

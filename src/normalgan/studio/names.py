@@ -26,8 +26,8 @@ def check_name(name: str) -> str:
     name = unicodedata.normalize("NFC", name)
     if not is_name(name):
         raise InputError(
-            f"{name[:LONGEST]!r} is no name; it has 1 to {LONGEST} letters, digits, spaces, - and _, "
-            "no space at its ends, and is not what Windows calls a device, such as CON."
+            f"{name[:LONGEST]!r} is not a valid name; use 1 to {LONGEST} letters, digits, spaces, - and _, "
+            "no space at an end, and no name of a Windows device, such as CON."
         )
     return name
 

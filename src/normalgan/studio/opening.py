@@ -10,7 +10,6 @@ from normalgan.studio.document_store import SUFFIX, DocumentStore
 from normalgan.studio.documents import check_document
 from normalgan.studio.names import check_name, to_name
 from normalgan.studio.pictures import import_picture
-from normalgan.studio.refusals import MissingError
 
 __all__ = ["Opened", "find_opened"]
 
@@ -34,15 +33,12 @@ def find_opened(given: str, store: DocumentStore) -> Opened:
         return _of_file(path)
     try:
         store.read(given)
-    except MissingError:
-        pass
-    except InputError:  # no name of a project
-        pass
-    else:
-        return {"kind": "project", "name": check_name(given)}
-    raise InputError(
-        f"there is neither a project nor a file called {given}; give a project's name or a drawing's file."
-    )
+    except InputError:  # missing, or not a valid name
+        raise InputError(
+            f"there is neither a project nor a file called {given}; "
+            "give a project's name or a drawing's file."
+        ) from None
+    return {"kind": "project", "name": check_name(given)}
 
 
 def _of_file(path: Path) -> Opened:

@@ -45,7 +45,7 @@ def import_picture(content: bytes, name: str = "the picture", part: int = 1) -> 
         picture = read_picture(Path(name), content)
     else:
         picture = to_picture(decode_frames(name, content, (SMALLEST, LARGEST)).parts[part - 1].decoded)
-    given, notes = [picture.shape[1], picture.shape[0]], picture.notes
+    given, notes = [picture.shape[1], picture.shape[0]], picture.notes.layers
     if max(picture.size) > MOST_SIDE:
         picture = picture.resized(fitted(picture.size, MOST_SIDE))
     height, width = picture.size
@@ -114,7 +114,7 @@ def import_layers(content: bytes) -> Imported:
     return {
         "layers": layers,
         "plain": plain,
-        "notes": [asdict(each) for each in found.notes],
+        "notes": [asdict(each) for each in found.notes.layers],
         "frames": len(found.durations),
         "width": shape[1],
         "height": shape[0],

@@ -23,7 +23,7 @@ from normalgan.normals import pixels_of
 from normalgan.studio.bodies import check_type, read_body, wait_disconnect
 from normalgan.studio.drawing_request import LEAST_SIDE, MOST_SIDE
 from normalgan.studio.exports import read_export_request
-from normalgan.studio.fields import Fields, parse_fields, take_choice, take_integer, take_text
+from normalgan.studio.fields import LARGEST, Fields, parse_fields, take_choice, take_integer, take_text
 from normalgan.studio.layers import Layer, predict_layers, take_layers
 from normalgan.studio.planes import CONTENT_TYPE, KeptPlanes, split_body
 from normalgan.studio.predictor import Predictor
@@ -33,8 +33,6 @@ from normalgan.studio.request_queue import RequestQueue, Stop
 __all__ = ["PredictionRoutes"]
 
 T = TypeVar("T")
-_LARGEST = 2**53
-"""Whole numbers up to here are exact in JavaScript."""
 
 
 class PredictionRoutes:
@@ -144,7 +142,7 @@ class PredictionRoutes:
     ) -> T | None:
         """Return the result of the work in its turn; None if a newer request replaces it."""
         tab = f"{request.url.path} {apart}{take_text(fields, 'tab', 64)}"
-        number = take_integer(fields, "number", 0, _LARGEST)
+        number = take_integer(fields, "number", 0, LARGEST)
         return await queue.do(tab, number, work, partial(wait_disconnect, request), stop)
 
     def _predict(
@@ -190,8 +188,8 @@ class PredictionRoutes:
         return height.astype("<f4").tobytes(), predicted
 
     def _file(self, layers: Sequence[Layer], fields: Fields) -> tuple[str, bytes]:
-        wish = read_export_request(fields)
-        return wish.encode(self._predict(layers, wish.longest))
+        export = read_export_request(fields)
+        return export.encode(self._predict(layers, export.longest))
 
 
 _OCTETS = "application/octet-stream"

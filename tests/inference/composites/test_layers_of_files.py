@@ -265,7 +265,7 @@ def test_kinds_are_told_by_what_is_in_a_file(tmp_path: Path) -> None:
 
 def test_a_layer_that_is_broken_does_not_cost_the_others() -> None:
     found = read_layers(Path("a.kra"), krita(b"LZF", b"LZ4"))
-    assert "cannot be read: a tile of it is packed in a way that is not known" in found.note
+    assert "cannot be read: a tile of it is packed in a way that is not known" in found.notes.text
     assert len(found.layers) == 2
 
 
@@ -370,7 +370,7 @@ def test_fill_opacity_and_blend_modes_of_photoshop_count() -> None:
 
     found = photoshop(change)
     assert [each.opacity for each in found.layers] == [128, 255]
-    assert found.note == "'shade': blend mode multiply shown as normal"
+    assert found.notes.text == "'shade': blend mode multiply shown as normal"
 
 
 def test_masks_of_photoshop_count_and_so_do_those_of_groups() -> None:
@@ -481,7 +481,7 @@ def test_a_fill_layer_of_photoshop_without_pixels_fills_its_mask() -> None:
     rows, columns = np.nonzero(shape)
     assert (columns.min(), columns.max(), rows.min(), rows.max()) == (30, 89, 20, 59)
     assert (found.layers[1].pixels[5, 5, :3] == (255, 0, 0)).all()
-    assert not found.note
+    assert not found.notes.text
 
 
 def test_a_stroke_of_photoshop_is_drawn_and_a_shadow_named() -> None:
@@ -510,7 +510,7 @@ def test_a_stroke_of_photoshop_is_drawn_and_a_shadow_named() -> None:
     plain = alpha_of(photoshop(lambda psd, body, shade: None).layers[0]) > 127
     found = photoshop(outlined)
     grown = alpha_of(found.layers[0]) > 127
-    assert found.note == "'body': drop shadow left out"
+    assert found.notes.text == "'body': drop shadow left out"
     left, right = np.flatnonzero(plain[44])[[0, -1]]
     assert np.flatnonzero(grown[44])[[0, -1]].tolist() == pytest.approx([left - 4, right + 4], abs=1)
     edge = found.layers[0].pixels[44 - found.layers[0].top, left - 2 - found.layers[0].left]
@@ -522,7 +522,7 @@ def test_an_animated_krita_file_says_what_of_it_is_used(
 ) -> None:
     path = FILES / "two_frames.kra"
     found = read_layers(path)
-    assert "it is animated in Krita, of which the frame 5, at which it was saved, is used" in found.note
+    assert "it is animated in Krita, of which the frame 5, at which it was saved, is used" in found.notes.text
     assert (found.layers[0].left, found.layers[0].top) == (27, 27)
     assert generate(str(path)) == 0
     words = "it is animated in Krita, of which the picture that Krita merged when it was saved is used"

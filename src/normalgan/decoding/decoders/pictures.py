@@ -33,8 +33,7 @@ __all__ = [
     "decode",
     "frames",
     "layers",
-    "note_parts",
-    "note_text",
+    "noted",
     "plain",
     "reduced",
     "tileset",
@@ -208,12 +207,7 @@ def layers(content: bytes, least: int, most: int, seconds: int) -> Iterator[Mess
         more = f": {layered.notes}" if str(layered.notes) else ""
         raise RefusedError(f"has no visible layer that anything is drawn on{more}")
     durations, full = [min(each, 2**31) for each in layered.durations], [*layered.size[::-1]]
-    said = {
-        "note": note_text(layered.notes),
-        "partial": layered.notes.partial,
-        "notes": note_parts(layered.notes),
-    }
-    yield {"count": len(found), "full": full, "durations": durations, **said}, None
+    yield {"count": len(found), "full": full, "durations": durations, **noted(layered.notes)}, None
     for layer in found:
         names = [each[:_LONGEST_NAME] for each in (*layer.groups[:_DEEPEST], layer.name)]
         place = {name: getattr(layer, name) for name in ("left", "top", "number", "frame", "opacity")}
@@ -346,8 +340,7 @@ def _layered_frames(layered: Any) -> Iterator[Message]:
     with _unreadable_refused():
         found = layered.frames()
         first = next(found)
-        said = {"note": note_text(layered.notes), "partial": layered.notes.partial}
-        yield {"count": count, "loop": 0, **said}, None
+        yield {"count": count, "loop": 0, **noted(layered.notes)}, None
         for image, milliseconds in itertools.chain([first], found):
             yield {**with_form(image), "duration": milliseconds}, image
 
@@ -372,11 +365,12 @@ def _refuse_foreign(content: bytes) -> None:
         raise RefusedError(told)
 
 
-def note_parts(notes: "Notes") -> list[list[str]]:
-    """Return the layers that are noted, and why, as many as are sent."""
-    return [[name[:_LONGEST_NAME], reason] for name, reason in notes.parts[:_MOST_NOTED]]
-
-
-def note_text(notes: object) -> str:
-    """Return a note on a picture as one line of bounded length."""
-    return " ".join(str(notes).split())[:_MOST_NOTES]
+def noted(*notes: "Notes") -> dict[str, Any]:
+    """Return what the parent is told of how a file looks different, in bounded length."""
+    return {
+        "note": " ".join("; ".join(map(str, notes)).split())[:_MOST_NOTES],
+        "partial": any(each.partial for each in notes),
+        "notes": [
+            [name[:_LONGEST_NAME], reason] for each in notes for name, reason in each.parts[:_MOST_NOTED]
+        ],
+    }

@@ -19,7 +19,7 @@ from .formats import format_of
 from .levels import exact_levels, loses_levels, viewed
 from .limits import limit, limit_time
 from .opening import Message, RefusedError, UnknownTiffError, import_plugin, with_form
-from .pictures import decode, frames, layers, note_parts, note_text, tileset
+from .pictures import decode, frames, layers, noted, tileset
 
 __all__ = ["import_all", "main", "needed"]
 
@@ -136,9 +136,7 @@ def _picture(request: dict[str, Any], content: bytes, least: int, most: int) -> 
         except UnknownTiffError:
             pixels = viewed(exact_levels(content, least, most), request["longest"], request["grey"])
             full = pixels.shape[:2]
-    note, partial = note_text("; ".join(map(str, notes))), any(each.partial for each in notes)
-    parts = [part for each in notes for part in note_parts(each)]
-    yield {"count": 1, "note": note, "partial": partial, "notes": parts}, None
+    yield {"count": 1, **noted(*notes)}, None
     yield {**with_form(pixels), "full": [*full]}, pixels
 
 

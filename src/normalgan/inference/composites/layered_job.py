@@ -69,7 +69,7 @@ class LayeredJob:
         drawn = [layer for layer in found.layers if not is_plain(layer, found.shape)]
         numbers = sorted({layer.number for layer in drawn})
         predicted: list[DecodedLayer] = []
-        said = [found.note] if found.note else []
+        said = [found.notes.text] if found.notes.text else []
         held: list[Held] = []
         failed: list[InputError] = []
         context = self._context(job, found, drawn)
@@ -90,7 +90,7 @@ class LayeredJob:
             shape = found.shape if self.size is None else fitted(found.shape, self.size)
             predicted.sort(key=lambda layer: (layer.frame, layer.number))
             self.writer.sink(target, encode_layers(drawing.layered, shape, predicted, found.durations))
-        return "; ".join(said), held, found.partial or bool(failed)
+        return "; ".join(said), held, found.notes.partial or bool(failed)
 
     def _context(self, job: Job, found: DecodedLayers, drawn: list[DecodedLayer]) -> Context | None:
         """Return the network's view of all layers; None of a single one, and of an animation's."""

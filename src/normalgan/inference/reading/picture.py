@@ -1,14 +1,14 @@
 """Picture: the colours and opacity of a drawing's file, before its lines are found."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import cv2
 import numpy as np
 
 from normalgan.arrays import Floats
-from normalgan.decoding import Decoded, LayerNote
+from normalgan.decoding import Decoded, FileNotes
 from normalgan.inference.reading.drawings import SVG_SIDE, read_pixels, to_unit
 
 __all__ = ["MOST_WORKED", "Picture", "Resize", "fitted", "read_picture", "resize", "to_picture", "to_pixels"]
@@ -27,17 +27,13 @@ class Picture:
         colour: (h, w, 3) in [0, 1], red, green, blue; not multiplied by the opacity.
         alpha: (h, w) opacity in [0, 1], or None where every pixel is opaque.
         full: (H, W) of its file, if that has more pixels; None if it has the same.
-        note: what looks different than in the file's program, as a part of a sentence; empty if nothing does.
-        partial: whether a layer of its file is missing.
-        notes: the same as ``note``, layer by layer.
+        notes: how its file looks different than in its program.
     """
 
     colour: Floats
     alpha: Floats | None
     full: tuple[int, int] | None = None
-    note: str = ""
-    partial: bool = False
-    notes: tuple[LayerNote, ...] = ()
+    notes: FileNotes = field(default_factory=FileNotes)
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -99,11 +95,11 @@ def to_picture(decoded: Decoded) -> Picture:
     full = decoded.shape if decoded.shape != values.shape[:2] else None
     if values.ndim == 2:
         grey = np.asarray(cv2.cvtColor(values, cv2.COLOR_GRAY2RGB), np.float32)
-        return Picture(grey, None, full, decoded.note, decoded.partial, decoded.notes)
+        return Picture(grey, None, full, decoded.notes)
     if values.shape[2] == 4:
         values, alpha = values[..., :3], values[..., 3]
         alpha = alpha if alpha.min() < 1 else None
-    return Picture(values, alpha, full, decoded.note, decoded.partial, decoded.notes)
+    return Picture(values, alpha, full, decoded.notes)
 
 
 def to_pixels(picture: Picture) -> Decoded:
