@@ -1,7 +1,7 @@
 """Ranges in annotations: numbers, optional ones, pairs and lists, in dataclasses and other classes."""
 
 from dataclasses import dataclass, field
-from typing import Annotated
+from typing import Annotated, Literal
 
 import pytest
 
@@ -19,6 +19,7 @@ class Pen:
     strength: Annotated[tuple[float, float], Range(0, 1)] = (0.0, 1.0)
     shares: list[Share] = field(default_factory=list)
     name: str = "pen"
+    tip: Literal["round", "flat"] | None = None
 
     def __post_init__(self) -> None:
         check_ranges(self)
@@ -38,6 +39,7 @@ class Pen:
         ),
         ({"strength": (0.5,)}, "strength of Pen is (0.5,); it must be two numbers"),
         ({"strength": (0.5, 2)}, "two numbers, low then high, from 0 to 1."),
+        ({"tip": "soft"}, "tip of Pen is 'soft'; it must be 'round' or 'flat'."),
         ({"shares": [0.5, 2]}, "shares of Pen is [0.5, 2]; each number must be from 0 to 1."),
     ],
 )
@@ -48,7 +50,7 @@ def test_what_lies_outside_a_range_is_told(settings: dict[str, object], sentence
 
 
 def test_what_lies_inside_passes() -> None:
-    Pen(0, 0.1, 89.9, (0.0, 0.0), [0.0, 1.0])
+    Pen(0, 0.1, 89.9, (0.0, 0.0), [0.0, 1.0], "pen", "flat")
 
 
 def test_a_class_may_give_its_values_by_name() -> None:

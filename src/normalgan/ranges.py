@@ -1,10 +1,10 @@
-"""Ranges: what numbers a setting takes, said in its annotation and checked in its class's constructor."""
+"""Ranges: what numbers or words a setting takes, said in its annotation and checked by its constructor."""
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Annotated, Any, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 from normalgan.errors import InputError
 
@@ -46,6 +46,19 @@ class Range:
         return f"{first} to {'below ' if self.below else ''}{self.most:g}"
 
 
+@dataclass(frozen=True)
+class _Choice:
+    """The values that a setting takes whose type is a `Literal`."""
+
+    values: tuple[Any, ...]
+
+    def __contains__(self, value: object) -> bool:
+        return any(value == each and type(value) is type(each) for each in self.values)
+
+    def __repr__(self) -> str:
+        return " or ".join(map(repr, self.values))
+
+
 Count = Annotated[int, Range(0)]
 PositiveInt = Annotated[int, Range(1)]
 NonNegative = Annotated[float, Range(0)]
@@ -54,7 +67,7 @@ Share = Annotated[float, Range(0, 1)]
 
 
 def check_ranges(settings: Any, values: Mapping[str, Any] | None = None) -> None:
-    """Check all settings of an object that its constructor annotates with a `Range`.
+    """Check all settings of an object that its constructor annotates with a `Range` or a `Literal`.
 
     Call it in ``__post_init__``, or at the end of ``__init__``. A tuple that is annotated as a whole holds
     two numbers, low then high.
@@ -64,7 +77,7 @@ def check_ranges(settings: Any, values: Mapping[str, Any] | None = None) -> None
         values: the settings by name; None takes the object's attributes.
 
     Raises:
-        InputError: if one lies outside its range.
+        InputError: if one lies outside its range, or is none of its words.
 
     Example:
         >>> @dataclass
@@ -85,7 +98,8 @@ def check_ranges(settings: Any, values: Mapping[str, Any] | None = None) -> None
             if any(number not in allowed for number in numbers) or (pair and not _rising(numbers)):
                 right = "it must be" if given is value else "each number must be"
                 right += " two numbers, low then high," if pair else ""
-                raise InputError(f"{name} of {kind.__name__} is {value}; {right} {allowed}.")
+                shown = repr(value) if isinstance(value, str) else value
+                raise InputError(f"{name} of {kind.__name__} is {shown}; {right} {allowed}.")
 
 
 @cache
@@ -95,19 +109,21 @@ def _hints(kind: Any) -> dict[str, Any]:
 
 
 def _ranged(hint: Any) -> bool:
-    return get_origin(hint) is Annotated or any(map(_ranged, get_args(hint)))
+    return get_origin(hint) in (Annotated, Literal) or any(map(_ranged, get_args(hint)))
 
 
 def _rising(numbers: Sequence[float]) -> bool:
     return len(numbers) == 2 and numbers[0] <= numbers[1]
 
 
-def _given(hint: Any, value: Any) -> list[tuple[Any, Range]]:
-    """Return the ranged parts of a value, a number or a pair, and the range."""
+def _given(hint: Any, value: Any) -> list[tuple[Any, Range | _Choice]]:
+    """Return the ranged parts of a value, a number, a pair or a word, and the range."""
     if value is None:
         return []
     if get_origin(hint) is Annotated:
         return [(value, each) for each in hint.__metadata__ if isinstance(each, Range)]
+    if get_origin(hint) is Literal:
+        return [(value, _Choice(get_args(hint)))]
     inner = [each for each in get_args(hint) if each not in (type(None), ...)]
     if isinstance(value, Mapping):
         return [pair for item in value.values() for pair in _given(inner[-1], item)]

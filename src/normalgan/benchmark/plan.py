@@ -178,7 +178,7 @@ def _with_base(path: Path, above: tuple[Path, ...]) -> tuple[Settings, list[Row]
         path: path of the plan.
         above: plans of which it is a base.
     """
-    path = Path(find_config(str(path)))  # its base lies beside it, be it one of the package's
+    path = Path(find_config(str(path)))  # its base lies beside it, in the package too
     if path.resolve() in above:
         raise InputError(f"the plan {path} is its own base; a base must be another plan.")
     content = read_yaml(path)

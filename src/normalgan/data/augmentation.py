@@ -20,6 +20,22 @@ from normalgan.ranges import NonNegative, Range, Share, check_ranges
 from normalgan.registry import Registry
 from normalgan.seeds import seed_torch
 
+__all__ = [
+    "AUGMENTATIONS",
+    "Augmentation",
+    "BatchAugmentation",
+    "augmented",
+    "change_width",
+    "drop_lines",
+    "move_hints",
+    "sample_at",
+    "sampling_grid",
+    "smooth_noise",
+    "smooth_shifts",
+    "turn_normals",
+    "wobble",
+]
+
 
 class BatchAugmentation(ABC):
     """Base of the augmentations: random changes of training batches, on the device they are on.
@@ -57,22 +73,6 @@ class BatchAugmentation(ABC):
 
 
 AUGMENTATIONS: Registry[BatchAugmentation] = Registry(BatchAugmentation, "normalgan.augmentations")  # type: ignore[type-abstract]
-
-__all__ = [
-    "AUGMENTATIONS",
-    "Augmentation",
-    "BatchAugmentation",
-    "augmented",
-    "change_width",
-    "drop_lines",
-    "move_hints",
-    "sample_at",
-    "sampling_grid",
-    "smooth_noise",
-    "smooth_shifts",
-    "turn_normals",
-    "wobble",
-]
 
 
 def augmented(augmentation: BatchAugmentation, batch: Batch, seed: int) -> Batch:

@@ -351,7 +351,7 @@ class MeshDataModule(LightningDataModule):
     def predict_dataloader(self) -> DataLoader[SketchSample]:
         """Return the drawings in order."""
         dataset = self.drawings
-        # By name: Lightning builds the loader anew from its arguments when predicting.
+        # By name: Lightning builds the loader again from its arguments when predicting.
         return DataLoader(dataset, batch_size=self.batch_size)
 
     def _loaders(self) -> Loaders:

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal
 
 import torch
 from torch import Tensor
@@ -12,11 +12,7 @@ from normalgan.hints.base import HINT_SAMPLERS, HintSampler
 from normalgan.hints.normal_curvature import Estimator, curvature_map
 from normalgan.ranges import Count, NonNegative, Positive, Share, check_ranges
 
-__all__ = ["Comparison", "CurvatureHints", "Normalisation", "Rounding"]
-
-Comparison = Literal["greater", "greater_equal"]
-Normalisation = Literal["none", "minmax"]
-Rounding = Literal["round", "floor"]
+__all__ = ["CurvatureHints"]
 
 # Interpolated float32 normals of a plane differ by some 1e-7. Flat sits on the edge of two grey levels
 # (127.5), so without a dead zone such noise would hint every other pixel of a plane.
@@ -61,33 +57,23 @@ class CurvatureHints(HintSampler):
     estimator: Estimator = "central"
     signed: bool = True
     blur: NonNegative = 0.0
-    normalisation: Normalisation = "none"
+    normalisation: Literal["none", "minmax"] = "none"
     gain: Positive = 0.05
     offset: Share = 0.5
-    rounding: Rounding = "round"
+    rounding: Literal["round", "floor"] = "round"
     thresholds: tuple[int, int] = (127, 126)
-    comparison: Comparison = "greater"
+    comparison: Literal["greater", "greater_equal"] = "greater"
     object_only: bool = True
     dropout: Share = 0.95
     count: Count | None = None
 
     def __post_init__(self) -> None:
-        self._check_choice("estimator", get_args(Estimator))
-        self._check_choice("normalisation", get_args(Normalisation))
-        self._check_choice("rounding", get_args(Rounding))
-        self._check_choice("comparison", get_args(Comparison))
         check_ranges(self)
-        levels = set(range(256)).intersection(self.thresholds)
-        self._check(
-            len(self.thresholds) == len(levels) == 2, "thresholds", "two different levels from 0 to 255"
-        )
-
-    def _check_choice(self, name: str, choices: tuple[str, ...]) -> None:
-        self._check(getattr(self, name) in choices, name, " or ".join(repr(choice) for choice in choices))
-
-    def _check(self, good: bool, name: str, right: str) -> None:
-        if not good:
-            raise InputError(f"CurvatureHints was given {name}={getattr(self, name)!r}; use {right}.")
+        if not len(self.thresholds) == len(set(range(256)).intersection(self.thresholds)) == 2:
+            raise InputError(
+                f"thresholds of CurvatureHints is {self.thresholds}; it must be two different levels from 0 "
+                "to 255."
+            )
 
     def sample(self, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
         """Return where the hints are, (N, 1, H, W) of the normals' type; see `HintSampler.sample`.

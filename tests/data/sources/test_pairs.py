@@ -270,8 +270,7 @@ def test_a_csv_that_cannot_be_used(tmp_path: Path, text: str, sentence: str) -> 
 @pytest.mark.parametrize(
     ("given", "sentence"),
     [
-        ({"green": "left"}, "green='left'; it is up"),
-        ({"group_by": "name"}, "group_by='name'; give file or folder"),
+        ({"group_by": "name"}, "group_by of Pairs is 'name'; it must be 'file' or 'folder'"),
         ({"files": 3}, r"files=3; name a folder, a glob of sketches, a CSV, or a list of these\.$"),
         ({"files": ["pairs", None]}, r"files=\['pairs', None\]; name a folder, a glob of sketches"),
     ],

@@ -94,7 +94,7 @@ class Cluster(Pool):
         if future.status == "finished":
             try:
                 outcome = future.result()
-            except KilledWorker:  # the result died with its worker, and so did those that made it anew
+            except KilledWorker:  # the result died with its worker, and so did those that made it again
                 return Killed()
             except CancelledError:
                 return self._lost_result()

@@ -58,13 +58,13 @@ class StreamDataset(Dataset[Item]):
 
 
 class FreshViews(DistributedSampler[ViewIndex]):
-    """One process's tickets of the epoch that Lightning sets; no epoch has a view of another.
+    """One process's view indices of the epoch that Lightning sets; no epoch has a view of another.
 
     All processes get equally many, in whole batches; up to a batch each is left out of an epoch. If there is
     not a whole batch for each, all samples are used, some of them twice.
 
     Args:
-        dataset: what the tickets are for.
+        dataset: what renders the views.
         seed: seed of the order.
         batch_size: samples in a batch.
         replicas: how many processes train side by side.
@@ -90,7 +90,7 @@ class FreshViews(DistributedSampler[ViewIndex]):
         if len(self.samples) < size * replicas:
             few = list(order)
             return (few[i % len(few)] for i in range(self.rank, len(self) * replicas, replicas))
-        ours = (ticket for i, ticket in enumerate(order) if i // size % replicas == self.rank)
+        ours = (index for i, index in enumerate(order) if i // size % replicas == self.rank)
         return islice(ours, len(self))
 
 

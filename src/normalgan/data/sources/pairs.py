@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
-from typing import Literal, get_args
+from typing import Literal
 
 from PIL import Image
 
@@ -14,6 +14,7 @@ from normalgan.data.sources.pair_files import LAYOUTS, PairFiles, find_pairs
 from normalgan.data.splits import SPLITS
 from normalgan.errors import InputError
 from normalgan.normals import Green
+from normalgan.ranges import check_ranges
 
 __all__ = ["Pairs"]
 
@@ -49,10 +50,7 @@ class Pairs(PairSource):
     group_by: Literal["file", "folder"] = "file"
 
     def __post_init__(self) -> None:
-        if self.green not in get_args(Green):
-            raise InputError(f"Pairs was given green={self.green!r}; it is up (OpenGL) or down (DirectX).")
-        if self.group_by not in {"file", "folder"}:
-            raise InputError(f"Pairs was given group_by={self.group_by!r}; give file or folder.")
+        check_ranges(self)
         object.__setattr__(self, "files", _as_texts(self.files))
 
     def split(self, settings: SplitSettings) -> Mapping[str, Sequence[PairFiles]]:

@@ -158,7 +158,7 @@ class Storage:
                     path.unlink(missing_ok=True)
 
     def _files(self) -> tuple[AbstractFileSystem, str]:
-        # Asked for anew each time: fsspec keeps one a process, so that none is carried across a fork.
+        # Asked for each time: fsspec keeps one a process, so that none is carried across a fork.
         try:
             files, root = _connect(self.url)
         except (ValueError, ImportError) as error:
