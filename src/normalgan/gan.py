@@ -98,8 +98,8 @@ class NormalGAN(SavedSettings, Evaluation):
         hint_noise: largest mean angle in degrees by which the hints of a training sample are turned.
         distractor_consistency: weight of the mean angle in radians between the normals with and without
             strokes that mean nothing. A quarter of each batch is predicted twice for it; 0: none.
-        share_every: every so many generator steps, log the ratio of the adversarial to the reconstruction
-            gradient norm, as ``train/adversarial_share`` (at its weights) and
+        share_every: number of generator steps after which to log the ratio of the adversarial to the
+            reconstruction gradient norm, as ``train/adversarial_share`` (at its weights) and
             ``train/adversarial_share_output`` (at its output); 0 logs none. Such a step takes two more
             backward passes.
         noise_at_test: keep the noise z (dropout) on when testing and predicting, as pix2pix does.
@@ -302,7 +302,7 @@ class NormalGAN(SavedSettings, Evaluation):
     def _are_shown(self, every: int) -> bool:
         """Return whether the losses of this batch will be logged; ``every`` batches are.
 
-        Logging takes a few hundredths of a step, and loggers keep one in ``log_every_n_steps``.
+        Logging costs a few hundredths of a step, and loggers keep only one step in ``log_every_n_steps``.
         """
         interval: int = self.trainer.log_every_n_steps  # type: ignore[attr-defined]  # documented, not typed
         to_come = interval - 1 - self.trainer.fit_loop.total_batch_idx % max(interval, 1)

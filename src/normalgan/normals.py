@@ -48,7 +48,7 @@ Green = Literal["up", "down"]
 LEAST_Z = -0.02
 """A unit normal whose z is below this looks away from the viewer; above it may be the rounding of 8 bits."""
 _STRIP = 2**16
-"""Values of a strip: what is computed of so many stays in a processor's cache."""
+"""Values in a strip; intermediate arrays of this size stay in a processor's cache."""
 
 
 def normalize(vectors: NDArray[np.floating], eps: float = 1e-8) -> Floats:

@@ -326,7 +326,7 @@ def _beak(rows: Stations, length: float) -> Sweep:
 
 
 def _folded(wing: Wing, body: Profile, factor: float, young: bool) -> list[Part]:
-    """Return the wings laid to the sides: flight feathers and two rows of coverts; stubs of a young one."""
+    """Return the folded wings: flight feathers and two rows of coverts, or the stubs of a young bird."""
     tip = -wing.folded * factor
     layers = [
         (0.80, 0.30, 0.75, 0.030) if young else (0.74, tip, 0.78, 0.022),

@@ -31,7 +31,7 @@ _HIND = np.array(
 
 
 class LegRow(NamedTuple):
-    """Where a pair of legs grows and goes.
+    """The place and direction of a pair of legs.
 
     Args:
         x: where it grows.

@@ -1,4 +1,4 @@
-"""The quadrupeds' body plan: what a species is, and from build and pose to the parts of one individual."""
+"""The quadrupeds' body plan: the settings of a species, and the parts of an individual by build and pose."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -126,7 +126,7 @@ class Ornament:
 
 
 def _nostrils(at: Point, radius: float) -> Ornament:
-    """Return a pair of nostrils, dug in.
+    """Return a pair of nostrils, to be subtracted.
 
     Args:
         at: the right one, in units of the head's length.

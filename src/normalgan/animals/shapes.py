@@ -59,7 +59,7 @@ class Shape(ABC):
 
     @abstractmethod
     def thickened(self, thinnest: float) -> Self:
-        """Return it as it is sampled, with no radius below ``thinnest``: the grid would lose it."""
+        """Return it with every radius raised to at least ``thinnest``, below which the grid would miss it."""
 
     @abstractmethod
     def placed(self, frame: Frame, size: float = 1.0) -> Self:
@@ -95,7 +95,7 @@ class Sweep(Shape):
         radii: (n,) radius of the section across ``sides``.
         widths: (n,) radius of the section along ``sides``.
         sides: (n, 3) direction of the second axis of each section; its part along the curve is ignored.
-        cut: a plane beyond which the last third ends flat (soles, snouts); it may well run through the rest,
+        cut: a plane beyond which the last third ends flat (soles, snouts); it may cut the rest too,
             as that of a folded leg does.
     """
 

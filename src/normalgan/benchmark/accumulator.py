@@ -70,7 +70,7 @@ class Accumulator:
         """Count a batch.
 
         Args:
-            predicted: (N, 3 or 4, H, W) normals, as long as an object is probable, and perhaps confidence.
+            predicted: (N, 3 or 4, H, W) normals, as long as an object is probable, and optionally confidence.
             target: (N, 3, H, W) true unit normals.
             mask: (N, 1, H, W), 1 on the object.
             where: (N, 1, H, W), 1 at the hints, which do not count.
@@ -101,7 +101,7 @@ class Accumulator:
         return {**self._of(self._all, np.arange(len(self.names))), **error}
 
     def by_mesh(self) -> dict[str, Figure]:
-        """Return the figures of each mesh but for the calibration error."""
+        """Return the figures of each mesh, without the calibration error."""
         meshes = np.array([mesh_of(name) for name in self.names])
         return {
             mesh: {

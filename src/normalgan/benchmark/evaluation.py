@@ -61,7 +61,7 @@ class Evaluation:
 
     @property
     def hash(self) -> str:
-        """Stands for all that decides on the figures of a given model, but for the data."""
+        """A hash of everything but the data that decides the figures of a given model."""
         plan = self.plan
         return digest(
             {"counts": plan.counts, "seed": plan.hint_seed, "which": plan.checkpoint}

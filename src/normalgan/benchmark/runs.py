@@ -98,7 +98,7 @@ def shared_settings(plan: Plan, scale: Scale) -> Settings:
 
 
 def row_settings(plan: Plan, row: Row, scale: Scale) -> Settings:
-    """Return all settings of a row that is trained, but for the seed and the span.
+    """Return all settings of a trained row, except for the seed and the span.
 
     Raises:
         InputError: if they cannot be used; the sentence names the row.

@@ -27,7 +27,7 @@ def specify(data: MeshDataModule, tests: HintTests, trained: MeshDataModule | No
     ``meshes`` stands for the names of each split's meshes, ``views`` for how and how often each test mesh is
     looked at and drawn, ``hints`` for where the common hints lie,
     ``scoring`` for the rule that makes figures of maps; ``size`` is that of the pictures in pixels.
-    Where the training split is drawn otherwise, ``training`` stands for how.
+    ``training`` stands for how the training split is drawn, if that differs.
 
     Args:
         data: the benchmark's data.

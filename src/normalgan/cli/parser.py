@@ -53,9 +53,10 @@ class Parser(OwnDefaultsParser, LightningArgumentParser):
         return text
 
     def format_help(self, formatter: HelpFormatter | None = None) -> str:
-        """Return the help, opened by a usage in which nothing stands between program and command.
+        """Return the help, with a usage line in which the command follows the program at once.
 
-        That of a command ends with the plug-ins its settings can name. Within `help_of` it is of one section.
+        The help of a command ends with the plug-ins that its settings can name. Within `help_of` only one
+        section is shown.
         """
         self.prog = self.prog.replace(" [options]", "")
         dests = {action.dest for action in self._actions}

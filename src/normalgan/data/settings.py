@@ -80,7 +80,7 @@ class Split:
 
         Args:
             names: names of meshes, pairs or groups of pairs, each of which stays in one split.
-            noun: what messages call one.
+            noun: the word for one in messages.
 
         Raises:
             InputError: if the file or the fractions cannot be used.
@@ -96,7 +96,7 @@ class Storage:
 
     Args:
         memory: bytes that a split may take in memory; larger ones are read from the cache as needed. On the
-            fly, what the meshes may take in all workers together.
+            fly, bytes for the meshes in all workers together.
         render_workers: processes that render what is kept, side by side; 0 renders in this one.
     """
 

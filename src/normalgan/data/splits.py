@@ -31,7 +31,7 @@ def split_by_fractions(
         names: the meshes.
         fractions: shares of training, validation and testing, summing to 1.
         seed: another seed gives another split.
-        noun: what messages call one of them.
+        noun: the word for one in messages.
 
     Returns:
         the names of each of ``train``, ``val`` and ``test``; an empty list where the fraction is 0.
@@ -73,7 +73,7 @@ def split_by_file(path: Path, names: Sequence[str], noun: str = "mesh") -> _Name
     Args:
         path: the file, or one of the configurations of the package, such as ``configs/fourleg/split.json``.
         names: the meshes there are.
-        noun: what messages call one of them.
+        noun: the word for one in messages.
 
     Raises:
         InputError: if the file cannot be read as such, names a mesh that is not there, or names a mesh twice.

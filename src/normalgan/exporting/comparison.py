@@ -44,8 +44,8 @@ def predict(model: Deployed, sketch: Floats, hints: Floats) -> list[Floats]:
 def largest_difference(model: Deployed, run: Run) -> float:
     """Return the largest difference of an exported model from torch, with hints and without.
 
-    One picture a batch and three: a batch whose size was fixed by mistake fails here. The confidence has
-    no upper bound, so that its difference counts as a share of it where it is above 1.
+    Batches of one and of three pictures are tried, so that a model with a fixed batch size fails here. The
+    confidence has no upper bound, so its difference is relative where it is above 1.
     """
     worst = 0.0
     for count, hinted in ((1, True), (3, True), (2, False)):

@@ -38,7 +38,7 @@ def read_off(data: bytes) -> Polygons:
 
 
 def _face(words: Sequence[str]) -> list[int]:
-    """Return the corners of a line of an OFF: how many they are, these, and perhaps a colour."""
+    """Return the corners of a line of an OFF: how many they are, these, and an optional colour."""
     try:
         count = int(words[0])
         if 0 <= count < len(words):

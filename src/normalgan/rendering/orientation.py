@@ -45,7 +45,7 @@ def _orientation(where: str, entry: Any) -> Orientation:
 
 
 def checked_rotation(where: str, rows: Any) -> Rotation:
-    """Return the rotation nearest to a matrix that is one but for rounding.
+    """Return the rotation nearest to a matrix that is one up to rounding.
 
     Args:
         where: name of the mesh or folder, for the message.

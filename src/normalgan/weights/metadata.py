@@ -92,7 +92,7 @@ class ModelMetadata:
 
     @classmethod
     def parse(cls, metadata: Mapping[str, str]) -> "ModelMetadata":
-        """Return the metadata that such texts hold.
+        """Return the metadata stored in a file as texts by name.
 
         Raises:
             KeyError: if one is missing.

@@ -77,8 +77,8 @@ class Pool(ABC):
         Args:
             function: a module's function, so that a worker can import it.
             tasks: what it is called with.
-            related: names that tasks share. After one is killed, tasks that share a name with it are not
-                started, and yielded as killed.
+            related: the names of a task. After one is killed, tasks that share a name with it are not
+                started, but yielded as killed too.
 
         Raises:
             InputError: as a task does; finished tasks have been yielded or written by then.

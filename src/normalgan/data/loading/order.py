@@ -20,7 +20,7 @@ __all__ = [
 ]
 
 VIEWS_AT_ONCE = 16
-"""A mesh comes back for up to so many views, and may be forgotten after them."""
+"""Views of a mesh that are rendered close together; afterwards it may be forgotten."""
 
 BATCHES_PER_CYCLE = 24
 """Batches in a row before the first one's meshes return: a number that most numbers of workers divide."""

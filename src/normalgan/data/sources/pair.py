@@ -70,7 +70,7 @@ class Pair:
 class PairRecipe:
     """How a sample is made of a pair: the sketch is cleaned and framed as a drawing is when predicting.
 
-    What a model learns from is then what it is shown later; the normals are cut out in the same frame.
+    So a model learns from the kind of sketch that it is shown later. The normals are cropped alike.
 
     Args:
         size: side of the pictures in pixels.

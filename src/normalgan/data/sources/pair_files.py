@@ -233,7 +233,7 @@ def _is_partner(path: Path) -> bool:
 
 def _listed(path: Path, left_out: list[str]) -> Iterator[PairFiles]:
     """Yield the pairs in a CSV, whose paths start from its folder; note those that lack a file."""
-    right = f"its first line names columns, {', '.join(COLUMNS[:2])} and perhaps {', '.join(COLUMNS[2:])}"
+    right = f"its first line names columns, {', '.join(COLUMNS[:2])} and optionally {', '.join(COLUMNS[2:])}"
     try:
         text = _bytes(path).decode("utf-8-sig")
     except UnicodeDecodeError:

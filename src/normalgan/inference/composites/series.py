@@ -169,7 +169,7 @@ def prepare_member(predictor: Predictor, member: Member, size: int | None = None
 
 
 def _of_one_size(boxes: Sequence[Bounds]) -> bool:
-    """Return whether boxes are equally large, but for the pixel that a soft edge may add."""
+    """Return whether boxes have the same size, give or take the pixel that a soft edge may add."""
     sizes = np.array([(bottom - top, right - left) for top, bottom, left, right in boxes])
     return bool((np.ptp(sizes, axis=0) <= 1).all())
 

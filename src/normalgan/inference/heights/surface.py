@@ -80,7 +80,7 @@ def breaks(normals: _Vector, mask: NDArray[np.bool_], tile: Tile | None = None) 
     """Return 1 for each link at which a surface may break, 0 for the others, (links,) in the order of `link`.
 
     A surface breaks at an occluding contour, where its normals change within a few pixels. Along each row and
-    column those links are taken at which they change most. Elsewhere a jump would be a tear.
+    column these are the links with the largest change. Elsewhere a jump would be a tear.
 
     Args:
         normals: (H, W, 3), zero off the mask.

@@ -56,7 +56,7 @@ def find_model(path: str | None = None) -> Path:
 
 
 class OnnxBackend:
-    """A generator as ONNX: sketches and hints in, normals and perhaps confidence out. A `Backend`.
+    """A generator as ONNX: sketches and hints in, normals and an optional confidence out. A `Backend`.
 
     Args:
         path: file that `normalgan export` wrote.

@@ -14,7 +14,7 @@ __all__ = ["TorchBackend", "channels_last"]
 
 
 class TorchBackend:
-    """A generator in torch: sketches and hints in, normals and perhaps confidence out. A `Backend`.
+    """A generator in torch: sketches and hints in, normals and an optional confidence out. A `Backend`.
 
     Args:
         generator: predicts (N, 3, S, S), or 4 channels of which the last is the confidence. It is put into

@@ -29,7 +29,7 @@ __all__ = [
 ]
 
 CELL = 4
-"""Its pictures are whole numbers of cells of so many pixels a side."""
+"""Side of a cell in pixels; sides of its pictures are multiples of it."""
 RIM = 16
 """Largest distance from the silhouette, in pixels, that its input gives."""
 _ENLARGED = 1.2

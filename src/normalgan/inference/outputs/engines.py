@@ -47,8 +47,8 @@ def sidecar(engine: Engine, target: Path) -> tuple[Path, bytes]:
     """Return the file, and its content, by which an engine imports a map as numbers, not as colours.
 
     Args:
-        engine: Unity and Godot read theirs by themselves; godot is Godot 4. Unreal and Blender know no such
-            file; theirs is a script for their Python, which imports the map that lies beside it.
+        engine: whose. Unity and Godot (``godot`` is Godot 4) read the file automatically. For Unreal and
+            Blender it is a Python script that imports the map beside it.
         target: the map.
     """
     path = target.with_name(target.name + CONVENTIONS[engine].sidecar)

@@ -21,7 +21,7 @@ STAGES = ("input", "ink", "regions", "presence", "mask")
 def write_explanation(
     folder: Path, stem: str, picture: Picture, prepared: Prepared, preds: NormalMap
 ) -> None:
-    """Write `<stem>_<number>_<stage>.png` for each stage that there was.
+    """Write `<stem>_<number>_<stage>.png` for each stage of this job.
 
     A drawing whose mask was given, or is its opacity, has no regions or presence.
 

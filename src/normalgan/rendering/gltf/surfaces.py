@@ -23,7 +23,7 @@ def read_surfaces(path: Path) -> list[tuple[Doubles, Indices]]:
     Skinned surfaces are at rest, placed by their node. Morph targets are left at 0.
 
     Raises:
-        InputError: if the file cannot be read, or does not hold together.
+        InputError: if the file cannot be read, or is inconsistent.
     """
     with refusing_bad_gltf(path):
         container = read_container(path)

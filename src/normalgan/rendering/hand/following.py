@@ -15,10 +15,10 @@ _ALIKE = 0.5  # neighbours whose normals differ more in one component are taken 
 def follow(maps: Maps, distortion: Distortion) -> Maps:
     """Return the maps of an object after distorting its picture; depths stay.
 
-    Where the picture p moves to q, the height z(p) is found at q, and with J = dp/dq its gradient is
-    J^T dz/dp: so is (nx, ny), the third component staying, made a unit vector again. Of the four pixels
-    around a source those count that are of the object and of the surface of the nearest, so that
-    neither the background nor a farther part blends in; the depth is the nearest's.
+    If point p of the picture moves to q, the height z(p) is found at q, and with J = dp/dq its gradient is
+    J^T dz/dp. So (nx, ny) is multiplied by J^T, nz stays, and the vector is scaled to length 1. Only those of
+    the four pixels around a source are interpolated that lie on the object and on the surface of the nearest
+    one, so that neither the background nor a farther part blends in. The depth is that of the nearest.
 
     Args:
         maps: (H, W) of the object.

@@ -45,7 +45,7 @@ def extremes(surface: Surface, values: Doubles, along: Doubles) -> tuple[EdgeMar
     """Return where values (V,) are largest or smallest along a direction, and how peaked they are there.
 
     The marks are zeros of the derivative. Directions have no sign: along an edge, that of its first vertex
-    counts. How peaked is minus the second derivative, (N,), positive at a maximum.
+    counts. The peakedness is minus the second derivative, (N,), positive at a maximum.
 
     Args:
         surface: the mesh.

@@ -27,7 +27,7 @@ def pencil(ink: Floats, grain: float, rng: np.random.Generator) -> Floats:
 
     Args:
         ink: (H, W) in [0, 1].
-        grain: from 0, smooth paper, to 1, the lightest touch shows on the highest points alone.
+        grain: from 0 for smooth paper to 1, where the lightest touch marks only the highest points.
         rng: the paper.
     """
     depth = _smooth_noise(ink.shape, _TOOTH, rng)  # standard normal: how low the paper lies

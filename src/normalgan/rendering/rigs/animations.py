@@ -25,7 +25,7 @@ def read_clips(container: Container, nodes: Nodes) -> tuple[Clip, ...]:
     """Return the animations of a file that move nodes.
 
     Raises:
-        InputError: if one does not hold together.
+        InputError: if one is inconsistent.
     """
     animations = container.tree.get("animations", [])
     channels = sum(len(animation["channels"]) for animation in animations)

@@ -50,7 +50,7 @@ class ClipMeshes:
 
     @cached_property
     def hull(self) -> Doubles:
-        """(K, 3) vertices of moments all over the clip, as in their meshes: a view must hold them all."""
+        """(K, 3) vertices of all meshes of the clip, which the frame of a view must contain."""
         return np.concatenate([self.mesh(moment).vertices for moment in self._moments]).astype(np.float64)
 
     @cached_property

@@ -64,7 +64,7 @@ class RiggedFile:
         """Return the pose as a mesh, made ready as `MeshFile.load` does.
 
         Raises:
-            InputError: if the file cannot be read, or its rig does not hold together.
+            InputError: if the file cannot be read, or its rig is inconsistent.
         """
         # scipy takes half a second: only when a rig is posed
         from normalgan.rendering.rigs.joints import LooseRigError

@@ -29,7 +29,7 @@ def read_rig(path: Path) -> Rig:
     Skins are those of the specification (glTF 2.0, section 3.7.3). Morph targets are left at 0.
 
     Raises:
-        InputError: if the file cannot be read, holds no surface, or a rig that does not hold together.
+        InputError: if the file cannot be read, holds no surface, or its rig is inconsistent.
     """
     with refusing_bad_gltf(path):
         container = read_container(path)

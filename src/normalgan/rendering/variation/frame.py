@@ -26,7 +26,7 @@ class Frame:
         centre: (3,) middle of the surface.
         axes: (3, 3) rows: the longer one of forward and up; the other one; sideways.
         up: which of them points up, 0 or 1.
-        areas: (V,) of the surface that each vertex stands for.
+        areas: (V,) area of the surface around each vertex.
     """
 
     centre: Doubles

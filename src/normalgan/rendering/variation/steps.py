@@ -28,7 +28,7 @@ class Object:
     Args:
         points: (V, 3) vertices; the third coordinate is sideways.
         normals: (V, 3) of the surface.
-        areas: (V,) of the surface that each vertex stands for.
+        areas: (V,) area of the surface around each vertex.
         faces: (F, 3) vertex indices.
         up: the axis that points up.
     """
@@ -100,7 +100,7 @@ def _bumps(thing: Object, strength: Variation, draws: VariationDraws) -> list[De
 
 
 def _sides(centre: Doubles, width: float, odd: float) -> tuple[float, float]:
-    """Return how much a change and its mirror image count; where both meet in the middle, half each."""
+    """Return the weights of a change and of its mirror image, half each in the middle, where they meet."""
     both = 1 + (1 - odd) * float(np.exp(-((centre[2] / width) ** 2)))
     return 1 / both, (1 - odd) / both
 

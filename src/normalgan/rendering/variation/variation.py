@@ -17,18 +17,18 @@ class Variation:
     Args:
         scale: independent lengthening or shortening along, up and sideways: 0.1 is up to a tenth.
         taper: how much thicker the object becomes towards one end: 0.1 is up to a tenth at either end.
-        bend: up to so many degrees between the directions of the two ends, up or down; sideways it is this
+        bend: largest angle in degrees between the directions of the two ends, up or down; sideways it is this
             times ``asymmetry``.
-        twist: up to so many degrees between the two ends, about the long axis, times ``asymmetry``.
+        twist: largest angle in degrees between the two ends, about the long axis, times ``asymmetry``.
         limb_length: lengthening or shortening of the legs, the part below the belly: 0.2 is up to a fifth.
         limb_thickness: thickening or thinning of limbs, ears and tails: 0.2 is up to a fifth.
         parts: growth or shrinking of three parts anywhere, such as a head or a belly.
         lattice: random pulls at a lattice of 4 × 4 × 4 points about the object, as a share of its size.
         bumps: height of a dozen bumps and hollows, as a share of their width.
         asymmetry: how much left and right differ: 0 mirrors all changes; it alone changes nothing.
-        joints: up to so many degrees by which limbs bend at places that are found on the surface, for bodies
-            without a skeleton. By default none do.
-        tilt: up to so many degrees by which it leans or lies, to any side; most lean little. By default it
+        joints: largest angle in degrees by which limbs bend, at places found on the surface; no skeleton is
+            needed. By default none do.
+        tilt: largest angle in degrees by which it leans or lies, to any side; most lean little. By default it
             stands.
 
     Raises:
