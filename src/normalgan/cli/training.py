@@ -268,7 +268,7 @@ class NormalGANCLI(LightningCLI):
             check_others(self.trainer.callbacks, root, self.resumed, self.known)  # type: ignore[attr-defined]
 
     def instantiate_trainer(self, **kwargs: Any) -> Trainer:
-        """Build the trainer, with our progress bar and summary, and the callback that writes predicted maps."""
+        """Build the trainer with our progress bar, our summary and the callback that writes predicted maps."""
         own: dict[type[Callback], type[Callback]] = {
             RichProgressBar: WideProgressBar,
             RichModelSummary: NetworkSummary,
