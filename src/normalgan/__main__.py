@@ -71,8 +71,8 @@ def main(arguments: list[str] | None = None) -> int:
     except Exception as error:
         if os.environ.get("NORMALGAN_TRACEBACK"):
             raise
-        if told := _known(error, arguments[0]):
-            return _fail(*told)
+        if known := _known(error, arguments[0]):
+            return _fail(*known)
         return _fail(
             f"failed while running: {type(error).__name__}: {brief(error)}{_culprit(error)} "
             "(set NORMALGAN_TRACEBACK=1 to see where).",

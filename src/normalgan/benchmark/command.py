@@ -183,7 +183,7 @@ def evaluate(plan: Plan, scale: Scale, name: str, out: Path | None = None) -> in
 
     evaluation = Evaluation(plan, shared_settings(plan, scale), test_alone=True)
     method = saved_method(name, evaluation.shared["data"]["size"], evaluation.device)
-    _tell(evaluation, scale, name, method, out)
+    _report(evaluation, scale, name, method, out)
     return 0
 
 
@@ -205,7 +205,7 @@ def score(plan: Plan, scale: Scale, folder: Path, out: Path | None = None) -> in
     predicted = replace(plan, hint_counts=counts, hints=max(counts) or plan.hints, pins=0)
     predicted = replace(predicted, placements=[], placement_counts=[], noise_degrees=[], noise_pixels=[])
     evaluation = Evaluation(predicted, shared_settings(plan, scale), test_alone=True)
-    _tell(evaluation, scale, submission.name, submission.method(), out)
+    _report(evaluation, scale, submission.name, submission.method(), out)
     return 0
 
 
@@ -262,7 +262,7 @@ def check(plan: Plan, scale: Scale, specification: Path) -> None:
     _say(f"{specification}: the track {track}" if track else f"{specification}: as it was frozen")
 
 
-def _tell(evaluation: "Evaluation", scale: Scale, name: str, method: "Method", out: Path | None) -> None:
+def _report(evaluation: "Evaluation", scale: Scale, name: str, method: "Method", out: Path | None) -> None:
     """Print the tables of a method's figures, and write the figures to a folder if one is given."""
     from normalgan.benchmark.curves import draw_calibration
     from normalgan.benchmark.table import markdown, mesh_table

@@ -122,8 +122,8 @@ def measure(method: Method, batches: Iterable[Batch], tests: HintTests, device: 
             distance = distance_from_contour(batch["mask"])
             bare = method.predict(here, None)
             error = angular_error(bare[:, :3], target).cpu()
-            for given, told in _hints(method.sampler, batch, error, tests):
-                hints, where = told.to(device), told[:, 3:].to(device)
+            for given, drawn in _hints(method.sampler, batch, error, tests):
+                hints, where = drawn.to(device), drawn[:, 3:].to(device)
                 predicts = method.takes_hints and bool(where.any())
                 predicted = method.predict(here, hints) if predicts else bare
                 gathered[given].update(predicted, target, mask, where, distance, names)

@@ -101,15 +101,15 @@ def markdown(
     if scale.changed:
         lines.append("With " + ", ".join(f"{name}={value}" for name, value in scale.changed.items()) + ".")
     if plan.test_data:
-        told = ", ".join(f"{name}={json.dumps(value)}" for name, value in plan.test_data.items())
-        lines.append(f"The test split has other data than the training split: {told}.")
+        changed = ", ".join(f"{name}={json.dumps(value)}" for name, value in plan.test_data.items())
+        lines.append(f"The test split has other data than the training split: {changed}.")
     lines += [
         f"Seeds: {_seeds(results)}. Test split, pixels on the object; hinted pixels do not count. What takes "
         "no hints is given none."
     ]
     if specification:
-        told = ", ".join(f"{name} {value}" for name, value in specification.items())
-        lines.append(f"Measured on (reports with the same are comparable): {told}.")
+        measured = ", ".join(f"{name} {value}" for name, value in specification.items())
+        lines.append(f"Measured on (reports with the same are comparable): {measured}.")
     bare, hinted = "0", str(plan.hints)
     for title, given in (
         (f"Table 1: {plan.hints} hints, uniform, the same for every method", hinted),

@@ -38,10 +38,10 @@ from normalgan.inference.reading.drawings import MOST_BYTES, without_companions
 from normalgan.inference.sprites import Sprite
 from normalgan.progress import progress_bar
 
-__all__ = ["LOOK", "generate", "run"]
+__all__ = ["POLL_SECONDS", "generate", "run"]
 
-LOOK = 0.5
-"""Seconds between two looks at what is watched."""
+POLL_SECONDS = 0.5
+"""Seconds between two looks at the watched folders."""
 
 
 def run(arguments: list[str]) -> int:
@@ -77,7 +77,7 @@ def generate(settings: Namespace) -> int:
     jobs, wrong = found.jobs, [*found.missing, *found.clashing]
     if wrong and not jobs:
         raise wrong[0]
-    if piped is not None and len(jobs) > 1:  # told before they are predicted
+    if piped is not None and len(jobs) > 1:  # refused before they are predicted
         raise _not_one(len(jobs))
     if settings.hole and len(jobs) > 1:
         raise InputError(f"a hole is a point of one drawing, but there are {len(jobs)}; name one.")
@@ -91,7 +91,7 @@ def generate(settings: Namespace) -> int:
     if settings.skip_existing and piped is None:
         jobs = batch.without_existing(jobs)
     if settings.dry_run:
-        return batch.tell(jobs)
+        return batch.list_jobs(jobs)
     _one_thread_each()
     predictor = Predictor(OnnxBackend(path, threads=1))
     batch.predict(predictor, jobs, alone=len(jobs) == 1 and not wrong and not settings.watch)
@@ -208,7 +208,7 @@ class _Batch:
 
     def without_existing(self, jobs: Sequence[Job]) -> list[Job]:
         """Return the jobs that have no map yet; say how many have."""
-        left = [job for job in jobs if not self._is_there(job)]
+        left = [job for job in jobs if not self._has_map(job)]
         if len(left) < len(jobs):
             print(
                 f"normalgan: {len(jobs) - len(left)} of {len(jobs)} sketches have a map already.",
@@ -216,7 +216,7 @@ class _Batch:
             )
         return left
 
-    def tell(self, jobs: Sequence[Job]) -> int:
+    def list_jobs(self, jobs: Sequence[Job]) -> int:
         """Say what would be read and written, and return the exit code."""
         for job in jobs:
             extras = [f" with {each}" for each in job.files.beside]
@@ -254,7 +254,7 @@ class _Batch:
             explain=None if settings.explain is None else Path(settings.explain),
             sprite=Sprite(settings.detail, settings.pixel_art),
         )
-        written = work.together(jobs) if self._alike and len(jobs) > 1 else stream(jobs, work)
+        written = work.together(jobs) if self._share_frame and len(jobs) > 1 else stream(jobs, work)
         watched = len(jobs) > 1 and sys.stderr.isatty()
         with progress_bar("predicting", len(jobs), "drawings", shown=watched) as advance:
             for job, outcome in written:
@@ -269,8 +269,8 @@ class _Batch:
                 self._held += outcome.held
                 self._partial += outcome.partial
                 if outcome.warning:
-                    told = f"normalgan: warning: {job.files.drawing}: {outcome.warning}."
-                    print(one_line(told), file=sys.stderr)
+                    warning = f"normalgan: warning: {job.files.drawing}: {outcome.warning}."
+                    print(one_line(warning), file=sys.stderr)
                 if outcome.note:
                     print(one_line(f"normalgan: {job.files.drawing}: {outcome.note}."), file=sys.stderr)
                 if settings.output != STDOUT:
@@ -290,21 +290,21 @@ class _Batch:
         """
         folders = [Path(word) for word in self._settings.sketches if Path(word).is_dir()]
         print("normalgan: watching; Ctrl-C ends it.", file=sys.stderr, flush=True)
-        told, known = set(found.told), set[Path]()
+        printed, known = set(found.notices), set[Path]()
         while True:
-            time.sleep(LOOK)
+            time.sleep(POLL_SECONDS)
             for place in folders:
                 if not place.exists():
                     raise RunError(f"the folder {place} that is watched is gone.")
             jobs, now = {}, set[str]()
             try:
                 found = find()
-                jobs, now = {job.files.drawing: job for job in found.jobs}, set(found.told)
+                jobs, now = {job.files.drawing: job for job in found.jobs}, set(found.notices)
             except InputError as error:  # such as a map that would be written over a new drawing
                 now = {str(error)}
-            for each in sorted(now - told):
+            for each in sorted(now - printed):
                 print(f"normalgan: {one_line(each)}", file=sys.stderr, flush=True)
-            told = now
+            printed = now
             # The map of a drawing that was there, and is deleted or renamed by now, is still no drawing.
             known |= set(jobs)
             kept = set(without_companions(sorted(known), companions_of(self._outputs.ending)))
@@ -313,7 +313,7 @@ class _Batch:
             if saved:
                 try:
                     self.predict(
-                        predictor, [*jobs.values()] if self._alike else [jobs[each] for each in saved]
+                        predictor, [*jobs.values()] if self._share_frame else [jobs[each] for each in saved]
                     )
                 except InputError as error:  # such as frames of several sizes, until all are saved
                     print(f"normalgan: {one_line(str(error))}", file=sys.stderr, flush=True)
@@ -326,7 +326,7 @@ class _Batch:
         }
 
     @property
-    def _alike(self) -> bool:
+    def _share_frame(self) -> bool:
         """Whether drawings in separate files share a frame."""
         return self._settings.frame == "shared" and not self._packing.given and not self._settings.layers
 
@@ -342,20 +342,20 @@ class _Batch:
     def _target(self, job: Job) -> Path:
         return target_of(job, self._outputs, self._packing, self._settings.layers)
 
-    def _is_there(self, job: Job) -> bool:
+    def _has_map(self, job: Job) -> bool:
         try:
             return self._target(job).exists()
         except InputError:
-            return False  # it is told when it is predicted
+            return False  # the error is raised when it is predicted
 
 
 @dataclass(frozen=True)
 class _Found:
-    """What a command names.
+    """The drawings that a command names, and those that it cannot use.
 
     Args:
-        jobs: what is to be predicted.
-        missing: what is wrong with the words that name nothing.
+        jobs: the drawings to predict.
+        missing: an error for each argument that names nothing.
         clashing: drawings that would be written to one file.
         left_out: warnings about layered files and their exports.
     """
@@ -366,8 +366,8 @@ class _Found:
     left_out: list[str]
 
     @property
-    def told(self) -> list[str]:
-        """What to print while a folder is watched; a file that is named and missing may still come."""
+    def notices(self) -> list[str]:
+        """The lines to print while a folder is watched; a missing file may still come, so none is for it."""
         return [*self.left_out, *map(str, self.clashing)]
 
 

@@ -1,5 +1,7 @@
 """normalgan mcp: the Python API as tools of the Model Context Protocol, for assistants."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -114,7 +116,7 @@ class Tools:
         from normalgan.inference.inputs import as_picture
         from normalgan.inference.sprites import Sprite
 
-        with _told():
+        with _tool_errors():
             where = None if mask is None else mask if mask in _SOURCES else str(self._inside(mask))
             sprite, picture = Sprite(detail, pixel_art), as_picture(self._inside(drawing), size)
             preds = self._load()(picture, hints, where, size, tile)
@@ -135,7 +137,7 @@ class Tools:
         from normalgan.inference.normal_map import as_it_lies
         from normalgan.inference.outputs.preview import preview_png
 
-        with _told():
+        with _tool_errors():
             preds = self._load()(self._inside(drawing))
             content = preview_png(as_it_lies(preds), preds.mask)
             if output is not None:
@@ -168,7 +170,7 @@ class Tools:
         from normalgan.inference.composites.sheets import predict_sheet
         from normalgan.inference.reading.drawings import read_pixels
 
-        with _told():
+        with _tool_errors():
             path = self._inside(drawing)
             split = "auto" if grid is None and atlas is None else None
             packing = Packing(grid, split, None if atlas is None else str(self._inside(atlas)))
@@ -193,7 +195,7 @@ class Tools:
         from normalgan.inference.outputs.explanation import STAGES, write_explanation
         from normalgan.inference.pipeline import predict
 
-        with _told():
+        with _tool_errors():
             where = None if mask is None else mask if mask in _SOURCES else str(self._inside(mask))
             path, folder, predictor = self._inside(drawing), self._inside(output), self._load()
             picture, backend = as_picture(path), predictor.backend
@@ -240,16 +242,16 @@ class Tools:
 _SOURCES = ("outline", "model", "reader")
 
 
-class _told:  # noqa: N801 -- used like a function
+@contextmanager
+def _tool_errors() -> Iterator[None]:
     """Turn errors that a user can act on into errors of the protocol."""
+    from mcp.server.mcpserver.exceptions import ToolError
 
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
-        from mcp.server.mcpserver.exceptions import ToolError
-
-        if isinstance(error, OSError):
-            error = unwritable(f"{error.filename} cannot be written: {error.strerror}.", error)
-        if isinstance(error, InputError):
-            raise ToolError(str(error)) from error
+    try:
+        yield
+    except OSError as error:
+        raise ToolError(
+            str(unwritable(f"{error.filename} cannot be written: {error.strerror}.", error))
+        ) from error
+    except InputError as error:
+        raise ToolError(str(error)) from error

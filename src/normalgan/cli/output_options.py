@@ -40,7 +40,7 @@ def add_output_options(
         InputError: if a plug-in's option is taken.
     """
     formats: Any = Format if form else Format | None
-    form_help = _told(Normal)["format"].rstrip(".")
+    form_help = _descriptions(Normal)["format"].rstrip(".")
     group.add_argument(
         f"--{section}format", type=formats, default=form, metavar=choices(formats), help=form_help
     )
@@ -64,22 +64,22 @@ def add_output_options(
 
 
 def _options(kind: type[Output]) -> Iterator[_Option]:
-    told, types = _told(kind), get_type_hints(kind)
+    descriptions, types = _descriptions(kind), get_type_hints(kind)
     if kind is not Normal:
         formats, name = kind.formats(), f"<sketch>_{kind.name}"
         what = summary(kind).rstrip(".")
         words = f"write {what[0].lower()}{what[1:]}"
         if len(formats) > 1:
             asked: Any = Literal[formats] | None
-            yield _Option(option_of(kind), asked, None, f"{words}: {told['format'].rstrip('.')}")
+            yield _Option(option_of(kind), asked, None, f"{words}: {descriptions['format'].rstrip('.')}")
         else:
             yield _Option(option_of(kind), bool, False, f"{words}, {name}.{formats[0]}")
     defaults = {field.name: field.default for field in fields(kind)}
     for name in settings_of(kind):
-        yield _Option(name, types[name], defaults[name], told[name].rstrip("."))
+        yield _Option(name, types[name], defaults[name], descriptions[name].rstrip("."))
 
 
-def _told(kind: type[Output]) -> dict[str, str]:
+def _descriptions(kind: type[Output]) -> dict[str, str]:
     """Return the descriptions of an output's settings from its docstring."""
     found = parse(kind.__doc__ or "", style=DocstringStyle.GOOGLE).params
     return {each.arg_name: " ".join((each.description or "").split()) for each in found}

@@ -134,9 +134,9 @@ class NormalGANCLI(LightningCLI):
         options = {name: self.config_init[name] for name in self._options}
         getattr(self.trainer, self.command)(model=self.model, datamodule=self.datamodule, **options)
         if self.command == "fit" and self.trainer.is_global_zero:
-            self._tell_how_it_ended()
+            self._print_outcome()
 
-    def _tell_how_it_ended(self) -> None:
+    def _print_outcome(self) -> None:
         """Print why training stopped early, if it did, and which checkpoint is best."""
         for stopping in self.trainer.early_stopping_callbacks:
             if isinstance(stopping, EarlyStopping) and (reason := stopping.stopping_reason_message):
@@ -268,7 +268,7 @@ class NormalGANCLI(LightningCLI):
             check_others(self.trainer.callbacks, root, self.resumed, self.known)  # type: ignore[attr-defined]
 
     def instantiate_trainer(self, **kwargs: Any) -> Trainer:
-        """Build the trainer with our progress bar, our summary and the callback that writes predicted maps."""
+        """Build the trainer with our progress bar, our summary and the writer of predicted maps."""
         own: dict[type[Callback], type[Callback]] = {
             RichProgressBar: WideProgressBar,
             RichModelSummary: NetworkSummary,

@@ -295,9 +295,9 @@ class MeshDataModule(LightningDataModule):
     def load_state_dict(self, state_dict: dict[str, Any]) -> None:
         """Warn if a run that is resumed was trained with other samples, or in another order."""
         before = state_dict.get("training_data")
-        if self._training_data and before and (told := changes(before, self._training_data)):
+        if self._training_data and before and (changed := changes(before, self._training_data)):
             warnings.warn(
-                f"the checkpoint was trained with other data, and goes on with what is given now: {told}.",
+                f"the checkpoint was trained with other data, and goes on with what is given now: {changed}.",
                 stacklevel=2,
             )
 

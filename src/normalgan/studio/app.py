@@ -106,7 +106,7 @@ def _page_routes() -> tuple[str, list[BaseRoute]]:
 
 def _about_route(predictor: Predictor) -> Route:
     """Return the route that describes the model and the limits of a drawing."""
-    told = {
+    facts = {
         "version": __version__,
         "model": {"name": predictor.name, "size": predictor.model.size, "confidence": predictor.confident},
         "limits": {"side": MOST_SIDE, "hints": MOST_HINTS, "body": MOST_BYTES},
@@ -114,7 +114,7 @@ def _about_route(predictor: Predictor) -> Route:
     }
 
     async def about(_: Request) -> Response:
-        return JSONResponse(told)
+        return JSONResponse(facts)
 
     return Route("/api/about", about)
 

@@ -34,7 +34,7 @@ def augmentation_checks() -> list[Check[BatchAugmentation]]:
         Check("the same changes under a seed", _seeded, "seed alone may decide"),
         Check("global randomness left alone", _no_global, "all randomness comes from seed"),
         Check("arguments left as they are", _untouched, "the batch belongs to the caller"),
-        Check("settings that can be told", _described, "describe must return plain values for JSON"),
+        Check("settings for a record", _described, "describe must return plain values for JSON"),
         Check("every device there is", _devices, "tensors must be made on the device of the batch"),
     ]
 
@@ -123,9 +123,9 @@ def _untouched(augmentation: BatchAugmentation) -> None:
 
 
 def _described(augmentation: BatchAugmentation) -> None:
-    told = augmentation.describe()
-    again = json.loads(json.dumps(told))
-    demand(isinstance(again, dict), augmentation, f"describes itself as {told!r}", "it must be a mapping")
+    settings = augmentation.describe()
+    again = json.loads(json.dumps(settings))
+    demand(isinstance(again, dict), augmentation, f"describes itself as {settings!r}", "it must be a mapping")
 
 
 def _devices(augmentation: BatchAugmentation) -> None:

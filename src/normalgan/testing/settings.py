@@ -86,12 +86,14 @@ def _documented(plugin: object) -> None:
         "has no docstring of its own",
         "its first line is what --help and normalgan plugins say of it",
     )
-    told = {each.arg_name for each in parse(inspect.getdoc(cls) or "", style=DocstringStyle.GOOGLE).params}
-    untold = [name for name in settings_of(cls) if name not in told]
+    explained = {
+        each.arg_name for each in parse(inspect.getdoc(cls) or "", style=DocstringStyle.GOOGLE).params
+    }
+    unexplained = [name for name in settings_of(cls) if name not in explained]
     demand(
-        not untold,
+        not unexplained,
         plugin,
-        f"does not explain {', '.join(untold)} in its docstring",
+        f"does not explain {', '.join(unexplained)} in its docstring",
         "the docstring of the class needs a line under Args for each setting",
     )
 

@@ -7,7 +7,7 @@ from typing import Any
 
 __all__ = ["changes", "describe_training_data"]
 
-_SHORT = 40  # characters of a value that are told
+_SHORT = 40  # characters of a value that are shown
 
 
 def describe_training_data(
@@ -53,5 +53,5 @@ def changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:
 
 
 def _change(name: str, before: object, now: object) -> str:
-    told = f"{json.dumps(before)}, now {json.dumps(now)}"
-    return f"{name} ({told})" if len(told) <= _SHORT else name
+    shown = f"{json.dumps(before)}, now {json.dumps(now)}"
+    return f"{name} ({shown})" if len(shown) <= _SHORT else name

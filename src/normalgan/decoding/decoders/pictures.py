@@ -360,9 +360,9 @@ def _refuse_foreign(content: bytes) -> None:
     """Raise `RefusedError` for an unsupported paint program's file."""
     from .layered_files import foreign
 
-    told = foreign(content)
-    if told is not None:
-        raise RefusedError(told)
+    reason = foreign(content)
+    if reason is not None:
+        raise RefusedError(reason)
 
 
 def noted(*notes: "Notes") -> dict[str, Any]:

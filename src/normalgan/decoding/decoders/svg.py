@@ -112,8 +112,8 @@ def sanitize_svg(content: bytes, most: int) -> str:
     try:
         parser.Parse(content, True)
     except ExpatError as error:
-        told = f"cannot be drawn as SVG: line {error.lineno}: {ErrorString(error.code)}"
-        raise RefusedError(told) from None
+        words = f"cannot be drawn as SVG: line {error.lineno}: {ErrorString(error.code)}"
+        raise RefusedError(words) from None
     except (ValueError, LookupError) as error:  # an encoding that is none
         raise RefusedError(f"cannot be drawn as SVG: {first_line(error)}") from None
     return "".join(written)
