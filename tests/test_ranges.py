@@ -20,6 +20,7 @@ class Pen:
     shares: list[Share] = field(default_factory=list)
     name: str = "pen"
     tip: Literal["round", "flat"] | None = None
+    spacing: Positive | Literal["auto"] = "auto"
 
     def __post_init__(self) -> None:
         check_ranges(self)
@@ -39,6 +40,7 @@ class Pen:
         ),
         ({"strength": (0.5,)}, "strength of Pen is (0.5,); it must be two numbers"),
         ({"strength": (0.5, 2)}, "two numbers, low then high, from 0 to 1."),
+        ({"spacing": 0}, "spacing of Pen is 0; it must be more than 0."),
         ({"tip": "soft"}, "tip of Pen is 'soft'; it must be 'round' or 'flat'."),
         ({"shares": [0.5, 2]}, "shares of Pen is [0.5, 2]; each number must be from 0 to 1."),
     ],
@@ -50,7 +52,7 @@ def test_what_lies_outside_a_range_is_told(settings: dict[str, object], sentence
 
 
 def test_what_lies_inside_passes() -> None:
-    Pen(0, 0.1, 89.9, (0.0, 0.0), [0.0, 1.0], "pen", "flat")
+    Pen(0, 0.1, 89.9, (0.0, 0.0), [0.0, 1.0], "pen", "flat", 0.5)
 
 
 def test_a_class_may_give_its_values_by_name() -> None:

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from numbers import Real
 from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 from normalgan.errors import InputError
@@ -33,10 +34,13 @@ class Range:
     above: bool = False
     below: bool = False
 
-    def __contains__(self, value: float) -> bool:
-        """Return whether a setting may have a value; not a number never may."""
-        low = self.least < value if self.above else self.least <= value
-        return low and (value < self.most if self.below or self.most == math.inf else value <= self.most)
+    def __contains__(self, value: object) -> bool:
+        """Return whether a setting may have a value; nan and other things than numbers never may."""
+        if not isinstance(value, Real):
+            return False
+        number = float(value)
+        low = self.least < number if self.above else self.least <= number
+        return low and (number < self.most if self.below or self.most == math.inf else number <= self.most)
 
     def __repr__(self) -> str:
         """Return the range in words, which `--help` shows as a part of the type."""
@@ -56,7 +60,8 @@ class _Choice:
         return any(value == each and type(value) is type(each) for each in self.values)
 
     def __repr__(self) -> str:
-        return " or ".join(map(repr, self.values))
+        *first, last = map(repr, self.values)
+        return f"{', '.join(first)} or {last}" if first else last
 
 
 Count = Annotated[int, Range(0)]
@@ -125,6 +130,11 @@ def _given(hint: Any, value: Any) -> list[tuple[Any, Range | _Choice]]:
     if get_origin(hint) is Literal:
         return [(value, _Choice(get_args(hint)))]
     inner = [each for each in get_args(hint) if each not in (type(None), ...)]
+    literals = [each for each in inner if get_origin(each) is Literal]
+    words = _Choice(tuple(word for each in literals for word in get_args(each)))
+    if value in words or (literals and literals == inner):
+        return [(value, words)]
+    inner = [each for each in inner if each not in literals]  # another type may take the value
     if isinstance(value, Mapping):
         return [pair for item in value.values() for pair in _given(inner[-1], item)]
     if isinstance(value, list | tuple) and get_origin(hint) in (list, tuple):

@@ -218,7 +218,7 @@ def test_the_height_of_a_large_map_is_that_of_a_reduced_one(monkeypatch: pytest.
         ),
         (
             ["--height", "png", "--height-scale", "0"],
-            "height_scale is 0.0; it is pixels, more than 0, or batch.",
+            "height_scale of Height is 0.0; it must be more than 0.",
         ),
         (["--faces", "500"], "faces is a setting of the relief mesh; add --relief glb, or leave it out."),
         (["--relief", "obj", "--faces", "2"], "faces of Relief is 2; it must be 12 or more."),

@@ -8,6 +8,7 @@ import numpy as np
 
 from normalgan.inference.normal_map import NormalMap
 from normalgan.normals import encode_grey
+from normalgan.ranges import check_ranges
 from normalgan.registry import Registry
 
 __all__ = ["OUTPUTS", "Output", "Scaled"]
@@ -33,6 +34,10 @@ class Output(ABC):
     """The option of the commands that asks for it; empty is its name."""
 
     format: str = "png"
+
+    def __post_init__(self) -> None:
+        """Check the settings; a subclass that overrides it calls it first."""
+        check_ranges(self)
 
     @abstractmethod
     def encode(self, preds: NormalMap) -> dict[str, bytes]:

@@ -9,6 +9,7 @@ from normalgan.errors import InputError
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.base import OUTPUTS, Output, Scaled
 from normalgan.normals import encode_grey
+from normalgan.ranges import Positive
 
 __all__ = ["Height"]
 
@@ -31,14 +32,13 @@ class Height(Output):
     label: ClassVar[str] = "Height map"
 
     format: Literal["png", "tiff"] = "png"
-    height_scale: float | Literal["batch"] | None = None
+    height_scale: Positive | Literal["batch"] | None = None
 
     def __post_init__(self) -> None:
         """Refuse settings that do not go together."""
+        super().__post_init__()
         if self.height_scale is not None and self.format != "png":
             raise InputError("a height_scale is that of a height png; add --height png.")
-        if isinstance(self.height_scale, float | int) and not self.height_scale > 0:
-            raise InputError(f"height_scale is {self.height_scale}; it is pixels, more than 0, or batch.")
 
     @property
     def whole_batch(self) -> bool:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import ClassVar, Literal
+from typing import Annotated, ClassVar, Literal
 
 import numpy as np
 
@@ -12,11 +12,11 @@ from normalgan.inference.outputs.base import Output
 from normalgan.inference.outputs.engines import CONVENTIONS, Engine, sidecar
 from normalgan.inference.outputs.shading import specular_of
 from normalgan.normals import Bits, Green
+from normalgan.ranges import Range
 
 __all__ = ["Normal", "Pack", "engine_defaults"]
 
 Pack = Literal["normal_specular"]
-_MOST_PADDING = 1024
 
 
 @dataclass(frozen=True)
@@ -47,18 +47,15 @@ class Normal(Output):
     bits: Bits = 8
     y: Green = "up"
     alpha: bool = False
-    pad: int | None = None
+    pad: Annotated[int, Range(0, 1024)] | None = None
     pack: Pack | None = None
     engine: Engine | None = None
 
     def __post_init__(self) -> None:
         """Refuse settings that do not go together."""
-        if self.bits not in {8, 16}:
-            raise InputError(f"the bits of a normal map are 8 or 16, not {self.bits}.")
+        super().__post_init__()
         if self.bits == 16 and self.format != "png":
             raise InputError(f"bits are of a PNG; a map as {self.format} always has floats of 32 bits.")
-        if self.pad is not None and not 0 <= self.pad <= _MOST_PADDING:
-            raise InputError(f"--pad {self.pad} is not a number of pixels from 0 to {_MOST_PADDING}.")
         if self.pack and self.alpha:
             raise InputError(
                 "--pack normal_specular and --alpha both write the alpha channel; leave one out."

@@ -5,7 +5,7 @@ from typing import Annotated, ClassVar, Literal
 
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.base import OUTPUTS, Output
-from normalgan.ranges import Range, check_ranges
+from normalgan.ranges import Range
 
 __all__ = ["FEWEST", "Relief"]
 
@@ -31,9 +31,6 @@ class Relief(Output):
 
     format: Literal["glb", "obj"] = "glb"
     faces: Annotated[int, Range(FEWEST)] | None = None
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
     def encode(self, preds: NormalMap) -> dict[str, bytes]:
         """Return the content of the file."""
