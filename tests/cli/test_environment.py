@@ -45,6 +45,7 @@ def test_nothing_is_made_of_a_variable_that_is_not_set(
     monkeypatch.chdir(tmp_path)
     Path("c.yaml").write_text("data: {cache: '${NO_SUCH_VARIABLE}'}\n")
     run("fit", "--config", "c.yaml").refused("the environment has no NO_SUCH_VARIABLE")
+    run("fit", "--data.cache", "${NO_SUCH_VARIABLE}/a").refused("the environment has no NO_SUCH_VARIABLE")
     assert [path.name for path in tmp_path.iterdir()] == ["c.yaml"]
 
 

@@ -90,7 +90,7 @@ def _variable(found: re.Match[str], safe: bool) -> str:
         )
     value = os.environ.get(named[2], named[3])
     if value is None:
-        raise InputError(f"a configuration names {found[0][:60]}, and the environment has no {named[2]}.")
+        raise InputError(f"{found[0][:60]} cannot be read: the environment has no {named[2]}.")
     return value
 
 

@@ -38,7 +38,7 @@ from normalgan.callbacks.checkpoints import (
     run_folder,
 )
 from normalgan.callbacks.display import NetworkSummary, WideProgressBar
-from normalgan.cli.config_files import check_config, load_bounded
+from normalgan.cli.config_files import check_config, load_bounded, with_environment
 from normalgan.cli.discovery import load_plugins, safe_imports
 from normalgan.cli.ignored_settings import given_names, ignored_settings
 from normalgan.cli.normal_map_writer import NormalMapWriter
@@ -353,6 +353,7 @@ def run(arguments: list[str]) -> int:
     arguments, section = asked_for(arguments)
     safe = SAFE_CONFIG in arguments
     arguments = _check_configs([argument for argument in arguments if argument != SAFE_CONFIG])
+    arguments = [with_environment(each) for each in arguments]  # quoted, a shell leaves them as they are
     with _reading_settings(safe) as held:
         held.enter_context(help_of(section if section in SECTIONS else None))
         try:
