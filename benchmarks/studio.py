@@ -1,11 +1,14 @@
 """Times `normalgan studio` in Chromium at a person's pace.
 
-studio.py MODEL [--sides 256 512 1024] [--strokes 20] [--memory 0] [--starts 5]: a model by `normalgan
-export`, or the folder of the page without a server: site/draw after `make docs`. For each side of the
-drawing: strokes with pauses between them, from a stroke's end to its map on show, and to the first one of
-at least half its size; scribbling, four strokes a second, with the longest time without a new map; a pin
-turned by its ball, in maps a second. With `--strokes 0` none of this is timed. `--memory 500` draws 500
-strokes and prints how much the page's memory grew after the first 20, and how much of that in the first half.
+studio.py MODEL [--sides 256 512 1024] [--strokes 20] [--memory 0] [--starts 5] [--threads 0]: a model by
+`normalgan export`, or the folder of the page without a server: site/draw after `make docs`. For each side
+of the drawing: strokes with pauses between them, from a stroke's end to its map on show, and to the first
+one of at least half its size; scribbling, four strokes a second, with the longest time without a new map; a
+pin turned by its ball, in maps a second. With `--strokes 0` none of this is timed. `--threads 2` is for the
+page without a server: visited again, its networks take as many threads as half the cores, of which they are
+told four, and each side says whether the page was isolated, and how many threads there were. `--memory 500`
+draws 500 strokes and prints how much the page's memory grew after the first 20, and how much of that in the
+first half.
 `--starts 5` loads the page in five new browser contexts, twice in each, and prints the milliseconds until one
 can draw, and the number of requests. Needs Playwright, and Chromium on the PATH or as NORMALGAN_CHROMIUM.
 Prints JSON.
@@ -262,12 +265,39 @@ def starts(browser: Browser, address: str, count: int) -> dict[str, Any]:
     return found
 
 
+def begin(page: Page, address: str, side: int, *, again: bool) -> Hand:
+    """Open the page, on a second visit if asked, and draw an outline on a new drawing."""
+    page.goto(address)
+    if again:
+        page.evaluate("navigator.serviceWorker.ready.then(() => true)")
+        page.reload()
+    page.wait_for_selector("html[data-ready]")
+    page.locator("#new").click()
+    page.locator("#new-width").fill(str(side))
+    page.locator("#new-height").fill(str(side))
+    page.locator("#new-dialog button.strong").click()
+    page.evaluate(WATCH, side)
+    hand = Hand(page)
+    hand.outline()
+    return hand
+
+
+def with_cores(site: Path, folder: Path, cores: int) -> Path:
+    """Return a copy, in a folder, of the page without a server whose networks are told of so many cores."""
+    copy = shutil.copytree(site, folder / "draw")
+    networks = copy / "page" / "networks.js"
+    told = f'Object.defineProperty(navigator, "hardwareConcurrency", {{ value: {cores} }});\n'
+    networks.write_text(told + networks.read_text(encoding="utf-8"), encoding="utf-8")
+    return copy
+
+
 @contextmanager
-def serving(model: Path) -> Iterator[str]:
+def serving(model: Path, threads: int) -> Iterator[str]:
     """Run the studio, or serve the files of the page without one, and give its address."""
     with TemporaryDirectory() as folder:
         studio = ["normalgan", "studio", "--no-browser", "--port", "0", "--model", str(model)]
-        files = ["http.server", "0", "--bind", "127.0.0.1", "--directory", str(model)]
+        site = with_cores(model, Path(folder), 2 * threads) if threads else model
+        files = ["http.server", "0", "--bind", "127.0.0.1", "--directory", str(site)]
         command = files if model.is_dir() else [*studio, "--projects", folder]
         server = subprocess.Popen(
             [sys.executable, "-u", "-m", *command],
@@ -300,10 +330,13 @@ def main() -> None:
     parser.add_argument("--strokes", type=int, default=20)
     parser.add_argument("--memory", type=int, default=0)
     parser.add_argument("--starts", type=int, default=5)
+    parser.add_argument("--threads", type=int, default=0)
     given = parser.parse_args()
+    if given.threads and not given.model.is_dir():
+        parser.error(f"--threads are those of the page without a server; {given.model} is not its folder")
     chromium = shutil.which(os.environ.get("NORMALGAN_CHROMIUM") or "chromium")
     figures: dict[str, Any] = {}
-    with serving(given.model) as address, sync_playwright() as playwright:
+    with serving(given.model, given.threads) as address, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox", "--disable-gpu"])
         if given.starts:
             figures["start"] = starts(browser, address, given.starts)
@@ -313,17 +346,13 @@ def main() -> None:
             inside: list[float] = []
             answers: list[int] = []
             page.on("response", partial(keep, answers, inside))
-            page.goto(address)
-            page.wait_for_selector("html[data-ready]")
-            page.locator("#new").click()
-            page.locator("#new-width").fill(str(side))
-            page.locator("#new-height").fill(str(side))
-            page.locator("#new-dialog button.strong").click()
-            page.evaluate(WATCH, side)
-            hand = Hand(page)
-            hand.outline()
+            hand = begin(page, address, side, again=given.threads > 0)
             inside.clear()
             found: dict[str, Any] = {}
+            if given.threads:
+                found["isolated"] = page.evaluate("crossOriginIsolated")
+                # The networks' own worker is one of them, and the runtime starts the others.
+                found["threads"] = 1 + sum("ort-wasm" in worker.url for worker in page.workers)
             if given.strokes:
                 found["stroke_to_map_ms"] = strokes(hand, given.strokes)
                 if inside:

@@ -166,6 +166,23 @@ def test_a_draft_is_given_up_for_the_map_of_the_whole_stroke(
         assert predicted(client, number=3, draft=True).tobytes() == whole.result().content
 
 
+def test_a_few_maps_are_kept(model: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    enlarged = []
+
+    def counted(coarse: Coarse, *given: Any) -> Any:
+        enlarged.append(coarse)
+        return enlarge(coarse, *given)
+
+    monkeypatch.setattr("normalgan.inference.network.onnx_backend.upsampler", lambda **_: counted)
+    drawings = [b64(png(np.roll(circle(), down, 0))) for down in range(6)]
+    with serving(model, tmp_path) as client:
+        for number, drawing in enumerate((*drawings, drawings[-2]), 1):
+            predicted(client, number=number, picture=drawing)
+        assert len(enlarged) == 6
+        predicted(client, number=8, picture=drawings[0])
+    assert len(enlarged) == 7
+
+
 def test_what_is_said_about_a_map_can_be_read_from_its_header(model: Path, tmp_path: Path) -> None:
     arc = circle()
     arc[:, 90:] = 255

@@ -35,6 +35,8 @@ several layers only one is predicted again. So many have four of the largest dra
 
 As many drawings are kept prepared: while a pin is turned, nothing but the hints changes.
 """
+_VERSIONS = 4
+"""Maps that are kept of each layer: at half the size and at the whole, now and before the last stroke."""
 _Key = tuple[bytes, int | None]
 """What is drawn, and the map's longer side."""
 _CONTEXTS = 16
@@ -105,7 +107,8 @@ class Predictor:
                 return self.model.upsample(coarse, prepared, mask)
 
             check()
-            prepared, shape = self._prepare(drawing, longest, check)
+            layers = max(len(parts), 1)
+            prepared, shape = self._prepare(drawing, longest, check, layers)
             check()
             ways = ways_to_see(prepared, context)
             hints = drawing.read_hints(shape)
@@ -114,7 +117,7 @@ class Predictor:
             )
             predicted = finish(seen, preds, confidence, upsample)
             predicted = replace(predicted, extended=drawing.edit(predicted.extended, predicted.mask, shape))
-            self._remember(self._predicted, (key, around), predicted, _size_of_map)
+            self._remember(self._predicted, (key, around), predicted, _VERSIONS * layers, _size_of_map)
         return predicted
 
     def _infer(self, prepared: Prepared) -> "Future[Inferred]":
@@ -126,7 +129,7 @@ class Predictor:
         found = self._recalled(self._inferred, key)
         if found is None or (found.done() and found.exception() is not None):
             found = self._network.submit(self.model.predict, prepared.seen, prepared.hints)
-            self._remember(self._inferred, key, found, lambda _: _REMEMBERED // _CONTEXTS)
+            self._remember(self._inferred, key, found, _CONTEXTS)
         return found
 
     def _context(
@@ -138,7 +141,7 @@ class Predictor:
         seen = []
         for part in parts:
             try:
-                seen.append((part, self._prepare(part, longest, check)[0]))
+                seen.append((part, self._prepare(part, longest, check, len(parts))[0]))
             except InputError as error:
                 if isinstance(error, RunError):
                     raise
@@ -149,13 +152,13 @@ class Predictor:
         found = self._recalled(self._contexts, key)
         if found is None:
             found = context_of([prepared for _, prepared in seen])
-            self._remember(self._contexts, key, found, lambda _: _REMEMBERED // _CONTEXTS)
+            self._remember(self._contexts, key, found, _CONTEXTS)
         return found
 
     def _prepare(
-        self, drawing: DrawingRequest, longest: int | None, check: Callable[[], None]
+        self, drawing: DrawingRequest, longest: int | None, check: Callable[[], None], layers: int
     ) -> tuple[Prepared, tuple[int, int]]:
-        """Return a drawing prepared without its hints, and its (H, W).
+        """Return one of some layers prepared without its hints, and its (H, W).
 
         The network runs ahead while the mask is found.
         """
@@ -178,7 +181,7 @@ class Predictor:
             )
             # How the mask was found takes more memory than all else, and nobody asks for it again.
             found = replace(prepared, decision=None, reading=None), picture.shape
-            self._remember(self._prepared, key, found, _size_of_prepared)
+            self._remember(self._prepared, key, found, _VERSIONS * layers, _size_of_prepared)
         return found
 
     def _recalled(self, kept: OrderedDict[K, T], key: K) -> T | None:
@@ -188,10 +191,13 @@ class Predictor:
             kept.move_to_end(key)
             return kept[key]
 
-    def _remember(self, kept: OrderedDict[K, T], key: K, value: T, size_of: Callable[[T], int]) -> None:
+    def _remember(
+        self, kept: OrderedDict[K, T], key: K, value: T, most: int, pixels: Callable[[T], int] = lambda _: 0
+    ) -> None:
+        """Keep a value, and at most so many, of `_REMEMBERED` pixels together; the oldest go."""
         with self._lock:
             kept[key] = value
-            while len(kept) > 2 and sum(map(size_of, kept.values())) > _REMEMBERED:
+            while len(kept) > most or (len(kept) > 2 and sum(map(pixels, kept.values())) > _REMEMBERED):
                 kept.popitem(last=False)
 
 

@@ -139,8 +139,20 @@ def test_a_mug_breaks_at_its_rim_and_nowhere_else(size: int) -> None:
     assert np.count_nonzero(beside & (bends > 2.5)) == 0
 
 
+@pytest.mark.parametrize("size", [128, 256])
+def test_the_inner_wall_of_a_mug_does_not_break_to_the_front_of_its_rim(size: int) -> None:
+    normals, mask, away = mug(size, size / 200)
+    rim = ndimage.binary_erosion(mask, iterations=3) & (away <= size / 64)
+
+    def rise(height: Floats) -> float:
+        """Return the largest step to the front from a pixel at the rim to the one above it."""
+        return float((height[:-1] - height[1:])[rim[:-1] & rim[1:]].max())
+
+    assert rise(integrate(normals, mask)) < 1.5 * rise(integrate(normals, mask, jumps=0))
+
+
 def test_an_animal_with_legs_before_its_body_returns_to_its_depth() -> None:
-    mesh = Animal("horse", 3).load()
+    mesh = Animal("fox", 5).load()
     camera = framed(mesh.vertices, look_at_origin(60, 15, 0), None, 0.06)
     maps = View(mesh, camera, EmbreeRenderer(), 128).maps()
     true = -maps.depth[maps.mask] * 128 / (camera.window[1] - camera.window[0])

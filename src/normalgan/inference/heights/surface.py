@@ -159,7 +159,7 @@ class Surface:
         for _ in range(rounds if jumps else 1):
             height = solver.solve(*self._system(*weights), height)
             errors = self._errors(height)
-            energy = float((weights[0] * errors[0] + weights[1] * errors[1]).sum())
+            energy = float((weights[0] * errors[0] ** 2 + weights[1] * errors[1] ** 2).sum())
             if last - energy <= tolerance * last < np.inf:
                 break
             last = energy
@@ -168,20 +168,24 @@ class Surface:
 
     def _weights(self, errors: tuple[_Vector, _Vector], jumps: float) -> tuple[_Vector, _Vector]:
         """Return how much each link counts for the normals at its two ends, (links,) each."""
+        # Towards an occluding contour the nearer surface turns away, so it drops where the normals lean.
+        # Else a bowl's walls drift apart at the ends of its front rim, the inner one to the front.
+        rises = self.steep[0] * errors[0] + self.steep[1] * errors[1]
+        ready = jumps * self.breaks * (rises * (self.tilt[0] + self.tilt[1]) <= 0)
+        squared = errors[0] ** 2, errors[1] ** 2
         # What the same normal says of the other side of its pixel.
         before, after = self.links.before, self.links.after
         own = np.arange(len(before))
         across = (
-            np.where(before == own, errors[0], errors[1][before]),
-            np.where(after == own, errors[1], errors[0][after]),
+            np.where(before == own, squared[0], squared[1][before]),
+            np.where(after == own, squared[1], squared[0][after]),
         )
-        ready = jumps * self.breaks
-        return _logistic(ready * (across[0] - errors[0])), _logistic(ready * (across[1] - errors[1]))
+        return _logistic(ready * (across[0] - squared[0])), _logistic(ready * (across[1] - squared[1]))
 
     def _errors(self, height: _Vector) -> tuple[_Vector, _Vector]:
-        """Return each link's squared deviation from the slopes that the normals at its ends say, (links,)."""
+        """Return each link's deviation from the slopes that the normals at its ends say, (links,)."""
         rise = height[self.links.head] - height[self.links.tail]
-        return (self.steep[0] * rise + self.tilt[0]) ** 2, (self.steep[1] * rise + self.tilt[1]) ** 2
+        return self.steep[0] * rise + self.tilt[0], self.steep[1] * rise + self.tilt[1]
 
     def _system(self, *weights: _Vector) -> tuple[sparse.csr_array, _Vector]:
         """Return the normal equations: the Laplacian of the weighted links, and what it is to give."""
