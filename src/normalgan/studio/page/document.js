@@ -8,8 +8,9 @@ import { say, text } from "./text.js";
  *   mirrored, and drawn twice
  * @typedef {{x: number, y: number, width: number, height: number, turn?: number, flipped?: boolean}} Box left, top and size
  *   before it is turned clockwise about its middle by so many radians; flipped from left to right before that
- * @typedef {{kind: "picture", picture: string} & Box} Placed
- * @typedef {Line | Placed} Stroke what the ink is made of, in order; `picture` is a data URL
+ * @typedef {{kind: "picture", picture: string, paper?: boolean} & Box} Placed `picture` is a data URL; paper: what it shows
+ *   was taken off white paper, where its opacity says nothing about the object
+ * @typedef {Line | Placed} Stroke what the ink is made of, in order
  * @typedef {[number, number, number]} Normal camera space: x right, y up, z to the viewer
  * @typedef {{x: number, y: number, normal: Normal, reach?: number}} Hint in pixels of the drawing, x right, y down;
  *   reach: how far it has an effect
@@ -191,7 +192,7 @@ const isNumber = (value) => typeof value === "number" && Number.isFinite(value);
 const isSide = (value) => Number.isInteger(value) && value >= SIDES.least && value <= SIDES.most;
 /** @type {Check} */
 const isPlaced = (value) =>
-  [value.x, value.y, value.width, value.height, value.turn ?? 0].every(isNumber) && [undefined, true, false].includes(value.flipped) && String(value.picture).startsWith("data:image/png;base64,");
+  [value.x, value.y, value.width, value.height, value.turn ?? 0].every(isNumber) && [undefined, true, false].includes(value.flipped) && [undefined, true].includes(value.paper) && String(value.picture).startsWith("data:image/png;base64,");
 /** @type {Check} */
 const isLine = (value) =>
   ["pen", "eraser"].includes(value.kind) && isNumber(value.size) && value.size > 0 && Array.isArray(value.points) &&

@@ -77,7 +77,7 @@ const areas = new AreaTool(editor, () => predictor.painted, announce);
 const points = new Points([board, overlay], pins, predictor, status);
 const mask = new MaskTool(editor, () => predictor.painted, announce);
 for (const each of [board, overlay]) each.voteAt = (at) => mask.voteAt(at);
-const select = new SelectTool(editor);
+const select = new SelectTool(editor, announce);
 const arranging = new Arranging(editor, announce);
 const light = new LightTool((x, y) => lights.move(x, y));
 /** @type {Record<string, import("./tools.js").Tool | null>} */
@@ -197,6 +197,7 @@ followKeys({
   f: () => panes.enlarge("result"), "shift+f": () => panes.enlarge("drawing"), c: () => panes.compare(), o: () => panes.overlay(),
   x: () => editor.set(editor.fills ? { fills: false } : { adds: !editor.adds }),
   a: () => editor.set({ tool: "mask", fills: true }),
+  q: () => editor.set({ tool: "select", lassoes: editor.tool !== "select" || !editor.lassoes }), j: () => arranging.toLayer("new"),
   PageUp: () => stepLayer(1), PageDown: () => stepLayer(-1),
   ",": () => turn(-15), ".": () => turn(15),
   g: nextForm, t: () => result.turnOver("tiled"), k: () => result.turnOver("pixelated"),

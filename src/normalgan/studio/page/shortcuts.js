@@ -12,6 +12,7 @@ export const SHOWN = [
   ["F  C  O", "keyPanes"],
   ["T  K", "keyLook"],
   ["Ctrl+A", "keySelect"],
+  ["Q  J", "keyLasso"],
   ["Ctrl+D  Ctrl+C  Ctrl+X  Ctrl+V", "keyArrange"],
   ["Y", "keySymmetry"],
   ["X  A", "keyMask"],
