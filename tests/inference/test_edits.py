@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from normalgan.arrays import Floats
-from normalgan.inference.edits import brush, enforce_pins, polygon, stroke, tilt
+from normalgan.inference.edits import brush, enforce_pins, polygon, smooth, stroke, tilt
 
 SIDE = 128
 
@@ -96,9 +96,40 @@ def test_what_is_bent_stays_bent_when_it_is_tilted() -> None:
 def test_the_brush_turns_its_middle_wholly_and_nothing_beyond_it() -> None:
     normals, _ = sphere()
     wanted = np.array([0, 0.6, 0.8], np.float32)
-    area = stroke((SIDE, SIDE), np.array([[40, 64], [88, 64]], np.float32), 20)
+    area = stroke((SIDE, SIDE), np.array([[40, 64], [88, 64]], np.float32), 20, 0.5)
     brushed = brush(normals, area, wanted)
     assert degrees(brushed[64, 45:85], wanted).max() < 6
     assert np.array_equal(brushed[:44], normals[:44])
-    point = stroke((SIDE, SIDE), np.array([[64, 64]], np.float32), 20)
-    assert point[64, 64] > 0.7
+    point = stroke((SIDE, SIDE), np.array([[64, 64]], np.float32), 20, 0.5)
+    assert point[64, 64] == 1
+
+
+@pytest.mark.parametrize("soft", [0.0, 0.5, 1.0])
+def test_a_softer_brush_fades_out_within_the_same_width(soft: float) -> None:
+    area = stroke((64, 64), np.array([[-20, 32], [90, 32]], np.float32), 20, soft)
+    profile = area[32:, 32]
+    assert profile[0] > 0.98
+    assert (profile[10:] == 0).all()  # its radius
+    assert profile[5] == pytest.approx({0.0: 1, 0.5: 0.97, 1.0: 0.43}[soft], abs=0.02)
+    assert np.array_equal(area, area[:, ::-1])
+
+
+def test_smoothing_averages_what_is_under_the_brush_and_only_the_object() -> None:
+    chance = np.random.default_rng(0)
+    normals, mask = sphere()
+    rough = normals + chance.normal(0, 0.2, normals.shape).astype(np.float32)
+    rough[..., 2] = np.abs(rough[..., 2])
+    rough /= np.linalg.norm(rough, axis=-1, keepdims=True)
+    rough[~mask] = [1, 0, 0]  # of no account
+    area = stroke((SIDE, SIDE), np.array([[30, 64], [98, 64]], np.float32), 24, 0.3)
+    smoothed = smooth(rough, mask, area, 24)
+    middle = np.s_[62:66, 40:88]
+    assert (
+        degrees(smoothed[middle], normals[middle]).mean()
+        < 0.4 * degrees(rough[middle], normals[middle]).mean()
+    )
+    assert np.array_equal(smoothed[area < 1e-3], rough[area < 1e-3])
+    assert np.array_equal(smoothed[~mask], rough[~mask])
+    half = smooth(rough, mask, area * np.float32(0.5), 24)
+    assert degrees(half[middle], rough[middle]).mean() < 0.8 * degrees(smoothed[middle], rough[middle]).mean()
+    assert smooth(rough, mask, np.zeros_like(area), 24) is rough

@@ -18,6 +18,7 @@ __all__ = [
     "enforce_pins",
     "paint_mask",
     "polygon",
+    "smooth",
     "stroke",
     "tilt",
 ]
@@ -28,6 +29,8 @@ MOST_PINS = 200
 """More hints are areas painted in normals, not pins: the network alone follows them."""
 _LEAST_REACH = 2.0
 """Pixels that a pin holds about itself at the least."""
+_AVERAGED = 0.25
+"""Standard deviation of the Gaussian that smooths, as a share of the brush's width."""
 
 
 def enforce_pins(normals: Floats, points: Floats, wanted: Floats, reaches: Floats) -> Floats:
@@ -123,6 +126,34 @@ def brush(normals: Floats, area: Floats, direction: Floats) -> Floats:
     return brushed
 
 
+def smooth(normals: Floats, mask: NDArray[np.bool_], area: Floats, width: float) -> Floats:
+    """Average the normals of the object under a brush, by the brush's coverage.
+
+    Args:
+        normals: (H, W, 3), unit.
+        mask: (H, W), the object.
+        area: (H, W) in [0, 1], how far the brush has covered each pixel.
+        width: of the brush in pixels; the wider, the more is averaged.
+    """
+    touched = (area > 1e-3) & mask
+    if not touched.any():
+        return normals
+    sigma = _AVERAGED * width
+    rows, columns = np.nonzero(touched)
+    reach = int(np.ceil(4 * sigma)) + 1  # as far as the Gaussian reaches
+    box = np.s_[
+        max(rows.min() - reach, 0) : rows.max() + reach + 1,
+        max(columns.min() - reach, 0) : columns.max() + reach + 1,
+    ]
+    blurred = cv2.GaussianBlur(normals[box] * mask[box][..., None], (0, 0), sigma)
+    mean = normalize(np.asarray(blurred, np.float32))
+    inside = touched[box]
+    own = normals[box][inside]
+    smoothed = normals.copy()
+    smoothed[box][inside] = _facing(own + area[box][inside][:, None] * (mean[inside] - own))
+    return smoothed
+
+
 def polygon(shape: tuple[int, int], points: Floats, soft: float) -> Floats:
     """Return the coverage of each pixel (H, W) by a closed polygon with a soft edge.
 
@@ -136,19 +167,33 @@ def polygon(shape: tuple[int, int], points: Floats, soft: float) -> Floats:
     return _softened(area, soft)
 
 
-def stroke(shape: tuple[int, int], points: Floats, width: float) -> Floats:
-    """Return the coverage of each pixel (H, W) by an airbrush stroke.
+def stroke(shape: tuple[int, int], points: Floats, width: float, soft: float) -> Floats:
+    """Return the coverage of each pixel (H, W) by a brush's stroke.
 
     Args:
         shape: (H, W).
-        points: (K, 2), x and y in pixels.
+        points: (K, 2), x and y in pixels; one point is a dab.
         width: in pixels.
+        soft: the share of its radius over which it fades out; at least a pixel.
+
+    Example:
+        >>> dab = stroke((1, 9), np.array([[4.5, 0.5]]), 8, 0.5)
+        >>> dab.round(1).tolist()
+        [[0.0, 0.5, 1.0, 1.0, 1.0, 1.0, 1.0, 0.5, 0.0]]
     """
-    area = np.zeros(shape, np.uint8)
-    thick = max(round(0.7 * width), 1)
-    line = np.rint(points * 16 - 8).astype(np.int32)
-    cv2.polylines(area, [np.concatenate([line, line[-1:]])], False, 255, thick, cv2.LINE_AA, 4)
-    return _softened(area, 0.3 * width)
+    radius = max(width / 2, 1)
+    away = np.full(shape, radius, np.float32)
+    for start, end in zip(points, [*points[1:], points[-1]], strict=True):
+        left, top = np.maximum(np.floor(np.minimum(start, end) - radius), 0).astype(int)
+        right, bottom = np.maximum(np.ceil(np.maximum(start, end) + radius), 0).astype(int)
+        box = away[top:bottom, left:right]
+        y, x = np.ogrid[top : top + box.shape[0], left : left + box.shape[1]]
+        right_of, below = x + 0.5 - start[0], y + 0.5 - start[1]
+        way = end - start
+        along = np.clip((right_of * way[0] + below * way[1]) / max(float(way @ way), 1e-12), 0, 1)
+        np.minimum(box, np.hypot(right_of - along * way[0], below - along * way[1]), out=box)
+    share = np.clip((radius - away) / max(soft * radius, 1), 0, 1)
+    return np.asarray(share * share * (3 - 2 * share), np.float32)
 
 
 @dataclass(frozen=True)

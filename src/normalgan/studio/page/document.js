@@ -16,9 +16,10 @@ import { say, text } from "./text.js";
  *   reach: how far it has an effect
  * @typedef {{kind: "round" | "flat" | "hollow", bevel: number, strength: number}} Form bevel: how far the curve or the
  *   bevel reaches inwards, as a share of the part's depth; strength: how far it replaces what is predicted; both to 1
- * @typedef {{points: number[], normal: Normal, size?: number, form?: Form | null, soft?: number}} Area x, y, x, y, … of a
- *   polygon that is turned as a whole, or of a stroke of that width that is brushed with a direction; form and soft are a
- *   polygon's; soft: the share of its depth in which it fades out
+ * @typedef {{points: number[], normal: Normal, size?: number, form?: Form | null, soft?: number, strength?: number,
+ *   smooths?: boolean}} Area x, y, x, y, … of a polygon that is turned as a whole, or of a stroke of that width that is
+ *   brushed with a direction, or that smooths what is under it; form is a polygon's, strength a stroke's; soft: the share of
+ *   a polygon's depth, or of a brush's radius, in which it fades out
  * @typedef {{adds: boolean, size: number, points: number[], fills?: boolean}} MaskStroke x, y, x, y, … where the object is
  *   added to or cut from; fills: a click, for all of the area between lines about it
  * @typedef {{id: number, name: string, visible: boolean, strokes: Stroke[], hints: Hint[], areas: Area[],
@@ -216,7 +217,7 @@ const isForm = (value) =>
 const isArea = (value) =>
   Array.isArray(value.points) && value.points.length >= (value.size === undefined ? 6 : 2) &&
   value.points.length % 2 === 0 && value.points.every(isNumber) && isNormal(value.normal) &&
-  (value.size === undefined || (isNumber(value.size) && value.size > 0)) && isForm(value.form) && (value.soft === undefined || isShare(value.soft));
+  (value.size === undefined || (isNumber(value.size) && value.size > 0)) && isForm(value.form) && [value.soft, value.strength].every((each) => each === undefined || isShare(each)) && [undefined, true, false].includes(value.smooths);
 /** @type {Check} */
 const isMaskStroke = (value) =>
   typeof value.adds === "boolean" && [undefined, true].includes(value.fills) && isNumber(value.size) && value.size > 0 && Array.isArray(value.points) &&

@@ -37,6 +37,8 @@ export class Editor extends EventTarget {
     this.maskStroke = null;
     /** @type {import("./document.js").Normal | null} what the brush paints; null takes what is under it */
     this.direction = null;
+    /** How far the brush fades out and how much it works, as shares; and whether it smooths, and gives no direction. */
+    this.brush = { soft: 0.6, strength: 1, smooths: false };
     this.smoothing = 0.4;
     /** Of the pen's lines. */
     this.colour = "#000000";

@@ -17,6 +17,7 @@ export const SHOWN = [
   ["Y", "keySymmetry"],
   ["X  A", "keyMask"],
   ["G", "keyForm"],
+  ["W  U  I", "keyBrush"],
   [",  .", "keyTurn"],
   ["PgUp  PgDn", "keyLayer"],
   ["N  Shift+N", "keyHint"],

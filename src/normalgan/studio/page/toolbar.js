@@ -13,7 +13,7 @@ const SWITCHES = ["straight", "symmetry"];
 const KEY = "normalgan-brushes";
 
 /** Keeps how lines are drawn for the next time. @param {import("./editor.js").Editor} editor */
-const keepBrushes = ({ widths, smoothing, colour }) => remember(KEY, { widths, smoothing, colour });
+const keepBrushes = ({ widths, smoothing, colour, brush }) => remember(KEY, { widths, smoothing, colour, brush });
 
 /** Takes what was kept, as far as it makes sense. @param {import("./editor.js").Editor} editor */
 function recallBrushes(editor) {
@@ -21,7 +21,9 @@ function recallBrushes(editor) {
   const widths = Object.fromEntries(Object.entries(editor.widths).map(([tool, width]) => [tool, WIDTHS.includes(before.widths?.[tool]) ? before.widths[tool] : width]));
   const smoothing = before.smoothing >= 0 && before.smoothing <= 1 ? before.smoothing : editor.smoothing;
   const colour = /^#[0-9a-f]{6}$/.test(before.colour) ? before.colour : editor.colour;
-  editor.set({ widths, smoothing, colour });
+  const share = (/** @type {"soft" | "strength"} */ part) => (before.brush?.[part] >= 0 && before.brush[part] <= 1 ? Number(before.brush[part]) : editor.brush[part]);
+  const brush = { soft: share("soft"), strength: share("strength"), smooths: before.brush?.smooths === true };
+  editor.set({ widths, smoothing, colour, brush });
 }
 
 /**

@@ -299,7 +299,7 @@ export class HintTool {
   }
 }
 
-/** Region and brush: what is circled is turned as a whole, what is brushed gets a direction; the ball tells which. */
+/** Region and brush: what is circled is turned as a whole, what is brushed gets a direction, which the ball tells, or is smoothed. */
 export class AreaTool {
   /**
    * @param {import("./editor.js").Editor} editor
@@ -353,10 +353,16 @@ export class AreaTool {
     if (!points || (!size && points.length < 6)) return;
     const { editor } = this;
     const { doc, layer } = editor;
+    const { smooths, ...brush } = editor.brush;
+    if (size && smooths) {
+      // There is nothing to be turned: the next stroke may follow at once.
+      editor.commit(withArea(doc, { points, normal: [0, 0, 1], size, ...brush, smooths }));
+      return;
+    }
     const normal = size
       ? editor.direction ?? normalAt(this.map(), points[0] / doc.width, points[1] / doc.height)
       : meanNormal(this.map(), points, doc);
-    editor.commit(withArea(doc, { points, normal, ...(size && { size }) }));
+    editor.commit(withArea(doc, { points, normal, ...(size && { size, ...brush }) }));
     editor.set({ area: layer.areas.length });
   }
 
