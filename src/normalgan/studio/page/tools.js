@@ -190,7 +190,7 @@ export class LineTool {
   }
 }
 
-/** Points: a click pins or chooses one, dragging moves it. */
+/** Points: a click pins or chooses one, dragging moves it. Not before its end: the press may be the first of two fingers. */
 export class HintTool {
   /**
    * @param {import("./editor.js").Editor} editor
@@ -203,6 +203,8 @@ export class HintTool {
     this.announce = announce;
     /** @type {{index: number, dx: number, dy: number, from: Touch, moved: boolean, ring: boolean} | null} ring: its reach is changed */
     this.held = null;
+    /** @type {Touch | null} where no point was when it was pressed */
+    this.pressed = null;
   }
 
   /** @param {Touch} touch */
@@ -211,7 +213,17 @@ export class HintTool {
     const { doc, layer } = editor;
     const chosen = layer.hints[editor.chosen];
     const ring = chosen !== undefined && nearest([knobOf(chosen, doc, touch.scale)], touch, touch.reach) === 0;
-    if (this.#hold(touch, ring)) return;
+    const index = ring ? editor.chosen : nearest(layer.hints, touch, touch.reach);
+    this.pressed = index < 0 ? touch : null;
+    if (index < 0) return;
+    const { x, y } = layer.hints[index];
+    this.held = { index, dx: x - touch.x, dy: y - touch.y, from: touch, moved: false, ring };
+  }
+
+  /** Takes the suggestion at a touch, or pins a point there. @param {Touch} touch */
+  #press(touch) {
+    const { editor } = this;
+    const { doc, layer } = editor;
     const suggestion = nearest(editor.suggestions, touch, touch.reach);
     if (suggestion >= 0) {
       this.accept(suggestion);
@@ -221,24 +233,10 @@ export class HintTool {
     const front = layerAt(doc, touch);
     const other = front !== null && front.id !== layer.id;
     if (other) editor.work(front.id);
-    if (!this.#hold(touch)) this.add(touch, normalAt(this.map(), touch.x / doc.width, touch.y / doc.height));
+    const index = nearest(editor.layer.hints, touch, touch.reach);
+    if (index >= 0) editor.set({ chosen: index });
+    else this.add(touch, normalAt(this.map(), touch.x / doc.width, touch.y / doc.height));
     if (other) this.announce(say("layerWorked", { name: front.name }));
-  }
-
-  /**
-   * Chooses the point at a touch, to be moved.
-   * @param {Touch} touch @param {boolean} [ring] whether the reach of the chosen one is touched
-   * @returns {boolean} whether there is one
-   */
-  #hold(touch, ring = false) {
-    const { editor } = this;
-    const { hints } = editor.layer;
-    const index = ring ? editor.chosen : nearest(hints, touch, touch.reach);
-    if (index < 0) return false;
-    const { x, y } = hints[index];
-    this.held = { index, dx: x - touch.x, dy: y - touch.y, from: touch, moved: false, ring };
-    editor.set({ chosen: index });
-    return true;
   }
 
   /** @param {Touch} touch */
@@ -247,6 +245,7 @@ export class HintTool {
     if (!held) return;
     held.moved ||= Math.hypot(touch.x - held.from.x, touch.y - held.from.y) > touch.reach / 4;
     if (!held.moved) return;
+    if (editor.chosen !== held.index) editor.set({ chosen: held.index });
     const { state } = editor.history;
     const { x, y } = activeLayer(state).hints[held.index];
     const change = held.ring
@@ -256,12 +255,15 @@ export class HintTool {
   }
 
   up() {
-    if (this.held?.moved) this.editor.commit(this.editor.doc);
-    this.held = null;
+    const { held, pressed, editor } = this;
+    this.held = this.pressed = null;
+    if (held) editor.set({ chosen: held.index });
+    if (held?.moved) editor.commit(editor.doc);
+    if (pressed) this.#press(pressed);
   }
 
   cancel() {
-    this.held = null;
+    this.held = this.pressed = null;
     this.editor.drop();
   }
 
@@ -315,16 +317,15 @@ export class AreaTool {
     /** @type {number | undefined} */
     this.size = undefined;
     this.step = 0;
+    /** Index of the area whose mark is pressed, -1 is none. */
+    this.pressed = -1;
   }
 
   /** @param {Touch} touch */
   down(touch) {
     const { editor } = this;
-    const index = nearest(editor.layer.areas.map(anchorOf), touch, touch.reach);
-    if (index >= 0) {
-      editor.set({ area: index });
-      return;
-    }
+    this.pressed = nearest(editor.layer.areas.map(anchorOf), touch, touch.reach);
+    if (this.pressed >= 0) return;
     if (editor.layer.areas.length >= MOST_AREAS) {
       this.announce(text.tooManyAreas, "warning");
       return;
@@ -348,8 +349,9 @@ export class AreaTool {
   }
 
   up() {
-    const { points, size } = this;
+    const { points, size, pressed } = this;
     this.cancel();
+    if (pressed >= 0) this.editor.set({ area: pressed });
     if (!points || (!size && points.length < 6)) return;
     const { editor } = this;
     const { doc, layer } = editor;
@@ -368,6 +370,7 @@ export class AreaTool {
 
   cancel() {
     this.points = null;
+    this.pressed = -1;
     this.editor.outline = null;
     this.editor.mark();
   }
@@ -386,6 +389,8 @@ export class MaskTool {
     this.areas = new Areas();
     this.announce = announce;
     this.step = 1;
+    /** @type {Touch | null} where an area is clicked */
+    this.pressed = null;
   }
 
   /** @param {Touch} touch */
@@ -396,7 +401,7 @@ export class MaskTool {
       return;
     }
     if (editor.fills) {
-      this.#toggle(touch);
+      this.pressed = touch;
       return;
     }
     this.step = touch.reach / 5;
@@ -415,12 +420,14 @@ export class MaskTool {
   }
 
   up() {
-    const stroke = this.editor.maskStroke;
+    const { pressed, editor: { maskStroke: stroke } } = this;
     this.cancel();
+    if (pressed) this.#toggle(pressed);
     if (stroke) this.editor.commit(withMaskStroke(this.editor.doc, stroke));
   }
 
   cancel() {
+    this.pressed = null;
     this.editor.maskStroke = null;
     this.editor.mark();
   }
