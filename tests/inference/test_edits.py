@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from normalgan.arrays import Floats
-from normalgan.inference.edits import brush, enforce_pins, polygon, smooth, stroke, tilt
+from normalgan.inference.edits import brush, carve, enforce_pins, polygon, smooth, stroke, tilt
 
 SIDE = 128
 
@@ -133,3 +133,31 @@ def test_smoothing_averages_what_is_under_the_brush_and_only_the_object() -> Non
     half = smooth(rough, mask, area * np.float32(0.5), 24)
     assert degrees(half[middle], rough[middle]).mean() < 0.8 * degrees(smoothed[middle], rough[middle]).mean()
     assert smooth(rough, mask, np.zeros_like(area), 24) is rough
+
+
+@pytest.mark.parametrize("height", [0.6, -0.6])
+def test_a_carved_line_is_a_ridge_or_a_groove_as_wide_as_the_line_and_has_its_slope(height: float) -> None:
+    flat = np.zeros((SIDE, SIDE, 3), np.float32)
+    flat[..., 2] = 1
+    mask = np.ones((SIDE, SIDE), bool)
+    mask[:, 100:] = False
+    line, widths = np.array([[20, 64], [110, 64]], np.float32), np.array([40, 40], np.float32)
+    carved = carve(flat, mask, line, widths, height)
+    away = np.arange(SIDE) + 0.5 - 64
+    inside = np.abs(away) < 20
+    # The derivative of 20 height (1 - (d / 20)^2)^2.
+    slope = np.where(inside, -4 * height * (away / 20) * (1 - (away / 20) ** 2), 0)
+    wanted = np.stack([np.zeros(SIDE), slope, np.ones(SIDE)], -1)
+    wanted /= np.linalg.norm(wanted, axis=-1, keepdims=True)
+    assert degrees(carved[:, 60], wanted.astype(np.float32)).max() < 2  # a difference is no derivative
+    assert np.array_equal(carved[:, 101:], flat[:, 101:])
+    assert np.array_equal(carved[:43], flat[:43])
+
+
+def test_a_carved_line_stands_on_the_surface_and_tapers() -> None:
+    normals, mask = sphere()
+    line, widths = np.array([[40, 50], [90, 50]], np.float32), np.array([2, 20], np.float32)
+    carved = carve(normals, mask, line, widths, 0.5)
+    changed = degrees(carved, normals) > 2
+    assert changed[:, 86].sum() > 2 * changed[:, 50].sum() > 0
+    assert carve(normals, mask, line + 500, widths, 0.5) is normals

@@ -3,7 +3,7 @@
 import { feathered, giveForm } from "./bevel.js";
 import { blurred, boxOf, components, part, where } from "./raster.js";
 
-/** @typedef {import("./document.js").Hint} Hint @typedef {import("./document.js").Area} Area */
+/** @typedef {import("./document.js").Hint} Hint @typedef {import("./carving.js").Asked} Area */
 /** @typedef {{normals: Float32Array, mask: Uint8Array, width: number, height: number}} Painted */
 
 /** @typedef {{points: number[], size: number, adds: boolean, fills?: boolean}} MaskStroke fills: a click, for all of the area about it */
@@ -57,6 +57,11 @@ function turnArea(map, area, scale) {
   const { normal, size, form = null, smooths, strength = 1, soft = size ? STROKE_FADES : form ? 0 : FADES } = area;
   const { normals, mask, width, height } = map;
   const points = area.points.map((value) => value * scale);
+  if (size && area.height !== undefined) {
+    const { widths = Array.from({ length: points.length / 2 }, () => size) } = area;
+    carve(map, points, widths.map((value) => value * scale), area.height);
+    return;
+  }
   /** @type {Float32Array} */
   let cover = size ? brushed(points, width, height, size * scale, soft) : covered(points, width, height, SOFT * Math.max(width, height));
   if (size) cover = cover.map((value) => value * strength);
@@ -105,6 +110,60 @@ function smooth({ normals, mask, width, height }, cover, size) {
 }
 
 /**
+ * Lets a line stand out of the object, or cuts it in, as a round ridge or groove as wide as the line.
+ * @param {Painted} map @param {number[]} points @param {number[]} widths at each point
+ * @param {number} high the ridge as a share of half the width; below 0 the depth of a groove
+ */
+function carve({ normals, mask, width, height }, points, widths, high) {
+  const radii = widths.map((each) => Math.max(each / 2, 1));
+  const raised = new Float32Array(width * height);
+  alongLine(points, width, height, Math.max(...radii), (at, k, along, found) => {
+    const radius = radii[k] + along * ((radii[k + 1] ?? radii[k]) - radii[k]);
+    raised[at] = Math.max(raised[at], radius * Math.max(0, 1 - (found / radius) ** 2) ** 2);
+  });
+  for (let y = 0; y < height; y++) {
+    const [above, below] = [Math.max(y - 1, 0), Math.min(y + 1, height - 1)];
+    for (let x = 0; x < width; x++) {
+      const at = y * width + x;
+      const [before, after] = [Math.max(x - 1, 0), Math.min(x + 1, width - 1)];
+      const right = (raised[y * width + after] - raised[y * width + before]) / (after - before);
+      const down = (raised[below * width + x] - raised[above * width + x]) / (below - above);
+      if (mask[at] && (right || down)) normals.set(reoriented(normals.subarray(3 * at, 3 * at + 3), [-high * right, high * down, 1]), 3 * at);
+    }
+  }
+}
+
+/** Returns a detail on the normal of a surface (Barré-Brisebois, Hill 2012). @param {Float32Array} base @param {number[]} detail of any length */
+function reoriented([x, y, z], detail) {
+  const length = Math.hypot(...detail);
+  const [right, up, front] = [-detail[0] / length, -detail[1] / length, detail[2] / length];
+  const share = (x * right + y * up + (z + 1) * front) / Math.max(z + 1, 1e-4);
+  return facing([x * share - right, y * share - up, (z + 1) * share - front]);
+}
+
+/**
+ * Goes over the pixels in reach of each piece of a line; its last point is a piece too.
+ * @param {number[]} points @param {number} width @param {number} height @param {number} reach
+ * @param {(at: number, piece: number, along: number, away: number) => void} visit
+ */
+function alongLine(points, width, height, reach, visit) {
+  for (let k = 0; k < points.length; k += 2) {
+    const [fromX, fromY] = [points[k], points[k + 1]];
+    const [toX, toY] = [points[k + 2] ?? fromX, points[k + 3] ?? fromY];
+    const [wayX, wayY] = [toX - fromX, toY - fromY];
+    const length = Math.max(wayX * wayX + wayY * wayY, 1e-12);
+    const [right, bottom] = [Math.min(width, Math.ceil(Math.max(fromX, toX) + reach)), Math.min(height, Math.ceil(Math.max(fromY, toY) + reach))];
+    for (let y = Math.max(0, Math.floor(Math.min(fromY, toY) - reach)); y < bottom; y++) {
+      for (let x = Math.max(0, Math.floor(Math.min(fromX, toX) - reach)); x < right; x++) {
+        const [beside, below] = [x + 0.5 - fromX, y + 0.5 - fromY];
+        const along = Math.max(0, Math.min(1, (beside * wayX + below * wayY) / length));
+        visit(y * width + x, k / 2, along, Math.hypot(beside - along * wayX, below - along * wayY));
+      }
+    }
+  }
+}
+
+/**
  * Returns how much each pixel is covered by a brush's stroke.
  * @param {number[]} points @param {number} width @param {number} height @param {number} size
  * @param {number} soft the share of its radius over which it fades out; at least a pixel
@@ -112,21 +171,9 @@ function smooth({ normals, mask, width, height }, cover, size) {
 function brushed(points, width, height, size, soft) {
   const radius = Math.max(size / 2, 1);
   const away = new Float32Array(width * height).fill(radius);
-  for (let k = 0; k < points.length; k += 2) {
-    const [fromX, fromY] = [points[k], points[k + 1]];
-    const [toX, toY] = [points[k + 2] ?? fromX, points[k + 3] ?? fromY];
-    const [wayX, wayY] = [toX - fromX, toY - fromY];
-    const length = Math.max(wayX * wayX + wayY * wayY, 1e-12);
-    const [right, bottom] = [Math.min(width, Math.ceil(Math.max(fromX, toX) + radius)), Math.min(height, Math.ceil(Math.max(fromY, toY) + radius))];
-    for (let y = Math.max(0, Math.floor(Math.min(fromY, toY) - radius)); y < bottom; y++) {
-      for (let x = Math.max(0, Math.floor(Math.min(fromX, toX) - radius)); x < right; x++) {
-        const [beside, below] = [x + 0.5 - fromX, y + 0.5 - fromY];
-        const along = Math.max(0, Math.min(1, (beside * wayX + below * wayY) / length));
-        const found = Math.hypot(beside - along * wayX, below - along * wayY);
-        if (found < away[y * width + x]) away[y * width + x] = found;
-      }
-    }
-  }
+  alongLine(points, width, height, radius, (at, _, __, found) => {
+    if (found < away[at]) away[at] = found;
+  });
   const edge = Math.max(soft * radius, 1);
   return away.map((value) => {
     const share = Math.max(0, Math.min(1, (radius - value) / edge));

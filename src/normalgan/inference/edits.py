@@ -1,13 +1,15 @@
-"""Edits of a predicted map: exact normals at pins, directions of areas."""
+"""Edits of a predicted map: exact normals at pins, directions of areas, lines that are carved."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import Floats
+from normalgan.inference.conversion import reoriented
 from normalgan.normals import normalize
 
 __all__ = [
@@ -15,6 +17,7 @@ __all__ = [
     "REACH",
     "MaskStroke",
     "brush",
+    "carve",
     "enforce_pins",
     "paint_mask",
     "polygon",
@@ -154,6 +157,45 @@ def smooth(normals: Floats, mask: NDArray[np.bool_], area: Floats, width: float)
     return smoothed
 
 
+def carve(normals: Floats, mask: NDArray[np.bool_], points: Floats, widths: Floats, height: float) -> Floats:
+    """Let a line stand out of the object, or cut it in, as a round ridge or groove as wide as the line.
+
+    Args:
+        normals: (H, W, 3), unit.
+        mask: (H, W), the object.
+        points: (K, 2), x and y in pixels.
+        widths: (K,), the line's width at each point in pixels.
+        height: of the ridge as a share of half the width; below 0 the depth of a groove.
+
+    Example:
+        The left side of a ridge faces left, that of a groove faces right:
+
+        >>> flat = np.zeros((9, 9, 3), np.float32)
+        >>> flat[..., 2] = 1
+        >>> line, widths = np.array([[4.5, 0.0], [4.5, 9.0]]), np.array([6.0, 6.0])
+        >>> carved = [carve(flat, flat[..., 2] > 0, line, widths, each) for each in (0.5, -0.5)]
+        >>> [bool(each[4, 3, 0] < 0) for each in carved]
+        [True, False]
+    """
+    radii = np.maximum(widths / 2, 1)
+    size = np.array(mask.shape[::-1])
+    low = np.clip(np.floor(points.min(axis=0) - radii.max() - 1), 0, size).astype(int)
+    high = np.clip(np.ceil(points.max(axis=0) + radii.max() + 1), 0, size).astype(int)
+    if (high - low).min() < 2:
+        return normals  # beside the map
+    box = np.s_[low[1] : high[1], low[0] : high[0]]
+    raised = np.zeros(mask[box].shape, np.float32)
+    for k, part, along, distance in _pieces(raised, low, points, radii.max()):
+        radius = radii[k] + along * (radii[min(k + 1, len(radii) - 1)] - radii[k])
+        np.maximum(part, radius * np.clip(1 - (distance / radius) ** 2, 0, None) ** 2, out=part)
+    down, right = np.gradient(np.float32(height) * raised)
+    touched = ((down != 0) | (right != 0)) & mask[box]
+    slopes = np.stack([-right[touched], down[touched], np.ones(touched.sum())], axis=-1)
+    carved = normals.copy()
+    carved[box][touched] = reoriented(normals[box][touched][None], normalize(slopes)[None])[0]
+    return carved
+
+
 def polygon(shape: tuple[int, int], points: Floats, soft: float) -> Floats:
     """Return the coverage of each pixel (H, W) by a closed polygon with a soft edge.
 
@@ -183,15 +225,8 @@ def stroke(shape: tuple[int, int], points: Floats, width: float, soft: float) ->
     """
     radius = max(width / 2, 1)
     away = np.full(shape, radius, np.float32)
-    for start, end in zip(points, [*points[1:], points[-1]], strict=True):
-        left, top = np.maximum(np.floor(np.minimum(start, end) - radius), 0).astype(int)
-        right, bottom = np.maximum(np.ceil(np.maximum(start, end) + radius), 0).astype(int)
-        box = away[top:bottom, left:right]
-        y, x = np.ogrid[top : top + box.shape[0], left : left + box.shape[1]]
-        right_of, below = x + 0.5 - start[0], y + 0.5 - start[1]
-        way = end - start
-        along = np.clip((right_of * way[0] + below * way[1]) / max(float(way @ way), 1e-12), 0, 1)
-        np.minimum(box, np.hypot(right_of - along * way[0], below - along * way[1]), out=box)
+    for _, part, _, distance in _pieces(away, np.zeros(2), points, radius):
+        np.minimum(part, distance, out=part)
     share = np.clip((radius - away) / max(soft * radius, 1), 0, 1)
     return np.asarray(share * share * (3 - 2 * share), np.float32)
 
@@ -245,6 +280,29 @@ def paint_mask(inked: NDArray[np.bool_], strokes: Iterable[MaskStroke]) -> NDArr
         )
         painted[area > 0] = 1 if each.adds else -1
     return painted
+
+
+def _pieces(
+    field: Floats, corner: NDArray[Any], points: Floats, reach: float
+) -> Iterator[tuple[int, Floats, NDArray[np.floating], NDArray[np.floating]]]:
+    """Yield a line's pieces: the part of a field in reach, how far along and how far away its pixels are.
+
+    Args:
+        field: (H, W), to be written to.
+        corner: x and y of its left upper corner.
+        points: (K, 2), x and y in pixels; the last one, or the only one, is a piece too.
+        reach: in pixels.
+    """
+    for k, start in enumerate(points):
+        end = points[min(k + 1, len(points) - 1)]
+        left, top = np.maximum(np.floor(np.minimum(start, end) - reach - corner), 0).astype(int)
+        right, bottom = np.maximum(np.ceil(np.maximum(start, end) + reach - corner), 0).astype(int)
+        part = field[top:bottom, left:right]
+        y, x = np.ogrid[top : top + part.shape[0], left : left + part.shape[1]]
+        beside, below = x + (0.5 + corner[0] - start[0]), y + (0.5 + corner[1] - start[1])
+        way = end - start
+        along = np.clip((beside * way[0] + below * way[1]) / max(float(way @ way), 1e-12), 0, 1)
+        yield k, part, along, np.hypot(beside - along * way[0], below - along * way[1])
 
 
 def _softened(area: NDArray[np.uint8], soft: float) -> Floats:

@@ -18,6 +18,7 @@ from normalgan.inference.edits import (
     REACH,
     MaskStroke,
     brush,
+    carve,
     enforce_pins,
     paint_mask,
     polygon,
@@ -174,6 +175,10 @@ class DrawingRequest:
                 normals = tilt(normals, mask, cover, area.normal)
             else:
                 width = area.size * scale
+                if area.height is not None:
+                    widths = np.full(len(points), width) if area.widths is None else area.widths * scale
+                    normals = carve(normals, mask, points, widths, area.height)
+                    continue
                 cover = np.float32(area.strength) * stroke(size, points, width, area.soft)
                 if area.smooths:
                     normals = smooth(normals, mask, cover, width)
@@ -213,6 +218,8 @@ class Area:
         soft: how much of a polygon's depth, or of the brush's radius, it fades over, 0 to 1.
         strength: of the brush, 0 to 1.
         smooths: whether the brush averages what is under it, and gives it no direction.
+        height: of a line that stands out, or below 0 is cut in, -1 to 1; None for a brush.
+        widths: (K,), of such a line at its points; None is size.
     """
 
     points: Floats
@@ -222,13 +229,16 @@ class Area:
     soft: float
     strength: float
     smooths: bool
+    height: float | None
+    widths: Floats | None
 
 
 def read_areas(given: Any) -> list[Area]:
     """Return areas: ``points`` (x, y, x, y, …), ``normal``, and ``size`` if it is a stroke of the brush.
 
     A polygon may have a ``form``, as `read_form` takes it, and ``soft``, 0 to 1. A stroke may have ``soft``
-    and ``strength``, 0 to 1, and ``smooths``, true if it averages the normals under it.
+    and ``strength``, 0 to 1, and ``smooths``, true if it averages the normals under it. With ``height``, -1
+    to 1, it is a line that is carved, with ``widths`` at its points.
 
     Raises:
         InputError: if one is invalid.
@@ -261,7 +271,22 @@ def read_areas(given: Any) -> list[Area]:
         smooths = each.get("smooths", False)
         if not isinstance(smooths, bool):
             raise InputError(f"smooths of area {number} is {json.dumps(smooths)[:40]}; it is true or false.")
-        areas.append(Area(inside, normal / np.float32(length), size, form, soft, strength, smooths))
+        height, widths = each.get("height"), None
+        try:
+            if height is not None and not _is_share(abs(height)):
+                raise ValueError
+            if each.get("widths") is not None:
+                widths = np.array(each["widths"], np.float32).reshape(len(points))
+                if not ((widths > 0) & (widths <= MOST_SIDE)).all():
+                    raise ValueError
+        except (TypeError, ValueError):
+            raise InputError(
+                f"area {number} has the height {json.dumps(height)[:40]} and the widths "
+                f"{json.dumps(each.get('widths'))[:40]}; a height is -1 to 1, and each width is above 0, one "
+                f"for each point."
+            ) from None
+        direction = normal / np.float32(length)
+        areas.append(Area(inside, direction, size, form, soft, strength, smooths, height, widths))
     return areas
 
 

@@ -3,9 +3,9 @@
 import { say, text } from "./text.js";
 
 /**
- * @typedef {{kind: "pen" | "eraser", size: number, points: number[], colour?: string, mirror?: number}} Line x, y,
+ * @typedef {{kind: "pen" | "eraser", size: number, points: number[], colour?: string, mirror?: number, carve?: number}} Line x, y,
  *   pressure, x, y, pressure, …; colour: "#rrggbb", black if there is none; mirror: x of the upright line at which it is
- *   mirrored, and drawn twice
+ *   mirrored, and drawn twice; carve: how far it stands out of the object, as a share of half its width, or below 0 is cut in
  * @typedef {{x: number, y: number, width: number, height: number, turn?: number, flipped?: boolean}} Box left, top and size
  *   before it is turned clockwise about its middle by so many radians; flipped from left to right before that
  * @typedef {{kind: "picture", picture: string, paper?: boolean} & Box} Placed `picture` is a data URL; paper: what it shows
@@ -198,7 +198,8 @@ const isPlaced = (value) =>
 const isLine = (value) =>
   ["pen", "eraser"].includes(value.kind) && isNumber(value.size) && value.size > 0 && Array.isArray(value.points) &&
   value.points.length >= 3 && value.points.length % 3 === 0 && value.points.every(isNumber) &&
-  (value.colour === undefined || /^#[0-9a-f]{6}$/.test(value.colour)) && (value.mirror === undefined || isNumber(value.mirror));
+  (value.colour === undefined || /^#[0-9a-f]{6}$/.test(value.colour)) && (value.mirror === undefined || isNumber(value.mirror)) &&
+  (value.carve === undefined || (isNumber(value.carve) && Math.abs(value.carve) <= 1));
 /** Below this z a normal looks away from the viewer; above it may be rounded. */
 const LEAST_Z = -0.02;
 /** @param {any} value */

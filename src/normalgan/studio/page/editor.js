@@ -39,6 +39,9 @@ export class Editor extends EventTarget {
     this.direction = null;
     /** How far the brush fades out and how much it works, as shares; and whether it smooths, and gives no direction. */
     this.brush = { soft: 0.6, strength: 1, smooths: false };
+    /** Whether the pen's lines are cut into the object (-1), stand out of it (1) or only are drawn; and how far, as a share. */
+    this.carves = /** @type {-1 | 0 | 1} */ (0);
+    this.carveHeight = 0.5;
     this.smoothing = 0.4;
     /** Of the pen's lines. */
     this.colour = "#000000";

@@ -36,7 +36,7 @@ import { Status } from "./status.js";
 import { claimTab } from "./tab.js";
 import { say, text, wordsOf } from "./text.js";
 import { followTheme } from "./theme.js";
-import { followTools, widen } from "./toolbar.js";
+import { followTools, turnCarving, widen } from "./toolbar.js";
 import { AreaTool, HintTool, LightTool, LineTool, MaskTool } from "./tools.js";
 
 fill();
@@ -199,6 +199,7 @@ followKeys({
   f: () => panes.enlarge("result"), "shift+f": () => panes.enlarge("drawing"), c: () => panes.compare(), o: () => panes.overlay(),
   x: () => editor.set(editor.fills ? { fills: false } : { adds: !editor.adds }),
   a: () => editor.set({ tool: "mask", fills: true }),
+  z: () => turnCarving(editor),
   w: () => (editor.tool === "brush" ? brush.turnOver() : editor.set({ tool: "brush", area: -1, brush: { ...editor.brush, smooths: true } })),
   u: () => brush.change("soft", 1), "shift+u": () => brush.change("soft", -1),
   i: () => brush.change("strength", 1), "shift+i": () => brush.change("strength", -1),

@@ -14,7 +14,7 @@ export const SHOWN = [
   ["Ctrl+A", "keySelect"],
   ["Q  J", "keyLasso"],
   ["Ctrl+D  Ctrl+C  Ctrl+X  Ctrl+V", "keyArrange"],
-  ["Y", "keySymmetry"],
+  ["Y  Z", "keySymmetry"],
   ["X  A", "keyMask"],
   ["G", "keyForm"],
   ["W  U  I", "keyBrush"],

@@ -1,7 +1,8 @@
 /** Toolbar: which tool, how wide, how smooth; shows what the editor holds. */
 
 import { withActive } from "./document.js";
-import { $, enable, field } from "./dom.js";
+import { $, enable, field, label } from "./dom.js";
+import { icon } from "./icons.js";
 import { recalled, remember } from "./settings.js";
 import { say, text } from "./text.js";
 
@@ -40,6 +41,9 @@ export function widen(editor, step) {
   editor.set({ widths: { ...editor.widths, [kind]: width } });
 }
 
+/** Has the pen's lines cut in, then stand out, then only drawn. @param {import("./editor.js").Editor} editor */
+export const turnCarving = (editor) => editor.set({ tool: "pen", carves: editor.carves === 0 ? -1 : editor.carves < 0 ? 1 : 0 });
+
 /** @param {import("./editor.js").Editor} editor @param {import("./ink.js").Inks} inks */
 export function followTools(editor, inks) {
   for (const tool of TOOLS) $(`tool-${tool}`).addEventListener("click", () => editor.set({ tool, area: -1, suggestions: [] }));
@@ -56,6 +60,9 @@ export function followTools(editor, inks) {
   $("mask-area").addEventListener("click", () => editor.set({ fills: true }));
   const colour = field("colour");
   colour.addEventListener("input", () => editor.set({ colour: colour.value }));
+  $("carve").addEventListener("click", () => turnCarving(editor));
+  const carveHeight = field("carve-height");
+  carveHeight.addEventListener("input", () => editor.set({ carveHeight: carveHeight.valueAsNumber / 100 }));
   for (const id of SWITCHES) $(id).addEventListener("click", () => editor.set({ [id]: !editor[id] }));
   recallBrushes(editor);
   editor.addEventListener("state", () => keepBrushes(editor));
@@ -77,6 +84,12 @@ export function followTools(editor, inks) {
       $(id).setAttribute("aria-pressed", String(editor[id]));
       $(id).hidden = !["pen", "eraser"].includes(tool);
     }
+    $("carve").hidden = tool !== "pen";
+    $("carve").setAttribute("aria-pressed", String(editor.carves !== 0));
+    $("carve").replaceChildren(icon(editor.carves > 0 ? "emboss" : "engrave"));
+    label($("carve"), editor.carves < 0 ? text.carveIn : editor.carves > 0 ? text.carveOut : text.carveNot);
+    $("carve-height-label").hidden = tool !== "pen" || editor.carves === 0;
+    carveHeight.value = String(Math.round(100 * editor.carveHeight));
     $("mask-options").hidden = tool !== "mask";
     $("mask-add").setAttribute("aria-pressed", String(editor.adds && !editor.fills));
     $("mask-cut").setAttribute("aria-pressed", String(!editor.adds && !editor.fills));

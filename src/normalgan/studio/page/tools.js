@@ -1,6 +1,7 @@
 /** Tools: what a gesture does, whether it comes from a pointer or from the keyboard. */
 
 import { Areas, layerAt } from "./areas.js";
+import { areasOf } from "./carving.js";
 import { MOST_AREAS, MOST_HINTS, MOST_MASK_STROKES, activeLayer, anchorOf, changedHint, knobOf, mostReach, withArea, withHint, withMaskStroke, withStroke } from "./document.js";
 import { nearest } from "./marks.js";
 import { meanNormal, normalAt } from "./normal.js";
@@ -64,8 +65,13 @@ export class LineTool {
     const { editor } = this;
     const kind = editor.tool === "eraser" || touch.eraser ? "eraser" : "pen";
     const { colour, symmetry, doc } = editor;
+    const carve = kind === "pen" ? editor.carves * editor.carveHeight : 0;
+    if (carve && areasOf(editor.layer).length >= MOST_AREAS) {
+      this.announce(text.tooManyAreas, "warning");
+      return;
+    }
     this.line = {
-      kind, size: editor.widths[kind], points: [], ...(kind === "pen" && colour !== "#000000" && { colour }),
+      kind, size: editor.widths[kind], points: [], ...(kind === "pen" && colour !== "#000000" && { colour }), ...(carve && { carve }),
       ...(symmetry && { mirror: doc.width / 2 }),
     };
     this.start = editor.straight || touch.straight ? touch : null;
