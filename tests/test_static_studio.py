@@ -209,6 +209,15 @@ def test_layers_are_composed_as_python_composes_them(studio: "Page") -> None:
     [
         {"points": [130, 50, 210, 50, 210, 130, 130, 130], "normal": [0.6, 0.0, 0.8]},
         {"points": [130, 70, 170, 90, 210, 110], "normal": [0.0, -0.6, 0.8], "size": 40},
+        {"points": [130, 70, 210, 110], "normal": [0.0, -0.6, 0.8], "size": 50, "soft": 1.0, "strength": 0.6},
+        {"points": [60, 100, 190, 40], "normal": [0.0, 0.0, 1.0], "size": 90, "soft": 0.2, "smooths": True},
+        {
+            "points": [60, 60, 130, 150, 200, 60],
+            "normal": [0.0, 0.0, 1.0],
+            "size": 20,
+            "height": -0.7,
+            "widths": [10, 24, 14],
+        },
         *(
             {
                 "points": [130, 50, 210, 50, 210, 130, 130, 130],
@@ -219,7 +228,17 @@ def test_layers_are_composed_as_python_composes_them(studio: "Page") -> None:
             for kind, bevel in [("round", 1), ("round", 0.4), ("flat", 0.3), ("hollow", 1)]
         ),
     ],
-    ids=["region", "direction brush", "round", "partly round", "flat", "hollow"],
+    ids=[
+        "region",
+        "direction brush",
+        "soft brush",
+        "smooth",
+        "engraved",
+        "round",
+        "partly round",
+        "flat",
+        "hollow",
+    ],
 )
 def test_regions_and_the_direction_brush_turn_what_python_turns(studio: "Page", area: dict[str, Any]) -> None:
     grey = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from normalgan.arrays import Floats
-from normalgan.inference.edits import brush, enforce_pins, polygon, stroke, tilt
+from normalgan.inference.edits import brush, carve, enforce_pins, polygon, smooth, stroke, tilt
 
 SIDE = 128
 
@@ -96,9 +96,68 @@ def test_what_is_bent_stays_bent_when_it_is_tilted() -> None:
 def test_the_brush_turns_its_middle_wholly_and_nothing_beyond_it() -> None:
     normals, _ = sphere()
     wanted = np.array([0, 0.6, 0.8], np.float32)
-    area = stroke((SIDE, SIDE), np.array([[40, 64], [88, 64]], np.float32), 20)
+    area = stroke((SIDE, SIDE), np.array([[40, 64], [88, 64]], np.float32), 20, 0.5)
     brushed = brush(normals, area, wanted)
     assert degrees(brushed[64, 45:85], wanted).max() < 6
     assert np.array_equal(brushed[:44], normals[:44])
-    point = stroke((SIDE, SIDE), np.array([[64, 64]], np.float32), 20)
-    assert point[64, 64] > 0.7
+    point = stroke((SIDE, SIDE), np.array([[64, 64]], np.float32), 20, 0.5)
+    assert point[64, 64] == 1
+
+
+@pytest.mark.parametrize("soft", [0.0, 0.5, 1.0])
+def test_a_softer_brush_fades_out_within_the_same_width(soft: float) -> None:
+    area = stroke((64, 64), np.array([[-20, 32], [90, 32]], np.float32), 20, soft)
+    profile = area[32:, 32]
+    assert profile[0] > 0.98
+    assert (profile[10:] == 0).all()  # its radius
+    assert profile[5] == pytest.approx({0.0: 1, 0.5: 0.97, 1.0: 0.43}[soft], abs=0.02)
+    assert np.array_equal(area, area[:, ::-1])
+
+
+def test_smoothing_averages_what_is_under_the_brush_and_only_the_object() -> None:
+    chance = np.random.default_rng(0)
+    normals, mask = sphere()
+    rough = normals + chance.normal(0, 0.2, normals.shape).astype(np.float32)
+    rough[..., 2] = np.abs(rough[..., 2])
+    rough /= np.linalg.norm(rough, axis=-1, keepdims=True)
+    rough[~mask] = [1, 0, 0]  # of no account
+    area = stroke((SIDE, SIDE), np.array([[30, 64], [98, 64]], np.float32), 24, 0.3)
+    smoothed = smooth(rough, mask, area, 24)
+    middle = np.s_[62:66, 40:88]
+    assert (
+        degrees(smoothed[middle], normals[middle]).mean()
+        < 0.4 * degrees(rough[middle], normals[middle]).mean()
+    )
+    assert np.array_equal(smoothed[area < 1e-3], rough[area < 1e-3])
+    assert np.array_equal(smoothed[~mask], rough[~mask])
+    half = smooth(rough, mask, area * np.float32(0.5), 24)
+    assert degrees(half[middle], rough[middle]).mean() < 0.8 * degrees(smoothed[middle], rough[middle]).mean()
+    assert smooth(rough, mask, np.zeros_like(area), 24) is rough
+
+
+@pytest.mark.parametrize("height", [0.6, -0.6])
+def test_a_carved_line_is_a_ridge_or_a_groove_as_wide_as_the_line_and_has_its_slope(height: float) -> None:
+    flat = np.zeros((SIDE, SIDE, 3), np.float32)
+    flat[..., 2] = 1
+    mask = np.ones((SIDE, SIDE), bool)
+    mask[:, 100:] = False
+    line, widths = np.array([[20, 64], [110, 64]], np.float32), np.array([40, 40], np.float32)
+    carved = carve(flat, mask, line, widths, height)
+    away = np.arange(SIDE) + 0.5 - 64
+    inside = np.abs(away) < 20
+    # The derivative of 20 height (1 - (d / 20)^2)^2.
+    slope = np.where(inside, -4 * height * (away / 20) * (1 - (away / 20) ** 2), 0)
+    wanted = np.stack([np.zeros(SIDE), slope, np.ones(SIDE)], -1)
+    wanted /= np.linalg.norm(wanted, axis=-1, keepdims=True)
+    assert degrees(carved[:, 60], wanted.astype(np.float32)).max() < 2  # a difference is no derivative
+    assert np.array_equal(carved[:, 101:], flat[:, 101:])
+    assert np.array_equal(carved[:43], flat[:43])
+
+
+def test_a_carved_line_stands_on_the_surface_and_tapers() -> None:
+    normals, mask = sphere()
+    line, widths = np.array([[40, 50], [90, 50]], np.float32), np.array([2, 20], np.float32)
+    carved = carve(normals, mask, line, widths, 0.5)
+    changed = degrees(carved, normals) > 2
+    assert changed[:, 86].sum() > 2 * changed[:, 50].sum() > 0
+    assert carve(normals, mask, line + 500, widths, 0.5) is normals

@@ -117,6 +117,53 @@ def test_a_region_is_turned_as_a_whole_and_a_brush_gives_a_direction(studio: Stu
     assert page.locator("#chips .area").count() == 2
 
 
+def test_the_brush_is_soft_and_strong_as_its_sliders_and_keys_say_and_smooths(studio: Studio) -> None:
+    page = studio.page
+    wanted = direction(-0.8, 0)
+    before, beside = studio.shown(130, 120), studio.shown(130, 140)
+    page.keyboard.press("d")
+    page.locator("#brush-soft").fill("0")
+    with studio.repainting():
+        studio.line((80, 120), (180, 120))
+    with studio.repainting():
+        studio.turn(-0.8, 0)
+    assert degrees(studio.shown(130, 120), wanted) < 4
+    assert degrees(studio.shown(130, 140), wanted) < 6  # 20 of a radius of 24
+    with studio.repainting():
+        page.locator("#brush-strength").fill("50")  # of the stroke that is chosen, and of the next
+        page.locator("#brush-strength").dispatch_event("change")
+    half = degrees(studio.shown(130, 120), before)
+    assert half == pytest.approx(degrees(wanted, before) / 2, abs=4)
+    with studio.repainting():
+        page.keyboard.press("Shift+I")
+        page.keyboard.press("Shift+I")
+    assert degrees(studio.shown(130, 120), before) < half - 4
+    with studio.repainting():
+        page.keyboard.press("Control+z")  # all that followed one another is one step
+    assert degrees(studio.shown(130, 120), wanted) < 4
+    with studio.repainting():
+        for _ in range(10):
+            page.keyboard.press("u")
+    assert degrees(studio.shown(130, 140), beside) < 6
+    with studio.repainting():
+        page.locator("#brush-soft").fill("0")
+        page.locator("#brush-soft").dispatch_event("change")
+
+    page.keyboard.press("w")
+    assert page.locator("#point").is_hidden()
+    step = degrees(studio.shown(130, 141), studio.shown(130, 147))  # across the stroke's hard edge
+    page.locator("#brush-strength").fill("100")
+    with studio.repainting():
+        studio.line((90, 144), (170, 144))
+    assert page.locator("#point").is_hidden()  # nothing is to be turned
+    page.keyboard.press("p")
+    assert degrees(studio.shown(130, 141), studio.shown(130, 147)) < 0.5 * step
+    page.reload()
+    page.wait_for_selector("html[data-ready]")
+    assert page.locator("#brush-smooth").get_attribute("aria-pressed") == "true"
+    assert page.locator("#brush-strength").input_value() == "100"
+
+
 def test_a_layer_and_a_region_take_a_form_by_buttons_sliders_and_keys(studio: Studio) -> None:
     page = studio.page
     page.keyboard.press("r")

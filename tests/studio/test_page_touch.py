@@ -98,3 +98,27 @@ def test_two_fingers_undo_and_three_redo(studio: Studio) -> None:
         hand.put(*places)
         hand.lift()
     assert studio.inked(*LEFT)
+
+
+@pytest.mark.parametrize("tool", ["hint", "mask"])
+def test_a_tap_of_two_fingers_undoes_what_a_tap_of_one_did_and_does_nothing_itself(
+    ball: Studio, tool: str
+) -> None:
+    page, hand = ball.page, Hand(ball, pace=0.03)
+    places = [ball.on_board(MIDDLE, MIDDLE), ball.on_board(MIDDLE - 40, MIDDLE - 30)]
+    page.locator(f"#tool-{tool}").click()
+    done = page.locator("#chips .chip" if tool == "hint" else "#mask-clear:enabled")
+    hand.put(places[0])
+    assert done.count() == 0  # it may be the first of two
+    hand.lift()
+    done.wait_for()
+    if tool == "hint":
+        box = page.locator("#point-done").bounding_box()
+        assert box is not None
+        hand.put((box["x"] + box["width"] / 2, box["y"] + box["height"] / 2))
+        hand.lift()
+    with ball.saying("Undone."):
+        hand.put(places[0])
+        hand.put(*places)
+        hand.lift()
+    assert done.count() == 0

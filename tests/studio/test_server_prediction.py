@@ -312,6 +312,13 @@ def test_the_map_at_a_pin_is_the_pins_normal_and_areas_are_turned(model: Path, t
             {"areas": [3]},
             {"areas": [{**area, "points": [1, 2]}]},
             {"areas": [{**area, "normal": [0, 0, -1]}]},
+            {"areas": [{**stroke, "strength": 2}]},
+            {"areas": [{**stroke, "soft": True}]},
+            {"areas": [{**stroke, "smooths": 1}]},
+            {"areas": [{**stroke, "height": -2}]},
+            {"areas": [{**stroke, "height": "deep"}]},
+            {"areas": [{**stroke, "height": 1, "widths": [3]}]},
+            {"areas": [{**stroke, "height": 1, "widths": [3, 0]}]},
         ):
             assert client.post("/api/predict", json=asking(3, **wrong)).status_code == 400
         far = [{**pins[0], "reach": -1}]

@@ -1,9 +1,9 @@
 /** Hold: a painted map held to what a hand says of it, as normalgan.inference.edits does it in Python. */
 
 import { feathered, giveForm } from "./bevel.js";
-import { components, where } from "./raster.js";
+import { blurred, boxOf, components, part, where } from "./raster.js";
 
-/** @typedef {import("./document.js").Hint} Hint @typedef {import("./document.js").Area} Area */
+/** @typedef {import("./document.js").Hint} Hint @typedef {import("./carving.js").Asked} Area */
 /** @typedef {{normals: Float32Array, mask: Uint8Array, width: number, height: number}} Painted */
 
 /** @typedef {{points: number[], size: number, adds: boolean, fills?: boolean}} MaskStroke fills: a click, for all of the area about it */
@@ -12,8 +12,10 @@ import { components, where } from "./raster.js";
 const INKED = 0.35;
 const REACH = 0.05;
 const SOFT = 0.01;
-/** The share of its depth in which a region fades out that has no form and says nothing else. */
-const FADES = 0.5;
+/** The share of its depth in which a region fades out that has no form and says nothing else; of its radius, a stroke. */
+const [FADES, STROKE_FADES] = [0.5, 0.6];
+/** Standard deviation of the Gaussian that smooths, as a share of the brush's width. */
+const AVERAGED = 0.25;
 
 /**
  * Holds a map to its form, to areas, in their order, then to pins, exactly; in place.
@@ -44,17 +46,29 @@ export function byHand(strokes, width, height, scale, ink) {
       if (area) for (let i = 0; i < out.length; i++) if (areas[i] === area) out[i] = adds ? 1 : -1;
       continue;
     }
-    const cover = covered(points.map((value) => value * scale), (size * scale) / 0.7, width, height, 0);
+    const cover = covered(points.map((value) => value * scale), width, height, 0, Math.max(size * scale, 1));
     for (let i = 0; i < out.length; i++) if (cover[i] > 0.5) out[i] = adds ? 1 : -1;
   }
   return out;
 }
 
 /** @param {Painted} map @param {Area} area @param {number} scale */
-function turnArea(map, { points, normal, size, form = null, soft = form ? 0 : FADES }, scale) {
+function turnArea(map, area, scale) {
+  const { normal, size, form = null, smooths, strength = 1, soft = size ? STROKE_FADES : form ? 0 : FADES } = area;
   const { normals, mask, width, height } = map;
+  const points = area.points.map((value) => value * scale);
+  if (size && area.height !== undefined) {
+    const { widths = Array.from({ length: points.length / 2 }, () => size) } = area;
+    carve(map, points, widths.map((value) => value * scale), area.height);
+    return;
+  }
   /** @type {Float32Array} */
-  let cover = covered(points.map((value) => value * scale), size && size * scale, width, height);
+  let cover = size ? brushed(points, width, height, size * scale, soft) : covered(points, width, height, SOFT * Math.max(width, height));
+  if (size) cover = cover.map((value) => value * strength);
+  if (size && smooths) {
+    smooth(map, cover, size * scale);
+    return;
+  }
   if (!size && soft) cover = feathered(cover, width, height, soft);
   if (!size && form) giveForm(map, cover, form);
   const mean = [0, 0, 0];
@@ -72,19 +86,114 @@ function turnArea(map, { points, normal, size, form = null, soft = form ? 0 : FA
   }
 }
 
+/** Averages the normals of the object under a brush. @param {Painted} map @param {Float32Array} cover @param {number} size of the brush */
+function smooth({ normals, mask, width, height }, cover, size) {
+  const around = boxOf(cover, width, height, 1e-3);
+  if (!around) return;
+  const sigma = AVERAGED * size;
+  const reach = Math.ceil(4 * sigma) + 1; // as far as the Gaussian reaches
+  const [left, top, right, bottom] = around;
+  /** @type {[number, number, number, number]} */
+  const box = [Math.max(left - reach, 0), Math.max(top - reach, 0), Math.min(right + reach, width), Math.min(bottom + reach, height)];
+  const [wide, high] = [box[2] - box[0], box[3] - box[1]];
+  const own = part(normals, width, height, box, 3);
+  const object = part(mask, width, height, box);
+  const means = [0, 1, 2].map((c) => blurred(object.map((value, i) => value && own[3 * i + c]), wide, high, sigma));
+  for (let i = 0; i < object.length; i++) {
+    const at = (box[1] + Math.floor(i / wide)) * width + box[0] + (i % wide);
+    if (!object[i] || cover[at] <= 1e-3) continue;
+    const mean = means.map((plane) => plane[i]);
+    const length = Math.hypot(...mean);
+    const mixed = mean.map((value, c) => own[3 * i + c] + cover[at] * (value / length - own[3 * i + c]));
+    normals.set(facing(mixed), 3 * at);
+  }
+}
+
 /**
- * Returns how much each pixel belongs to a polygon, or to a brush's stroke.
- * @param {number[]} points @param {number | undefined} size @param {number} width @param {number} height
- * @param {number} [soft] width of its edge
+ * Lets a line stand out of the object, or cuts it in, as a round ridge or groove as wide as the line.
+ * @param {Painted} map @param {number[]} points @param {number[]} widths at each point
+ * @param {number} high the ridge as a share of half the width; below 0 the depth of a groove
  */
-function covered(points, size, width, height, soft = size ? 0.3 * size : SOFT * Math.max(width, height)) {
+function carve({ normals, mask, width, height }, points, widths, high) {
+  const radii = widths.map((each) => Math.max(each / 2, 1));
+  const raised = new Float32Array(width * height);
+  alongLine(points, width, height, Math.max(...radii), (at, k, along, found) => {
+    const radius = radii[k] + along * ((radii[k + 1] ?? radii[k]) - radii[k]);
+    raised[at] = Math.max(raised[at], radius * Math.max(0, 1 - (found / radius) ** 2) ** 2);
+  });
+  for (let y = 0; y < height; y++) {
+    const [above, below] = [Math.max(y - 1, 0), Math.min(y + 1, height - 1)];
+    for (let x = 0; x < width; x++) {
+      const at = y * width + x;
+      const [before, after] = [Math.max(x - 1, 0), Math.min(x + 1, width - 1)];
+      const right = (raised[y * width + after] - raised[y * width + before]) / (after - before);
+      const down = (raised[below * width + x] - raised[above * width + x]) / (below - above);
+      if (mask[at] && (right || down)) normals.set(reoriented(normals.subarray(3 * at, 3 * at + 3), [-high * right, high * down, 1]), 3 * at);
+    }
+  }
+}
+
+/** Returns a detail on the normal of a surface (Barré-Brisebois, Hill 2012). @param {Float32Array} base @param {number[]} detail of any length */
+function reoriented([x, y, z], detail) {
+  const length = Math.hypot(...detail);
+  const [right, up, front] = [-detail[0] / length, -detail[1] / length, detail[2] / length];
+  const share = (x * right + y * up + (z + 1) * front) / Math.max(z + 1, 1e-4);
+  return facing([x * share - right, y * share - up, (z + 1) * share - front]);
+}
+
+/**
+ * Goes over the pixels in reach of each piece of a line; its last point is a piece too.
+ * @param {number[]} points @param {number} width @param {number} height @param {number} reach
+ * @param {(at: number, piece: number, along: number, away: number) => void} visit
+ */
+function alongLine(points, width, height, reach, visit) {
+  for (let k = 0; k < points.length; k += 2) {
+    const [fromX, fromY] = [points[k], points[k + 1]];
+    const [toX, toY] = [points[k + 2] ?? fromX, points[k + 3] ?? fromY];
+    const [wayX, wayY] = [toX - fromX, toY - fromY];
+    const length = Math.max(wayX * wayX + wayY * wayY, 1e-12);
+    const [right, bottom] = [Math.min(width, Math.ceil(Math.max(fromX, toX) + reach)), Math.min(height, Math.ceil(Math.max(fromY, toY) + reach))];
+    for (let y = Math.max(0, Math.floor(Math.min(fromY, toY) - reach)); y < bottom; y++) {
+      for (let x = Math.max(0, Math.floor(Math.min(fromX, toX) - reach)); x < right; x++) {
+        const [beside, below] = [x + 0.5 - fromX, y + 0.5 - fromY];
+        const along = Math.max(0, Math.min(1, (beside * wayX + below * wayY) / length));
+        visit(y * width + x, k / 2, along, Math.hypot(beside - along * wayX, below - along * wayY));
+      }
+    }
+  }
+}
+
+/**
+ * Returns how much each pixel is covered by a brush's stroke.
+ * @param {number[]} points @param {number} width @param {number} height @param {number} size
+ * @param {number} soft the share of its radius over which it fades out; at least a pixel
+ */
+function brushed(points, width, height, size, soft) {
+  const radius = Math.max(size / 2, 1);
+  const away = new Float32Array(width * height).fill(radius);
+  alongLine(points, width, height, radius, (at, _, __, found) => {
+    if (found < away[at]) away[at] = found;
+  });
+  const edge = Math.max(soft * radius, 1);
+  return away.map((value) => {
+    const share = Math.max(0, Math.min(1, (radius - value) / edge));
+    return share * share * (3 - 2 * share);
+  });
+}
+
+/**
+ * Returns how much each pixel belongs to a polygon, or to a line.
+ * @param {number[]} points @param {number} width @param {number} height @param {number} soft width of its edge
+ * @param {number} [size] of the line
+ */
+function covered(points, width, height, soft, size) {
   const context = /** @type {OffscreenCanvasRenderingContext2D} */ (new OffscreenCanvas(width, height).getContext("2d"));
   if (soft) context.filter = `blur(${soft / 2}px)`;
   context.beginPath();
   for (let i = 0; i < points.length; i += 2) context.lineTo(points[i], points[i + 1]);
   if (size) {
     if (points.length === 2) context.lineTo(points[0] + 0.01, points[1]);
-    [context.lineWidth, context.lineCap, context.lineJoin] = [Math.max(0.7 * size, 1), "round", "round"];
+    [context.lineWidth, context.lineCap, context.lineJoin] = [size, "round", "round"];
     context.stroke();
   } else context.fill();
   const { data } = context.getImageData(0, 0, width, height);
@@ -162,7 +271,12 @@ function turned(vector, turn) {
   const along = axis[0] * vector[0] + axis[1] * vector[1] + axis[2] * vector[2];
   const beside = cross(axis, vector);
   const out = vector.map((value, c) => value * Math.cos(angle) + beside[c] * Math.sin(angle) + along * axis[c] * (1 - Math.cos(angle)));
-  out[2] = Math.max(out[2], 0);
-  const length = Math.max(Math.hypot(...out), 1e-8);
-  return out.map((value) => value / length);
+  return facing(out);
+}
+
+/** Returns a unit vector that does not face away from the viewer. @param {number[]} vector */
+function facing([x, y, z]) {
+  const front = Math.max(z, 0);
+  const length = Math.max(Math.hypot(x, y, front), 1e-8);
+  return [x / length, y / length, front / length];
 }

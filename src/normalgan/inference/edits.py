@@ -1,13 +1,15 @@
-"""Edits of a predicted map: exact normals at pins, directions of areas."""
+"""Edits of a predicted map: exact normals at pins, directions of areas, lines that are carved."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import Floats
+from normalgan.inference.conversion import reoriented
 from normalgan.normals import normalize
 
 __all__ = [
@@ -15,9 +17,11 @@ __all__ = [
     "REACH",
     "MaskStroke",
     "brush",
+    "carve",
     "enforce_pins",
     "paint_mask",
     "polygon",
+    "smooth",
     "stroke",
     "tilt",
 ]
@@ -28,6 +32,8 @@ MOST_PINS = 200
 """More hints are areas painted in normals, not pins: the network alone follows them."""
 _LEAST_REACH = 2.0
 """Pixels that a pin holds about itself at the least."""
+_AVERAGED = 0.25
+"""Standard deviation of the Gaussian that smooths, as a share of the brush's width."""
 
 
 def enforce_pins(normals: Floats, points: Floats, wanted: Floats, reaches: Floats) -> Floats:
@@ -123,6 +129,73 @@ def brush(normals: Floats, area: Floats, direction: Floats) -> Floats:
     return brushed
 
 
+def smooth(normals: Floats, mask: NDArray[np.bool_], area: Floats, width: float) -> Floats:
+    """Average the normals of the object under a brush, by the brush's coverage.
+
+    Args:
+        normals: (H, W, 3), unit.
+        mask: (H, W), the object.
+        area: (H, W) in [0, 1], how far the brush has covered each pixel.
+        width: of the brush in pixels; the wider, the more is averaged.
+    """
+    touched = (area > 1e-3) & mask
+    if not touched.any():
+        return normals
+    sigma = _AVERAGED * width
+    rows, columns = np.nonzero(touched)
+    reach = int(np.ceil(4 * sigma)) + 1  # as far as the Gaussian reaches
+    box = np.s_[
+        max(rows.min() - reach, 0) : rows.max() + reach + 1,
+        max(columns.min() - reach, 0) : columns.max() + reach + 1,
+    ]
+    blurred = cv2.GaussianBlur(normals[box] * mask[box][..., None], (0, 0), sigma)
+    mean = normalize(np.asarray(blurred, np.float32))
+    inside = touched[box]
+    own = normals[box][inside]
+    smoothed = normals.copy()
+    smoothed[box][inside] = _facing(own + area[box][inside][:, None] * (mean[inside] - own))
+    return smoothed
+
+
+def carve(normals: Floats, mask: NDArray[np.bool_], points: Floats, widths: Floats, height: float) -> Floats:
+    """Let a line stand out of the object, or cut it in, as a round ridge or groove as wide as the line.
+
+    Args:
+        normals: (H, W, 3), unit.
+        mask: (H, W), the object.
+        points: (K, 2), x and y in pixels.
+        widths: (K,), the line's width at each point in pixels.
+        height: of the ridge as a share of half the width; below 0 the depth of a groove.
+
+    Example:
+        The left side of a ridge faces left, that of a groove faces right:
+
+        >>> flat = np.zeros((9, 9, 3), np.float32)
+        >>> flat[..., 2] = 1
+        >>> line, widths = np.array([[4.5, 0.0], [4.5, 9.0]]), np.array([6.0, 6.0])
+        >>> carved = [carve(flat, flat[..., 2] > 0, line, widths, each) for each in (0.5, -0.5)]
+        >>> [bool(each[4, 3, 0] < 0) for each in carved]
+        [True, False]
+    """
+    radii = np.maximum(widths / 2, 1)
+    size = np.array(mask.shape[::-1])
+    low = np.clip(np.floor(points.min(axis=0) - radii.max() - 1), 0, size).astype(int)
+    high = np.clip(np.ceil(points.max(axis=0) + radii.max() + 1), 0, size).astype(int)
+    if (high - low).min() < 2:
+        return normals  # beside the map
+    box = np.s_[low[1] : high[1], low[0] : high[0]]
+    raised = np.zeros(mask[box].shape, np.float32)
+    for k, part, along, distance in _pieces(raised, low, points, radii.max()):
+        radius = radii[k] + along * (radii[min(k + 1, len(radii) - 1)] - radii[k])
+        np.maximum(part, radius * np.clip(1 - (distance / radius) ** 2, 0, None) ** 2, out=part)
+    down, right = np.gradient(np.float32(height) * raised)
+    touched = ((down != 0) | (right != 0)) & mask[box]
+    slopes = np.stack([-right[touched], down[touched], np.ones(touched.sum())], axis=-1)
+    carved = normals.copy()
+    carved[box][touched] = reoriented(normals[box][touched][None], normalize(slopes)[None])[0]
+    return carved
+
+
 def polygon(shape: tuple[int, int], points: Floats, soft: float) -> Floats:
     """Return the coverage of each pixel (H, W) by a closed polygon with a soft edge.
 
@@ -136,19 +209,26 @@ def polygon(shape: tuple[int, int], points: Floats, soft: float) -> Floats:
     return _softened(area, soft)
 
 
-def stroke(shape: tuple[int, int], points: Floats, width: float) -> Floats:
-    """Return the coverage of each pixel (H, W) by an airbrush stroke.
+def stroke(shape: tuple[int, int], points: Floats, width: float, soft: float) -> Floats:
+    """Return the coverage of each pixel (H, W) by a brush's stroke.
 
     Args:
         shape: (H, W).
-        points: (K, 2), x and y in pixels.
+        points: (K, 2), x and y in pixels; one point is a dab.
         width: in pixels.
+        soft: the share of its radius over which it fades out; at least a pixel.
+
+    Example:
+        >>> dab = stroke((1, 9), np.array([[4.5, 0.5]]), 8, 0.5)
+        >>> dab.round(1).tolist()
+        [[0.0, 0.5, 1.0, 1.0, 1.0, 1.0, 1.0, 0.5, 0.0]]
     """
-    area = np.zeros(shape, np.uint8)
-    thick = max(round(0.7 * width), 1)
-    line = np.rint(points * 16 - 8).astype(np.int32)
-    cv2.polylines(area, [np.concatenate([line, line[-1:]])], False, 255, thick, cv2.LINE_AA, 4)
-    return _softened(area, 0.3 * width)
+    radius = max(width / 2, 1)
+    away = np.full(shape, radius, np.float32)
+    for _, part, _, distance in _pieces(away, np.zeros(2), points, radius):
+        np.minimum(part, distance, out=part)
+    share = np.clip((radius - away) / max(soft * radius, 1), 0, 1)
+    return np.asarray(share * share * (3 - 2 * share), np.float32)
 
 
 @dataclass(frozen=True)
@@ -200,6 +280,29 @@ def paint_mask(inked: NDArray[np.bool_], strokes: Iterable[MaskStroke]) -> NDArr
         )
         painted[area > 0] = 1 if each.adds else -1
     return painted
+
+
+def _pieces(
+    field: Floats, corner: NDArray[Any], points: Floats, reach: float
+) -> Iterator[tuple[int, Floats, NDArray[np.floating], NDArray[np.floating]]]:
+    """Yield a line's pieces: the part of a field in reach, how far along and how far away its pixels are.
+
+    Args:
+        field: (H, W), to be written to.
+        corner: x and y of its left upper corner.
+        points: (K, 2), x and y in pixels; the last one, or the only one, is a piece too.
+        reach: in pixels.
+    """
+    for k, start in enumerate(points):
+        end = points[min(k + 1, len(points) - 1)]
+        left, top = np.maximum(np.floor(np.minimum(start, end) - reach - corner), 0).astype(int)
+        right, bottom = np.maximum(np.ceil(np.maximum(start, end) + reach - corner), 0).astype(int)
+        part = field[top:bottom, left:right]
+        y, x = np.ogrid[top : top + part.shape[0], left : left + part.shape[1]]
+        beside, below = x + (0.5 + corner[0] - start[0]), y + (0.5 + corner[1] - start[1])
+        way = end - start
+        along = np.clip((beside * way[0] + below * way[1]) / max(float(way @ way), 1e-12), 0, 1)
+        yield k, part, along, np.hypot(beside - along * way[0], below - along * way[1])
 
 
 def _softened(area: NDArray[np.uint8], soft: float) -> Floats:

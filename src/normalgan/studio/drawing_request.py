@@ -18,9 +18,11 @@ from normalgan.inference.edits import (
     REACH,
     MaskStroke,
     brush,
+    carve,
     enforce_pins,
     paint_mask,
     polygon,
+    smooth,
     stroke,
     tilt,
 )
@@ -59,6 +61,8 @@ _SOFT = 0.01
 """Width of the edge of an area that does not fade out, as a share of the map's longer side."""
 _FADES = 0.5
 """The share of its depth in which an area without a form fades out, unless it says how far."""
+_BRUSH_FADES = 0.6
+"""The share of its radius in which a stroke of the brush fades out, unless it says how far."""
 _INKED = 0.35
 """How dark a line is at least that parts one area from another."""
 _PNG = b"\x89PNG\r\n\x1a\n"
@@ -170,7 +174,16 @@ class DrawingRequest:
                     normals = give_form(normals, mask, cover, area.form)
                 normals = tilt(normals, mask, cover, area.normal)
             else:
-                normals = brush(normals, stroke(size, points, area.size * scale), area.normal)
+                width = area.size * scale
+                if area.height is not None:
+                    widths = np.full(len(points), width) if area.widths is None else area.widths * scale
+                    normals = carve(normals, mask, points, widths, area.height)
+                    continue
+                cover = np.float32(area.strength) * stroke(size, points, width, area.soft)
+                if area.smooths:
+                    normals = smooth(normals, mask, cover, width)
+                else:
+                    normals = brush(normals, cover, area.normal)
         if not self.hints:
             return normals
         hints = parse_hints(self.hints, "the request", shape)
@@ -202,7 +215,11 @@ class Area:
         normal: (3,), unit.
         size: width of the brush; None for a polygon, which is turned as a whole.
         form: of a polygon; None leaves it as predicted.
-        soft: how much of a polygon's depth it fades over, 0 to 1.
+        soft: how much of a polygon's depth, or of the brush's radius, it fades over, 0 to 1.
+        strength: of the brush, 0 to 1.
+        smooths: whether the brush averages what is under it, and gives it no direction.
+        height: of a line that stands out, or below 0 is cut in, -1 to 1; None for a brush.
+        widths: (K,), of such a line at its points; None is size.
     """
 
     points: Floats
@@ -210,12 +227,18 @@ class Area:
     size: float | None
     form: Form | None
     soft: float
+    strength: float
+    smooths: bool
+    height: float | None
+    widths: Floats | None
 
 
 def read_areas(given: Any) -> list[Area]:
     """Return areas: ``points`` (x, y, x, y, …), ``normal``, and ``size`` if it is a stroke of the brush.
 
-    A polygon may have a ``form``, as `read_form` takes it, and ``soft``, 0 to 1.
+    A polygon may have a ``form``, as `read_form` takes it, and ``soft``, 0 to 1. A stroke may have ``soft``
+    and ``strength``, 0 to 1, and ``smooths``, true if it averages the normals under it. With ``height``, -1
+    to 1, it is a line that is carved, with ``widths`` at its points.
 
     Raises:
         InputError: if one is invalid.
@@ -240,10 +263,30 @@ def read_areas(given: Any) -> list[Area]:
         inside = np.clip(points, -MOST_SIDE, 2 * MOST_SIDE)
         given_form = each.get("form")
         form = None if given_form is None else read_form(f"the form of area {number}", given_form)
-        soft = each.get("soft", _FADES if form is None else 0)
-        if not _is_share(soft):
-            raise InputError(f"soft of area {number} is {json.dumps(soft)[:40]}; it is 0 to 1.")
-        areas.append(Area(inside, normal / np.float32(length), size, form, soft))
+        usual = _BRUSH_FADES if size is not None else _FADES if form is None else 0
+        soft, strength = each.get("soft", usual), each.get("strength", 1)
+        for name, share in (("soft", soft), ("strength", strength)):
+            if not _is_share(share):
+                raise InputError(f"{name} of area {number} is {json.dumps(share)[:40]}; it is 0 to 1.")
+        smooths = each.get("smooths", False)
+        if not isinstance(smooths, bool):
+            raise InputError(f"smooths of area {number} is {json.dumps(smooths)[:40]}; it is true or false.")
+        height, widths = each.get("height"), None
+        try:
+            if height is not None and not _is_share(abs(height)):
+                raise ValueError
+            if each.get("widths") is not None:
+                widths = np.array(each["widths"], np.float32).reshape(len(points))
+                if not ((widths > 0) & (widths <= MOST_SIDE)).all():
+                    raise ValueError
+        except (TypeError, ValueError):
+            raise InputError(
+                f"area {number} has the height {json.dumps(height)[:40]} and the widths "
+                f"{json.dumps(each.get('widths'))[:40]}; a height is -1 to 1, and each width is above 0, one "
+                f"for each point."
+            ) from None
+        direction = normal / np.float32(length)
+        areas.append(Area(inside, direction, size, form, soft, strength, smooths, height, widths))
     return areas
 
 

@@ -1,10 +1,10 @@
 /** Arranging: what is selected is flipped, turned, duplicated, copied, pasted, nudged and brought to another layer. */
 
-import { MOST_AREAS, MOST_HINTS, MOST_MASK_STROKES, MOST_STROKES, activeLayer, changedLayer, newDocument, parseDocument, picturesOf, withActive, withNewLayer } from "./document.js";
+import { MOST_AREAS, MOST_HINTS, MOST_LAYERS, MOST_MASK_STROKES, MOST_STROKES, activeLayer, changedLayer, newDocument, parseDocument, picturesOf, withActive, withNewLayer } from "./document.js";
 import { $, enable, make } from "./dom.js";
 import { aboutPoint, alongWith, movedParts } from "./moving.js";
 import { decodeAll } from "./pictures.js";
-import { boxOfSelection, isNothing, withMoved } from "./selecting.js";
+import { boxOfSelection, hasInk, insideOfSelection, isNothing, withCuts, withMoved } from "./selecting.js";
 import { say, text } from "./text.js";
 
 /** @typedef {import("./document.js").Doc} Doc @typedef {import("./document.js").Layer} Layer */
@@ -17,15 +17,22 @@ const LISTS = /** @type {("strokes" | "hints" | "areas" | "mask")[]} */ (Object.
 /** The width and height of the paper on the clipboard: a document that holds only parts. */
 const NAME = "clipboard";
 
-/** Returns what goes with chosen strokes, or what stays. @param {Layer} layer @param {number[]} chosen @param {boolean} goes @returns {Parts} */
-function partsOf(layer, chosen, goes) {
-  const along = alongWith(layer, chosen);
+/**
+ * Returns what goes with a selection, or what stays.
+ * @param {Layer} layer @param {import("./editor.js").Selection} selection in it, with nothing to be cut @param {boolean} goes
+ * @returns {Parts}
+ */
+function partsOf(layer, selection, goes) {
+  const along = alongWith(layer, selection.strokes, insideOfSelection(selection));
   const pick = (/** @type {any[]} */ list, /** @type {Set<number>} */ places) => list.filter((_, i) => places.has(i) === goes);
   return {
     strokes: pick(layer.strokes, along.strokes), hints: pick(layer.hints, along.hints),
     areas: pick(layer.areas, along.areas), mask: pick(layer.mask, along.mask),
   };
 }
+
+/** @param {import("./document.js").Stroke} stroke */
+const isInk = ({ kind }) => kind !== "eraser";
 
 /** Puts parts in front of what a layer has. @param {Layer} layer @param {Parts} parts @returns {Layer | null} null: there is no room */
 function withParts(layer, parts) {
@@ -49,6 +56,8 @@ export class Arranging {
     $("select-flip-down").addEventListener("click", () => this.turn(Math.PI, true));
     $("select-turn").addEventListener("click", () => this.turn(Math.PI / 2, false));
     $("select-copy").addEventListener("click", () => this.duplicate());
+    $("select-split").addEventListener("click", () => this.toLayer("new"));
+    $("select-lasso").addEventListener("click", () => editor.set({ lassoes: !editor.lassoes }));
     /** @type {HTMLSelectElement} */
     this.target = $("select-layer");
     this.target.addEventListener("change", () => this.toLayer(this.target.value));
@@ -63,11 +72,16 @@ export class Arranging {
     const some = !isNothing(editor.selection);
     for (const id of ["select-remove", "select-flip", "select-flip-down", "select-turn"]) enable(id, some);
     $("select-help").hidden = some; // there is no room for it
-    enable("select-copy", editor.selection.strokes.length > 0);
-    this.target.disabled = !editor.selection.strokes.length;
+    const ink = hasInk(editor.selection);
+    const room = editor.doc.layers.length < MOST_LAYERS;
+    enable("select-copy", ink);
+    enable("select-split", ink && room);
+    this.target.disabled = !ink;
+    $("select-lasso").setAttribute("aria-pressed", String(editor.lassoes));
+    $("select-help").textContent = editor.lassoes ? text.lassoHelp : text.selectHelp;
     if (editor.tool !== "select" || editor.draft) return;
     const others = editor.doc.layers.filter((layer) => layer !== editor.layer).reverse();
-    const options = [{ value: "", words: text.toLayer }, ...others.map(({ id, name }) => ({ value: String(id), words: name })), { value: "new", words: text.toNewLayer }];
+    const options = [{ value: "", words: text.toLayer }, ...others.map(({ id, name }) => ({ value: String(id), words: name })), ...(room ? [{ value: "new", words: text.toNewLayer }] : [])];
     const wanted = options.map(({ value, words }) => `${value} ${words}`).join("\n");
     if (this.target.dataset.shown === wanted) return;
     this.target.dataset.shown = wanted;
@@ -85,9 +99,11 @@ export class Arranging {
 
   /** Moves the selection. @param {number} x @param {number} y @returns {boolean} whether there was one */
   nudge(x, y) {
-    if (isNothing(this.editor.selection)) return false;
+    const { editor } = this;
+    if (isNothing(editor.selection)) return false;
+    const { strokes, pictures } = withCuts(editor.doc, editor.selection).selection;
     // Presses on one selection are one step, however long the hand looks at it between them.
-    this.#move({ scale: 1, x, y }, `nudged ${JSON.stringify(this.editor.selection)}`);
+    this.#move({ scale: 1, x, y }, `nudged ${JSON.stringify([strokes, pictures])}`);
     return true;
   }
 
@@ -102,19 +118,26 @@ export class Arranging {
   /** Puts a copy of the selected lines beside them. */
   duplicate() {
     const { editor } = this;
-    const { strokes } = editor.selection;
-    if (strokes.length) this.#put(beside(partsOf(editor.layer, strokes, true), BESIDE, editor.doc));
+    if (!hasInk(editor.selection)) return;
+    const { doc, selection } = withCuts(editor.doc, editor.selection);
+    this.#put(beside(partsOf(activeLayer(doc), selection, true), BESIDE, doc));
   }
 
   /** Brings the selected lines to another layer, to be worked on from now. @param {string} target its id, or "new" */
   toLayer(target) {
     const { editor } = this;
     this.target.value = "";
-    const { strokes } = editor.selection;
-    if (!strokes.length || !target) return;
-    const { layer } = editor;
-    const parts = partsOf(layer, strokes, true);
-    const left = changedLayer(editor.doc, layer.id, partsOf(layer, strokes, false));
+    if (!hasInk(editor.selection) || !target || (target === "new" && editor.doc.layers.length >= MOST_LAYERS)) return undefined;
+    const { doc: cut, selection } = withCuts(editor.doc, editor.selection);
+    const layer = activeLayer(cut);
+    const parts = partsOf(layer, selection, true);
+    const stays = partsOf(layer, selection, false);
+    if (stays.strokes.some(isInk)) {
+      // What is erased must be so on both.
+      stays.strokes = layer.strokes.filter((stroke) => !isInk(stroke) || stays.strokes.includes(stroke));
+      if (target === "new") parts.strokes = layer.strokes.filter((stroke) => !isInk(stroke) || parts.strokes.includes(stroke));
+    }
+    const left = changedLayer(cut, layer.id, stays);
     const doc = target === "new" ? withNewLayer(left) : { ...left, active: Number(target) };
     const onto = withParts(activeLayer(doc), parts);
     if (!onto) return this.announce(text.noRoom, "warning");
@@ -126,16 +149,16 @@ export class Arranging {
   /** @param {ClipboardEvent} event @param {boolean} cut */
   #copy(event, cut) {
     const { editor } = this;
-    const { strokes } = editor.selection;
-    if (!this.#isOurs(event) || !strokes.length || editor.tool !== "select") return;
+    if (!this.#isOurs(event) || !hasInk(editor.selection) || editor.tool !== "select") return;
     const { width, height } = editor.doc;
-    const parts = partsOf(editor.layer, strokes, true);
-    const doc = { ...withActive(newDocument(width, height), parts), settings: { name: NAME } };
+    const { doc: from, selection } = withCuts(editor.doc, editor.selection);
+    const layer = activeLayer(from);
+    const doc = { ...withActive(newDocument(width, height), partsOf(layer, selection, true)), settings: { name: NAME } };
     event.clipboardData?.setData("text/plain", JSON.stringify(doc));
     event.preventDefault();
     if (cut) {
       editor.set({ selection: { strokes: [], pictures: [] } });
-      editor.commit(withActive(editor.doc, partsOf(editor.layer, strokes, false)));
+      editor.commit(withActive(from, partsOf(layer, selection, false)));
     }
     this.announce(text.copiedLines);
   }

@@ -3,21 +3,23 @@
 import { say, text } from "./text.js";
 
 /**
- * @typedef {{kind: "pen" | "eraser", size: number, points: number[], colour?: string, mirror?: number}} Line x, y,
+ * @typedef {{kind: "pen" | "eraser", size: number, points: number[], colour?: string, mirror?: number, carve?: number}} Line x, y,
  *   pressure, x, y, pressure, …; colour: "#rrggbb", black if there is none; mirror: x of the upright line at which it is
- *   mirrored, and drawn twice
+ *   mirrored, and drawn twice; carve: how far it stands out of the object, as a share of half its width, or below 0 is cut in
  * @typedef {{x: number, y: number, width: number, height: number, turn?: number, flipped?: boolean}} Box left, top and size
  *   before it is turned clockwise about its middle by so many radians; flipped from left to right before that
- * @typedef {{kind: "picture", picture: string} & Box} Placed
- * @typedef {Line | Placed} Stroke what the ink is made of, in order; `picture` is a data URL
+ * @typedef {{kind: "picture", picture: string, paper?: boolean} & Box} Placed `picture` is a data URL; paper: what it shows
+ *   was taken off white paper, where its opacity says nothing about the object
+ * @typedef {Line | Placed} Stroke what the ink is made of, in order
  * @typedef {[number, number, number]} Normal camera space: x right, y up, z to the viewer
  * @typedef {{x: number, y: number, normal: Normal, reach?: number}} Hint in pixels of the drawing, x right, y down;
  *   reach: how far it has an effect
  * @typedef {{kind: "round" | "flat" | "hollow", bevel: number, strength: number}} Form bevel: how far the curve or the
  *   bevel reaches inwards, as a share of the part's depth; strength: how far it replaces what is predicted; both to 1
- * @typedef {{points: number[], normal: Normal, size?: number, form?: Form | null, soft?: number}} Area x, y, x, y, … of a
- *   polygon that is turned as a whole, or of a stroke of that width that is brushed with a direction; form and soft are a
- *   polygon's; soft: the share of its depth in which it fades out
+ * @typedef {{points: number[], normal: Normal, size?: number, form?: Form | null, soft?: number, strength?: number,
+ *   smooths?: boolean}} Area x, y, x, y, … of a polygon that is turned as a whole, or of a stroke of that width that is
+ *   brushed with a direction, or that smooths what is under it; form is a polygon's, strength a stroke's; soft: the share of
+ *   a polygon's depth, or of a brush's radius, in which it fades out
  * @typedef {{adds: boolean, size: number, points: number[], fills?: boolean}} MaskStroke x, y, x, y, … where the object is
  *   added to or cut from; fills: a click, for all of the area between lines about it
  * @typedef {{id: number, name: string, visible: boolean, strokes: Stroke[], hints: Hint[], areas: Area[],
@@ -191,12 +193,13 @@ const isNumber = (value) => typeof value === "number" && Number.isFinite(value);
 const isSide = (value) => Number.isInteger(value) && value >= SIDES.least && value <= SIDES.most;
 /** @type {Check} */
 const isPlaced = (value) =>
-  [value.x, value.y, value.width, value.height, value.turn ?? 0].every(isNumber) && [undefined, true, false].includes(value.flipped) && String(value.picture).startsWith("data:image/png;base64,");
+  [value.x, value.y, value.width, value.height, value.turn ?? 0].every(isNumber) && [undefined, true, false].includes(value.flipped) && [undefined, true].includes(value.paper) && String(value.picture).startsWith("data:image/png;base64,");
 /** @type {Check} */
 const isLine = (value) =>
   ["pen", "eraser"].includes(value.kind) && isNumber(value.size) && value.size > 0 && Array.isArray(value.points) &&
   value.points.length >= 3 && value.points.length % 3 === 0 && value.points.every(isNumber) &&
-  (value.colour === undefined || /^#[0-9a-f]{6}$/.test(value.colour)) && (value.mirror === undefined || isNumber(value.mirror));
+  (value.colour === undefined || /^#[0-9a-f]{6}$/.test(value.colour)) && (value.mirror === undefined || isNumber(value.mirror)) &&
+  (value.carve === undefined || (isNumber(value.carve) && Math.abs(value.carve) <= 1));
 /** Below this z a normal looks away from the viewer; above it may be rounded. */
 const LEAST_Z = -0.02;
 /** @param {any} value */
@@ -215,7 +218,7 @@ const isForm = (value) =>
 const isArea = (value) =>
   Array.isArray(value.points) && value.points.length >= (value.size === undefined ? 6 : 2) &&
   value.points.length % 2 === 0 && value.points.every(isNumber) && isNormal(value.normal) &&
-  (value.size === undefined || (isNumber(value.size) && value.size > 0)) && isForm(value.form) && (value.soft === undefined || isShare(value.soft));
+  (value.size === undefined || (isNumber(value.size) && value.size > 0)) && isForm(value.form) && [value.soft, value.strength].every((each) => each === undefined || isShare(each)) && [undefined, true, false].includes(value.smooths);
 /** @type {Check} */
 const isMaskStroke = (value) =>
   typeof value.adds === "boolean" && [undefined, true].includes(value.fills) && isNumber(value.size) && value.size > 0 && Array.isArray(value.points) &&

@@ -8,8 +8,9 @@ import { History } from "./history.js";
 /** Milliseconds within which steps of one kind are one, unless they say otherwise. */
 const TOGETHER = 1000;
 
-/** @typedef {{strokes: number[], pictures: number[]}} Selection places in the strokes of the layer that is worked on, and in the
- *   document's pictures */
+/** @typedef {{strokes: number[], pictures: number[], cuts?: import("./lasso.js").Cut[], lasso?: import("./lasso.js").Lasso}} Selection
+ *   places in the strokes of the layer that is worked on, and in the document's pictures; cuts: pictures among the strokes of
+ *   which only what lies in the lasso is chosen */
 
 /**
  * Events: `change` when the document differs, with `detail.live` while a gesture goes on; `drawing` when the ink has
@@ -36,6 +37,11 @@ export class Editor extends EventTarget {
     this.maskStroke = null;
     /** @type {import("./document.js").Normal | null} what the brush paints; null takes what is under it */
     this.direction = null;
+    /** How far the brush fades out and how much it works, as shares; and whether it smooths, and gives no direction. */
+    this.brush = { soft: 0.6, strength: 1, smooths: false };
+    /** Whether the pen's lines are cut into the object (-1), stand out of it (1) or only are drawn; and how far, as a share. */
+    this.carves = /** @type {-1 | 0 | 1} */ (0);
+    this.carveHeight = 0.5;
     this.smoothing = 0.4;
     /** Of the pen's lines. */
     this.colour = "#000000";
@@ -45,8 +51,12 @@ export class Editor extends EventTarget {
     this.symmetry = false;
     /** @type {Selection} what is chosen to be moved */
     this.selection = { strokes: [], pictures: [] };
+    /** Whether a line is drawn around what is chosen, and not a box. */
+    this.lassoes = false;
     /** @type {import("./moving.js").Box | null} what is drawn around to be chosen */
     this.marquee = null;
+    /** @type {number[] | null} the line that is drawn around it: x, y, x, y, … */
+    this.lasso = null;
     /** @type {import("./document.js").Line | null} the straight line that is being drawn */
     this.guide = null;
     /** Index of the chosen hint, -1 is none. */
@@ -146,19 +156,25 @@ export class Editor extends EventTarget {
   /** @param {"undo" | "redo"} way @returns {boolean} whether there was something to do */
   step(way) {
     if (way === "undo" ? !this.history.canUndo : !this.history.canRedo) return false;
-    this.draft = null;
-    this.history[way]();
-    this.#changed(false);
+    this.#goBy(() => this.history[way]());
     return true;
   }
 
   /** Goes to a step in history. @param {number} at @returns {boolean} whether it is another one */
   goTo(at) {
     if (at === this.history.at || at < 0 || at >= this.history.states.length) return false;
-    this.draft = null;
-    this.history.at = at;
-    this.#changed(false);
+    this.#goBy(() => { this.history.at = at; });
     return true;
+  }
+
+  /** Goes to another step. @param {() => void} go */
+  #goBy(go) {
+    this.draft = null;
+    const { layer } = this;
+    go();
+    // Places in lists of another length are of other strokes.
+    if (this.layer.strokes.length !== layer.strokes.length) this.selection = { strokes: [], pictures: [] };
+    this.#changed(false);
   }
 
   /** Changes tool, choice or settings of the page. @param {Partial<Editor>} values */
@@ -177,8 +193,8 @@ export class Editor extends EventTarget {
     this.worked = layer.id;
     if (this.chosen >= layer.hints.length) this.set({ chosen: -1 });
     if (this.area >= layer.areas.length) this.set({ area: -1 });
-    const { strokes, pictures } = this.selection;
-    const gone = strokes.some((i) => i >= layer.strokes.length) || pictures.some((i) => i >= this.doc.pictures.length);
+    const { strokes, pictures, cuts = [] } = this.selection;
+    const gone = cuts.some(({ index, stroke }) => layer.strokes[index] !== stroke) || strokes.some((i) => i >= layer.strokes.length) || pictures.some((i) => i >= this.doc.pictures.length);
     if (gone) this.set({ selection: { strokes: [], pictures: [] } });
     this.dispatchEvent(new CustomEvent("change", { detail: { live } }));
   }

@@ -9,6 +9,9 @@ const SHOWN = 200;
 /** Whether a line was made a shape: moved lines keep their number of points. @param {import("./document.js").Stroke | undefined} from @param {import("./document.js").Stroke | undefined} to */
 const isShaped = (from, to) => from?.kind === "pen" && to?.kind === "pen" && from.points.length !== to.points.length;
 
+/** Whether a part of a picture was taken away. @param {any} from @param {any} to */
+const isCut = (from, to) => from.kind === "picture" && to.kind === "picture" && from.picture !== to.picture;
+
 /**
  * Returns what a step did.
  * @param {import("./document.js").Doc} before
@@ -18,7 +21,10 @@ const isShaped = (from, to) => from?.kind === "pen" && to?.kind === "pen" && fro
 export function nameOf(before, after) {
   const ids = new Set(before.layers.map(({ id }) => id));
   const fresh = after.layers.filter(({ id }) => !ids.has(id));
-  if (fresh.some(({ strokes }) => strokes.length > 0)) return text.stepLayersImported;
+  if (fresh.some(({ strokes }) => strokes.length > 0)) {
+    const taken = after.layers.some(({ id, strokes }) => before.layers.some((old) => old.id === id && old.strokes !== strokes));
+    return taken ? text.stepSplit : text.stepLayersImported;
+  }
   if (before.layers.length !== after.layers.length) return before.layers.length < after.layers.length ? text.stepLayer : text.stepLayerGone;
   if (before.layers.some(({ id }, i) => id !== after.layers[i].id)) return text.stepLayerMoved;
   if (before.width !== after.width || before.height !== after.height) return text.stepPaper;
@@ -38,12 +44,16 @@ export function nameOf(before, after) {
     const [from, to] = [old[list], now[list]];
     if (from === to) continue;
     if (list === "strokes" && from.length === to.length && old.strokes.slice(0, -1).every((each, i) => each === now.strokes[i]) && isShaped(old.strokes.at(-1), now.strokes.at(-1))) return text.stepShape;
+    // A picture that is cut, or a mirrored line that is turned, becomes two.
+    if (list === "strokes" && to.length > from.length && !from.every((each, i) => each === to[i])) return changed;
     if (to.length > from.length) {
       const last = list === "strokes" ? now.strokes[now.strokes.length - 1].kind : "";
+      if (list === "areas" && now.areas.at(-1)?.size) return text.stepBrush;
       return last === "eraser" ? text.stepErased : last === "picture" ? text.stepImported : added;
     }
+    if (list === "areas" && now.areas.some((area, i) => area.size && (area.soft !== old.areas[i]?.soft || area.strength !== old.areas[i]?.strength))) return to.length < from.length ? removed : text.stepBrushChanged;
     if (list === "areas" && now.areas.some((area, i) => area.form !== old.areas[i]?.form || area.soft !== old.areas[i]?.soft)) return text.stepForm;
-    return to.length < from.length ? removed : changed;
+    return to.length < from.length || (list === "strokes" && from.some((each, i) => isCut(each, now.strokes[i]))) ? removed : changed;
   }
   const more = after.pictures.length - before.pictures.length;
   if (before.pictures !== after.pictures) return more > 0 ? text.stepPicture : more < 0 ? text.stepPictureGone : text.stepPictureChanged;

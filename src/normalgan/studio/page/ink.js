@@ -27,7 +27,7 @@ const united = (a, b) => a
  */
 function kindOf(strokes) {
   const pictures = strokes.filter((stroke) => stroke.kind === "picture");
-  return { channels: pictures.length ? 4 : 1, onPaper: !pictures.length || !pictures.every((stroke) => hasHoles(stroke.picture)) };
+  return { channels: pictures.length ? 4 : 1, onPaper: !pictures.length || !pictures.every((stroke) => !stroke.paper && hasHoles(stroke.picture)) };
 }
 
 /** @typedef {{width: number, height: number, strokes: import("./document.js").Stroke[]}} Drawn a layer's strokes, and the size of its paper */

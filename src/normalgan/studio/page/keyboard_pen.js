@@ -43,8 +43,8 @@ export function followKeyboard(board, tool, status, nudge) {
       status.say(text.penUp);
     } else if (chosen) {
       chosen.down(touch());
-      // A point is pinned by one press; a stroke goes on until the next.
-      if (editor.tool === "hint") chosen.up();
+      // A point is pinned, and an area filled, by one press; a stroke goes on until the next.
+      if (editor.tool === "hint" || (editor.tool === "mask" && editor.fills)) chosen.up();
       else {
         active = chosen;
         status.say(text.penDown);

@@ -11,6 +11,7 @@ import { Editor } from "./editor.js";
 import { Exporting } from "./exporting.js";
 import { Folder } from "./folder.js";
 import { followHistory } from "./history_list.js";
+import { followBrushes } from "./brushes.js";
 import { followForms } from "./forms.js";
 import { teach } from "./first_steps.js";
 import { Importing } from "./importing.js";
@@ -35,7 +36,7 @@ import { Status } from "./status.js";
 import { claimTab } from "./tab.js";
 import { say, text, wordsOf } from "./text.js";
 import { followTheme } from "./theme.js";
-import { followTools, widen } from "./toolbar.js";
+import { followTools, turnCarving, widen } from "./toolbar.js";
 import { AreaTool, HintTool, LightTool, LineTool, MaskTool } from "./tools.js";
 
 fill();
@@ -77,7 +78,7 @@ const areas = new AreaTool(editor, () => predictor.painted, announce);
 const points = new Points([board, overlay], pins, predictor, status);
 const mask = new MaskTool(editor, () => predictor.painted, announce);
 for (const each of [board, overlay]) each.voteAt = (at) => mask.voteAt(at);
-const select = new SelectTool(editor);
+const select = new SelectTool(editor, announce);
 const arranging = new Arranging(editor, announce);
 const light = new LightTool((x, y) => lights.move(x, y));
 /** @type {Record<string, import("./tools.js").Tool | null>} */
@@ -108,6 +109,7 @@ offerSamples((doc, name) => {
 followHistory(editor, announce);
 followPaper(editor, importing);
 const nextForm = followForms(editor);
+const brush = followBrushes(editor);
 const stepLayer = followLayers(editor, inks, announce);
 autosave.addEventListener("failed", (event) => status.fail(/** @type {CustomEvent} */ (event).detail));
 
@@ -197,6 +199,11 @@ followKeys({
   f: () => panes.enlarge("result"), "shift+f": () => panes.enlarge("drawing"), c: () => panes.compare(), o: () => panes.overlay(),
   x: () => editor.set(editor.fills ? { fills: false } : { adds: !editor.adds }),
   a: () => editor.set({ tool: "mask", fills: true }),
+  z: () => turnCarving(editor),
+  w: () => (editor.tool === "brush" ? brush.turnOver() : editor.set({ tool: "brush", area: -1, brush: { ...editor.brush, smooths: true } })),
+  u: () => brush.change("soft", 1), "shift+u": () => brush.change("soft", -1),
+  i: () => brush.change("strength", 1), "shift+i": () => brush.change("strength", -1),
+  q: () => editor.set({ tool: "select", lassoes: editor.tool !== "select" || !editor.lassoes }), j: () => arranging.toLayer("new"),
   PageUp: () => stepLayer(1), PageDown: () => stepLayer(-1),
   ",": () => turn(-15), ".": () => turn(15),
   g: nextForm, t: () => result.turnOver("tiled"), k: () => result.turnOver("pixelated"),

@@ -98,15 +98,16 @@ const movedMask = (stroke, move) => ({ ...stroke, points: moved(stroke.points, 2
  * all strokes of a layer goes all that it has.
  * @param {Layer} layer
  * @param {number[]} chosen places of the strokes
+ * @param {((point: Point) => boolean) | null} [inside] tells what lies among them; else what lies within their convex hull
  * @returns {Along}
  */
-export function alongWith({ strokes, hints, areas, mask }, chosen) {
+export function alongWith({ strokes, hints, areas, mask }, chosen, inside = null) {
   const all = strokes.every(({ kind }, i) => kind === "eraser" || chosen.includes(i));
-  const hull = all ? [] : hullOf(chosen.flatMap((i) => cornersAbout(strokes[i])));
+  const hull = all || inside ? [] : hullOf(chosen.flatMap((i) => cornersAbout(strokes[i])));
   /** @template T @param {T[]} list @param {(each: T) => Point | null} at @returns {Set<number>} */
   const among = (list, at) => new Set(list.flatMap((each, i) => {
     const point = at(each);
-    return point && (all || isInside(hull, point)) ? [i] : [];
+    return point && (all || (inside ? inside(point) : isInside(hull, point))) ? [i] : [];
   }));
   const erased = among(strokes, (stroke) => (stroke.kind === "eraser" ? middleOf(stroke.points, 3) : null));
   return {

@@ -3,7 +3,7 @@
 import { context2d } from "./canvas.js";
 import { text } from "./text.js";
 
-/** @type {Map<string, HTMLImageElement>} */
+/** @type {Map<string, HTMLImageElement | HTMLCanvasElement>} */
 const known = new Map();
 /** @type {Map<string, boolean>} whether they show nothing in some places */
 const cutOut = new Map();
@@ -43,9 +43,20 @@ export async function decodeAll(urls) {
   return fresh;
 }
 
-/** Returns a picture that was decoded. @param {string} url @returns {HTMLImageElement} */
+/** Returns a picture that was decoded. @param {string} url @returns {HTMLImageElement | HTMLCanvasElement} */
 export function decoded(url) {
   return /** @type {HTMLImageElement} */ (known.get(url));
+}
+
+/** Returns what is on a canvas as a data URL that counts as decoded at once. @param {HTMLCanvasElement} canvas @returns {string} */
+export function keepDrawn(canvas) {
+  const url = canvas.toDataURL("image/png");
+  known.set(url, canvas);
+  // A browser may drop the pixels of an image that is not on show; those of a canvas it must keep.
+  const image = new Image();
+  image.src = url;
+  image.decode().then(() => known.get(url) === canvas && known.set(url, image), () => {});
+  return url;
 }
 
 /**
@@ -56,7 +67,7 @@ export function decoded(url) {
 export async function darkOnLight(url) {
   const image = decoded(url);
   const canvas = document.createElement("canvas");
-  [canvas.width, canvas.height] = [image.naturalWidth, image.naturalHeight];
+  [canvas.width, canvas.height] = [image.width, image.height];
   const context = context2d(canvas, { willReadFrequently: true });
   context.drawImage(image, 0, 0);
   const pixels = context.getImageData(0, 0, canvas.width, canvas.height);

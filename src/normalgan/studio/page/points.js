@@ -155,21 +155,21 @@ export class Points {
 
   /**
    * Returns the chosen point or area: where it is, its direction, and what it is called.
-   * @returns {{x: number, y: number, normal: import("./document.js").Normal, reach?: number, ball: "ball" | "areaBall", number: number} | undefined}
+   * @returns {{x: number, y: number, normal: import("./document.js").Normal, reach?: number, smooths?: boolean, ball: "ball" | "areaBall", number: number} | undefined}
    */
   #chosen() {
     const { editor } = this;
     const hint = editor.layer.hints[editor.chosen];
     if (hint) return { ...hint, ball: "ball", number: editor.chosen + 1 };
     const area = editor.layer.areas[editor.area];
-    return area && { ...anchorOf(area), normal: area.normal, ball: "areaBall", number: editor.area + 1 };
+    return area && { ...anchorOf(area), normal: area.normal, smooths: area.smooths, ball: "areaBall", number: editor.area + 1 };
   }
 
   #show() {
     const { editor } = this;
     const { hints, areas } = editor.layer;
     const chips = hints.map((hint, i) => this.#chip("hintName", i, hint.normal, i === editor.chosen, () => this.choose(i)));
-    chips.push(...areas.map((area, i) => this.#chip("areaName", i, area.normal, i === editor.area, () => {
+    chips.push(...areas.map((area, i) => this.#chip(area.smooths ? "smoothName" : "areaName", i, area.normal, i === editor.area, () => {
       editor.set({ area: i });
       $("ball").focus();
     })));
@@ -191,7 +191,8 @@ export class Points {
     if (!chosen) return;
     const words = { number: chosen.number, direction: inWords(chosen.normal) };
     label($("ball"), say(chosen.ball, words));
-    $("point-words").textContent = words.direction;
+    $("ball").hidden = chosen.smooths === true;
+    $("point-words").textContent = chosen.smooths ? say("smoothName", { number: chosen.number }) : words.direction;
     $("point-reach-label").hidden = editor.chosen < 0;
     this.slider.value = String(Math.round(100 * Math.sqrt(reachOf(chosen, editor.doc) / mostReach(editor.doc))));
     if (!this.popover.hidden) this.ball.show(chosen.normal);
@@ -199,12 +200,12 @@ export class Points {
   }
 
   /**
-   * @param {"hintName" | "areaName"} name @param {number} index @param {import("./document.js").Normal} normal
+   * @param {"hintName" | "areaName" | "smoothName"} name @param {number} index @param {import("./document.js").Normal} normal
    * @param {boolean} chosen @param {() => void} choose
    */
   #chip(name, index, normal, chosen, choose) {
     const words = say(name, { number: index + 1, direction: inWords(normal) });
-    const chip = make("button", { class: name === "areaName" ? "chip area" : "chip", type: "button", text: index + 1, "aria-label": words, "aria-pressed": chosen, title: words });
+    const chip = make("button", { class: name === "hintName" ? "chip" : "chip area", type: "button", text: index + 1, "aria-label": words, "aria-pressed": chosen, title: words });
     chip.style.setProperty("--colour", colourOf(normal));
     chip.addEventListener("click", choose);
     return chip;

@@ -1,6 +1,7 @@
 /** Predictor: keeps the result in step with the drawing: one request at a time, each of the newest state. */
 
 import { Away, Lacking, Refused, doubt, height, predict } from "./api.js";
+import { areasOf } from "./carving.js";
 import { drawnLayers, paintsAlike } from "./document.js";
 import { inkAt } from "./ink.js";
 
@@ -163,7 +164,8 @@ export class Predictor extends EventTarget {
    * @returns {Promise<T>}
    */
   async askAt(longest, send, more, doc = this.editor.doc) {
-    const parts = drawnLayers(doc).map(({ id, name, strokes, hints, areas, mask, source, form }) => {
+    const parts = drawnLayers(doc).map((layer) => {
+      const { id, name, strokes, hints, mask, source, form } = layer;
       const { canvas, scale, pixels } = inkAt({ width: doc.width, height: doc.height, strokes }, longest);
       const { channels, bytes } = pixels();
       const { width, height } = canvas;
@@ -173,7 +175,9 @@ export class Predictor extends EventTarget {
         id, name, source, form, base: null, bytes: bytes.length,
         planes: [{ name: "ink", width, height, channels, box: [0, 0, width, height] }],
         hints: hints.map((hint) => ({ ...hint, x: hint.x * scale, y: hint.y * scale, ...(hint.reach !== undefined && { reach: hint.reach * scale }) })),
-        areas: areas.map((area) => ({ ...area, points: scaled(area.points), ...(area.size && { size: area.size * scale }) })),
+        areas: areasOf(layer).map((area) => ({
+          ...area, points: scaled(area.points), ...(area.size && { size: area.size * scale }), ...(area.widths && { widths: scaled(area.widths) }),
+        })),
         mask_strokes: mask.map((stroke) => ({ ...stroke, points: scaled(stroke.points), size: stroke.size * scale })),
       };
       return { fields, pixels: bytes };
@@ -184,7 +188,7 @@ export class Predictor extends EventTarget {
 
   /** Returns what is sent of a layer: of its pixels those that have changed since. @param {Layer} layer @returns {Part} */
   #part(layer) {
-    const { id, name, hints, areas, mask, source, form } = layer;
+    const { id, name, hints, mask, source, form } = layer;
     const ink = this.inks.of(layer);
     const { width, height } = ink;
     const before = this.sent.get(id);
@@ -193,7 +197,7 @@ export class Predictor extends EventTarget {
     if (before && before.channels !== channels) ({ channels, box, bytes } = ink.pixels(true));
     const base = before?.channels === channels ? before.number : null;
     const planes = [{ name: "ink", width, height, channels, box }];
-    return { fields: { id, name, source, form, base, bytes: bytes.length, planes, hints, areas, mask_strokes: mask }, pixels: bytes };
+    return { fields: { id, name, source, form, base, bytes: bytes.length, planes, hints, areas: areasOf(layer), mask_strokes: mask }, pixels: bytes };
   }
 
   /**

@@ -1,27 +1,58 @@
-/** Selecting: strokes and pictures are chosen, moved, made larger or smaller, and removed. */
+/** Selecting: strokes, pictures and parts of them are chosen, moved, made larger or smaller, and removed. */
 
 import { activeLayer, withActive } from "./document.js";
+import { chosenBy, insideOf } from "./lasso.js";
 import { aboutPoint, alongWith, extentOf, isHit, movedParts, movedPicture, unitedBox } from "./moving.js";
+import { text } from "./text.js";
 
 /** @typedef {import("./editor.js").Selection} Selection @typedef {import("./tools.js").Touch} Touch */
 
 const ACCENT = "#5b62e0";
 const HANDLE = 9;
 const LEAST = 4;
+/** Numbers of a lasso at most. */
+const MOST_LASSO = 8000;
 /** Pixels from the box to the knob that turns it, and radians of its steps. */
 const [KNOB, STEP] = [26, Math.PI / 12];
 /** @type {Selection} */
 export const NOTHING = { strokes: [], pictures: [] };
 
 /** @param {Selection} selection */
-export const isNothing = ({ strokes, pictures }) => !strokes.length && !pictures.length;
+export const isNothing = (selection) => !hasInk(selection) && !selection.pictures.length;
+
+/** Whether anything of the layer is chosen. @param {Selection} selection */
+export const hasInk = ({ strokes, cuts }) => strokes.length > 0 || Boolean(cuts?.length);
+
+/** Returns what tells which points, regions and mask go along with what is chosen; null: what lies among it. @param {Selection} selection */
+export const insideOfSelection = ({ lasso }) => (lasso ? insideOf(lasso) : null);
 
 /** Returns what is chosen, as values. @param {import("./document.js").Doc} doc @param {Selection} selection */
 const itemsOf = (doc, { strokes, pictures }) =>
   [...strokes.map((i) => activeLayer(doc).strokes[i]), ...pictures.map((i) => doc.pictures[i])];
 
 /** Returns the box around all that is chosen. @param {import("./document.js").Doc} doc @param {Selection} selection */
-export const boxOfSelection = (doc, selection) => unitedBox(itemsOf(doc, selection).map(extentOf));
+export const boxOfSelection = (doc, selection) =>
+  unitedBox([...itemsOf(doc, selection).map(extentOf), ...(selection.cuts ?? []).map(({ box }) => box)]);
+
+/**
+ * Cuts the pictures of which only a part is chosen, and chooses that part.
+ * @param {import("./document.js").Doc} doc @param {Selection} selection
+ * @returns {{doc: import("./document.js").Doc, selection: Selection}} the same if there is none
+ */
+export function withCuts(doc, selection) {
+  const { strokes: whole, pictures, cuts, lasso } = selection;
+  if (!cuts?.length) return { doc, selection };
+  /** @type {import("./document.js").Stroke[]} */
+  const strokes = [];
+  /** @type {number[]} */
+  const chosen = [];
+  for (const [i, stroke] of activeLayer(doc).strokes.entries()) {
+    const parts = cuts.find(({ index }) => index === i)?.parts();
+    strokes.push(...(parts ? [parts.rest, parts.piece] : [stroke]));
+    if (parts || whole.includes(i)) chosen.push(strokes.length - 1);
+  }
+  return { doc: withActive(doc, { strokes }), selection: { strokes: chosen, pictures, lasso } };
+}
 
 /** @param {import("./moving.js").Box} box */
 const cornersOf = ({ left, top, right, bottom }) => [[left, top], [right, top], [right, bottom], [left, bottom]].map(([x, y]) => ({ x, y }));
@@ -32,9 +63,10 @@ const knobOf = ({ left, top, right }, scale) => ({ x: (left + right) / 2, y: top
 const pairOf = ({ x, y }) => [x, y];
 
 export class SelectTool {
-  /** @param {import("./editor.js").Editor} editor */
-  constructor(editor) {
+  /** @param {import("./editor.js").Editor} editor @param {import("./status.js").Announce} announce */
+  constructor(editor, announce) {
     this.editor = editor;
+    this.announce = announce;
     /** @type {{kind: "move" | "scale" | "turn" | "around", from: Touch, fixed?: {x: number, y: number}, before: Selection} | null} */
     this.held = null;
   }
@@ -58,12 +90,16 @@ export class SelectTool {
       }
     }
     const hit = this.#hit(touch);
-    if (!hit) {
+    if (!touch.straight && insideOfSelection(selection)?.(touch)) {
+      this.held = { kind: "move", from: touch, before: selection };
+      return;
+    }
+    if (!hit || (editor.lassoes && !isIn(selection, hit))) {
       this.held = { kind: "around", from: touch, before: touch.straight ? selection : NOTHING };
       if (!touch.straight) editor.set({ selection: NOTHING });
       return;
     }
-    const has = selection.strokes.includes(hit.strokes[0]) || selection.pictures.includes(hit.pictures[0]);
+    const has = isIn(selection, hit);
     if (touch.straight) editor.set({ selection: has ? without(selection, hit) : together(selection, hit) });
     else if (!has) editor.set({ selection: hit });
     this.held = { kind: "move", from: touch, before: editor.selection };
@@ -73,6 +109,13 @@ export class SelectTool {
   move(touch) {
     const { held, editor } = this;
     if (!held) return;
+    if (held.kind === "around" && editor.lassoes) {
+      editor.lasso ??= [held.from.x, held.from.y];
+      const [x, y] = editor.lasso.slice(-2);
+      if (editor.lasso.length < MOST_LASSO && Math.hypot(touch.x - x, touch.y - y) > touch.reach / 5) editor.lasso.push(touch.x, touch.y);
+      editor.mark();
+      return;
+    }
     if (held.kind === "around") {
       editor.marquee = unitedBox([held.from, touch].map(({ x, y }) => ({ left: x, top: y, right: x, bottom: y })));
       editor.mark();
@@ -99,10 +142,11 @@ export class SelectTool {
 
   up() {
     const { held, editor } = this;
-    const { marquee } = editor;
+    const { marquee, lasso } = editor;
     this.held = null;
-    editor.marquee = null;
-    if (held?.kind === "around" && marquee) {
+    editor.marquee = editor.lasso = null;
+    if (held?.kind === "around" && editor.lassoes) this.#drawnAround(held, lasso ?? []);
+    else if (held?.kind === "around" && marquee) {
       const inside = (/** @type {import("./document.js").Stroke | import("./document.js").Picture} */ item) => {
         const { left, top, right, bottom } = extentOf(item);
         return left >= marquee.left && right <= marquee.right && top >= marquee.top && bottom <= marquee.bottom;
@@ -117,16 +161,37 @@ export class SelectTool {
   cancel() {
     if (this.held && this.held.kind !== "around") this.editor.selection = this.held.before;
     this.held = null;
-    this.editor.marquee = null;
+    this.editor.marquee = this.editor.lasso = null;
     this.editor.drop();
+  }
+
+  /** Chooses what lies within a lasso; one that is only a click chooses what is there. @param {{from: Touch, before: Selection}} held @param {number[]} drawn */
+  #drawnAround({ from, before }, drawn) {
+    const { editor } = this;
+    const { layer, doc } = editor;
+    if (drawn.length < 6) {
+      const hit = this.#hit(from);
+      if (hit) editor.set({ selection: isIn(before, hit) ? without(before, hit) : together(before, hit) });
+      else editor.mark();
+      return;
+    }
+    const lasso = [...(before.lasso ?? []), drawn];
+    const inside = insideOf(lasso);
+    const { strokes, cuts } = chosenBy(layer, lasso);
+    const pictures = doc.pictures.flatMap((picture, i) => (cornersOf(extentOf(picture)).every(inside) ? [i] : []));
+    const found = together({ strokes: before.strokes, pictures: before.pictures }, { strokes, pictures });
+    // A picture that was chosen whole is cut no more.
+    const selection = { ...found, cuts: cuts.filter(({ index }) => !found.strokes.includes(index)), lasso };
+    editor.set({ selection: isNothing(selection) ? NOTHING : selection });
+    if (isNothing(selection)) this.announce(text.lassoEmpty, "warning");
   }
 
   /** Removes what is chosen. @returns {boolean} whether there was something */
   remove() {
     const { editor } = this;
-    const { strokes, pictures } = editor.selection;
     if (isNothing(editor.selection)) return false;
-    const { doc, layer } = editor;
+    const { doc, selection: { strokes, pictures } } = withCuts(editor.doc, editor.selection);
+    const layer = activeLayer(doc);
     editor.set({ selection: NOTHING });
     // Without any line, points and regions would be of nothing.
     const all = layer.strokes.every(({ kind }, i) => kind === "eraser" || strokes.includes(i));
@@ -155,6 +220,9 @@ export class SelectTool {
   }
 }
 
+/** Whether something that was hit is chosen. @param {Selection} selection @param {Selection} hit */
+const isIn = ({ strokes, pictures }, hit) => strokes.includes(hit.strokes[0]) || pictures.includes(hit.pictures[0]);
+
 /** @param {Selection} a @param {Selection} b @returns {Selection} */
 function together(a, b) {
   const both = (/** @type {number[]} */ x, /** @type {number[]} */ y) => [...new Set([...x, ...y])].sort((p, q) => p - q);
@@ -167,25 +235,33 @@ function without(a, b) {
 }
 
 /**
- * @param {import("./document.js").Doc} doc @param {Selection} selection @param {import("./moving.js").Move} move
+ * @param {import("./document.js").Doc} before @param {Selection} given @param {import("./moving.js").Move} move
  * @returns {{doc: import("./document.js").Doc, selection: Selection}} selection: of the same in the new document
  */
-export function withMoved(doc, { strokes, pictures }, move) {
+export function withMoved(before, given, move) {
+  const { doc, selection } = withCuts(before, given);
+  const { strokes, pictures } = selection;
   const layer = activeLayer(doc);
-  const { layer: moved, chosen } = strokes.length ? movedParts(layer, alongWith(layer, strokes), move, doc) : { layer, chosen: [] };
+  const { layer: moved, chosen } = strokes.length ? movedParts(layer, alongWith(layer, strokes, insideOfSelection(selection)), move, doc) : { layer, chosen: [] };
   const drawn = strokes.length ? withActive(doc, moved) : doc;
   const placed = doc.pictures.map((each, i) => (pictures.includes(i) ? movedPicture(each, move) : each));
   return { doc: pictures.length ? { ...drawn, pictures: placed } : drawn, selection: { strokes: chosen, pictures } };
 }
 
 /**
- * Draws the box around what is chosen, with a handle at each corner, and the box that is being drawn around more.
+ * Draws the box around what is chosen, with a handle at each corner, and what is being drawn around more.
  * @param {CanvasRenderingContext2D} context
  * @param {import("./camera.js").Camera} camera
  * @param {import("./editor.js").Editor} editor
  */
 export function drawSelection(context, camera, editor) {
   if (editor.tool !== "select") return;
+  for (const points of [...(editor.selection.lasso ?? []), ...(editor.lasso ? [editor.lasso] : [])]) {
+    context.beginPath();
+    for (let i = 0; i < points.length; i += 2) context.lineTo(...pairOf(camera.toPane(points[i], points[i + 1])));
+    if (points !== editor.lasso) context.closePath();
+    outline(context, true);
+  }
   const box = boxOfSelection(editor.doc, editor.selection);
   for (const each of [box, editor.marquee]) {
     if (!each) continue;
@@ -193,12 +269,7 @@ export function drawSelection(context, camera, editor) {
     const corners = cornersOf(each).map(({ x, y }) => camera.toPane(x, y));
     for (const { x, y } of corners) context.lineTo(x, y);
     context.closePath();
-    context.setLineDash(each === box ? [] : [5, 4]);
-    for (const [colour, width] of /** @type {[string, number][]} */ ([["rgb(255 255 255 / 90%)", 3], [ACCENT, 1.5]])) {
-      [context.strokeStyle, context.lineWidth] = [colour, width];
-      context.stroke();
-    }
-    context.setLineDash([]);
+    outline(context, each !== box);
     if (each !== box) continue;
     const knob = camera.toPane(...pairOf(knobOf(each, camera.scale)));
     context.beginPath();
@@ -211,4 +282,14 @@ export function drawSelection(context, camera, editor) {
       context.strokeRect(x - HANDLE / 2, y - HANDLE / 2, HANDLE, HANDLE);
     }
   }
+}
+
+/** Draws a line that is seen on light and on dark. @param {CanvasRenderingContext2D} context @param {boolean} dashed */
+function outline(context, dashed) {
+  context.setLineDash(dashed ? [5, 4] : []);
+  for (const [colour, width] of /** @type {[string, number][]} */ ([["rgb(255 255 255 / 90%)", 3], [ACCENT, 1.5]])) {
+    [context.strokeStyle, context.lineWidth] = [colour, width];
+    context.stroke();
+  }
+  context.setLineDash([]);
 }

@@ -61,6 +61,28 @@ export function drawPiece(context, line, i, last) {
 }
 
 /**
+ * Returns points along the line as it is drawn.
+ * @param {{size: number, points: number[]}} line @param {number} step pixels between them at most, about
+ * @returns {Point[]}
+ */
+export function curveOf({ points }, step) {
+  const count = points.length / 3;
+  const curve = [at(points, 0)];
+  for (let i = 0; i < count; i++) {
+    const point = at(points, i);
+    const from = curve[curve.length - 1];
+    const to = i === count - 1 ? point : middle(point, at(points, i + 1));
+    const parts = Math.ceil((Math.hypot(point.x - from.x, point.y - from.y) + Math.hypot(to.x - point.x, to.y - point.y)) / step);
+    for (let k = 1; k <= parts; k++) {
+      const [t, s] = [k / parts, 1 - k / parts];
+      const mixed = (/** @type {"x" | "y"} */ side) => s * s * from[side] + 2 * s * t * point[side] + t * t * to[side];
+      curve.push({ x: mixed("x"), y: mixed("y"), p: from.p + t * (to.p - from.p) });
+    }
+  }
+  return curve;
+}
+
+/**
  * Prepares a context for the pieces of a stroke.
  * @param {CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D} context
  * @param {"pen" | "eraser" | "picture"} kind

@@ -1,7 +1,8 @@
 /** Toolbar: which tool, how wide, how smooth; shows what the editor holds. */
 
 import { withActive } from "./document.js";
-import { $, enable, field } from "./dom.js";
+import { $, enable, field, label } from "./dom.js";
+import { icon } from "./icons.js";
 import { recalled, remember } from "./settings.js";
 import { say, text } from "./text.js";
 
@@ -13,7 +14,7 @@ const SWITCHES = ["straight", "symmetry"];
 const KEY = "normalgan-brushes";
 
 /** Keeps how lines are drawn for the next time. @param {import("./editor.js").Editor} editor */
-const keepBrushes = ({ widths, smoothing, colour }) => remember(KEY, { widths, smoothing, colour });
+const keepBrushes = ({ widths, smoothing, colour, brush }) => remember(KEY, { widths, smoothing, colour, brush });
 
 /** Takes what was kept, as far as it makes sense. @param {import("./editor.js").Editor} editor */
 function recallBrushes(editor) {
@@ -21,7 +22,9 @@ function recallBrushes(editor) {
   const widths = Object.fromEntries(Object.entries(editor.widths).map(([tool, width]) => [tool, WIDTHS.includes(before.widths?.[tool]) ? before.widths[tool] : width]));
   const smoothing = before.smoothing >= 0 && before.smoothing <= 1 ? before.smoothing : editor.smoothing;
   const colour = /^#[0-9a-f]{6}$/.test(before.colour) ? before.colour : editor.colour;
-  editor.set({ widths, smoothing, colour });
+  const share = (/** @type {"soft" | "strength"} */ part) => (before.brush?.[part] >= 0 && before.brush[part] <= 1 ? Number(before.brush[part]) : editor.brush[part]);
+  const brush = { soft: share("soft"), strength: share("strength"), smooths: before.brush?.smooths === true };
+  editor.set({ widths, smoothing, colour, brush });
 }
 
 /**
@@ -37,6 +40,9 @@ export function widen(editor, step) {
   const width = WIDTHS[Math.max(0, Math.min(WIDTHS.length - 1, at))];
   editor.set({ widths: { ...editor.widths, [kind]: width } });
 }
+
+/** Has the pen's lines cut in, then stand out, then only drawn. @param {import("./editor.js").Editor} editor */
+export const turnCarving = (editor) => editor.set({ tool: "pen", carves: editor.carves === 0 ? -1 : editor.carves < 0 ? 1 : 0 });
 
 /** @param {import("./editor.js").Editor} editor @param {import("./ink.js").Inks} inks */
 export function followTools(editor, inks) {
@@ -54,6 +60,9 @@ export function followTools(editor, inks) {
   $("mask-area").addEventListener("click", () => editor.set({ fills: true }));
   const colour = field("colour");
   colour.addEventListener("input", () => editor.set({ colour: colour.value }));
+  $("carve").addEventListener("click", () => turnCarving(editor));
+  const carveHeight = field("carve-height");
+  carveHeight.addEventListener("input", () => editor.set({ carveHeight: carveHeight.valueAsNumber / 100 }));
   for (const id of SWITCHES) $(id).addEventListener("click", () => editor.set({ [id]: !editor[id] }));
   recallBrushes(editor);
   editor.addEventListener("state", () => keepBrushes(editor));
@@ -75,6 +84,12 @@ export function followTools(editor, inks) {
       $(id).setAttribute("aria-pressed", String(editor[id]));
       $(id).hidden = !["pen", "eraser"].includes(tool);
     }
+    $("carve").hidden = tool !== "pen";
+    $("carve").setAttribute("aria-pressed", String(editor.carves !== 0));
+    $("carve").replaceChildren(icon(editor.carves > 0 ? "emboss" : "engrave"));
+    label($("carve"), editor.carves < 0 ? text.carveIn : editor.carves > 0 ? text.carveOut : text.carveNot);
+    $("carve-height-label").hidden = tool !== "pen" || editor.carves === 0;
+    carveHeight.value = String(Math.round(100 * editor.carveHeight));
     $("mask-options").hidden = tool !== "mask";
     $("mask-add").setAttribute("aria-pressed", String(editor.adds && !editor.fills));
     $("mask-cut").setAttribute("aria-pressed", String(!editor.adds && !editor.fills));

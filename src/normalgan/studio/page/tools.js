@@ -1,6 +1,7 @@
 /** Tools: what a gesture does, whether it comes from a pointer or from the keyboard. */
 
 import { Areas, layerAt } from "./areas.js";
+import { areasOf } from "./carving.js";
 import { MOST_AREAS, MOST_HINTS, MOST_MASK_STROKES, activeLayer, anchorOf, changedHint, knobOf, mostReach, withArea, withHint, withMaskStroke, withStroke } from "./document.js";
 import { nearest } from "./marks.js";
 import { meanNormal, normalAt } from "./normal.js";
@@ -64,8 +65,13 @@ export class LineTool {
     const { editor } = this;
     const kind = editor.tool === "eraser" || touch.eraser ? "eraser" : "pen";
     const { colour, symmetry, doc } = editor;
+    const carve = kind === "pen" ? editor.carves * editor.carveHeight : 0;
+    if (carve && areasOf(editor.layer).length >= MOST_AREAS) {
+      this.announce(text.tooManyAreas, "warning");
+      return;
+    }
     this.line = {
-      kind, size: editor.widths[kind], points: [], ...(kind === "pen" && colour !== "#000000" && { colour }),
+      kind, size: editor.widths[kind], points: [], ...(kind === "pen" && colour !== "#000000" && { colour }), ...(carve && { carve }),
       ...(symmetry && { mirror: doc.width / 2 }),
     };
     this.start = editor.straight || touch.straight ? touch : null;
@@ -190,7 +196,7 @@ export class LineTool {
   }
 }
 
-/** Points: a click pins or chooses one, dragging moves it. */
+/** Points: a click pins or chooses one, dragging moves it. Not before its end: the press may be the first of two fingers. */
 export class HintTool {
   /**
    * @param {import("./editor.js").Editor} editor
@@ -203,6 +209,8 @@ export class HintTool {
     this.announce = announce;
     /** @type {{index: number, dx: number, dy: number, from: Touch, moved: boolean, ring: boolean} | null} ring: its reach is changed */
     this.held = null;
+    /** @type {Touch | null} where no point was when it was pressed */
+    this.pressed = null;
   }
 
   /** @param {Touch} touch */
@@ -211,7 +219,17 @@ export class HintTool {
     const { doc, layer } = editor;
     const chosen = layer.hints[editor.chosen];
     const ring = chosen !== undefined && nearest([knobOf(chosen, doc, touch.scale)], touch, touch.reach) === 0;
-    if (this.#hold(touch, ring)) return;
+    const index = ring ? editor.chosen : nearest(layer.hints, touch, touch.reach);
+    this.pressed = index < 0 ? touch : null;
+    if (index < 0) return;
+    const { x, y } = layer.hints[index];
+    this.held = { index, dx: x - touch.x, dy: y - touch.y, from: touch, moved: false, ring };
+  }
+
+  /** Takes the suggestion at a touch, or pins a point there. @param {Touch} touch */
+  #press(touch) {
+    const { editor } = this;
+    const { doc, layer } = editor;
     const suggestion = nearest(editor.suggestions, touch, touch.reach);
     if (suggestion >= 0) {
       this.accept(suggestion);
@@ -221,24 +239,10 @@ export class HintTool {
     const front = layerAt(doc, touch);
     const other = front !== null && front.id !== layer.id;
     if (other) editor.work(front.id);
-    if (!this.#hold(touch)) this.add(touch, normalAt(this.map(), touch.x / doc.width, touch.y / doc.height));
+    const index = nearest(editor.layer.hints, touch, touch.reach);
+    if (index >= 0) editor.set({ chosen: index });
+    else this.add(touch, normalAt(this.map(), touch.x / doc.width, touch.y / doc.height));
     if (other) this.announce(say("layerWorked", { name: front.name }));
-  }
-
-  /**
-   * Chooses the point at a touch, to be moved.
-   * @param {Touch} touch @param {boolean} [ring] whether the reach of the chosen one is touched
-   * @returns {boolean} whether there is one
-   */
-  #hold(touch, ring = false) {
-    const { editor } = this;
-    const { hints } = editor.layer;
-    const index = ring ? editor.chosen : nearest(hints, touch, touch.reach);
-    if (index < 0) return false;
-    const { x, y } = hints[index];
-    this.held = { index, dx: x - touch.x, dy: y - touch.y, from: touch, moved: false, ring };
-    editor.set({ chosen: index });
-    return true;
   }
 
   /** @param {Touch} touch */
@@ -247,6 +251,7 @@ export class HintTool {
     if (!held) return;
     held.moved ||= Math.hypot(touch.x - held.from.x, touch.y - held.from.y) > touch.reach / 4;
     if (!held.moved) return;
+    if (editor.chosen !== held.index) editor.set({ chosen: held.index });
     const { state } = editor.history;
     const { x, y } = activeLayer(state).hints[held.index];
     const change = held.ring
@@ -256,12 +261,15 @@ export class HintTool {
   }
 
   up() {
-    if (this.held?.moved) this.editor.commit(this.editor.doc);
-    this.held = null;
+    const { held, pressed, editor } = this;
+    this.held = this.pressed = null;
+    if (held) editor.set({ chosen: held.index });
+    if (held?.moved) editor.commit(editor.doc);
+    if (pressed) this.#press(pressed);
   }
 
   cancel() {
-    this.held = null;
+    this.held = this.pressed = null;
     this.editor.drop();
   }
 
@@ -299,7 +307,7 @@ export class HintTool {
   }
 }
 
-/** Region and brush: what is circled is turned as a whole, what is brushed gets a direction; the ball tells which. */
+/** Region and brush: what is circled is turned as a whole, what is brushed gets a direction, which the ball tells, or is smoothed. */
 export class AreaTool {
   /**
    * @param {import("./editor.js").Editor} editor
@@ -315,16 +323,15 @@ export class AreaTool {
     /** @type {number | undefined} */
     this.size = undefined;
     this.step = 0;
+    /** Index of the area whose mark is pressed, -1 is none. */
+    this.pressed = -1;
   }
 
   /** @param {Touch} touch */
   down(touch) {
     const { editor } = this;
-    const index = nearest(editor.layer.areas.map(anchorOf), touch, touch.reach);
-    if (index >= 0) {
-      editor.set({ area: index });
-      return;
-    }
+    this.pressed = nearest(editor.layer.areas.map(anchorOf), touch, touch.reach);
+    if (this.pressed >= 0) return;
     if (editor.layer.areas.length >= MOST_AREAS) {
       this.announce(text.tooManyAreas, "warning");
       return;
@@ -348,20 +355,28 @@ export class AreaTool {
   }
 
   up() {
-    const { points, size } = this;
+    const { points, size, pressed } = this;
     this.cancel();
+    if (pressed >= 0) this.editor.set({ area: pressed });
     if (!points || (!size && points.length < 6)) return;
     const { editor } = this;
     const { doc, layer } = editor;
+    const { smooths, ...brush } = editor.brush;
+    if (size && smooths) {
+      // There is nothing to be turned: the next stroke may follow at once.
+      editor.commit(withArea(doc, { points, normal: [0, 0, 1], size, ...brush, smooths }));
+      return;
+    }
     const normal = size
       ? editor.direction ?? normalAt(this.map(), points[0] / doc.width, points[1] / doc.height)
       : meanNormal(this.map(), points, doc);
-    editor.commit(withArea(doc, { points, normal, ...(size && { size }) }));
+    editor.commit(withArea(doc, { points, normal, ...(size && { size, ...brush }) }));
     editor.set({ area: layer.areas.length });
   }
 
   cancel() {
     this.points = null;
+    this.pressed = -1;
     this.editor.outline = null;
     this.editor.mark();
   }
@@ -380,6 +395,8 @@ export class MaskTool {
     this.areas = new Areas();
     this.announce = announce;
     this.step = 1;
+    /** @type {Touch | null} where an area is clicked */
+    this.pressed = null;
   }
 
   /** @param {Touch} touch */
@@ -390,7 +407,7 @@ export class MaskTool {
       return;
     }
     if (editor.fills) {
-      this.#toggle(touch);
+      this.pressed = touch;
       return;
     }
     this.step = touch.reach / 5;
@@ -409,12 +426,14 @@ export class MaskTool {
   }
 
   up() {
-    const stroke = this.editor.maskStroke;
+    const { pressed, editor: { maskStroke: stroke } } = this;
     this.cancel();
+    if (pressed) this.#toggle(pressed);
     if (stroke) this.editor.commit(withMaskStroke(this.editor.doc, stroke));
   }
 
   cancel() {
+    this.pressed = null;
     this.editor.maskStroke = null;
     this.editor.mark();
   }

@@ -1,0 +1,49 @@
+/** Carving: lines that are cut into the object or stand out of it, as the server takes them. */
+
+import { MOST_AREAS } from "./document.js";
+import { curveOf, sidesOf, widthAt } from "./strokes.js";
+
+/** @typedef {import("./strokes.js").Point} Point @typedef {import("./document.js").Line} Line */
+/** @typedef {import("./document.js").Area & {height?: number, widths?: number[]}} Asked height: of a line that is carved; widths: at its points */
+
+/** Points of a piece of a line at most. */
+const MOST_POINTS = 4000;
+/** @type {WeakMap<object, Asked[]>} by the strokes of a layer */
+const known = new WeakMap();
+
+/** Returns what a layer's map is turned by: its areas, then the lines that are carved. @param {import("./document.js").Layer} layer @returns {Asked[]} */
+export function areasOf({ areas, strokes }) {
+  const carved = known.get(strokes) ?? strokes.flatMap((stroke, i) =>
+    stroke.kind === "pen" && stroke.carve ? piecesOf(stroke, strokes.slice(i + 1)) : []);
+  known.set(strokes, carved);
+  return [...areas, ...carved].slice(0, MOST_AREAS);
+}
+
+/** Returns a line in the pieces that were not erased later. @param {Line} line @param {import("./document.js").Stroke[]} later @returns {Asked[]} */
+function piecesOf(line, later) {
+  const erasers = later.flatMap((stroke) => (stroke.kind === "eraser" ? sidesOf(stroke).map((side) => ({ size: side.size, way: sampled(side) })) : []));
+  const isErased = (/** @type {Point} */ { x, y }) =>
+    erasers.some(({ size, way }) => way.some((each) => Math.hypot(each.x - x, each.y - y) < widthAt(size, each.p) / 2));
+  /** @type {Point[][]} */
+  const pieces = [];
+  for (const side of sidesOf(line)) {
+    /** @type {Point[]} */
+    let piece = [];
+    pieces.push(piece);
+    for (const point of sampled(side)) {
+      const erased = isErased(point);
+      if (erased || piece.length >= MOST_POINTS) pieces.push((piece = []));
+      if (!erased) piece.push(point);
+    }
+  }
+  return pieces.filter((piece) => piece.length).map((piece) => ({
+    points: piece.flatMap(({ x, y }) => [round(x), round(y)]), normal: [0, 0, 1], size: line.size, height: line.carve,
+    widths: piece.map(({ p }) => round(widthAt(line.size, p))),
+  }));
+}
+
+/** @param {number} value */
+const round = (value) => Math.round(value * 100) / 100;
+
+/** Returns points along a line, closer than it is wide. @param {{size: number, points: number[]}} side */
+const sampled = (side) => curveOf(side, Math.max(1, side.size / 3));
