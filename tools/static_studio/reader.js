@@ -1,12 +1,13 @@
-/** Reader: a small network that tells ink from ground and object from air, shown what normalgan.inference.mask.reader shows it. */
+/** Reader: a small network that tells ink from ground and object from air, shown what normalgan.inference.cleaning.reader shows it. */
 
-import { SQUARE, components, dilated, refitted, resized, rint } from "./raster.js";
+import { extreme, filtered, refitted, resized, rint } from "./raster.js";
 
 /** @typedef {(picture: Float32Array, width: number, height: number) => Promise<Float32Array>} Network three planes in; ink, presence and two more out */
 /** @typedef {{ink: Float32Array, presence: Float32Array, width: number, height: number}} Reading probabilities, at the network's size */
 
 const [LEAST, MOST, STRIDE] = [256, 384, 32];
-const [GATE, FOREIGN] = [0.25, 0.3];
+/** Weights of the pixels of the network within which ink follows brightness; and the variance below which there is nothing to follow. */
+const [WINDOW, FLAT] = [Array.from({ length: 9 }, () => 1 / 9), 1e-3];
 
 /**
  * Returns what the network sees in a picture as it comes.
@@ -37,6 +38,23 @@ export async function read({ pixels, width: wide, height: high, channels }, netw
   return { ink, presence, width, height };
 }
 
+/**
+ * Returns the brightness of a picture at a size, of a transparent one over what the network sees it on.
+ * @param {{pixels: Uint8Array, width: number, height: number, channels: number}} plane @param {number} width @param {number} height
+ */
+export function brightness({ pixels, width: wide, height: high, channels }, width, height) {
+  const grey = new Float32Array(wide * high);
+  const paper = channels === 4 ? ground(pixels) : 1;
+  for (let i = 0; i < grey.length; i++) {
+    if (channels === 1) grey[i] = pixels[i] / 255;
+    else {
+      const alpha = pixels[4 * i + 3] / 255;
+      grey[i] = ((0.299 * pixels[4 * i] + 0.587 * pixels[4 * i + 1] + 0.114 * pixels[4 * i + 2]) / 255) * alpha + paper * (1 - alpha);
+    }
+  }
+  return width === wide && height === high ? grey : refitted(grey, wide, high, width, height).map((value) => Math.max(0, Math.min(1, value)));
+}
+
 /** Returns what a transparent picture is laid over: white, or black if what is opaque is light. @param {Uint8Array} pixels */
 function ground(pixels) {
   let [seen, opaque] = [0, 0];
@@ -50,39 +68,36 @@ function ground(pixels) {
 /** Returns the presence at another size. @param {Reading} reading @param {number} width @param {number} height */
 export const presenceAt = (reading, width, height) => resized(reading.presence, reading.width, reading.height, width, height, 1, "points");
 
-/** Returns the lines at another size, as the network sees them. @param {Reading} reading @param {number} width @param {number} height */
-export const linesAt = (reading, width, height) =>
-  refitted(reading.ink, reading.width, reading.height, width, height).map((value) => Math.max(0, Math.min(1, value)));
-
 /**
- * Returns lines without those of the ground: rules, squares, captions, folds.
- * @param {Float32Array} ink @param {number} width @param {number} height @param {Reading} reading
+ * Returns the lines of the picture that was read. The slopes of ink over brightness, and over its steps, nearby add the detail
+ * that the network was not shown: He, Sun and Tang, "Guided Image Filtering", 2013, and He and Sun, "Fast Guided Filter", 2015.
+ * @param {Reading} reading @param {Float32Array} grey brightness of the picture at a size @param {number} width @param {number} height
  */
-export function dropGround(ink, width, height, reading) {
-  const likely = dilated(Uint8Array.from(reading.ink, (value) => (value > GATE ? 1 : 0)), reading.width, reading.height, SQUARE);
-  const [columns, rows] = [[width, reading.width], [height, reading.height]].map(([to, from]) => Int32Array.from({ length: to }, (_, i) => Math.min(Math.floor((i * from) / to), from - 1)));
-  const gate = new Uint8Array(ink.length);
-  const inked = new Uint8Array(ink.length);
-  let [total, believed] = [0, 0];
-  for (let y = 0, i = 0; y < height; y++) {
-    for (let x = 0; x < width; x++, i++) {
-      gate[i] = likely[rows[y] * reading.width + columns[x]];
-      inked[i] = ink[i] > 0.1 ? 1 : 0;
-      total += inked[i];
-      believed += inked[i] & gate[i];
-    }
-  }
-  if (!believed) return ink;
-  if (total - believed > FOREIGN * total) return ink.map((value, i) => (gate[i] ? value : 0));
-  const { labels, boxes } = components(inked, width, height, 8);
-  const presence = presenceAt(reading, width, height);
-  const [own, seen] = [new Float64Array(boxes.length), new Float64Array(boxes.length)];
+export function inkAt({ ink, width: wide, height: high }, grey, width, height) {
+  const small = resized(grey, width, height, wide, high, 1, Math.max(wide, high) < Math.max(width, height) ? "lines" : "points");
+  const step = steps(small, wide, high);
+  /** @param {(i: number) => number} value */
+  const mean = (value) => filtered(Float32Array.from(ink, (_, i) => value(i)), wide, high, WINDOW);
+  const [greys, rises, inks] = [mean((i) => small[i]), mean((i) => step[i]), mean((i) => ink[i])];
+  const [squares, risen] = [mean((i) => small[i] ** 2), mean((i) => step[i] ** 2)];
+  const [both, byGrey, bySteps] = [mean((i) => small[i] * step[i]), mean((i) => small[i] * ink[i]), mean((i) => step[i] * ink[i])];
+  const slopes = [new Float32Array(ink.length), new Float32Array(ink.length)];
   for (let i = 0; i < ink.length; i++) {
-    own[labels[i]] += gate[i];
-    seen[labels[i]] += presence[i];
+    const [a, b] = [squares[i] - greys[i] ** 2 + FLAT, risen[i] - rises[i] ** 2 + FLAT];
+    const [ab, ai, bi] = [both[i] - greys[i] * rises[i], byGrey[i] - greys[i] * inks[i], bySteps[i] - rises[i] * inks[i]];
+    slopes[0][i] = (b * ai - ab * bi) / (a * b - ab * ab);
+    slopes[1][i] = (a * bi - ab * ai) / (a * b - ab * ab);
   }
-  // A caption may be ink; but no object is there.
-  const dropped = boxes.map(({ area }, k) => k > 0 && ((own[k] < 0.2 * area && seen[k] < 0.3 * area) || seen[k] < 0.1 * area));
-  if (!dropped.includes(false, 1)) return ink; // nothing looks like a drawing, so nothing is known of its lines
-  return dropped.includes(true) ? ink.map((value, i) => (dropped[labels[i]] ? 0 : value)) : ink;
+  const [alongGrey, alongSteps] = slopes.map((slope) => mean((i) => slope[i]));
+  /** @param {Float32Array} values */
+  const enlarged = (values) => resized(values, wide, high, width, height, 1, "points");
+  const rest = enlarged(ink.map((value, i) => value - alongGrey[i] * small[i] - alongSteps[i] * step[i]));
+  const [steep, edged, rise] = [enlarged(alongGrey), enlarged(alongSteps), steps(grey, width, height)];
+  return grey.map((value, i) => Math.max(0, Math.min(1, steep[i] * value + edged[i] * rise[i] + rest[i])));
+}
+
+/** Returns how much brightness differs between the neighbours of each pixel. @param {Float32Array} grey @param {number} width @param {number} height */
+function steps(grey, width, height) {
+  const low = extreme(grey, width, height, 1, -1);
+  return extreme(grey, width, height, 1, 1).map((high, i) => high - low[i]);
 }

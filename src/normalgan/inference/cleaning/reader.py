@@ -8,23 +8,22 @@ import cv2
 import numpy as np
 
 from normalgan.arrays import Floats
-from normalgan.inference.reading.picture import Picture, fitted, resize
+from normalgan.inference.reading.picture import Picture, fitted
 from normalgan.weights.shipped import READER
 
 if TYPE_CHECKING:
     from onnxruntime import InferenceSession
 
-__all__ = ["Reading", "drop_ground", "lines_of", "read"]
+__all__ = ["Reading", "read"]
 
 _SIDES = 256, 384
 """Smallest and largest longer side, in pixels, of the pictures that the network sees."""
 _STRIDE = 32
 """The sides of these pictures are multiples of this many pixels."""
 _GREY = np.array([0.299, 0.587, 0.114], np.float32)
-_GATE, _FOREIGN = 0.25, 0.3
-"""Least probability of ink; and the share of improbable lines from which they are dropped pixel by pixel."""
-_REACH = 3
-"""How far lines may be from probable ink, in pixels of the network, as a width."""
+_WINDOW, _FLAT = (9, 9), 1e-3
+"""Pixels of the network within which ink follows brightness; and the variance below which there is nothing to
+follow."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +42,35 @@ class Reading:
 
     def presence_at(self, shape: tuple[int, int]) -> Floats:
         """Return the presence at a size of (H, W) pixels."""
-        return np.asarray(cv2.resize(self.presence, shape[::-1], interpolation=cv2.INTER_LINEAR), np.float32)
+        return _enlarged(self.presence, shape)
+
+    def ink_at(self, picture: Picture) -> Floats:
+        """Return the lines (H, W) in [0, 1] of the picture that was read, at any size of it.
+
+        The network is shown lines of a large drawing blurred. Nearby, ink is a linear function of brightness
+        and of its steps, where areas without an outline meet; their slopes add the detail that the network
+        was not shown: He, Sun and Tang, "Guided Image Filtering", 2013, equations 14 to 16, at the network's
+        size as in He and Sun, "Fast Guided Filter", 2015.
+
+        Args:
+            picture: (H, W), that was read.
+        """
+        grey = np.asarray(_opaque(picture) @ _GREY, np.float32)
+        small = _reduced(grey, (self.ink.shape[0], self.ink.shape[1]))
+        steps = _steps(small)
+        grey_mean, steps_mean, ink_mean = _mean(small), _mean(steps), _mean(self.ink)
+        grey_var = _mean(small * small) - grey_mean * grey_mean + _FLAT
+        steps_var = _mean(steps * steps) - steps_mean * steps_mean + _FLAT
+        both = _mean(small * steps) - grey_mean * steps_mean
+        by_grey = _mean(small * self.ink) - grey_mean * ink_mean
+        by_steps = _mean(steps * self.ink) - steps_mean * ink_mean
+        least = grey_var * steps_var - both * both
+        along_grey = _mean((steps_var * by_grey - both * by_steps) / least)
+        along_steps = _mean((grey_var * by_steps - both * by_grey) / least)
+        rest = self.ink - along_grey * small - along_steps * steps
+        found = _enlarged(along_grey, picture.size) * grey + _enlarged(rest, picture.size)
+        found += _enlarged(along_steps, picture.size) * _steps(grey)
+        return np.clip(found, 0, 1, out=found)
 
 
 def read(picture: Picture) -> Reading:
@@ -55,8 +82,7 @@ def read(picture: Picture) -> Reading:
     shape = picture.size
     side = min(max(*shape, _SIDES[0]), _SIDES[1])
     height, width = (max(round(each / _STRIDE), 1) * _STRIDE for each in fitted(shape, side))
-    method = cv2.INTER_AREA if side < max(shape) else cv2.INTER_LINEAR
-    shown = cv2.resize(_opaque(picture), (width, height), interpolation=method)
+    shown = _reduced(_opaque(picture), (height, width))
     blob = np.ascontiguousarray(shown[..., ::-1].transpose(2, 0, 1)[None], np.float32)
     found = np.asarray(_session().run(["read"], {"picture": blob})[0][0], np.float32)
     ink, presence = 1 / (1 + np.exp(-np.clip(found[:2], -30, 30)))
@@ -66,45 +92,22 @@ def read(picture: Picture) -> Reading:
     return Reading(ink, presence, np.stack([x, y]))
 
 
-def drop_ground(ink: Floats, reading: Reading) -> Floats:
-    """Return lines (h, w) without those of the paper: rules, squares, captions, folds.
-
-    Lines that are improbable all along are left out. If they are many, as on ruled paper, they are left out
-    pixel by pixel, also where they touch the drawing.
-
-    Args:
-        ink: (h, w) in [0, 1].
-        reading: of the same picture.
-    """
-    inked = ink > 0.1
-    total = int(np.count_nonzero(inked))
-    if not total:
-        return ink
-    shape = ink.shape[1], ink.shape[0]
-    near = cv2.dilate((reading.ink > _GATE).astype(np.uint8), np.ones((_REACH, _REACH), np.uint8))
-    gate = cv2.resize(near, shape, interpolation=cv2.INTER_NEAREST) > 0
-    if not (inked & gate).any():
-        return ink
-    foreign = inked & ~gate
-    if np.count_nonzero(foreign) > _FOREIGN * total:
-        return np.where(gate, ink, 0).astype(np.float32)
-    count, labels = cv2.connectedComponents(inked.astype(np.uint8), connectivity=8)
-    own = labels[inked]
-    sizes = np.bincount(own, minlength=count)
-    believed = np.bincount(own, weights=gate[inked], minlength=count)
-    presence = reading.presence_at((ink.shape[0], ink.shape[1]))
-    seen = np.bincount(own, weights=presence[inked], minlength=count)
-    # A caption may be ink; but no object is there.
-    dropped = ((believed < 0.2 * sizes) & (seen < 0.3 * sizes)) | (seen < 0.1 * sizes)
-    dropped[0] = False
-    if dropped[1:].all():  # nothing looks like a drawing, so nothing is known of its lines
-        return ink
-    return np.where(dropped[labels], 0, ink).astype(np.float32) if dropped.any() else ink
+def _mean(values: Floats) -> Floats:
+    return np.asarray(cv2.blur(values, _WINDOW), np.float32)
 
 
-def lines_of(reading: Reading, shape: tuple[int, int]) -> Floats:
-    """Return the network's lines at a size of (H, W) pixels."""
-    return np.clip(resize(reading.ink, shape), 0, 1)
+def _steps(grey: Floats) -> Floats:
+    """Return how much brightness (h, w) differs between the neighbours of each pixel."""
+    return np.asarray(cv2.morphologyEx(grey, cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8)), np.float32)
+
+
+def _reduced(values: Floats, shape: tuple[int, int]) -> Floats:
+    method = cv2.INTER_AREA if max(shape) < max(values.shape) else cv2.INTER_LINEAR
+    return np.asarray(cv2.resize(values, shape[::-1], interpolation=method), np.float32)
+
+
+def _enlarged(values: Floats, shape: tuple[int, int]) -> Floats:
+    return np.asarray(cv2.resize(values, shape[::-1], interpolation=cv2.INTER_LINEAR), np.float32)
 
 
 def _opaque(picture: Picture) -> Floats:
