@@ -165,9 +165,10 @@ class _Writer:
                     if rng.random() < 0.93
                 ][:12] or [(w / 2, h / 2, small * 0.7)]
             boxes = []
-            for _ in range(rng.integers(2, 6)):
+            many = self.chance(0.35)  # a flock, a page of tracks
+            for _ in range(rng.integers(10, 36) if many else rng.integers(2, 6)):
                 for _ in range(12):
-                    span = rng.uniform(0.2, 0.6) * small
+                    span = (rng.uniform(0.06, 0.2) if many else rng.uniform(0.2, 0.6)) * small
                     cx, cy = rng.uniform(span / 2, w - span / 2), rng.uniform(span / 2, h - span / 2)
                     if all(
                         abs(cx - x) > (span + s) * 0.52 or abs(cy - y) > (span + s) * 0.52
@@ -268,7 +269,6 @@ class _Writer:
             target = edge
             if style.pen.max() > BLACK:
                 target = np.maximum(drawn, self._rim(black, None, None))
-                self.ink_weight[(black > 0.5) & (target < 0.3)] = 0.5
         else:
             shade = (drawn * (1 - pale))[..., None] * style.darkness
             self.page = self.page * (1 - shade) + colour * shade
@@ -278,7 +278,7 @@ class _Writer:
         if painted is not None and style.pen.max() <= BLACK:
             target = np.maximum(target, mask * (painted.max(-1) <= BLACK))
         if body or self.kind in {"inverted", "flat"}:
-            self.ink_weight[target > 0.5] = 2.0
+            self.ink_weight[target > 0.5] = 1.3
         present = np.maximum(mask, np.where(whisker > 0.3, whisker, 0))
         # overlapping objects: the later one covers the earlier one's middle
         self.ink = np.maximum(self.ink * (1 - mask), target)
@@ -332,7 +332,6 @@ class _Writer:
             # A shade is not ink.
             dark = np.where(area > 0.1, area > darkness(np.full((1, 1, 3), BLACK)), dark)
             target = np.maximum(dark, self._rim(mask, np.float32(colour), None) * (dark < 0.3))
-            self.ink_weight[(mask > 0.5) & (target < 0.3)] = 0.5
         self.ink = np.maximum(self.ink * (1 - mask), target)
         count, labels, stats, _ = cv2.connectedComponentsWithStats((mask > 0.5).astype(np.uint8))
         self._place_middle(mask > 0.5)

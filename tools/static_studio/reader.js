@@ -1,11 +1,13 @@
 /** Reader: a small network that tells ink from ground and object from air, shown what normalgan.inference.cleaning.reader shows it. */
 
-import { extreme, filtered, refitted, resized, rint } from "./raster.js";
+import { components, extreme, filtered, refitted, resized, rint, where } from "./raster.js";
 
 /** @typedef {(picture: Float32Array, width: number, height: number) => Promise<Float32Array>} Network three planes in; ink, presence and two more out */
 /** @typedef {{ink: Float32Array, presence: Float32Array, width: number, height: number}} Reading probabilities, at the network's size */
 
 const [LEAST, MOST, STRIDE] = [256, 384, 32];
+/** Largest difference of brightness between neighbours in an area of one tone; and the least mean of ink, and of paper, in one of which the network is unsure. */
+const [ONE_TONE, DOUBT] = [0.08, 0.1];
 /** Weights of the pixels of the network within which ink follows brightness; and the variance below which there is nothing to follow. */
 const [WINDOW, FLAT] = [Array.from({ length: 9 }, () => 1 / 9), 1e-3];
 
@@ -19,7 +21,7 @@ export async function read({ pixels, width: wide, height: high, channels }, netw
   const side = Math.min(Math.max(longest, LEAST), MOST);
   const [width, height] = [wide, high].map((each) => Math.max(rint(Math.max(rint((each * side) / longest), 1) / STRIDE), 1) * STRIDE);
   const picture = new Float32Array(3 * width * height);
-  const paper = channels === 4 ? ground(pixels) : 1;
+  const paper = channels === 4 ? ground(pixels, wide, high) : 1;
   const plane = new Float32Array(wide * high);
   for (let c = 0; c < 3; c++) {
     // One channel says it all of a grey one.
@@ -35,7 +37,22 @@ export async function read({ pixels, width: wide, height: high, channels }, netw
   }
   const found = await network(picture, width, height);
   const [ink, presence] = [0, 1].map((c) => found.slice(c * width * height, (c + 1) * width * height).map((value) => 1 / (1 + Math.exp(-value))));
-  return { ink, presence, width, height };
+  const grey = ink.map((_, i) => 0.114 * picture[i] + 0.587 * picture[i + ink.length] + 0.299 * picture[i + 2 * ink.length]);
+  return { ink: byTone(ink, grey, width, height), presence, width, height };
+}
+
+/**
+ * Returns ink of which each area of one tone is all or nothing, where the network is unsure.
+ * @param {Float32Array} ink @param {Float32Array} grey brightness @param {number} width @param {number} height
+ */
+function byTone(ink, grey, width, height) {
+  const { labels, boxes } = components(where(steps(grey, width, height), (step) => step < ONE_TONE), width, height, 4);
+  const votes = new Float64Array(boxes.length);
+  ink.forEach((value, i) => { votes[labels[i]] += value / boxes[labels[i]].area; });
+  return ink.map((value, i) => {
+    const vote = votes[labels[i]];
+    return labels[i] && vote > DOUBT && vote < 1 - DOUBT ? Number(vote > 0.5) : value;
+  });
 }
 
 /**
@@ -44,7 +61,7 @@ export async function read({ pixels, width: wide, height: high, channels }, netw
  */
 export function brightness({ pixels, width: wide, height: high, channels }, width, height) {
   const grey = new Float32Array(wide * high);
-  const paper = channels === 4 ? ground(pixels) : 1;
+  const paper = channels === 4 ? ground(pixels, wide, high) : 1;
   for (let i = 0; i < grey.length; i++) {
     if (channels === 1) grey[i] = pixels[i] / 255;
     else {
@@ -55,14 +72,20 @@ export function brightness({ pixels, width: wide, height: high, channels }, widt
   return width === wide && height === high ? grey : refitted(grey, wide, high, width, height).map((value) => Math.max(0, Math.min(1, value)));
 }
 
-/** Returns what a transparent picture is laid over: white, or black if what is opaque is light. @param {Uint8Array} pixels */
-function ground(pixels) {
-  let [seen, opaque] = [0, 0];
-  for (let i = 0; i < pixels.length; i += 4) {
-    seen += ((0.299 * pixels[i] + 0.587 * pixels[i + 1] + 0.114 * pixels[i + 2]) / 255) * pixels[i + 3];
-    opaque += pixels[i + 3];
+/**
+ * Returns what a transparent picture is laid over: white, or black if the edge of what is opaque is light.
+ * @param {Uint8Array} pixels @param {number} width @param {number} height
+ */
+function ground(pixels, width, height) {
+  const alpha = Float32Array.from({ length: width * height }, (_, i) => pixels[4 * i + 3]);
+  const least = extreme(alpha, width, height, 1, -1);
+  let [seen, edge] = [0, 0];
+  for (let i = 0; i < alpha.length; i++) {
+    const share = alpha[i] - least[i];
+    seen += ((0.299 * pixels[4 * i] + 0.587 * pixels[4 * i + 1] + 0.114 * pixels[4 * i + 2]) / 255) * share;
+    edge += share;
   }
-  return seen < 0.6 * Math.max(opaque, 1e-6) ? 1 : 0;
+  return seen < 0.6 * Math.max(edge, 1e-6) ? 1 : 0;
 }
 
 /** Returns the presence at another size. @param {Reading} reading @param {number} width @param {number} height */

@@ -21,6 +21,10 @@ _SIDES = 256, 384
 _STRIDE = 32
 """The sides of these pictures are multiples of this many pixels."""
 _GREY = np.array([0.299, 0.587, 0.114], np.float32)
+_ONE_TONE = 0.08
+"""Largest difference of brightness between neighbours in an area of one tone, with grain and uneven light."""
+_DOUBT = 0.1
+"""Least mean of ink, and of paper, in an area of which the network is unsure; pale lines are less of a page."""
 _WINDOW, _FLAT = (9, 9), 1e-3
 """Pixels of the network within which ink follows brightness; and the variance below which there is nothing to
 follow."""
@@ -77,7 +81,7 @@ def read(picture: Picture) -> Reading:
     """Return the network's output.
 
     Args:
-        picture: the raw drawing; transparent parts become white, or black if the drawing is light.
+        picture: the raw drawing; transparent parts become white, or black if the edge of the rest is light.
     """
     shape = picture.size
     side = min(max(*shape, _SIDES[0]), _SIDES[1])
@@ -89,7 +93,25 @@ def read(picture: Picture) -> Reading:
     longest = max(height, width)
     x = (np.arange(width, dtype=np.float32) + found[2] * longest) / width
     y = (np.arange(height, dtype=np.float32)[:, None] + found[3] * longest) / height
-    return Reading(ink, presence, np.stack([x, y]))
+    return Reading(_by_tone(ink, shown @ _GREY), presence, np.stack([x, y]))
+
+
+def _by_tone(ink: Floats, grey: Floats) -> Floats:
+    """Return ink (h, w) of which each area of one tone is all or nothing, where the network is unsure.
+
+    Dark paint may be ink or not, but not both, or there would be edges inside of it.
+
+    Args:
+        ink: (h, w) in [0, 1].
+        grey: (h, w), brightness.
+    """
+    flat = np.asarray(_steps(grey) < _ONE_TONE, np.uint8)
+    count, labels = cv2.connectedComponents(flat, connectivity=4)
+    sizes = np.bincount(labels.ravel(), minlength=count)
+    votes = np.bincount(labels.ravel(), weights=ink.ravel(), minlength=count) / np.maximum(sizes, 1)
+    unsure = (votes > _DOUBT) & (votes < 1 - _DOUBT)
+    unsure[0] = False
+    return np.where(unsure[labels], votes[labels] > 0.5, ink).astype(np.float32)
 
 
 def _mean(values: Floats) -> Floats:
@@ -111,11 +133,12 @@ def _enlarged(values: Floats, shape: tuple[int, int]) -> Floats:
 
 
 def _opaque(picture: Picture) -> Floats:
-    """Return colours (h, w, 3) over white, or over black if the opaque part is light."""
+    """Return colours (h, w, 3) over white, or over black if the edge of the opaque part is light."""
     if picture.alpha is None:
         return picture.colour
     alpha = picture.alpha
-    seen = float((picture.colour @ _GREY * alpha).sum() / max(float(alpha.sum()), 1e-6))
+    edge = alpha - cv2.erode(alpha, np.ones((3, 3), np.uint8))
+    seen = float((picture.colour @ _GREY * edge).sum() / max(float(edge.sum()), 1e-6))
     paper = 1.0 if seen < 0.6 else 0.0
     return np.asarray(picture.colour * alpha[..., None] + paper * (1 - alpha[..., None]), np.float32)
 
