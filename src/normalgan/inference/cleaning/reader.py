@@ -24,7 +24,7 @@ _GREY = np.array([0.299, 0.587, 0.114], np.float32)
 _ONE_TONE = 0.08
 """Largest difference of brightness between neighbours in an area of one tone, with grain and uneven light."""
 _DOUBT = 0.1
-"""Least mean of ink, and of paper, in an area of which the network is unsure; pale lines are less of a page."""
+"""Least share of ink, and of paper, in an area that is in doubt; pale lines are less of a page."""
 _WINDOW, _FLAT = (9, 9), 1e-3
 """Pixels of the network within which ink follows brightness; and the variance below which there is nothing to
 follow."""
