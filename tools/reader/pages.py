@@ -41,7 +41,7 @@ KINDS = (
     "strokes",
     "blank",
 )
-SHARES = (0.12, 0.13, 0.06, 0.09, 0.09, 0.07, 0.08, 0.03, 0.05, 0.08, 0.04, 0.1, 0.01, 0.02, 0.02, 0.01)
+SHARES = (0.11, 0.12, 0.05, 0.10, 0.09, 0.06, 0.11, 0.03, 0.08, 0.06, 0.03, 0.1, 0.01, 0.02, 0.02, 0.01)
 BLACK = 90
 """Channel, of 255, up to which a filled area is ink; one in another colour is paint, and its edge is ink."""
 SEEN = 40
@@ -100,7 +100,7 @@ class _Writer:
             "flat": 0.6,
             "scenery": 0.75,
             "photo": 0.15,
-            "inverted": 0.15,
+            "inverted": 0.4,
             "several": 0.3,
             "tiny": 0.2,
         }.get(kind, 0.08)
@@ -177,9 +177,10 @@ class _Writer:
                 ]
                 return grid[:12] or [(w / 2, h / 2, small * 0.7)]
             boxes: list[Box] = []
-            for _ in range(rng.integers(2, 6)):
+            many = self.chance(0.35)  # a flock, a page of tracks
+            for _ in range(rng.integers(10, 36) if many else rng.integers(2, 6)):
                 for _ in range(12):
-                    span = rng.uniform(0.2, 0.6) * small
+                    span = (rng.uniform(0.06, 0.2) if many else rng.uniform(0.2, 0.6)) * small
                     cx, cy = rng.uniform(span / 2, w - span / 2), rng.uniform(span / 2, h - span / 2)
                     if all(
                         abs(cx - x) > (span + s) * 0.52 or abs(cy - y) > (span + s) * 0.52
@@ -238,7 +239,7 @@ class _Writer:
         solid = bool(mask.max(initial=0) > 0.5)
         if solid and self.rng.random() < self.coloured:
             painted = self._painted(shape, mask, move, strokes, style)
-        outline_drawn = painted is None or self.chance(0.7) or self._unseen(mask, painted)
+        outline_drawn = painted is None or self.chance(0.5) or self._unseen(mask, painted)
         body = painted is not None or (self.see_through < 1 and style.covered)
         merged = solid and body and outline_drawn and self._merged(mask, style)
         if merged:  # what is seen of such an outline is where the body ends
@@ -280,15 +281,16 @@ class _Writer:
             target = edge
             if style.pen.max() > BLACK:
                 target = np.maximum(drawn, self._rim(black, None, None))
-                self.ink_weight[(black > 0.5) & (target < 0.3)] = 0.5
         else:
             shade = (drawn * (1 - pale))[..., None] * style.darkness
             self.page = self.page * (1 - shade) + colour * shade
             target = drawn
         if not outline_drawn or merged or (painted is not None and style.outline_target):
             target = np.maximum(target, self._rim(mask, painted, ink if outline_drawn else None))
+        if painted is not None and style.pen.max() <= BLACK:
+            target = np.maximum(target, mask * (painted.max(-1) <= BLACK))
         if body or self.kind in {"inverted", "flat"}:
-            self.ink_weight[target > 0.5] = 2.0
+            self.ink_weight[target > 0.5] = 1.3
         present = np.maximum(mask, np.where(whisker > 0.3, whisker, 0))
         # overlapping objects: the later one covers the earlier one's middle
         self.ink = np.maximum(self.ink * (1 - mask), target)
@@ -342,7 +344,6 @@ class _Writer:
             # A shade is not ink.
             dark = np.where(area > 0.1, area > darkness(np.full((1, 1, 3), BLACK)), dark)
             target = np.maximum(dark, self._rim(mask, colour.astype(np.float32), None) * (dark < 0.3))
-            self.ink_weight[(mask > 0.5) & (target < 0.3)] = 0.5
         self.ink = np.maximum(self.ink * (1 - mask), target)
         count, labels, stats, _ = cv2.connectedComponentsWithStats((mask > 0.5).astype(np.uint8))
         self._place_middle(mask > 0.5)
@@ -702,6 +703,11 @@ class _Writer:
             palette[:] = palette[0]
         if self.chance(0.25):  # some are left as white as paper
             palette[rng.random(count) < 0.4] = style.paper_like
+        # A white figure with eyes as dark as its ground.
+        if self.kind in {"inverted", "flat"} and self.chance(0.35):
+            palette[:] = rng.uniform(215, 255)
+            small = np.bincount(labels.ravel(), minlength=count) < 0.02 * np.count_nonzero(mask > 0.5)
+            palette[small & (rng.random(count) < 0.6)] = np.clip(self.page.mean((0, 1)), 0, BLACK)
         colour = palette[labels]
         if shape.normal is not None and self.chance(0.5):
             box = _box(mask)

@@ -82,7 +82,7 @@ def loss_of(
     p = seen.sigmoid()
     overlap = 1 - (2 * (p * presence).sum((1, 2)) + 20) / (p.sum((1, 2)) + presence.sum((1, 2)) + 20)
     ways = ((out[:, 2:] - middle).abs().sum(1) * presence).sum() / presence.sum().clamp(min=1)
-    return (there * weight).mean() + 0.3 * overlap.mean() + 0.7 * lines.mean() + 0.5 * ways
+    return (there * weight).mean() + 0.3 * overlap.mean() + 1.2 * lines.mean() + 0.5 * ways
 
 
 def measure(model: nn.Module, views: Path, pages_of_kind: int = 24) -> dict[str, float]:

@@ -1,9 +1,8 @@
 /** Prepare: a drawing as far as it gets without the network, as normalgan.inference does it in Python. */
 
 import { decide } from "./decision.js";
-import { paintedAreas, sheetLevel } from "./painted.js";
-import { dropGround, linesAt, presenceAt, read } from "./reader.js";
-import { SQUARE, WIDE, above, blurred, boxOf, components, dilated, distance, enclosedBy, eroded, extreme, filtered, median, opposite, part, quantile, refitted, resized, ridge, rint, stretched, thinned, where } from "./raster.js";
+import { brightness, inkAt, read } from "./reader.js";
+import { SQUARE, above, blurred, boxOf, components, dilated, distance, enclosedBy, eroded, median, opposite, part, refitted, resized, ridge, rint, stretched, thinned, where } from "./raster.js";
 
 /** @typedef {{left: number, top: number, side: number, size: number}} Frame the square that the network is shown */
 /**
@@ -27,9 +26,6 @@ const ROUGH = 2;
 const MARGIN = 0.06;
 /** Half as wide as this share of the side a line is at least before it is an area. */
 const THIN = 0.02;
-const PAPER = 512;
-/** A share of the longest side: wider areas of one level are paper, or painted, and no strokes. */
-const WINDOW = 0.07;
 
 /** The drawing cannot be painted. */
 export class Unpaintable extends Error {
@@ -41,8 +37,8 @@ export class Unpaintable extends Error {
   }
 }
 
-/** A share of the picture that an object takes at least, and its ground, if no line tells it. */
-const SEEN = 0.01;
+/** Least ink of a line. */
+const LEAST = 0.3;
 
 /**
  * Prepares a drawing.
@@ -58,28 +54,27 @@ const SEEN = 0.01;
 export async function prepare(plane, size, source, longest, widths, reader, begin = () => {}) {
   const scale = longest ? longest / Math.max(plane.width, plane.height) : 1;
   const [width, height] = [plane.width, plane.height].map((side) => Math.max(1, rint(side * scale)));
-  const { dark, alpha } = brightness(plane, width, height);
+  const alpha = opacity(plane, width, height);
   const cut = alpha && isSilhouette(alpha, width, height) ? alpha : null;
   const opaque = cut && above(cut, 0.5);
-  const asked = source || opaque ? null : read(plane, reader);
-  const drawn = plane.channels === 1; // strokes are the ink as they are
+  // Strokes are the ink as they are, and the network begins before they are read.
+  const drawn = plane.channels === 1;
+  const asked = (source || opaque) && drawn ? null : read(plane, reader);
+  const grey = brightness(plane, width, height);
   /** @type {Float32Array} */
-  let ink = drawn ? dark.map((value) => 1 - value) : withoutSpecks(inkOnPaper(dark, width, height), width, height);
+  let ink = drawn ? grey.map((value) => 1 - value) : inkAt(/** @type {import("./reader.js").Reading} */ (await asked), grey, width, height);
   if (opaque) {
     const line = contour(opaque, width, height);
     ink = ink.map((value, i) => (opaque[i] ? Math.max(value, line[i]) : 0));
   }
-  const blank = !ink.some((value) => value >= 0.3);
-  const reading = drawn || (blank && alpha) ? null : await asked;
-  if (reading) ink = blank ? rimOf(reading, width, height) : dropGround(ink, width, height, reading);
   const frame = frameAround(ink, width, height, size);
-  if (!frame || (blank && !reading)) throw new Unpaintable("no_lines");
+  if (!frame || !ink.some((value) => value >= LEAST)) throw new Unpaintable("no_lines");
   const seen = shown(ink, width, height, frame, widths);
   begin(seen, frame, width / plane.width);
   const rest = { width, height, ink, frame, seen, unsure: [], alpha: null, covered: null };
   if (opaque && !source) return { ...rest, mask: opaque, alpha: cut };
   if (source === "model") return { ...rest, mask: null };
-  return { ...rest, ...decide(ink, width, height, drawn ? await asked : reading) };
+  return { ...rest, ...decide(ink, width, height, source ? null : await asked) };
 }
 
 /** Returns the square about the lines of a drawing; null if there are none. @param {Float32Array} ink @param {number} width @param {number} height @param {number} size @returns {Frame | null} */
@@ -91,86 +86,12 @@ export function frameAround(ink, width, height, size) {
   return { left: rint((left + right - side) / 2), top: rint((top + bottom - side) / 2), side: rint(side), size };
 }
 
-/** Returns the rim of what the reader sees, with its lines, where no line was found. @param {import("./reader.js").Reading} reading @param {number} width @param {number} height */
-function rimOf(reading, width, height) {
-  const object = above(presenceAt(reading, width, height), 0.5);
-  const share = object.reduce((sum, value) => sum + value, 0) / object.length;
-  if (share < SEEN || share > 1 - SEEN) throw new Unpaintable("no_lines");
-  const [lines, rim] = [linesAt(reading, width, height), contour(object, width, height)];
-  return rim.map((value, i) => (object[i] ? Math.max(value, lines[i]) : 0));
-}
-
-/**
- * Returns the darkest channel over white paper, or over the object's own colour, and the opacity if there is one.
- * @param {{pixels: Uint8Array, width: number, height: number, channels: number}} plane
- * @param {number} width @param {number} height
- */
-function brightness({ pixels, width: wide, height: high, channels }, width, height) {
-  const count = wide * high;
-  const dark = new Float32Array(count);
-  /** @type {Float32Array | null} */
-  let alpha = null;
-  if (channels === 1) {
-    for (let i = 0; i < count; i++) dark[i] = pixels[i] / 255;
-  } else {
-    alpha = new Float32Array(count);
-    for (let i = 0; i < count; i++) alpha[i] = pixels[4 * i + 3] / 255;
-    const cut = isSilhouette(alpha, wide, high);
-    const paper = [0, 1, 2].map((c) => {
-      if (!cut) return 1;
-      const own = [];
-      for (let i = 0; i < count; i++) if (pixels[4 * i + 3] > 127) own.push(pixels[4 * i + c] / 255);
-      return quantile(own);
-    });
-    for (let i = 0; i < count; i++) {
-      let least = 1;
-      for (let c = 0; c < 3; c++) {
-        const over = (pixels[4 * i + c] / 255) * alpha[i] + paper[c] * (1 - alpha[i]);
-        least = Math.min(least, over / Math.max(paper[c], 0.04));
-      }
-      dark[i] = least;
-    }
-    if (alpha.every((value) => value === 1)) alpha = null;
-  }
-  if (width === wide && height === high) return { dark, alpha };
-  /** @param {Float32Array} values */
-  const fitted = (values) => refitted(values, wide, high, width, height).map((value) => Math.max(0, Math.min(1, value)));
-  return { dark: fitted(dark), alpha: alpha && fitted(alpha) };
-}
-
-/** Returns the ink of a picture, lines about 1 and paper 0. @param {Float32Array} dark @param {number} width @param {number} height */
-function inkOnPaper(dark, width, height) {
-  const scale = Math.min(1, PAPER / Math.max(width, height));
-  const [wide, high] = [width, height].map((side) => Math.max(1, rint(side * scale)));
-  const small = scale < 1 ? resized(dark, width, height, wide, high) : dark;
-  const radius = Math.max(rint((WINDOW * Math.max(wide, high)) / 2), 2);
-  const smooth = filtered(small, wide, high, [0.25, 0.5, 0.25]);
-  const lightest = extreme(extreme(smooth, wide, high, radius, 1), wide, high, radius, -1);
-  const level = sheetLevel(lightest);
-  const { painted, paper, step } = paintedAreas(small, lightest, wide, high, level);
-  const beside = scale < 1 ? resized(paper, wide, high, width, height) : paper;
-  const darker = new Float32Array(dark.length);
-  for (let i = 0; i < darker.length; i++) darker[i] = (beside[i] - dark[i]) / Math.max(beside[i], 0.25 * level);
-  const ink = withoutGrain(stretched(darker, 1, -quantile(darker)));
-  if (!painted.includes(1)) return ink;
-  const within = eroded(painted, wide, high, WIDE);
-  const rim = where(painted, (value, i) => value > 0 && !within[i] && step[i] > 0);
-  const line = scale < 1 ? refitted(rim, wide, high, width, height) : rim;
-  return ink.map((value, i) => Math.max(value, Math.max(0, Math.min(1, line[i]))));
-}
-
-/** Returns ink with the paper's grain at 0 and the lines brought to 1. @param {Float32Array} ink */
-function withoutGrain(ink) {
-  const pale = between(ink, -Infinity, 0.3);
-  const usual = quantile(pale);
-  for (let i = 0; i < pale.length; i++) pale[i] = Math.abs(pale[i] - usual);
-  const grain = pale.length ? 1.4826 * quantile(pale) : 0;
-  const least = Math.max(4 * grain, 0.06);
-  const darker = between(ink, 2 * least, Infinity);
-  const inked = darker.length ? darker : between(ink, least, Infinity);
-  if (!inked.length) return new Float32Array(ink.length);
-  const most = Math.max(quantile(inked, 0.7), 2 * least);
-  return stretched(ink, 1 / (most - least), -least / (most - least));
+/** Returns the opacity of a picture at a size; null if all of it is opaque. @param {{pixels: Uint8Array, width: number, height: number, channels: number}} plane @param {number} width @param {number} height */
+function opacity({ pixels, width: wide, height: high, channels }, width, height) {
+  if (channels === 1) return null;
+  const alpha = Float32Array.from({ length: wide * high }, (_, i) => pixels[4 * i + 3] / 255);
+  if (alpha.every((value) => value === 1)) return null;
+  return width === wide && height === high ? alpha : refitted(alpha, wide, high, width, height).map((value) => Math.max(0, Math.min(1, value)));
 }
 
 /** Returns the values between two limits, and neither. @param {Float32Array} values @param {number} low @param {number} high */
@@ -179,18 +100,6 @@ function between(values, low, high) {
   let count = 0;
   for (let i = 0; i < values.length; i++) if (values[i] > low && values[i] < high) found[count++] = values[i];
   return found.slice(0, count);
-}
-
-/** Returns ink without dust. @param {Float32Array} ink @param {number} width @param {number} height */
-function withoutSpecks(ink, width, height) {
-  const { labels, boxes } = components(above(ink, 0.1), width, height, 8);
-  const dark = new Uint8Array(boxes.length);
-  for (let i = 0; i < ink.length; i++) if (ink[i] > 0.5) dark[labels[i]] = 1;
-  const least = Math.max(width, height) / 150;
-  const kept = boxes.map((box, i) => i === 0 || (dark[i] && Math.max(box.right - box.left, box.bottom - box.top) >= least));
-  const out = new Float32Array(ink.length);
-  for (let i = 0; i < out.length; i++) if (kept[labels[i]]) out[i] = ink[i];
-  return out;
 }
 
 /** Returns whether what is opaque is an object and not just its lines. @param {Float32Array} alpha @param {number} width @param {number} height */

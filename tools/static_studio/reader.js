@@ -1,12 +1,15 @@
-/** Reader: a small network that tells ink from ground and object from air, shown what normalgan.inference.mask.reader shows it. */
+/** Reader: a small network that tells ink from ground and object from air, shown what normalgan.inference.cleaning.reader shows it. */
 
-import { SQUARE, components, dilated, refitted, resized, rint } from "./raster.js";
+import { components, extreme, filtered, refitted, resized, rint, where } from "./raster.js";
 
 /** @typedef {(picture: Float32Array, width: number, height: number) => Promise<Float32Array>} Network three planes in; ink, presence and two more out */
 /** @typedef {{ink: Float32Array, presence: Float32Array, width: number, height: number}} Reading probabilities, at the network's size */
 
 const [LEAST, MOST, STRIDE] = [256, 384, 32];
-const [GATE, FOREIGN] = [0.25, 0.3];
+/** Largest difference of brightness between neighbours in an area of one tone; and the least mean of ink, and of paper, in one of which the network is unsure. */
+const [ONE_TONE, DOUBT] = [0.08, 0.1];
+/** Weights of the pixels of the network within which ink follows brightness; and the variance below which there is nothing to follow. */
+const [WINDOW, FLAT] = [Array.from({ length: 9 }, () => 1 / 9), 1e-3];
 
 /**
  * Returns what the network sees in a picture as it comes.
@@ -18,7 +21,7 @@ export async function read({ pixels, width: wide, height: high, channels }, netw
   const side = Math.min(Math.max(longest, LEAST), MOST);
   const [width, height] = [wide, high].map((each) => Math.max(rint(Math.max(rint((each * side) / longest), 1) / STRIDE), 1) * STRIDE);
   const picture = new Float32Array(3 * width * height);
-  const paper = channels === 4 ? ground(pixels) : 1;
+  const paper = channels === 4 ? ground(pixels, wide, high) : 1;
   const plane = new Float32Array(wide * high);
   for (let c = 0; c < 3; c++) {
     // One channel says it all of a grey one.
@@ -34,55 +37,90 @@ export async function read({ pixels, width: wide, height: high, channels }, netw
   }
   const found = await network(picture, width, height);
   const [ink, presence] = [0, 1].map((c) => found.slice(c * width * height, (c + 1) * width * height).map((value) => 1 / (1 + Math.exp(-value))));
-  return { ink, presence, width, height };
+  const grey = ink.map((_, i) => 0.114 * picture[i] + 0.587 * picture[i + ink.length] + 0.299 * picture[i + 2 * ink.length]);
+  return { ink: byTone(ink, grey, width, height), presence, width, height };
 }
 
-/** Returns what a transparent picture is laid over: white, or black if what is opaque is light. @param {Uint8Array} pixels */
-function ground(pixels) {
-  let [seen, opaque] = [0, 0];
-  for (let i = 0; i < pixels.length; i += 4) {
-    seen += ((0.299 * pixels[i] + 0.587 * pixels[i + 1] + 0.114 * pixels[i + 2]) / 255) * pixels[i + 3];
-    opaque += pixels[i + 3];
+/**
+ * Returns ink of which each area of one tone is all or nothing, where the network is unsure.
+ * @param {Float32Array} ink @param {Float32Array} grey brightness @param {number} width @param {number} height
+ */
+function byTone(ink, grey, width, height) {
+  const { labels, boxes } = components(where(steps(grey, width, height), (step) => step < ONE_TONE), width, height, 4);
+  const votes = new Float64Array(boxes.length);
+  ink.forEach((value, i) => { votes[labels[i]] += value / boxes[labels[i]].area; });
+  return ink.map((value, i) => {
+    const vote = votes[labels[i]];
+    return labels[i] && vote > DOUBT && vote < 1 - DOUBT ? Number(vote > 0.5) : value;
+  });
+}
+
+/**
+ * Returns the brightness of a picture at a size, of a transparent one over what the network sees it on.
+ * @param {{pixels: Uint8Array, width: number, height: number, channels: number}} plane @param {number} width @param {number} height
+ */
+export function brightness({ pixels, width: wide, height: high, channels }, width, height) {
+  const grey = new Float32Array(wide * high);
+  const paper = channels === 4 ? ground(pixels, wide, high) : 1;
+  for (let i = 0; i < grey.length; i++) {
+    if (channels === 1) grey[i] = pixels[i] / 255;
+    else {
+      const alpha = pixels[4 * i + 3] / 255;
+      grey[i] = ((0.299 * pixels[4 * i] + 0.587 * pixels[4 * i + 1] + 0.114 * pixels[4 * i + 2]) / 255) * alpha + paper * (1 - alpha);
+    }
   }
-  return seen < 0.6 * Math.max(opaque, 1e-6) ? 1 : 0;
+  return width === wide && height === high ? grey : refitted(grey, wide, high, width, height).map((value) => Math.max(0, Math.min(1, value)));
+}
+
+/**
+ * Returns what a transparent picture is laid over: white, or black if the edge of what is opaque is light.
+ * @param {Uint8Array} pixels @param {number} width @param {number} height
+ */
+function ground(pixels, width, height) {
+  const alpha = Float32Array.from({ length: width * height }, (_, i) => pixels[4 * i + 3]);
+  const least = extreme(alpha, width, height, 1, -1);
+  let [seen, edge] = [0, 0];
+  for (let i = 0; i < alpha.length; i++) {
+    const share = alpha[i] - least[i];
+    seen += ((0.299 * pixels[4 * i] + 0.587 * pixels[4 * i + 1] + 0.114 * pixels[4 * i + 2]) / 255) * share;
+    edge += share;
+  }
+  return seen < 0.6 * Math.max(edge, 1e-6) ? 1 : 0;
 }
 
 /** Returns the presence at another size. @param {Reading} reading @param {number} width @param {number} height */
 export const presenceAt = (reading, width, height) => resized(reading.presence, reading.width, reading.height, width, height, 1, "points");
 
-/** Returns the lines at another size, as the network sees them. @param {Reading} reading @param {number} width @param {number} height */
-export const linesAt = (reading, width, height) =>
-  refitted(reading.ink, reading.width, reading.height, width, height).map((value) => Math.max(0, Math.min(1, value)));
-
 /**
- * Returns lines without those of the ground: rules, squares, captions, folds.
- * @param {Float32Array} ink @param {number} width @param {number} height @param {Reading} reading
+ * Returns the lines of the picture that was read. The slopes of ink over brightness, and over its steps, nearby add the detail
+ * that the network was not shown: He, Sun and Tang, "Guided Image Filtering", 2013, and He and Sun, "Fast Guided Filter", 2015.
+ * @param {Reading} reading @param {Float32Array} grey brightness of the picture at a size @param {number} width @param {number} height
  */
-export function dropGround(ink, width, height, reading) {
-  const likely = dilated(Uint8Array.from(reading.ink, (value) => (value > GATE ? 1 : 0)), reading.width, reading.height, SQUARE);
-  const [columns, rows] = [[width, reading.width], [height, reading.height]].map(([to, from]) => Int32Array.from({ length: to }, (_, i) => Math.min(Math.floor((i * from) / to), from - 1)));
-  const gate = new Uint8Array(ink.length);
-  const inked = new Uint8Array(ink.length);
-  let [total, believed] = [0, 0];
-  for (let y = 0, i = 0; y < height; y++) {
-    for (let x = 0; x < width; x++, i++) {
-      gate[i] = likely[rows[y] * reading.width + columns[x]];
-      inked[i] = ink[i] > 0.1 ? 1 : 0;
-      total += inked[i];
-      believed += inked[i] & gate[i];
-    }
-  }
-  if (!believed) return ink;
-  if (total - believed > FOREIGN * total) return ink.map((value, i) => (gate[i] ? value : 0));
-  const { labels, boxes } = components(inked, width, height, 8);
-  const presence = presenceAt(reading, width, height);
-  const [own, seen] = [new Float64Array(boxes.length), new Float64Array(boxes.length)];
+export function inkAt({ ink, width: wide, height: high }, grey, width, height) {
+  const small = resized(grey, width, height, wide, high, 1, Math.max(wide, high) < Math.max(width, height) ? "lines" : "points");
+  const step = steps(small, wide, high);
+  /** @param {(i: number) => number} value */
+  const mean = (value) => filtered(Float32Array.from(ink, (_, i) => value(i)), wide, high, WINDOW);
+  const [greys, rises, inks] = [mean((i) => small[i]), mean((i) => step[i]), mean((i) => ink[i])];
+  const [squares, risen] = [mean((i) => small[i] ** 2), mean((i) => step[i] ** 2)];
+  const [both, byGrey, bySteps] = [mean((i) => small[i] * step[i]), mean((i) => small[i] * ink[i]), mean((i) => step[i] * ink[i])];
+  const slopes = [new Float32Array(ink.length), new Float32Array(ink.length)];
   for (let i = 0; i < ink.length; i++) {
-    own[labels[i]] += gate[i];
-    seen[labels[i]] += presence[i];
+    const [a, b] = [squares[i] - greys[i] ** 2 + FLAT, risen[i] - rises[i] ** 2 + FLAT];
+    const [ab, ai, bi] = [both[i] - greys[i] * rises[i], byGrey[i] - greys[i] * inks[i], bySteps[i] - rises[i] * inks[i]];
+    slopes[0][i] = (b * ai - ab * bi) / (a * b - ab * ab);
+    slopes[1][i] = (a * bi - ab * ai) / (a * b - ab * ab);
   }
-  // A caption may be ink; but no object is there.
-  const dropped = boxes.map(({ area }, k) => k > 0 && ((own[k] < 0.2 * area && seen[k] < 0.3 * area) || seen[k] < 0.1 * area));
-  if (!dropped.includes(false, 1)) return ink; // nothing looks like a drawing, so nothing is known of its lines
-  return dropped.includes(true) ? ink.map((value, i) => (dropped[labels[i]] ? 0 : value)) : ink;
+  const [alongGrey, alongSteps] = slopes.map((slope) => mean((i) => slope[i]));
+  /** @param {Float32Array} values */
+  const enlarged = (values) => resized(values, wide, high, width, height, 1, "points");
+  const rest = enlarged(ink.map((value, i) => value - alongGrey[i] * small[i] - alongSteps[i] * step[i]));
+  const [steep, edged, rise] = [enlarged(alongGrey), enlarged(alongSteps), steps(grey, width, height)];
+  return grey.map((value, i) => Math.max(0, Math.min(1, steep[i] * value + edged[i] * rise[i] + rest[i])));
+}
+
+/** Returns how much brightness differs between the neighbours of each pixel. @param {Float32Array} grey @param {number} width @param {number} height */
+function steps(grey, width, height) {
+  const low = extreme(grey, width, height, 1, -1);
+  return extreme(grey, width, height, 1, 1).map((high, i) => high - low[i]);
 }

@@ -1,7 +1,6 @@
 """Preparation: clean a drawing, find its mask and frame it for the network."""
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import cv2
@@ -10,12 +9,11 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
-from normalgan.inference.cleaning.cleaning import Cleaned, clean, ink_of_strokes
-from normalgan.inference.cleaning.silhouette import contour
-from normalgan.inference.findings import Finding, LackingError
+from normalgan.inference.cleaning.cleaning import clean
+from normalgan.inference.cleaning.reader import Reading, read
+from normalgan.inference.findings import Finding
 from normalgan.inference.mask.decision import Decision, decide
-from normalgan.inference.mask.masks import MODEL, READER, MaskOrSource
-from normalgan.inference.mask.reader import Reading, drop_ground, lines_of, read
+from normalgan.inference.mask.masks import MODEL, OUTLINE, MaskOrSource
 from normalgan.inference.network.framing import Bounds, Frame
 from normalgan.inference.network.line_width import render_model_input
 from normalgan.inference.reading.hint_files import Hints
@@ -23,9 +21,6 @@ from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, re
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths
 
 __all__ = ["Prepared", "hinted", "prepare", "reframed"]
-
-_LEAST = 0.01
-"""Share of a picture that an object takes at least, and its ground, if no line tells it."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +42,7 @@ class Prepared:
         given: the hints in pixels of the drawing, to check that they lie on the object; or None.
         unsure: findings about the mask; places are in pixels of the drawing.
         decision: how the mask was found in the lines, if it was.
-        reading: the reader's output, if it was asked.
+        reading: the reader's output, if the mask was found in the lines.
         coverage: (h, w) in [0, 1], how much of each pixel the mask covers, if it comes from the outline.
     """
 
@@ -107,12 +102,8 @@ def prepare(
     shape = picture.shape if longest is None else fitted(picture.shape, longest)
     worked = shape if max(shape) <= MOST_WORKED else fitted(shape, MOST_WORKED)
     source = mask if isinstance(mask, str) else None
-    asked = mask is None or source == READER
-    shown, reading = picture.resized(worked), None
-    if drawn:
-        cleaned = ink_of_strokes(shown)
-    else:
-        cleaned, reading = _clean_and_read(picture, shown, asked, source == READER)
+    reading = None if drawn else read(picture)
+    cleaned = clean(picture.resized(worked), reading)
     if painted is not None:
         by_hand = cv2.resize(painted, worked[::-1], interpolation=cv2.INTER_NEAREST)
         painted = np.asarray(by_hand, np.int8)
@@ -137,9 +128,11 @@ def prepare(
     elif mask is None and cleaned.silhouette is not None:
         prepared = replace(prepared, mask=cleaned.silhouette, alpha=picture.alpha)
     elif source != MODEL:
-        if drawn and asked:
+        if reading is None and source != OUTLINE:
             reading = read(picture)
-        decision = decide(walls, reading, [(x * scale, y * scale) for x, y in flips])
+        decision = decide(
+            walls, None if source == OUTLINE else reading, [(x * scale, y * scale) for x, y in flips]
+        )
         seen = bool(decision.mask.any()) or bool(flips)
         prepared = replace(
             prepared,
@@ -159,42 +152,6 @@ def _in_drawing(findings: Sequence[Finding], scale: float) -> tuple[Finding, ...
     return tuple(
         replace(each, places=tuple((x / scale, y / scale) for x, y in each.places)) for each in findings
     )
-
-
-def _clean_and_read(
-    picture: Picture, shown: Picture, asked: bool, always: bool
-) -> tuple[Cleaned, Reading | None]:
-    """Return a picture's ink and, if the reader votes on its object, the reading.
-
-    Where cleaning finds no line, as in a sprite on a flat ground, the rim of the reader's object is its line.
-
-    Args:
-        picture: the drawing.
-        shown: the same at the size that it is worked on.
-        asked: whether the reader is asked at all.
-        always: whether it is asked even if the opacity shows the object.
-
-    Raises:
-        LackingError: if neither finds anything.
-    """
-    with ThreadPoolExecutor(1) as beside:
-        # Without opacity it is asked in any case, whatever cleaning finds.
-        ahead = beside.submit(read, picture) if asked and picture.alpha is None else None
-        try:
-            cleaned = clean(shown)
-        except LackingError:
-            if ahead is None:
-                raise
-            reading = ahead.result()
-            silhouette = reading.presence_at(shown.size) > 0.5
-            if not _LEAST <= silhouette.mean() <= 1 - _LEAST:
-                raise
-            lines = np.where(silhouette, lines_of(reading, shown.size), 0)
-            return Cleaned(np.maximum(lines, contour(silhouette)).astype(np.float32), None), reading
-        if not asked or (cleaned.silhouette is not None and not always):
-            return cleaned, None
-        reading = read(picture) if ahead is None else ahead.result()
-    return replace(cleaned, ink=drop_ground(cleaned.ink, reading)), reading
 
 
 def reframed(prepared: Prepared, bounds: Bounds) -> Prepared:

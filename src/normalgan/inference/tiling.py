@@ -9,6 +9,7 @@ import numpy as np
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
 from normalgan.inference.cleaning.cleaning import clean
+from normalgan.inference.cleaning.reader import read
 from normalgan.inference.mask.decision import decide
 from normalgan.inference.mask.masks import MODEL, READER, MaskOrSource
 from normalgan.inference.network.backend import Backend
@@ -77,7 +78,8 @@ def predict_tile(
     page = picture.resized(worked, partial(resize_tile, tile=tile))
     room = (round(_BESIDE * max(worked)),) * 2
     opacity = None if page.alpha is None else wrapped(page.alpha, tile, room)
-    cleaned = clean(Picture(wrapped(page.colour, tile, room), opacity))
+    beside = Picture(wrapped(page.colour, tile, room), opacity)
+    cleaned = clean(beside, read(beside))
     ink = middle(cleaned.ink, tile, room)
     silhouette = cleaned.silhouette if mask is None else None
     found = _object(mask, ink, tile) if silhouette is None else middle(silhouette, tile, room)

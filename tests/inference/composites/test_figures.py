@@ -3,10 +3,10 @@
 import cv2
 import numpy as np
 
+from normalgan.inference.cleaning.reader import Reading
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.composites.figures import find_figures
 from normalgan.inference.mask.decision import decide
-from normalgan.inference.mask.reader import Reading
 
 SIDE = 256
 Circle = tuple[int, int, int]

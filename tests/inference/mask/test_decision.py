@@ -6,8 +6,8 @@ import pytest
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
+from normalgan.inference.cleaning.reader import Reading
 from normalgan.inference.mask.decision import decide
-from normalgan.inference.mask.reader import Reading
 
 SIDE = 256
 

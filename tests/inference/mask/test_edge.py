@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 from skimage.morphology import reconstruction
 
 from normalgan.arrays import Floats
+from normalgan.inference.cleaning.reader import Reading
 from normalgan.inference.mask.decision import decide
 from normalgan.inference.mask.masks import OUTLINE
-from normalgan.inference.mask.reader import Reading
 from normalgan.inference.network.upsampling import enlarge
 from normalgan.inference.pipeline import finish
 from normalgan.inference.preparation import prepare

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import Floats
 
-__all__ = ["contour", "enclosed_by", "is_silhouette", "over_own_colour"]
+__all__ = ["contour", "enclosed_by", "is_silhouette"]
 
 _THICK = 0.04
 """Half the width of an object at its widest, as a share of its extent; lines have less."""
@@ -70,12 +70,6 @@ def enclosed_by(barrier: NDArray[np.bool_]) -> NDArray[np.bool_]:
     cv2.floodFill(reached, None, (0, 0), 2, flags=4)
     inside: NDArray[np.bool_] = reached[1:-1, 1:-1] != 2
     return inside
-
-
-def over_own_colour(colour: Floats, alpha: Floats) -> Floats:
-    """Return colours (H, W, 3) laid over that of most of the object, so that only its lines differ."""
-    own = np.median(colour[alpha > 0.5], axis=0)
-    return np.asarray(colour * alpha[..., None] + own * (1 - alpha[..., None]), np.float32)
 
 
 def contour(silhouette: NDArray[np.bool_]) -> Floats:

@@ -5,10 +5,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Floats
+from normalgan.inference.cleaning.reader import Reading
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.composites.islands import in_rows
 from normalgan.inference.mask.decision import Decision
-from normalgan.inference.mask.reader import Reading
 from normalgan.inference.reading.drawings import SMALLEST
 
 __all__ = ["alike", "find_figures"]

@@ -8,6 +8,7 @@ from normalgan.arrays import BoolMask
 from normalgan.decoding import Decoded
 from normalgan.errors import InputError
 from normalgan.inference.cleaning.cleaning import clean
+from normalgan.inference.cleaning.reader import read
 from normalgan.inference.cleaning.silhouette import enclosed_by
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.composites.sheets import MOST_CELLS
@@ -89,7 +90,7 @@ def _lines(sheet: Decoded) -> BoolMask:
     """Return the lines of a sheet and the area they enclose, (H, W)."""
     picture = to_picture(sheet)
     worked = picture.size if max(picture.size) <= MOST_WORKED else fitted(picture.size, MOST_WORKED)
-    lines = enclosed_by(clean(picture.resized(worked)).ink > _INK)
+    lines = enclosed_by(clean(picture.resized(worked), read(picture)).ink > _INK)
     return lines if worked == picture.size else resize(lines.astype(np.float32), picture.size) > 0.5
 
 

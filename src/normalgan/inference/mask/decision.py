@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
+from normalgan.inference.cleaning.reader import Reading
 from normalgan.inference.cleaning.silhouette import enclosed_by
 from normalgan.inference.findings import Finding
 from normalgan.inference.mask.edge import snap
-from normalgan.inference.mask.reader import Reading
 from normalgan.inference.network.line_width import line_width
 from normalgan.inference.reading.picture import fitted, resize
 

@@ -1,0 +1,154 @@
+"""Reader: a small network that finds the ink and the object in a raw picture."""
+
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING
+
+import cv2
+import numpy as np
+
+from normalgan.arrays import Floats
+from normalgan.inference.reading.picture import Picture, fitted
+from normalgan.weights.shipped import READER
+
+if TYPE_CHECKING:
+    from onnxruntime import InferenceSession
+
+__all__ = ["Reading", "read"]
+
+_SIDES = 256, 384
+"""Smallest and largest longer side, in pixels, of the pictures that the network sees."""
+_STRIDE = 32
+"""The sides of these pictures are multiples of this many pixels."""
+_GREY = np.array([0.299, 0.587, 0.114], np.float32)
+_ONE_TONE = 0.08
+"""Largest difference of brightness between neighbours in an area of one tone, with grain and uneven light."""
+_DOUBT = 0.1
+"""Least share of ink, and of paper, in an area that is in doubt; pale lines are less of a page."""
+_WINDOW, _FLAT = (9, 9), 1e-3
+"""Pixels of the network within which ink follows brightness; and the variance below which there is nothing to
+follow."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """The network's output for a picture, at the network's size.
+
+    Args:
+        ink: (h, w), probability that a pixel is a line of a drawing.
+        presence: (h, w), probability that it belongs to an object; holes do not.
+        middle: (2, h, w), x and y of the middle of its object, as shares of the picture's sides.
+    """
+
+    ink: Floats
+    presence: Floats
+    middle: Floats
+
+    def presence_at(self, shape: tuple[int, int]) -> Floats:
+        """Return the presence at a size of (H, W) pixels."""
+        return _enlarged(self.presence, shape)
+
+    def ink_at(self, picture: Picture) -> Floats:
+        """Return the lines (H, W) in [0, 1] of the picture that was read, at any size of it.
+
+        The network is shown lines of a large drawing blurred. Nearby, ink is a linear function of brightness
+        and of its steps, where areas without an outline meet; their slopes add the detail that the network
+        was not shown: He, Sun and Tang, "Guided Image Filtering", 2013, equations 14 to 16, at the network's
+        size as in He and Sun, "Fast Guided Filter", 2015.
+
+        Args:
+            picture: (H, W), that was read.
+        """
+        grey = np.asarray(_opaque(picture) @ _GREY, np.float32)
+        small = _reduced(grey, (self.ink.shape[0], self.ink.shape[1]))
+        steps = _steps(small)
+        grey_mean, steps_mean, ink_mean = _mean(small), _mean(steps), _mean(self.ink)
+        grey_var = _mean(small * small) - grey_mean * grey_mean + _FLAT
+        steps_var = _mean(steps * steps) - steps_mean * steps_mean + _FLAT
+        both = _mean(small * steps) - grey_mean * steps_mean
+        by_grey = _mean(small * self.ink) - grey_mean * ink_mean
+        by_steps = _mean(steps * self.ink) - steps_mean * ink_mean
+        least = grey_var * steps_var - both * both
+        along_grey = _mean((steps_var * by_grey - both * by_steps) / least)
+        along_steps = _mean((grey_var * by_steps - both * by_grey) / least)
+        rest = self.ink - along_grey * small - along_steps * steps
+        found = _enlarged(along_grey, picture.size) * grey + _enlarged(rest, picture.size)
+        found += _enlarged(along_steps, picture.size) * _steps(grey)
+        return np.clip(found, 0, 1, out=found)
+
+
+def read(picture: Picture) -> Reading:
+    """Return the network's output.
+
+    Args:
+        picture: the raw drawing; transparent parts become white, or black if the edge of the rest is light.
+    """
+    shape = picture.size
+    side = min(max(*shape, _SIDES[0]), _SIDES[1])
+    height, width = (max(round(each / _STRIDE), 1) * _STRIDE for each in fitted(shape, side))
+    shown = _reduced(_opaque(picture), (height, width))
+    blob = np.ascontiguousarray(shown[..., ::-1].transpose(2, 0, 1)[None], np.float32)
+    found = np.asarray(_session().run(["read"], {"picture": blob})[0][0], np.float32)
+    ink, presence = 1 / (1 + np.exp(-np.clip(found[:2], -30, 30)))
+    longest = max(height, width)
+    x = (np.arange(width, dtype=np.float32) + found[2] * longest) / width
+    y = (np.arange(height, dtype=np.float32)[:, None] + found[3] * longest) / height
+    return Reading(_by_tone(ink, shown @ _GREY), presence, np.stack([x, y]))
+
+
+def _by_tone(ink: Floats, grey: Floats) -> Floats:
+    """Return ink (h, w) of which each area of one tone is all or nothing, where the network is unsure.
+
+    Dark paint may be ink or not, but not both, or there would be edges inside of it.
+
+    Args:
+        ink: (h, w) in [0, 1].
+        grey: (h, w), brightness.
+    """
+    flat = np.asarray(_steps(grey) < _ONE_TONE, np.uint8)
+    count, labels = cv2.connectedComponents(flat, connectivity=4)
+    sizes = np.bincount(labels.ravel(), minlength=count)
+    votes = np.bincount(labels.ravel(), weights=ink.ravel(), minlength=count) / np.maximum(sizes, 1)
+    unsure = (votes > _DOUBT) & (votes < 1 - _DOUBT)
+    unsure[0] = False
+    return np.where(unsure[labels], votes[labels] > 0.5, ink).astype(np.float32)
+
+
+def _mean(values: Floats) -> Floats:
+    return np.asarray(cv2.blur(values, _WINDOW), np.float32)
+
+
+def _steps(grey: Floats) -> Floats:
+    """Return how much brightness (h, w) differs between the neighbours of each pixel."""
+    return np.asarray(cv2.morphologyEx(grey, cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8)), np.float32)
+
+
+def _reduced(values: Floats, shape: tuple[int, int]) -> Floats:
+    method = cv2.INTER_AREA if max(shape) < max(values.shape) else cv2.INTER_LINEAR
+    return np.asarray(cv2.resize(values, shape[::-1], interpolation=method), np.float32)
+
+
+def _enlarged(values: Floats, shape: tuple[int, int]) -> Floats:
+    return np.asarray(cv2.resize(values, shape[::-1], interpolation=cv2.INTER_LINEAR), np.float32)
+
+
+def _opaque(picture: Picture) -> Floats:
+    """Return colours (h, w, 3) over white, or over black if the edge of the opaque part is light."""
+    if picture.alpha is None:
+        return picture.colour
+    alpha = picture.alpha
+    edge = alpha - cv2.erode(alpha, np.ones((3, 3), np.uint8))
+    seen = float((picture.colour @ _GREY * edge).sum() / max(float(edge.sum()), 1e-6))
+    paper = 1.0 if seen < 0.6 else 0.0
+    return np.asarray(picture.colour * alpha[..., None] + paper * (1 - alpha[..., None]), np.float32)
+
+
+@cache
+def _session() -> "InferenceSession":
+    import onnxruntime  # takes a third of a second, which a given mask saves
+
+    options = onnxruntime.SessionOptions()
+    options.log_severity_level = 4
+    options.intra_op_num_threads = 1
+    options.add_session_config_entry("session.intra_op.allow_spinning", "0")
+    return onnxruntime.InferenceSession(READER.read_bytes(), options, providers=["CPUExecutionProvider"])
