@@ -2,7 +2,7 @@
 
 grounds.py VIEWS [--count 36] [--side 400] [--sheet OUT.png]
 
-Objects of VIEWS that the reader was not trained on, drawn in fourteen ways each: by a pen or a pencil, painted
+Objects of VIEWS that the reader was not trained on, each drawn in fourteen ways: by pen or pencil, painted
 with and without an outline, on paper, dark, ruled, coloured or transparent. The error counts where the object
 surely is; outside of the mask it is 90°.
 """
@@ -34,7 +34,7 @@ def plane(lines: Sequence[Points], side: int, width: int | None) -> Floats:
     else:
         for line in points:
             cv2.polylines(drawn, [line], False, (255,), width, cv2.LINE_AA, 4)
-    return drawn[..., None] / np.float32(255)
+    return np.asarray(drawn[..., None] / 255, np.float32)
 
 
 def drawings(shape: Shape, side: int, rng: Rng) -> tuple[dict[str, Floats], NDArray[np.bool_]]:
