@@ -69,7 +69,9 @@ function meet(one, other, free, width, rounds) {
   // 1 is inside, 2 outside.
   const side = one.slice();
   for (let i = 0; i < side.length; i++) if (other[i]) side[i] = 2;
-  let edge = [...side.keys()].filter((at) => side[at]);
+  /** @type {number[]} */
+  let edge = [];
+  side.forEach((kind, at) => { if (kind) edge.push(at); });
   for (let round = 0; round < rounds && edge.length; round++) {
     const next = [];
     for (const kind of [1, 2]) {
