@@ -109,10 +109,12 @@ def test_the_front_hides_the_back(model: Path, tmp_path: Path) -> None:
 
 def test_a_layer_is_seen_among_the_others(model: Path, tmp_path: Path) -> None:
     with serving(model, tmp_path) as client:
-        alone = pixels(client.post("/api/predict", json=asking(1, picture=b64(png(FRONT)))))
-        both = client.post("/api/predict", json=ask(2, layer(1, "Body", BACK), layer(2, "Head", FRONT)))
+        alone = pixels(client.post("/api/predict", json=asking(1, picture=b64(png(FRONT)), source="outline")))
+        both = client.post(
+            "/api/predict", json=ask(2, layer(1, "Body", BACK), layer(2, "Head", FRONT), source="outline")
+        )
         one = np.where(alone[..., 3] > 0, FRONT, np.minimum(BACK, FRONT))
-        whole = pixels(client.post("/api/predict", json=asking(3, picture=b64(png(one)))))
+        whole = pixels(client.post("/api/predict", json=asking(3, picture=b64(png(one)), source="outline")))
     # The ramp that this network gives runs over all that it is shown.
     inside = cv2.erode(whole[..., 3], np.ones((9, 9), np.uint8)) == 255
     assert np.abs(pixels(both)[inside].astype(int) - whole[inside]).max() <= 2

@@ -79,7 +79,7 @@ def predict_tile(
     room = (round(_BESIDE * max(worked)),) * 2
     opacity = None if page.alpha is None else wrapped(page.alpha, tile, room)
     beside = Picture(wrapped(page.colour, tile, room), opacity)
-    cleaned = clean(beside, read(beside))
+    cleaned = clean(beside, read(beside), repeats=True)
     ink = middle(cleaned.ink, tile, room)
     silhouette = cleaned.silhouette if mask is None else None
     found = _object(mask, ink, tile) if silhouette is None else middle(silhouette, tile, room)

@@ -120,6 +120,21 @@ def test_lines_on_a_painted_body_are_seen() -> None:
     assert (ink[eye > 0] > 0.5).mean() > 0.9
 
 
+@pytest.mark.parametrize("mortar", [(70, 40, 40), (220, 215, 205)], ids=["dark", "light"])
+def test_the_joints_of_a_surface_that_repeats_are_its_lines(mortar: tuple[int, int, int]) -> None:
+    wall = np.full((256, 256, 3), (170, 80, 60), np.float32)
+    joints = np.zeros((256, 256), np.bool_)
+    for row, top in enumerate(range(0, 256, 32)):
+        joints[top : top + 3] = True
+        for left in range(32 * (row % 2), 256, 64):
+            joints[top : top + 32, left : left + 3] = True
+    wall[joints] = mortar
+    picture = Picture(wall / 255, None)
+    ink = clean(picture, read(picture), repeats=True).ink
+    assert ink[joints].mean() > 0.9
+    assert ink[~joints].mean() < 0.1
+
+
 def test_dust_is_left_out() -> None:
     dusty = INK.copy()
     dusty[10, 10] = dusty[180, 280] = 1

@@ -2,11 +2,12 @@
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import Floats
-from normalgan.inference.cleaning.reader import Reading
+from normalgan.inference.cleaning.reader import GREY, Reading, over_paper
 from normalgan.inference.cleaning.silhouette import contour, enclosed_by, is_silhouette
 from normalgan.inference.findings import LackingError
 from normalgan.inference.reading.picture import Picture
@@ -15,6 +16,9 @@ __all__ = ["Cleaned", "clean"]
 
 _LEAST = 0.3
 """Least ink of a line."""
+_JOINT, _GRAIN = (9, 0.035), 0.06
+"""A line on a surface is narrower than these pixels, or than this share of the longer side; and how much its
+grain differs in brightness."""
 _BLACK, _VOIDS = 0.15, 1.05
 """The lightest black ink; and what it encloses with itself, as a multiple of itself, at least."""
 
@@ -32,18 +36,22 @@ class Cleaned:
     silhouette: NDArray[np.bool_] | None
 
 
-def clean(picture: Picture, reading: Reading | None) -> Cleaned:
+def clean(picture: Picture, reading: Reading | None, repeats: bool = False) -> Cleaned:
     """Return the ink of a drawing: a photo, a scan, pencil, chalk, coloured, painted or transparent.
 
     Args:
         picture: the drawing.
         reading: of it, at any size; None if it is nothing but dark strokes on white, which are the ink.
+        repeats: whether it may be a surface that goes on beyond its edges, such as bricks. The reader takes
+            one for ground.
 
     Raises:
         LackingError: if it holds no line.
     """
     silhouette = None
     ink = 1 - picture.colour.min(-1) if reading is None else reading.ink_at(picture)
+    if repeats:
+        ink = np.maximum(ink, _joints(np.asarray(over_paper(picture) @ GREY, np.float32)))
     if (
         picture.alpha is not None
         and is_silhouette(picture.alpha)
@@ -56,6 +64,19 @@ def clean(picture: Picture, reading: Reading | None) -> Cleaned:
             "no line is seen in it; a sketch needs lines that differ from their paper.", "no_lines"
         )
     return Cleaned(np.asarray(ink, np.float32), silhouette)
+
+
+def _joints(grey: Floats) -> Floats:
+    """Return the thin lines (H, W) in [0, 1] of a surface: dark ones, or light ones if they stand out more.
+
+    Hats of Serra, "Image Analysis and Mathematical Morphology", 1982.
+    """
+    width = max(_JOINT[0], round(_JOINT[1] * max(grey.shape)))
+    window = np.ones((width, width), np.uint8)
+    hats = [cv2.morphologyEx(grey, way, window) for way in (cv2.MORPH_BLACKHAT, cv2.MORPH_TOPHAT)]
+    lines = np.asarray(max(hats, key=np.sum), np.float32)
+    strongest = max(float(np.quantile(lines, 0.99)), 2 * _GRAIN)
+    return np.clip((lines - _GRAIN) / (strongest - _GRAIN), 0, 1).astype(np.float32)
 
 
 def _is_ink(colour: Floats, alpha: Floats) -> bool:

@@ -14,13 +14,14 @@ from normalgan.weights.shipped import READER
 if TYPE_CHECKING:
     from onnxruntime import InferenceSession
 
-__all__ = ["Reading", "read"]
+__all__ = ["GREY", "Reading", "over_paper", "read"]
 
 _SIDES = 256, 384
 """Smallest and largest longer side, in pixels, of the pictures that the network sees."""
 _STRIDE = 32
 """The sides of these pictures are multiples of this many pixels."""
-_GREY = np.array([0.299, 0.587, 0.114], np.float32)
+GREY = np.array([0.299, 0.587, 0.114], np.float32)
+"""Shares of red, green and blue in the brightness of a picture."""
 _ONE_TONE = 0.08
 """Largest difference of brightness between neighbours in an area of one tone, with grain and uneven light."""
 _DOUBT = 0.1
@@ -59,7 +60,7 @@ class Reading:
         Args:
             picture: (H, W), that was read.
         """
-        grey = np.asarray(_opaque(picture) @ _GREY, np.float32)
+        grey = np.asarray(over_paper(picture) @ GREY, np.float32)
         small = _reduced(grey, (self.ink.shape[0], self.ink.shape[1]))
         steps = _steps(small)
         grey_mean, steps_mean, ink_mean = _mean(small), _mean(steps), _mean(self.ink)
@@ -86,14 +87,14 @@ def read(picture: Picture) -> Reading:
     shape = picture.size
     side = min(max(*shape, _SIDES[0]), _SIDES[1])
     height, width = (max(round(each / _STRIDE), 1) * _STRIDE for each in fitted(shape, side))
-    shown = _reduced(_opaque(picture), (height, width))
+    shown = _reduced(over_paper(picture), (height, width))
     blob = np.ascontiguousarray(shown[..., ::-1].transpose(2, 0, 1)[None], np.float32)
     found = np.asarray(_session().run(["read"], {"picture": blob})[0][0], np.float32)
     ink, presence = 1 / (1 + np.exp(-np.clip(found[:2], -30, 30)))
     longest = max(height, width)
     x = (np.arange(width, dtype=np.float32) + found[2] * longest) / width
     y = (np.arange(height, dtype=np.float32)[:, None] + found[3] * longest) / height
-    return Reading(_by_tone(ink, shown @ _GREY), presence, np.stack([x, y]))
+    return Reading(_by_tone(ink, shown @ GREY), presence, np.stack([x, y]))
 
 
 def _by_tone(ink: Floats, grey: Floats) -> Floats:
@@ -132,13 +133,13 @@ def _enlarged(values: Floats, shape: tuple[int, int]) -> Floats:
     return np.asarray(cv2.resize(values, shape[::-1], interpolation=cv2.INTER_LINEAR), np.float32)
 
 
-def _opaque(picture: Picture) -> Floats:
+def over_paper(picture: Picture) -> Floats:
     """Return colours (h, w, 3) over white, or over black if the edge of the opaque part is light."""
     if picture.alpha is None:
         return picture.colour
     alpha = picture.alpha
     edge = alpha - cv2.erode(alpha, np.ones((3, 3), np.uint8))
-    seen = float((picture.colour @ _GREY * edge).sum() / max(float(edge.sum()), 1e-6))
+    seen = float((picture.colour @ GREY * edge).sum() / max(float(edge.sum()), 1e-6))
     paper = 1.0 if seen < 0.6 else 0.0
     return np.asarray(picture.colour * alpha[..., None] + paper * (1 - alpha[..., None]), np.float32)
 
