@@ -129,7 +129,7 @@ def test_the_joints_of_a_surface_that_repeats_are_its_lines(mortar: tuple[int, i
         for left in range(32 * (row % 2), 256, 64):
             joints[top : top + 32, left : left + 3] = True
     wall[joints] = mortar
-    picture = Picture(wall / 255, None)
+    picture = Picture(wall / np.float32(255), None)
     ink = clean(picture, read(picture), repeats=True).ink
     assert ink[joints].mean() > 0.9
     assert ink[~joints].mean() < 0.1

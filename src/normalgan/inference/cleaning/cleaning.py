@@ -76,7 +76,7 @@ def _joints(grey: Floats) -> Floats:
     hats = [cv2.morphologyEx(grey, way, window) for way in (cv2.MORPH_BLACKHAT, cv2.MORPH_TOPHAT)]
     lines = np.asarray(max(hats, key=np.sum), np.float32)
     strongest = max(float(np.quantile(lines, 0.99)), 2 * _GRAIN)
-    return np.clip((lines - _GRAIN) / (strongest - _GRAIN), 0, 1).astype(np.float32)
+    return np.asarray(np.clip((lines - _GRAIN) / (strongest - _GRAIN), 0, 1), np.float32)
 
 
 def _is_ink(colour: Floats, alpha: Floats) -> bool:
