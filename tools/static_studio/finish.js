@@ -52,6 +52,7 @@ export async function finish(prepared, painted, refiner, hand = null) {
   const out = restored(coarse, prepared, 3);
   if (frame.side > ENLARGED * frame.size) await refine(out, prepared, mask, refiner);
   for (let i = 0; i < out.length; i += 3) {
+    out[i + 2] = Math.max(out[i + 2], 0); // what is seen does not face away
     const size = Math.sqrt(out[i] * out[i] + out[i + 1] * out[i + 1] + out[i + 2] * out[i + 2]);
     if (size > 1e-8) for (let c = 0; c < 3; c++) out[i + c] /= size;
     else out.set([0, 0, 1], i);

@@ -68,6 +68,8 @@ def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsampl
         mask = covered > 0.5
         normals = resize(normals, prepared.shape)
         shown = None if shown is None else resize(shown, prepared.shape)
+    # What is seen does not face away; off the object its normals, continued, would.
+    np.maximum(normals[..., 2], 0, out=normals[..., 2])
     # Some have no direction: between opposite ones, and beyond the frame.
     normals = unit(normals, front=True, out=normals if enlarged else None)
     pins = prepared.pins
