@@ -51,7 +51,7 @@ def clean(picture: Picture, reading: Reading | None, repeats: bool = False) -> C
     silhouette = None
     ink = 1 - picture.colour.min(-1) if reading is None else reading.ink_at(picture)
     if repeats:
-        ink = np.maximum(ink, _joints(np.asarray(over_paper(picture) @ GREY, np.float32)))
+        ink = _of_surface(ink, np.asarray(over_paper(picture) @ GREY, np.float32))
     if (
         picture.alpha is not None
         and is_silhouette(picture.alpha)
@@ -66,17 +66,24 @@ def clean(picture: Picture, reading: Reading | None, repeats: bool = False) -> C
     return Cleaned(np.asarray(ink, np.float32), silhouette)
 
 
-def _joints(grey: Floats) -> Floats:
-    """Return the thin lines (H, W) in [0, 1] of a surface: dark ones, or light ones if they stand out more.
+def _of_surface(ink: Floats, grey: Floats) -> Floats:
+    """Return the ink (H, W) of a surface: the areas of the reader's ink, and thin lines, dark or light.
 
-    Hats of Serra, "Image Analysis and Mathematical Morphology", 1982.
+    Of dark and light lines those count that stand out more. Hats of Serra, "Image Analysis and Mathematical
+    Morphology", 1982.
+
+    Args:
+        ink: (H, W) in [0, 1], by the reader, to which close lines are one.
+        grey: (H, W), brightness.
     """
     width = max(_JOINT[0], round(_JOINT[1] * max(grey.shape)))
     window = np.ones((width, width), np.uint8)
     hats = [cv2.morphologyEx(grey, way, window) for way in (cv2.MORPH_BLACKHAT, cv2.MORPH_TOPHAT)]
     lines = np.asarray(max(hats, key=np.sum), np.float32)
     strongest = max(float(np.quantile(lines, 0.99)), 2 * _GRAIN)
-    return np.asarray(np.clip((lines - _GRAIN) / (strongest - _GRAIN), 0, 1), np.float32)
+    joints = np.clip((lines - _GRAIN) / (strongest - _GRAIN), 0, 1)
+    areas = cv2.morphologyEx(np.asarray(ink, np.float32), cv2.MORPH_OPEN, window)
+    return np.asarray(np.maximum(areas, joints), np.float32)
 
 
 def _is_ink(colour: Floats, alpha: Floats) -> bool:
