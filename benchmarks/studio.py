@@ -283,7 +283,7 @@ def begin(page: Page, address: str, side: int, *, again: bool) -> Hand:
 
 
 def with_cores(site: Path, folder: Path, cores: int) -> Path:
-    """Return a copy, in a folder, of the page without a server whose networks are told of so many cores."""
+    """Copy the page without a server into a folder, and let its networks believe in a number of cores."""
     copy = shutil.copytree(site, folder / "draw")
     networks = copy / "page" / "networks.js"
     told = f'Object.defineProperty(navigator, "hardwareConcurrency", {{ value: {cores} }});\n'

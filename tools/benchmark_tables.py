@@ -216,7 +216,7 @@ def folds() -> list[str]:
     lines = section("All 20 meshes, five folds", "folds_64", text)
     figures = {heading: cell for heading, cell in FIGURES.items() if not heading.startswith("median")}
     lines += table(labelled(rows), {**figures, **less_the_paper(rows)}, "method")
-    lines += ["", "The gain of hints, less no hints:"]
+    lines += ["", "How much hints change the error:"]
     gains = {f"{n} hints": beside((), str(n), "0") for n in (5, 10, 15, 20, 50)}
     lines += table(labelled(rows), gains, "method")
     by_mesh = f"By mesh, ours leads by {lead(rows, '0')} without hints, and by {lead(rows, '15')} with 15."
@@ -282,7 +282,7 @@ def placement() -> list[str]:
     gains = [
         f"{n} hints: {beside((), f'uniform-{n}', '0')(rows['paper-uniform-17'])}" for n in (3, 10, 17, 30, 60)
     ]
-    lines += ["", "What uniform hints change for the network trained with 17 of them, less no hints:"]
+    lines += ["", "How much uniform hints change the error of the network that was trained with 17 of them:"]
     return [*lines, "; ".join(gains) + "."]
 
 

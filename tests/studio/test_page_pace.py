@@ -104,7 +104,7 @@ def test_the_end_of_a_stroke_waits_for_no_draft(studio: Studio, side: int, coars
 
 
 def draw_slowly(studio: Studio, took: int) -> None:
-    """Begin a drawing whose whole maps take so many milliseconds; else the page's clock stands still."""
+    """Begin a drawing; on the page's clock, only whole maps take time: ``took`` milliseconds each."""
     page = studio.page
     page.evaluate("() => { window.time = 0; performance.now = () => time; }")
     studio.new(512, 512)
@@ -130,7 +130,7 @@ def draw_slowly(studio: Studio, took: int) -> None:
 def test_a_draft_is_waited_for_where_a_hand_would_see_no_map_for_too_long(
     studio: Studio, took: int, since: int, waits: bool
 ) -> None:
-    """A whole map takes so many milliseconds; the pen lifts so many after a map, while a draft is painted."""
+    """The pen lifts ``since`` milliseconds after a map, while a draft is painted."""
     page = studio.page
     draw_slowly(studio, took)
     with studio.repainting():

@@ -10,8 +10,8 @@ import numpy as np
 from normalgan.arrays import BoolMask, Floats
 from normalgan.inference.edits import MOST_PINS, REACH, enforce_pins
 from normalgan.inference.findings import Finding, LackingError
-from normalgan.inference.histogram import ranked
 from normalgan.inference.mask.edge import soft_edge
+from normalgan.inference.medians import ranked
 from normalgan.inference.network.backend import Backend
 from normalgan.inference.network.upsampling import Coarse, Upsampler
 from normalgan.inference.normal_map import NormalMap

@@ -42,7 +42,7 @@ class Prepared:
         given: the hints in pixels of the drawing, to check that they lie on the object; or None.
         unsure: findings about the mask; places are in pixels of the drawing.
         decision: how the mask was found in the lines, if it was.
-        reading: the reader's output, if the mask was found in the lines.
+        reading: the reader's output, if it voted on the mask.
         coverage: (h, w) in [0, 1], how much of each pixel the mask covers, if it comes from the outline.
     """
 
@@ -128,11 +128,11 @@ def prepare(
     elif mask is None and cleaned.silhouette is not None:
         prepared = replace(prepared, mask=cleaned.silhouette, alpha=picture.alpha)
     elif source != MODEL:
-        if reading is None and source != OUTLINE:
+        if source == OUTLINE:
+            reading = None  # the lines alone decide
+        elif reading is None:
             reading = read(picture)
-        decision = decide(
-            walls, None if source == OUTLINE else reading, [(x * scale, y * scale) for x, y in flips]
-        )
+        decision = decide(walls, reading, [(x * scale, y * scale) for x, y in flips])
         seen = bool(decision.mask.any()) or bool(flips)
         prepared = replace(
             prepared,

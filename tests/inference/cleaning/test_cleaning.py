@@ -78,7 +78,7 @@ def test_a_clean_drawing_stays_as_it_is() -> None:
     assert ((ink > 0.5) == (INK > 0.5)).mean() > 0.99
 
 
-def test_strokes_that_nobody_photographed_are_the_ink_as_they_are() -> None:
+def test_strokes_are_the_ink_as_they_are() -> None:
     assert np.abs(clean(Picture(grey(INK), None), None).ink - INK).max() < 1e-6
     with pytest.raises(InputError, match="no line is seen"):
         clean(Picture(grey(0 * INK), None), None)
@@ -133,6 +133,24 @@ def test_the_joints_of_a_surface_that_repeats_are_its_lines(mortar: tuple[int, i
     ink = clean(picture, read(picture), repeats=True).ink
     assert ink[joints].mean() > 0.9
     assert ink[~joints].mean() < 0.1
+
+
+def test_close_lines_of_a_surface_stay_apart() -> None:
+    drawn = np.zeros((512, 512), np.float32)
+    drawn[40::64] = drawn[41::64] = drawn[45::64] = drawn[46::64] = 1
+    picture = Picture(grey(drawn), None)
+    ink = clean(picture, read(picture), repeats=True).ink
+    assert ink[drawn > 0].min() > 0.9
+    assert ink[drawn == 0].max() < 0.1
+
+
+def test_a_white_figure_with_a_dark_outline_on_nothing_has_just_that_line() -> None:
+    line = INK * FILLED
+    colour = np.repeat(1 - line[..., None], 3, axis=-1)
+    ink = cleaned_of(Picture(colour, FILLED)).ink
+    inner = cv2.erode(FILLED, np.ones((15, 15))) > 0
+    assert ink[line > 0.9].mean() > 0.9
+    assert ink[inner].max() < 0.1
 
 
 def test_dust_is_left_out() -> None:

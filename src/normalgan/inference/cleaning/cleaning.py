@@ -69,8 +69,8 @@ def clean(picture: Picture, reading: Reading | None, repeats: bool = False) -> C
 def _of_surface(ink: Floats, grey: Floats) -> Floats:
     """Return the ink (H, W) of a surface: the areas of the reader's ink, and thin lines, dark or light.
 
-    Of dark and light lines those count that stand out more. Hats of Serra, "Image Analysis and Mathematical
-    Morphology", 1982.
+    Joints are all dark or all light: whichever stand out more. They are found by the top-hat transform of
+    Serra, "Image Analysis and Mathematical Morphology", 1982.
 
     Args:
         ink: (H, W) in [0, 1], by the reader, to which close lines are one.

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import Floats
-from normalgan.inference.histogram import median
+from normalgan.inference.medians import median
 from normalgan.normals import normalize
 
 __all__ = ["Bounds", "Frame", "around", "bounds_of", "box_of", "united"]

@@ -4,7 +4,7 @@ import cv2
 import numpy as np
 
 from normalgan.arrays import BoolMask, Floats
-from normalgan.inference.histogram import median
+from normalgan.inference.medians import median
 from normalgan.inference.network.framing import Frame, around
 from normalgan.line_widths import DRAWN_WIDTH, LineWidths
 
