@@ -59,3 +59,40 @@ def test_a_line_is_engraved_or_embossed_and_its_erased_part_is_not(
     with studio.repainting():
         page.locator("#undo").click()  # the ridge
     assert lean(studio, 110, 160) < ridge - 0.5
+
+
+def test_no_piece_is_lost_of_lines_that_are_erased_into_hundreds(studio: Studio) -> None:
+    page = studio.page
+    page.locator("#size").fill("0")  # the thinnest
+    page.keyboard.press("z")
+    page.keyboard.press("z")
+    with studio.repainting():
+        for y in range(85, 160, 5):
+            studio.line((70, y), (MIDDLE, y), (190, y))
+    page.locator("#size").fill("8")
+    with studio.repainting():
+        studio.line((90, 178), (MIDDLE, 178), (170, 178))  # the last one
+    ridge = lean(studio, MIDDLE, 178)
+    page.keyboard.press("e")
+    page.locator("#size").fill("2")  # 3 pixels
+    with studio.repainting():
+        for x in range(78, 187, 7):
+            studio.line((x, 80), (x, 160))
+    asked = page.evaluate(
+        """async () => {
+          const sent = new Promise((done) => {
+            const { fetch } = window;
+            window.fetch = (path, options) => {
+              if (path === "/api/predict") done(options.body);
+              return fetch(path, options);
+            };
+          });
+          document.getElementById("undo").click();
+          document.getElementById("redo").click();
+          const body = await sent;
+          const length = new DataView(body.buffer).getUint32(0, true);
+          return JSON.parse(new TextDecoder().decode(body.subarray(4, 4 + length))).layers[0].areas.length;
+        }"""
+    )
+    assert asked > 200
+    assert lean(studio, MIDDLE, 178) == pytest.approx(ridge, abs=0.02)

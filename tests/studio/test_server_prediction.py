@@ -32,6 +32,7 @@ from normalgan.inference.heights.height import integrate
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.network.upsampling import Coarse, enlarge
 from normalgan.normals import decode
+from normalgan.studio.drawing_request import MOST_AREAS
 from onnx_models import write_model
 
 SVG = b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 30 20"><circle cx="9" cy="9" r="5"/></svg>'
@@ -319,10 +320,19 @@ def test_the_map_at_a_pin_is_the_pins_normal_and_areas_are_turned(model: Path, t
             {"areas": [{**stroke, "height": "deep"}]},
             {"areas": [{**stroke, "height": 1, "widths": [3]}]},
             {"areas": [{**stroke, "height": 1, "widths": [3, 0]}]},
+            {"areas": [stroke] * (MOST_AREAS + 1)},
         ):
             assert client.post("/api/predict", json=asking(3, **wrong)).status_code == 400
+        last = {**stroke, "points": [60, 80, 80, 80], "height": 0.5}
+        carved = [{**last, "points": [50 + k % 40, 40]} for k in range(2 * MOST_AREAS)]
+        (one, many) = (
+            decode(predicted(client, number=number, areas=areas)[..., :3])
+            for number, areas in ((4, [last]), (5, [stroke] * MOST_AREAS + [*carved, last]))
+        )
+        assert np.array_equal(many[74:86, 60:80], one[74:86, 60:80])
+        assert np.abs(one[78, 70] - bare[78, 70]).max() > 0.1
         far = [{**pins[0], "reach": -1}]
-        assert "reach is -1" in client.post("/api/predict", json=asking(4, hints=far)).json()["error"]
+        assert "reach is -1" in client.post("/api/predict", json=asking(6, hints=far)).json()["error"]
 
 
 def test_a_layer_and_a_region_take_a_form(model: Path, tmp_path: Path) -> None:

@@ -112,23 +112,29 @@ function smooth({ normals, mask, width, height }, cover, size) {
 /**
  * Lets a line stand out of the object, or cuts it in, as a round ridge or groove as wide as the line.
  * @param {Painted} map @param {number[]} points @param {number[]} widths at each point
- * @param {number} high the ridge as a share of half the width; below 0 the depth of a groove
+ * @param {number} steep the ridge as a share of half the width; below 0 the depth of a groove
  */
-function carve({ normals, mask, width, height }, points, widths, high) {
+function carve({ normals, mask, width, height }, points, widths, steep) {
   const radii = widths.map((each) => Math.max(each / 2, 1));
-  const raised = new Float32Array(width * height);
-  alongLine(points, width, height, Math.max(...radii), (at, k, along, found) => {
+  const reach = Math.max(...radii);
+  const [xs, ys] = [0, 1].map((side) => points.filter((_, i) => i % 2 === side));
+  const [left, top] = [Math.max(0, Math.floor(Math.min(...xs) - reach - 1)), Math.max(0, Math.floor(Math.min(...ys) - reach - 1))];
+  const [right, bottom] = [Math.min(width, Math.ceil(Math.max(...xs) + reach + 1)), Math.min(height, Math.ceil(Math.max(...ys) + reach + 1))];
+  const [wide, high] = [right - left, bottom - top];
+  if (Math.min(wide, high) < 2) return; // beside the map
+  const raised = new Float32Array(wide * high);
+  alongLine(points.map((value, i) => value - (i % 2 ? top : left)), wide, high, reach, (at, k, along, found) => {
     const radius = radii[k] + along * ((radii[k + 1] ?? radii[k]) - radii[k]);
     raised[at] = Math.max(raised[at], radius * Math.max(0, 1 - (found / radius) ** 2) ** 2);
   });
-  for (let y = 0; y < height; y++) {
-    const [above, below] = [Math.max(y - 1, 0), Math.min(y + 1, height - 1)];
-    for (let x = 0; x < width; x++) {
-      const at = y * width + x;
-      const [before, after] = [Math.max(x - 1, 0), Math.min(x + 1, width - 1)];
-      const right = (raised[y * width + after] - raised[y * width + before]) / (after - before);
-      const down = (raised[below * width + x] - raised[above * width + x]) / (below - above);
-      if (mask[at] && (right || down)) normals.set(reoriented(normals.subarray(3 * at, 3 * at + 3), [-high * right, high * down, 1]), 3 * at);
+  for (let y = 0; y < high; y++) {
+    const [above, below] = [Math.max(y - 1, 0), Math.min(y + 1, high - 1)];
+    for (let x = 0; x < wide; x++) {
+      const at = (y + top) * width + x + left;
+      const [before, after] = [Math.max(x - 1, 0), Math.min(x + 1, wide - 1)];
+      const across = (raised[y * wide + after] - raised[y * wide + before]) / (after - before);
+      const down = (raised[below * wide + x] - raised[above * wide + x]) / (below - above);
+      if (mask[at] && (across || down)) normals.set(reoriented(normals.subarray(3 * at, 3 * at + 3), [-steep * across, steep * down, 1]), 3 * at);
     }
   }
 }

@@ -157,11 +157,11 @@ def smooth(normals: Floats, mask: NDArray[np.bool_], area: Floats, width: float)
     return smoothed
 
 
-def carve(normals: Floats, mask: NDArray[np.bool_], points: Floats, widths: Floats, height: float) -> Floats:
+def carve(normals: Floats, mask: NDArray[np.bool_], points: Floats, widths: Floats, height: float) -> None:
     """Let a line stand out of the object, or cut it in, as a round ridge or groove as wide as the line.
 
     Args:
-        normals: (H, W, 3), unit.
+        normals: (H, W, 3), unit; in place, as a drawing may have thousands of lines.
         mask: (H, W), the object.
         points: (K, 2), x and y in pixels.
         widths: (K,), the line's width at each point in pixels.
@@ -170,19 +170,21 @@ def carve(normals: Floats, mask: NDArray[np.bool_], points: Floats, widths: Floa
     Example:
         The left side of a ridge faces left, that of a groove faces right:
 
-        >>> flat = np.zeros((9, 9, 3), np.float32)
-        >>> flat[..., 2] = 1
         >>> line, widths = np.array([[4.5, 0.0], [4.5, 9.0]]), np.array([6.0, 6.0])
-        >>> carved = [carve(flat, flat[..., 2] > 0, line, widths, each) for each in (0.5, -0.5)]
-        >>> [bool(each[4, 3, 0] < 0) for each in carved]
-        [True, False]
+        >>> for height in (0.5, -0.5):
+        ...     flat = np.zeros((9, 9, 3), np.float32)
+        ...     flat[..., 2] = 1
+        ...     carve(flat, np.ones((9, 9), bool), line, widths, height)
+        ...     print(bool(flat[4, 3, 0] < 0))
+        True
+        False
     """
     radii = np.maximum(widths / 2, 1)
     size = np.array(mask.shape[::-1])
     low = np.clip(np.floor(points.min(axis=0) - radii.max() - 1), 0, size).astype(int)
     high = np.clip(np.ceil(points.max(axis=0) + radii.max() + 1), 0, size).astype(int)
     if (high - low).min() < 2:
-        return normals  # beside the map
+        return  # beside the map
     box = np.s_[low[1] : high[1], low[0] : high[0]]
     raised = np.zeros(mask[box].shape, np.float32)
     for k, part, along, distance in _pieces(raised, low, points, radii.max()):
@@ -191,9 +193,7 @@ def carve(normals: Floats, mask: NDArray[np.bool_], points: Floats, widths: Floa
     down, right = np.gradient(np.float32(height) * raised)
     touched = ((down != 0) | (right != 0)) & mask[box]
     slopes = np.stack([-right[touched], down[touched], np.ones(touched.sum())], axis=-1)
-    carved = normals.copy()
-    carved[box][touched] = reoriented(normals[box][touched][None], normalize(slopes)[None])[0]
-    return carved
+    normals[box][touched] = reoriented(normals[box][touched][None], normalize(slopes)[None])[0]
 
 
 def polygon(shape: tuple[int, int], points: Floats, soft: float) -> Floats:

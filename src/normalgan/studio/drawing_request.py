@@ -36,6 +36,7 @@ from normalgan.studio.fields import Fields, take_bytes, take_choice
 __all__ = [
     "LEAST_SIDE",
     "MOST_AREAS",
+    "MOST_CARVED",
     "MOST_HINTS",
     "MOST_MASK_STROKES",
     "MOST_POINTS",
@@ -54,6 +55,8 @@ LEAST_SIDE, MOST_SIDE = 16, 2048
 """Least and greatest side of a drawing in pixels."""
 MOST_HINTS = MOST_PINS
 MOST_AREAS = 200
+MOST_CARVED = 20_000
+"""Pieces of engraved and embossed lines: an eraser makes many of one."""
 MOST_MASK_STROKES = 500
 MOST_POINTS = 4000
 """Of an area."""
@@ -163,6 +166,7 @@ class DrawingRequest:
         if self.form is not None:
             normals = give_form(normals, mask, mask.astype(np.float32), read_form("the form", self.form))
         scale = normals.shape[1] / shape[1]
+        carved = False
         for area in read_areas(self.areas):
             points = area.points * np.float32(scale)
             size = (normals.shape[0], normals.shape[1])
@@ -177,7 +181,10 @@ class DrawingRequest:
                 width = area.size * scale
                 if area.height is not None:
                     widths = np.full(len(points), width) if area.widths is None else area.widths * scale
-                    normals = carve(normals, mask, points, widths, area.height)
+                    # One copy for all lines, of which there may be thousands.
+                    normals = normals if carved else normals.copy()
+                    carved = True
+                    carve(normals, mask, points, widths, area.height)
                     continue
                 cover = np.float32(area.strength) * stroke(size, points, width, area.soft)
                 if area.smooths:
@@ -351,8 +358,14 @@ def take_drawing(fields: Fields, picture: NDArray[np.uint8] | None = None) -> Dr
     if len(hints) > MOST_HINTS:
         raise InputError(f"there are {len(hints)} hints; a drawing has at most {MOST_HINTS}.")
     areas = fields.get("areas", [])
-    if not isinstance(areas, list) or len(areas) > MOST_AREAS:
+    if not isinstance(areas, list):
         raise InputError(f"areas must be a list of at most {MOST_AREAS}.")
+    carved = sum(isinstance(each, dict) and each.get("height") is not None for each in areas)
+    if len(areas) - carved > MOST_AREAS or carved > MOST_CARVED:
+        raise InputError(
+            f"there are {len(areas) - carved} areas and {carved} carved lines; "
+            f"a layer has at most {MOST_AREAS} and {MOST_CARVED}."
+        )
     strokes = fields.get("mask_strokes", [])
     if not isinstance(strokes, list) or len(strokes) > MOST_MASK_STROKES:
         raise InputError(f"mask_strokes must be a list of at most {MOST_MASK_STROKES}.")

@@ -1,6 +1,6 @@
 /** Arranging: what is selected is flipped, turned, duplicated, copied, pasted, nudged and brought to another layer. */
 
-import { MOST_AREAS, MOST_HINTS, MOST_LAYERS, MOST_MASK_STROKES, MOST_STROKES, activeLayer, changedLayer, newDocument, parseDocument, picturesOf, withActive, withNewLayer } from "./document.js";
+import { LISTS, MOST_LAYERS, activeLayer, changedLayer, hasRoom, newDocument, parseDocument, picturesOf, withActive, withNewLayer } from "./document.js";
 import { $, enable, make } from "./dom.js";
 import { aboutPoint, alongWith, movedParts } from "./moving.js";
 import { decodeAll } from "./pictures.js";
@@ -12,8 +12,6 @@ import { say, text } from "./text.js";
 
 /** Pixels by which a copy lies beside what it is of. */
 const BESIDE = 12;
-const MOST = { strokes: MOST_STROKES, hints: MOST_HINTS, areas: MOST_AREAS, mask: MOST_MASK_STROKES };
-const LISTS = /** @type {("strokes" | "hints" | "areas" | "mask")[]} */ (Object.keys(MOST));
 /** The width and height of the paper on the clipboard: a document that holds only parts. */
 const NAME = "clipboard";
 
@@ -36,8 +34,8 @@ const isInk = ({ kind }) => kind !== "eraser";
 
 /** Puts parts in front of what a layer has. @param {Layer} layer @param {Parts} parts @returns {Layer | null} null: there is no room */
 function withParts(layer, parts) {
-  const both = Object.fromEntries(LISTS.map((list) => [list, [...layer[list], ...parts[list]]]));
-  return LISTS.some((list) => both[list].length > MOST[list]) ? null : { ...layer, ...both };
+  const both = { ...layer, ...Object.fromEntries(LISTS.map((list) => [list, [...layer[list], ...parts[list]]])) };
+  return hasRoom(both) ? both : null;
 }
 
 /** Moves parts by so much to the right and down. @param {Parts} parts @param {number} by @param {Doc} doc @returns {Parts} */
@@ -127,7 +125,8 @@ export class Arranging {
   toLayer(target) {
     const { editor } = this;
     this.target.value = "";
-    if (!hasInk(editor.selection) || !target || (target === "new" && editor.doc.layers.length >= MOST_LAYERS)) return undefined;
+    if (!hasInk(editor.selection) || !target) return undefined;
+    if (target === "new" && editor.doc.layers.length >= MOST_LAYERS) return this.announce(say("tooManyOwnLayers", { most: MOST_LAYERS }), "warning");
     const { doc: cut, selection } = withCuts(editor.doc, editor.selection);
     const layer = activeLayer(cut);
     const parts = partsOf(layer, selection, true);

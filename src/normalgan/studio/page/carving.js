@@ -1,12 +1,11 @@
 /** Carving: lines that are cut into the object or stand out of it, as the server takes them. */
 
-import { MOST_AREAS } from "./document.js";
-import { curveOf, sidesOf, widthAt } from "./strokes.js";
+import { boxOf, curveOf, sidesOf, widthAt } from "./strokes.js";
 
 /** @typedef {import("./strokes.js").Point} Point @typedef {import("./document.js").Line} Line */
 /** @typedef {import("./document.js").Area & {height?: number, widths?: number[]}} Asked height: of a line that is carved; widths: at its points */
 
-/** Points of a piece of a line at most. */
+/** The server takes so many points in a piece of a line; a longer line is several pieces. */
 const MOST_POINTS = 4000;
 /** @type {WeakMap<object, Asked[]>} by the strokes of a layer */
 const known = new WeakMap();
@@ -16,14 +15,16 @@ export function areasOf({ areas, strokes }) {
   const carved = known.get(strokes) ?? strokes.flatMap((stroke, i) =>
     stroke.kind === "pen" && stroke.carve ? piecesOf(stroke, strokes.slice(i + 1)) : []);
   known.set(strokes, carved);
-  return [...areas, ...carved].slice(0, MOST_AREAS);
+  return [...areas, ...carved];
 }
 
 /** Returns a line in the pieces that were not erased later. @param {Line} line @param {import("./document.js").Stroke[]} later @returns {Asked[]} */
 function piecesOf(line, later) {
-  const erasers = later.flatMap((stroke) => (stroke.kind === "eraser" ? sidesOf(stroke).map((side) => ({ size: side.size, way: sampled(side) })) : []));
+  const around = boxOf(line, 0);
+  const erasers = later.flatMap((stroke) => (stroke.kind === "eraser" && meet(boxOf(stroke, 0), around) ? sidesOf(stroke) : []))
+    .map((side) => ({ size: side.size, way: sampled(side), box: boxOf(side, 0) }));
   const isErased = (/** @type {Point} */ { x, y }) =>
-    erasers.some(({ size, way }) => way.some((each) => Math.hypot(each.x - x, each.y - y) < widthAt(size, each.p) / 2));
+    erasers.some(({ size, way, box }) => meet(box, { left: x, top: y, right: x, bottom: y }) && way.some((each) => Math.hypot(each.x - x, each.y - y) < widthAt(size, each.p) / 2));
   /** @type {Point[][]} */
   const pieces = [];
   for (const side of sidesOf(line)) {
@@ -41,6 +42,10 @@ function piecesOf(line, later) {
     widths: piece.map(({ p }) => round(widthAt(line.size, p))),
   }));
 }
+
+/** @typedef {{left: number, top: number, right: number, bottom: number}} Box */
+/** @param {Box} a @param {Box} b */
+const meet = (a, b) => a.left <= b.right && b.left <= a.right && a.top <= b.bottom && b.top <= a.bottom;
 
 /** @param {number} value */
 const round = (value) => Math.round(value * 100) / 100;

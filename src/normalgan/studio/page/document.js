@@ -125,6 +125,13 @@ export function withLayerMoved(doc, id, step) {
   return { ...doc, layers };
 }
 
+const MOST = { strokes: MOST_STROKES, hints: MOST_HINTS, areas: MOST_AREAS, mask: MOST_MASK_STROKES };
+/** What is listed on a layer. */
+export const LISTS = /** @type {(keyof typeof MOST)[]} */ (Object.keys(MOST));
+
+/** Whether a layer holds no more than a project may: one that held more could not be opened again. @param {Pick<Layer, keyof typeof MOST>} layer */
+export const hasRoom = (layer) => LISTS.every((list) => layer[list].length <= MOST[list]);
+
 /** @param {Doc} doc @param {Stroke} stroke @returns {Doc} */
 export const withStroke = (doc, stroke) => withActive(doc, { strokes: [...activeLayer(doc).strokes, stroke] });
 

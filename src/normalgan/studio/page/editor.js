@@ -1,6 +1,6 @@
 /** The one place that holds the document: edits come in, and all that shows it is told. */
 
-import { activeLayer, newDocument } from "./document.js";
+import { activeLayer, hasRoom, newDocument } from "./document.js";
 import { History } from "./history.js";
 
 /** @typedef {import("./document.js").Doc} Doc */
@@ -16,7 +16,7 @@ const TOGETHER = 1000;
  * Events: `change` when the document differs, with `detail.live` while a gesture goes on; `drawing` when the ink has
  * got more than the document has yet, with `detail.box`; `replaced` when the present step of history is another value of
  * the same, with `detail.before` and `detail.after`; `marks` when what lies above the sheet differs;
- * `open` when another document came; `state` when tool, choice or settings of the page changed.
+ * `open` when another document came; `full` when a step was refused, as a layer would hold more than can be saved; `state` when tool, choice or settings of the page changed.
  */
 export class Editor extends EventTarget {
   constructor() {
@@ -127,6 +127,11 @@ export class Editor extends EventTarget {
    */
   commit(doc, kind = "", within = TOGETHER) {
     this.draft = null;
+    if (!doc.layers.every(hasRoom)) {
+      this.#changed(false);
+      this.dispatchEvent(new Event("full"));
+      return;
+    }
     const { history, last } = this;
     const now = performance.now();
     const goesOn = kind !== "" && last.kind === kind && last.state === history.state && now - last.at < within && !history.canRedo;

@@ -48,9 +48,9 @@ export class Importing {
     addEventListener("dragover", (event) => event.preventDefault());
     addEventListener("drop", (event) => {
       event.preventDefault();
-      if (event.dataTransfer && !this.onSeveral(event.dataTransfer)) this.#dropped(event.dataTransfer.files[0]);
+      this.#dropped(event.dataTransfer);
     });
-    addEventListener("paste", (event) => this.#dropped(event.clipboardData?.files[0]));
+    addEventListener("paste", (event) => this.#dropped(event.clipboardData));
   }
 
   /** Lets the user choose a file. @param {Way} as */
@@ -59,8 +59,10 @@ export class Importing {
     $("import-file").click();
   }
 
-  /** @param {File | undefined} file */
-  #dropped(file) {
+  /** @param {DataTransfer | null} dropped or pasted */
+  #dropped(dropped) {
+    if (!dropped || this.onSeveral(dropped)) return;
+    const [file] = dropped.files;
     if (!file || document.querySelector("dialog[open]")) return;
     if (file.name.endsWith(".normalgan")) this.projects.openFile(file);
     else this.take(file, "");

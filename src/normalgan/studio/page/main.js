@@ -115,6 +115,7 @@ autosave.addEventListener("failed", (event) => status.fail(/** @type {CustomEven
 
 // What was done last is no news once something else is done; who does it says so after it.
 editor.addEventListener("change", (event) => /** @type {CustomEvent} */ (event).detail.live || status.clear());
+editor.addEventListener("full", () => status.say(text.noRoom, "warning"));
 let { tool: chosenTool } = editor;
 editor.addEventListener("state", () => {
   if (editor.tool !== chosenTool) status.clear();

@@ -1,5 +1,7 @@
 /** Quick shape: the line, polygon, circle or ellipse that a drawn stroke means. */
 
+import { apart, corners, offLine } from "./simplify.js";
+
 /** @typedef {{x: number, y: number}} Point */
 
 /** A stroke ends where it began, if its ends are nearer than this share of its length. */
@@ -22,16 +24,6 @@ const [RIGHT, LEVEL] = [0.3, 0.12];
 /** Points of an ellipse. */
 const STEPS = 96;
 
-/** @param {Point} a @param {Point} b */
-const apart = (a, b) => Math.hypot(a.x - b.x, a.y - b.y);
-
-/** How far a point is from the line between two others. @param {Point} at @param {Point} a @param {Point} b */
-function offLine(at, a, b) {
-  const length = apart(a, b) || 1e-9;
-  const along = Math.max(0, Math.min(1, ((at.x - a.x) * (b.x - a.x) + (at.y - a.y) * (b.y - a.y)) / length ** 2));
-  return apart(at, { x: a.x + along * (b.x - a.x), y: a.y + along * (b.y - a.y) });
-}
-
 /** Returns points as far from one another along a way. @param {Point[]} way @param {number} count */
 function spaced(way, count) {
   const ends = [0];
@@ -44,16 +36,6 @@ function spaced(way, count) {
     const share = (at - ends[i]) / Math.max(ends[i + 1] - ends[i], 1e-9);
     return { x: way[i].x + share * (way[i + 1].x - way[i].x), y: way[i].y + share * (way[i + 1].y - way[i].y) };
   });
-}
-
-/** Returns the places of the corners in a way (Douglas and Peucker 1973), its ends among them. @param {Point[]} way @param {number} most @param {number} first @param {number} last @returns {number[]} */
-function corners(way, most, first = 0, last = way.length - 1) {
-  let [farthest, off] = [-1, most];
-  for (let i = first + 1; i < last; i++) {
-    const away = offLine(way[i], way[first], way[last]);
-    if (away > off) [farthest, off] = [i, away];
-  }
-  return farthest < 0 ? [first, last] : [...corners(way, most, first, farthest), ...corners(way, most, farthest, last).slice(1)];
 }
 
 /** Returns the line through points: a point of it, and its angle. @param {Point[]} points */

@@ -3,6 +3,7 @@
 import { activeLayer, withActive } from "./document.js";
 import { chosenBy, insideOf } from "./lasso.js";
 import { aboutPoint, alongWith, extentOf, isHit, movedParts, movedPicture, unitedBox } from "./moving.js";
+import { makeRoom } from "./simplify.js";
 import { text } from "./text.js";
 
 /** @typedef {import("./editor.js").Selection} Selection @typedef {import("./tools.js").Touch} Touch */
@@ -10,8 +11,6 @@ import { text } from "./text.js";
 const ACCENT = "#5b62e0";
 const HANDLE = 9;
 const LEAST = 4;
-/** Numbers of a lasso at most. */
-const MOST_LASSO = 8000;
 /** Pixels from the box to the knob that turns it, and radians of its steps. */
 const [KNOB, STEP] = [26, Math.PI / 12];
 /** @type {Selection} */
@@ -112,7 +111,10 @@ export class SelectTool {
     if (held.kind === "around" && editor.lassoes) {
       editor.lasso ??= [held.from.x, held.from.y];
       const [x, y] = editor.lasso.slice(-2);
-      if (editor.lasso.length < MOST_LASSO && Math.hypot(touch.x - x, touch.y - y) > touch.reach / 5) editor.lasso.push(touch.x, touch.y);
+      if (Math.hypot(touch.x - x, touch.y - y) > touch.reach / 5) {
+        makeRoom(editor.lasso);
+        editor.lasso.push(touch.x, touch.y);
+      }
       editor.mark();
       return;
     }

@@ -214,6 +214,8 @@ export const text = {
   areaBall: "Direction of region {number}: {direction}. Arrow keys turn it, Delete deletes it.",
   removedArea: "Region deleted.",
   tooManyAreas: "This layer has the maximum number of regions.",
+  tooManyStrokes: "This layer has the maximum number of lines. Draw on a new layer.",
+  tooManyOwnLayers: "A drawing has at most {most} layers. Delete one first.",
   hintsEmpty: "Click the drawing to set a point, then turn its ball.",
   hintName: "Point {number}: {direction}",
   suggestion: "Accept suggestion {number}: {direction}",

@@ -205,6 +205,8 @@ export const words = {
   areaBall: "Richtung von Bereich {number}: {direction}. Pfeiltasten drehen, Entf löscht.",
   removedArea: "Bereich gelöscht.",
   tooManyAreas: "Diese Ebene hat die Höchstzahl an Bereichen.",
+  tooManyStrokes: "Diese Ebene hat die Höchstzahl an Linien. Zeichne auf einer neuen Ebene.",
+  tooManyOwnLayers: "Eine Zeichnung hat höchstens {most} Ebenen. Lösche erst eine.",
   hintsEmpty: "Klick in die Zeichnung, um einen Punkt zu setzen, und dreh seine Kugel.",
   hintName: "Punkt {number}: {direction}",
   suggestion: "Vorschlag {number} annehmen: {direction}",

@@ -205,6 +205,8 @@ export const words = {
   areaBall: "Dirección de la región {number}: {direction}. Las flechas la giran, Supr la elimina.",
   removedArea: "Región eliminada.",
   tooManyAreas: "Esta capa tiene el máximo de regiones.",
+  tooManyStrokes: "Esta capa tiene el máximo de líneas. Dibuja en una capa nueva.",
+  tooManyOwnLayers: "Un dibujo tiene como máximo {most} capas. Elimina una primero.",
   hintsEmpty: "Haz clic en el dibujo para poner un punto y gira su bola.",
   hintName: "Punto {number}: {direction}",
   suggestion: "Aceptar la sugerencia {number}: {direction}",

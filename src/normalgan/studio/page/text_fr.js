@@ -205,6 +205,8 @@ export const words = {
   areaBall: "Direction de la région {number} : {direction}. Les flèches la tournent, Suppr la supprime.",
   removedArea: "Région supprimée.",
   tooManyAreas: "Ce calque a le nombre maximal de régions.",
+  tooManyStrokes: "Ce calque a le nombre maximal de lignes. Dessinez sur un nouveau calque.",
+  tooManyOwnLayers: "Un dessin a au plus {most} calques. Supprimez-en un d'abord.",
   hintsEmpty: "Cliquez sur le dessin pour poser un point, puis tournez sa boule.",
   hintName: "Point {number} : {direction}",
   suggestion: "Accepter la proposition {number} : {direction}",

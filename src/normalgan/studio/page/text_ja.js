@@ -205,6 +205,8 @@ export const words = {
   areaBall: "範囲{number}の向き：{direction}。矢印キーで回し、Deleteで削除。",
   removedArea: "範囲を削除しました。",
   tooManyAreas: "このレイヤーの範囲は上限です。",
+  tooManyStrokes: "このレイヤーの線は上限です。新しいレイヤーに描いてください。",
+  tooManyOwnLayers: "レイヤーは最大 {most} 枚です。先に 1 枚削除してください。",
   hintsEmpty: "絵をクリックして点を置き、球を回します。",
   hintName: "点{number}：{direction}",
   suggestion: "提案{number}を採用：{direction}",

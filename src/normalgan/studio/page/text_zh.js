@@ -205,6 +205,8 @@ export const words = {
   areaBall: "区域 {number} 的方向：{direction}。方向键转动，Delete 删除。",
   removedArea: "已删除区域。",
   tooManyAreas: "该图层的区域已达上限。",
+  tooManyStrokes: "该图层的线条已达上限。请在新图层上绘制。",
+  tooManyOwnLayers: "一幅画最多有 {most} 个图层。请先删除一个。",
   hintsEmpty: "点击绘图放一个点，再转动它的小球。",
   hintName: "点 {number}：{direction}",
   suggestion: "采纳建议 {number}：{direction}",

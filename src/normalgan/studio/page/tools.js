@@ -1,11 +1,11 @@
 /** Tools: what a gesture does, whether it comes from a pointer or from the keyboard. */
 
 import { Areas, layerAt } from "./areas.js";
-import { areasOf } from "./carving.js";
-import { MOST_AREAS, MOST_HINTS, MOST_MASK_STROKES, activeLayer, anchorOf, changedHint, knobOf, mostReach, withArea, withHint, withMaskStroke, withStroke } from "./document.js";
+import { MOST_AREAS, MOST_HINTS, MOST_MASK_STROKES, MOST_STROKES, activeLayer, anchorOf, changedHint, knobOf, mostReach, withArea, withHint, withMaskStroke, withStroke } from "./document.js";
 import { nearest } from "./marks.js";
 import { meanNormal, normalAt } from "./normal.js";
 import { quickShape } from "./quick_shape.js";
+import { makeRoom } from "./simplify.js";
 import { Smoother } from "./smoothing.js";
 import { say, text } from "./text.js";
 
@@ -66,8 +66,8 @@ export class LineTool {
     const kind = editor.tool === "eraser" || touch.eraser ? "eraser" : "pen";
     const { colour, symmetry, doc } = editor;
     const carve = kind === "pen" ? editor.carves * editor.carveHeight : 0;
-    if (carve && areasOf(editor.layer).length >= MOST_AREAS) {
-      this.announce(text.tooManyAreas, "warning");
+    if (editor.layer.strokes.length >= MOST_STROKES) {
+      this.announce(text.tooManyStrokes, "warning");
       return;
     }
     this.line = {
@@ -348,7 +348,8 @@ export class AreaTool {
     const { points } = this;
     const [lastX, lastY] = points.slice(-2);
     const far = points.length < 2 || Math.hypot(x - lastX, y - lastY) > this.step;
-    if (!far || points.length >= 4000) return;
+    if (!far) return;
+    makeRoom(points);
     points.push(round(x), round(y));
     this.editor.outline = { points, normal: [0, 0, 1], ...(this.size && { size: this.size }) };
     this.editor.mark();
@@ -418,9 +419,10 @@ export class MaskTool {
   /** @param {Touch} touch */
   move({ x, y }) {
     const stroke = this.editor.maskStroke;
-    if (!stroke || stroke.points.length >= 4000) return;
+    if (!stroke) return;
     const [lastX, lastY] = stroke.points.slice(-2);
     if (stroke.points.length && Math.hypot(x - lastX, y - lastY) < this.step) return;
+    makeRoom(stroke.points);
     stroke.points.push(round(x), round(y));
     this.editor.mark();
   }
