@@ -4,7 +4,7 @@ import { LISTS, MOST_LAYERS, activeLayer, changedLayer, hasRoom, newDocument, pa
 import { $, enable, make } from "./dom.js";
 import { aboutPoint, alongWith, movedParts } from "./moving.js";
 import { decodeAll } from "./pictures.js";
-import { boxOfSelection, hasInk, insideOfSelection, isNothing, withCuts, withMoved } from "./selecting.js";
+import { boxOfSelection, hasInk, insideOfSelection, isCut, isNothing, onceCut, withCuts, withMoved } from "./selecting.js";
 import { say, text } from "./text.js";
 
 /** @typedef {import("./document.js").Doc} Doc @typedef {import("./document.js").Layer} Layer */
@@ -92,16 +92,18 @@ export class Arranging {
     const box = boxOfSelection(editor.doc, editor.selection);
     if (!box) return;
     const [x, y] = [(box.left + box.right) / 2, (box.top + box.bottom) / 2];
-    this.#move(aboutPoint({ x, y }, { scale: 1, angle, flipped }));
+    onceCut(editor, this.announce, () => this.#move(aboutPoint({ x, y }, { scale: 1, angle, flipped })));
   }
 
   /** Moves the selection. @param {number} x @param {number} y @returns {boolean} whether there was one */
   nudge(x, y) {
     const { editor } = this;
     if (isNothing(editor.selection)) return false;
-    const { strokes, pictures } = withCuts(editor.doc, editor.selection).selection;
-    // Presses on one selection are one step, however long the hand looks at it between them.
-    this.#move({ scale: 1, x, y }, `nudged ${JSON.stringify([strokes, pictures])}`);
+    onceCut(editor, this.announce, () => {
+      const { strokes, pictures } = withCuts(editor.doc, editor.selection).selection;
+      // Presses on one selection are one step, however long the hand looks at it between them.
+      this.#move({ scale: 1, x, y }, `nudged ${JSON.stringify([strokes, pictures])}`);
+    });
     return true;
   }
 
@@ -117,8 +119,10 @@ export class Arranging {
   duplicate() {
     const { editor } = this;
     if (!hasInk(editor.selection)) return;
-    const { doc, selection } = withCuts(editor.doc, editor.selection);
-    this.#put(beside(partsOf(activeLayer(doc), selection, true), BESIDE, doc));
+    onceCut(editor, this.announce, () => {
+      const { doc, selection } = withCuts(editor.doc, editor.selection);
+      this.#put(beside(partsOf(activeLayer(doc), selection, true), BESIDE, doc));
+    });
   }
 
   /** Brings the selected lines to another layer, to be worked on from now. @param {string} target its id, or "new" */
@@ -127,6 +131,13 @@ export class Arranging {
     this.target.value = "";
     if (!hasInk(editor.selection) || !target) return undefined;
     if (target === "new" && editor.doc.layers.length >= MOST_LAYERS) return this.announce(say("tooManyOwnLayers", { most: MOST_LAYERS }), "warning");
+    onceCut(editor, this.announce, () => this.#toLayer(target));
+    return undefined;
+  }
+
+  /** @param {string} target */
+  #toLayer(target) {
+    const { editor } = this;
     const { doc: cut, selection } = withCuts(editor.doc, editor.selection);
     const layer = activeLayer(cut);
     const parts = partsOf(layer, selection, true);
@@ -149,12 +160,29 @@ export class Arranging {
   #copy(event, cut) {
     const { editor } = this;
     if (!this.#isOurs(event) || !hasInk(editor.selection) || editor.tool !== "select") return;
+    event.preventDefault();
+    const { clipboardData } = event;
+    const atOnce = isCut(editor.selection);
+    onceCut(editor, this.announce, () => this.#take(cut, async (words) => {
+      // The event's own clipboard is closed once the event is over.
+      if (atOnce) clipboardData?.setData("text/plain", words);
+      else await navigator.clipboard.writeText(words);
+    }));
+  }
+
+  /** @param {boolean} cut @param {(words: string) => Promise<void>} write puts words on the clipboard */
+  async #take(cut, write) {
+    const { editor } = this;
     const { width, height } = editor.doc;
     const { doc: from, selection } = withCuts(editor.doc, editor.selection);
     const layer = activeLayer(from);
     const doc = { ...withActive(newDocument(width, height), partsOf(layer, selection, true)), settings: { name: NAME } };
-    event.clipboardData?.setData("text/plain", JSON.stringify(doc));
-    event.preventDefault();
+    try {
+      await write(JSON.stringify(doc));
+    } catch (error) {
+      this.announce(say("noClipboard", { reason: error instanceof Error ? error.message : String(error) }), "warning");
+      return;
+    }
     if (cut) {
       editor.set({ selection: { strokes: [], pictures: [] } });
       editor.commit(withActive(from, partsOf(layer, selection, false)));

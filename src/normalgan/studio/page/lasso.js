@@ -2,7 +2,7 @@
 
 import { context2d } from "./canvas.js";
 import { extentOf } from "./moving.js";
-import { decoded, hasHoles, keepDrawn } from "./pictures.js";
+import { decodeAll, decoded, free, hasHoles } from "./pictures.js";
 import { drawStroke, sidesOf } from "./strokes.js";
 
 /** @typedef {import("./document.js").Placed} Placed @typedef {import("./document.js").Stroke} Stroke */
@@ -13,15 +13,20 @@ import { drawStroke, sidesOf } from "./strokes.js";
  * @property {number} index its place among the layer's strokes
  * @property {Stroke} stroke the picture
  * @property {import("./moving.js").Box} box around the chosen part
- * @property {() => {rest: Placed, piece: Placed}} parts cuts it, once
+ * @property {{rest: Placed, piece: Placed} | null} parts null until they are cut; the piece of no size: there is no ink
+ * @property {Promise<void>} ready when they are
  */
 
 /** Opacity, to 255, above which a pixel is drawn: paper is never quite even. */
 const DRAWN = 25;
 /** Below this, to 255, a colour is that of ink, and not of paper. */
 const LIGHT = 128;
-/** Pixels about a piece that stay empty, so that it has the same edge at every size. */
-const EMPTY = 2;
+
+/** @type {Worker | null} */
+let worker = null;
+let wishes = 0;
+/** @type {Set<string>} pictures that were cut and are in no document yet */
+const unused = new Set();
 
 /** Returns what tells whether a point lies inside. @param {Lasso} lasso @returns {(point: Point) => boolean} */
 export function insideOf(lasso) {
@@ -63,7 +68,7 @@ export function chosenBy({ strokes }, lasso) {
     }
     const found = cutOf(stroke, strokes.slice(index + 1).filter(({ kind }) => kind === "eraser"), lasso);
     if (found === "whole") whole.push(index);
-    else if (found) cuts.push({ index, stroke, ...found });
+    else if (found) cuts.push(Object.assign(found, { index, stroke })); // the same, as its parts come later
   }
   return { strokes: whole, cuts };
 }
@@ -81,6 +86,12 @@ function canvasOf(width, height) {
   return { canvas, context: context2d(canvas, { willReadFrequently: true }) };
 }
 
+/** Returns the parts of a cut, which are in a document from now on. @param {Cut} cut */
+export function takeParts({ parts }) {
+  if (parts) for (const { picture } of [parts.rest, parts.piece]) unused.delete(picture);
+  return parts;
+}
+
 /**
  * Cuts a picture along a lasso. Each of its pixels goes to one part, as it is; of a picture on paper the ink goes, which is
  * taken off its paper, and paper stays in its place.
@@ -91,9 +102,15 @@ function cutOf(stroke, erasers, lasso) {
   const image = decoded(stroke.picture);
   const { width, height } = image;
   const back = matrixOf(stroke, width, height).inverse();
-  const { canvas, context } = canvasOf(width, height);
+  const { context } = canvasOf(width, height);
   context.drawImage(image, 0, 0);
-  const paper = stroke.paper || hasHoles(stroke.picture) ? null : paperAlong(context, lasso, back);
+  const edges = lasso.map((points) => Array.from({ length: points.length / 2 }, (_, i) => back.transformPoint({ x: points[2 * i], y: points[2 * i + 1] })));
+  const [xs, ys] = [edges.flat().map(({ x }) => x), edges.flat().map(({ y }) => y)];
+  const bounds = (/** @type {number[]} */ values, /** @type {number} */ side) =>
+    [values.reduce((a, b) => Math.min(a, b)) - 1, values.reduce((a, b) => Math.max(a, b)) + 1].map((value) => Math.max(0, Math.min(side, Math.round(value))));
+  const [[left, right], [top, bottom]] = [bounds(xs, width), bounds(ys, height)];
+  if (left >= right || top >= bottom) return null;
+  const paper = stroke.paper || hasHoles(stroke.picture) ? null : paperAlong(context, edges);
   context.setTransform(back);
   for (const eraser of erasers) drawStroke(context, eraser, decoded);
   context.resetTransform();
@@ -102,52 +119,81 @@ function cutOf(stroke, erasers, lasso) {
     context.fillStyle = `rgb(${paper.join(" ")})`;
     context.fillRect(0, 0, width, height);
   }
-  const around = canvasOf(width, height).context;
-  around.setTransform(back);
+  const wide = right - left;
+  const around = canvasOf(wide, bottom - top).context;
+  around.setTransform(new DOMMatrix().translate(-left, -top).multiply(back));
   for (const points of lasso) around.fill(pathOf(points));
-  const isIn = around.getImageData(0, 0, width, height).data;
+  const { data: filled } = around.getImageData(0, 0, wide, bottom - top);
+  const isIn = new Uint8Array(filled.length / 4);
+  for (let i = 0; i < isIn.length; i++) isIn[i] = filled[4 * i + 3] >> 7;
 
-  const rest = context.getImageData(0, 0, width, height);
-  const piece = context.createImageData(width, height);
-  const ink = new Uint8ClampedArray(4);
-  let [left, top, right, bottom, inside, outside] = [width, height, 0, 0, false, false];
-  for (let i = 0; i < isIn.length; i += 4) {
-    if (paper) takeOff(rest.data, i, paper, ink);
-    else ink.set(rest.data.subarray(i, i + 4));
-    if (isIn[i + 3] < 128) {
-      outside ||= ink[3] > DRAWN;
+  const { data } = context.getImageData(0, 0, width, height);
+  const found = { left: width, top: height, right: 0, bottom: 0 };
+  let outside = false;
+  for (let y = 0, i = 0; y < height; y++) {
+    const crossed = y >= top && y < bottom;
+    if (!crossed && outside) {
+      i += width;
       continue;
     }
-    inside ||= ink[3] > DRAWN;
-    if (!ink[3]) continue;
-    piece.data.set(ink, i);
-    rest.data.set(paper ? [...paper, 255] : [0, 0, 0, 0], i);
-    const [column, row] = [(i / 4) % width, Math.floor(i / 4 / width)];
-    [left, right, top, bottom] = [Math.min(left, column), Math.max(right, column), Math.min(top, row), Math.max(bottom, row)];
+    for (let x = 0; x < width; x++, i++) {
+      const within = crossed && x >= left && x < right && isIn[(y - top) * wide + x - left];
+      if ((!within && outside) || opacityOf(data, 4 * i, paper) <= DRAWN) continue;
+      if (!within) {
+        outside = true;
+        continue;
+      }
+      if (x < found.left) found.left = x;
+      if (x >= found.right) found.right = x + 1;
+      if (y < found.top) found.top = y;
+      found.bottom = y + 1;
+    }
   }
-  if (!inside) return null;
+  if (!found.right) return null;
   if (!outside) return "whole";
-  const rect = {
-    left: Math.max(0, left - EMPTY), top: Math.max(0, top - EMPTY),
-    right: Math.min(width, right + 1 + EMPTY), bottom: Math.min(height, bottom + 1 + EMPTY),
-  };
-  const place = placeOf(stroke, rect, width, height);
-  /** @type {{rest: Placed, piece: Placed} | undefined} */
-  let parts;
-  return {
-    box: extentOf({ ...stroke, ...place }),
-    parts: () => {
-      if (parts) return parts;
-      const cut = canvasOf(rect.right - rect.left, rect.bottom - rect.top);
-      cut.context.putImageData(piece, -rect.left, -rect.top);
-      context.putImageData(rest, 0, 0);
-      parts = {
-        rest: { ...stroke, picture: keepDrawn(canvas) },
-        piece: { ...stroke, ...place, picture: keepDrawn(cut.canvas), ...(paper && { paper: true }) },
-      };
-      return parts;
-    },
-  };
+  const placed = (/** @type {Rect} */ rect) => placeOf(stroke, rect, width, height);
+  const cut = { box: extentOf({ ...stroke, ...placed(found) }), parts: /** @type {Cut["parts"]} */ (null), ready: Promise.resolve() };
+  cut.ready = asked({ pixels: data, width, inside: isIn, box: { left, top, right, bottom }, paper }).then(async ({ rest, piece, rect }) => {
+    if (rect) for (const url of await decodeAll([rest, piece])) unused.add(url);
+    const place = rect ? placed(rect) : { x: 0, y: 0, width: 0, height: 0 };
+    cut.parts = { rest: { ...stroke, picture: rest }, piece: { ...stroke, ...place, picture: piece, ...(paper && { paper: true }) } };
+    if (rect) cut.box = extentOf(cut.parts.piece);
+  });
+  return cut;
+}
+
+/** Has a worker part the pixels of a picture. @param {Omit<import("./cutting.js").Wish, "id">} wish @returns {Promise<import("./cutting.js").Answer>} */
+function asked(wish) {
+  free([...unused]);
+  unused.clear();
+  worker ??= new Worker(new URL("cutting.js", import.meta.url), { type: "module" });
+  const own = worker;
+  const id = ++wishes;
+  return new Promise((resolve, reject) => {
+    const over = new AbortController();
+    own.addEventListener("message", ({ data }) => {
+      if (data.id !== id) return;
+      over.abort();
+      resolve(data);
+    }, over);
+    own.addEventListener("error", (event) => {
+      over.abort();
+      worker = null;
+      reject(new Error(event.message));
+    }, over);
+    own.postMessage({ ...wish, id }, [wish.pixels.buffer, wish.inside.buffer]);
+  });
+}
+
+/** Returns how opaque ink is on its paper, to 255. @param {Uint8ClampedArray} data @param {number} i @param {number[] | null} paper */
+function opacityOf(data, i, paper) {
+  if (!paper) return data[i + 3];
+  let alpha = 0;
+  for (let k = 0; k < 3; k++) {
+    const [from, to] = [paper[k], data[i + k]];
+    alpha = Math.max(alpha, to < from ? (from - to) / from : to > from ? (to - from) / (255 - from) : 0);
+  }
+  return 255 * alpha;
 }
 
 /**
@@ -162,42 +208,26 @@ function placeOf(stroke, { left, top, right, bottom }, wide, high) {
 
 /**
  * Returns the colour of the paper along a lasso, which mostly runs beside the lines: the median there, or white if it is dark.
- * @param {CanvasRenderingContext2D} context the picture @param {Lasso} lasso @param {DOMMatrix} back from the drawing to the picture
+ * @param {CanvasRenderingContext2D} context the picture @param {{x: number, y: number}[][]} edges of the lasso in the picture
  * @returns {number[]} red, green, blue
  */
-function paperAlong(context, lasso, back) {
+function paperAlong(context, edges) {
   const { width, height } = context.canvas;
   const { data } = context.getImageData(0, 0, width, height);
   /** @type {number[][]} */
   const seen = [[], [], []];
-  for (const points of lasso) {
-    const corners = Array.from({ length: points.length / 2 }, (_, i) => back.transformPoint({ x: points[2 * i], y: points[2 * i + 1] }));
+  for (const corners of edges) {
     for (const [i, from] of corners.entries()) {
       const to = corners[(i + 1) % corners.length];
       const steps = Math.max(1, Math.ceil(Math.hypot(to.x - from.x, to.y - from.y)));
       for (let k = 0; k < steps; k++) {
         const [column, row] = [Math.floor(from.x + ((to.x - from.x) * k) / steps), Math.floor(from.y + ((to.y - from.y) * k) / steps)];
         if (column < 0 || row < 0 || column >= width || row >= height) continue;
-        const colour = data.subarray(4 * (row * width + column), 4 * (row * width + column) + 3);
-        seen.forEach((each, channel) => each.push(colour[channel]));
+        const at = 4 * (row * width + column);
+        seen.forEach((each, channel) => each.push(data[at + channel]));
       }
     }
   }
   const paper = seen.map((each) => each.sort((a, b) => a - b)[each.length >> 1] ?? 255);
   return Math.max(...paper) < LIGHT ? [255, 255, 255] : paper;
-}
-
-/**
- * Takes a colour off its paper: on that paper the ink that is left looks as before.
- * @param {Uint8ClampedArray} data opaque @param {number} i @param {number[]} paper @param {Uint8ClampedArray} ink red, green, blue, opacity
- */
-function takeOff(data, i, paper, ink) {
-  let alpha = 0;
-  for (let k = 0; k < 3; k++) {
-    const [from, to] = [paper[k], data[i + k]];
-    alpha = Math.max(alpha, to < from ? (from - to) / from : to > from ? (to - from) / (255 - from) : 0);
-  }
-  ink[3] = Math.ceil(255 * alpha - 1e-6); // rounding must not make more of it
-  const share = ink[3] / 255;
-  for (let k = 0; k < 3; k++) ink[k] = share ? (data[i + k] - (1 - share) * paper[k]) / share : 0;
 }

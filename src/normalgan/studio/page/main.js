@@ -180,7 +180,7 @@ editor.addEventListener("open", () => {
 });
 const remove = () => {
   if (editor.tool !== "select") points.remove();
-  else if (select.remove()) status.say(text.selectRemoved);
+  else select.remove();
 };
 $("select-remove").addEventListener("click", remove);
 const clicks = {

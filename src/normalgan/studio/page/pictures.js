@@ -3,7 +3,7 @@
 import { context2d } from "./canvas.js";
 import { text } from "./text.js";
 
-/** @type {Map<string, HTMLImageElement | HTMLCanvasElement>} */
+/** @type {Map<string, HTMLImageElement>} */
 const known = new Map();
 /** @type {Map<string, boolean>} whether they show nothing in some places */
 const cutOut = new Map();
@@ -43,20 +43,9 @@ export async function decodeAll(urls) {
   return fresh;
 }
 
-/** Returns a picture that was decoded. @param {string} url @returns {HTMLImageElement | HTMLCanvasElement} */
+/** Returns a picture that was decoded. @param {string} url @returns {HTMLImageElement} */
 export function decoded(url) {
   return /** @type {HTMLImageElement} */ (known.get(url));
-}
-
-/** Returns what is on a canvas as a data URL that counts as decoded at once. @param {HTMLCanvasElement} canvas @returns {string} */
-export function keepDrawn(canvas) {
-  const url = canvas.toDataURL("image/png");
-  known.set(url, canvas);
-  // A browser may drop the pixels of an image that is not on show; those of a canvas it must keep.
-  const image = new Image();
-  image.src = url;
-  image.decode().then(() => known.get(url) === canvas && known.set(url, image), () => {});
-  return url;
 }
 
 /**

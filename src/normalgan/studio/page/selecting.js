@@ -1,10 +1,10 @@
 /** Selecting: strokes, pictures and parts of them are chosen, moved, made larger or smaller, and removed. */
 
 import { activeLayer, withActive } from "./document.js";
-import { chosenBy, insideOf } from "./lasso.js";
+import { chosenBy, insideOf, takeParts } from "./lasso.js";
 import { aboutPoint, alongWith, extentOf, isHit, movedParts, movedPicture, unitedBox } from "./moving.js";
 import { makeRoom } from "./simplify.js";
-import { text } from "./text.js";
+import { say, text } from "./text.js";
 
 /** @typedef {import("./editor.js").Selection} Selection @typedef {import("./tools.js").Touch} Touch */
 
@@ -33,6 +33,27 @@ const itemsOf = (doc, { strokes, pictures }) =>
 export const boxOfSelection = (doc, selection) =>
   unitedBox([...itemsOf(doc, selection).map(extentOf), ...(selection.cuts ?? []).map(({ box }) => box)]);
 
+/** Whether all is there that is to be cut: a worker does it, beside the page. @param {Selection} selection */
+export const isCut = ({ cuts }) => !cuts?.some(({ parts }) => !parts);
+
+/**
+ * Does what needs the parts of cut pictures: at once, or once they are there, unless something else is chosen by then.
+ * @param {import("./editor.js").Editor} editor @param {import("./status.js").Announce} announce @param {() => void} act
+ */
+export function onceCut(editor, announce, act) {
+  const { selection } = editor;
+  if (isCut(selection)) {
+    act();
+    return;
+  }
+  announce(text.cutting);
+  Promise.all((selection.cuts ?? []).map(({ ready }) => ready)).then(() => {
+    if (editor.selection !== selection) return;
+    announce("");
+    act();
+  }).catch((error) => announce(say("broken", { reason: error instanceof Error ? error.message : String(error) }), "warning"));
+}
+
 /**
  * Cuts the pictures of which only a part is chosen, and chooses that part.
  * @param {import("./document.js").Doc} doc @param {Selection} selection
@@ -46,7 +67,8 @@ export function withCuts(doc, selection) {
   /** @type {number[]} */
   const chosen = [];
   for (const [i, stroke] of activeLayer(doc).strokes.entries()) {
-    const parts = cuts.find(({ index }) => index === i)?.parts();
+    const cut = cuts.find(({ index }) => index === i);
+    const parts = cut && takeParts(cut);
     strokes.push(...(parts ? [parts.rest, parts.piece] : [stroke]));
     if (parts || whole.includes(i)) chosen.push(strokes.length - 1);
   }
@@ -66,7 +88,7 @@ export class SelectTool {
   constructor(editor, announce) {
     this.editor = editor;
     this.announce = announce;
-    /** @type {{kind: "move" | "scale" | "turn" | "around", from: Touch, fixed?: {x: number, y: number}, before: Selection} | null} */
+    /** @type {{kind: "move" | "scale" | "turn" | "around", from: Touch, fixed?: {x: number, y: number}, before: Selection, late?: Touch} | null} late: where the hand is before the parts of cut pictures are there */
     this.held = null;
   }
 
@@ -123,6 +145,11 @@ export class SelectTool {
       editor.mark();
       return;
     }
+    if (!isCut(held.before)) {
+      if (!held.late) onceCut(editor, this.announce, () => this.held === held && held.late && this.move(held.late));
+      held.late = touch;
+      return;
+    }
     /** @type {import("./moving.js").Move} */
     let move = { scale: 1, x: touch.x - held.from.x, y: touch.y - held.from.y };
     if (held.fixed && held.kind === "turn") {
@@ -146,6 +173,15 @@ export class SelectTool {
     const { held, editor } = this;
     const { marquee, lasso } = editor;
     this.held = null;
+    if (held?.late && !isCut(held.before)) {
+      const { late } = held;
+      onceCut(editor, this.announce, () => {
+        this.held = held;
+        this.move(late);
+        this.up();
+      });
+      return;
+    }
     editor.marquee = editor.lasso = null;
     if (held?.kind === "around" && editor.lassoes) this.#drawnAround(held, lasso ?? []);
     else if (held?.kind === "around" && marquee) {
@@ -184,14 +220,36 @@ export class SelectTool {
     const found = together({ strokes: before.strokes, pictures: before.pictures }, { strokes, pictures });
     // A picture that was chosen whole is cut no more.
     const selection = { ...found, cuts: cuts.filter(({ index }) => !found.strokes.includes(index)), lasso };
-    editor.set({ selection: isNothing(selection) ? NOTHING : selection });
-    if (isNothing(selection)) this.announce(text.lassoEmpty, "warning");
+    this.#choose(selection);
+    if (isCut(selection)) return;
+    Promise.all(cuts.map(({ ready }) => ready)).then(() => {
+      if (editor.selection !== selection) return;
+      // What is darker there is the paper's own shade.
+      const inked = selection.cuts.filter(({ parts }) => parts?.piece.width);
+      if (inked.length < selection.cuts.length) this.#choose({ ...selection, cuts: inked });
+      else editor.mark();
+    }).catch((error) => this.announce(say("broken", { reason: error instanceof Error ? error.message : String(error) }), "warning"));
   }
 
-  /** Removes what is chosen. @returns {boolean} whether there was something */
+  /** @param {Selection} selection of a lasso */
+  #choose(selection) {
+    const none = isNothing(selection);
+    this.editor.set({ selection: none ? NOTHING : selection });
+    if (none) this.announce(text.lassoEmpty, "warning");
+  }
+
+  /** Removes what is chosen, and says so. */
   remove() {
     const { editor } = this;
-    if (isNothing(editor.selection)) return false;
+    if (isNothing(editor.selection)) return;
+    onceCut(editor, this.announce, () => {
+      this.#remove();
+      this.announce(text.selectRemoved);
+    });
+  }
+
+  #remove() {
+    const { editor } = this;
     const { doc, selection: { strokes, pictures } } = withCuts(editor.doc, editor.selection);
     const layer = activeLayer(doc);
     editor.set({ selection: NOTHING });
@@ -200,7 +258,6 @@ export class SelectTool {
     const kept = { strokes: layer.strokes.filter((_, i) => !strokes.includes(i)) };
     const left = strokes.length ? withActive(doc, all ? { strokes: [], hints: [], areas: [], mask: [] } : kept) : doc;
     editor.commit(pictures.length ? { ...left, pictures: doc.pictures.filter((_, i) => !pictures.includes(i)) } : left);
-    return true;
   }
 
   /** Chooses all strokes. */

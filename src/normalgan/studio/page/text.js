@@ -64,6 +64,7 @@ export const text = {
   selectLasso: "Lasso: circle what to select, also part of an imported picture",
   lassoHelp: "Circle lines or part of a picture. Shift adds.",
   lassoEmpty: "Nothing is drawn inside the lasso.",
+  cutting: "Cutting out…",
   selectSplit: "Move the selection to a new layer",
   selectCopy: "Duplicate the selection",
   selectFlip: "Flip left and right",

@@ -59,6 +59,7 @@ export const words = {
   selectLasso: "Lasso: umkreisen, was ausgewählt wird, auch Teile eines importierten Bilds",
   lassoHelp: "Linien oder einen Teil eines Bilds umkreisen. Umschalt fügt hinzu.",
   lassoEmpty: "Im Lasso ist nichts gezeichnet.",
+  cutting: "Wird ausgeschnitten…",
   selectSplit: "Auswahl auf eine neue Ebene verschieben",
   selectCopy: "Auswahl duplizieren",
   selectFlip: "Horizontal spiegeln",

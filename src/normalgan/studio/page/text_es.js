@@ -59,6 +59,7 @@ export const words = {
   selectLasso: "Lazo: rodea lo que quieras seleccionar, también parte de una imagen importada",
   lassoHelp: "Rodea líneas o parte de una imagen. Mayús añade.",
   lassoEmpty: "No hay nada dibujado dentro del lazo.",
+  cutting: "Recortando…",
   selectSplit: "Mover la selección a una capa nueva",
   selectCopy: "Duplicar la selección",
   selectFlip: "Voltear en horizontal",

@@ -59,6 +59,7 @@ export const words = {
   selectLasso: "Lasso : entourez ce qu'il faut sélectionner, même une partie d'une image importée",
   lassoHelp: "Entourez des lignes ou une partie d'une image. Maj ajoute.",
   lassoEmpty: "Rien n'est dessiné dans le lasso.",
+  cutting: "Découpage…",
   selectSplit: "Déplacer la sélection vers un nouveau calque",
   selectCopy: "Dupliquer la sélection",
   selectFlip: "Retourner horizontalement",

@@ -59,6 +59,7 @@ export const words = {
   selectLasso: "投げ縄：囲んで選択（読み込んだ画像の一部も）",
   lassoHelp: "線や画像の一部を囲みます。Shiftで追加。",
   lassoEmpty: "投げ縄の中には何も描かれていません。",
+  cutting: "切り抜いています…",
   selectSplit: "選択範囲を新しいレイヤーへ移動",
   selectCopy: "選択を複製",
   selectFlip: "左右に反転",

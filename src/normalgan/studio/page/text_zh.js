@@ -59,6 +59,7 @@ export const words = {
   selectLasso: "套索：圈出要选择的内容，也可以是导入图片的一部分",
   lassoHelp: "圈出线条或图片的一部分。Shift 添加。",
   lassoEmpty: "套索内没有绘制内容。",
+  cutting: "正在裁剪…",
   selectSplit: "将所选内容移到新图层",
   selectCopy: "复制所选",
   selectFlip: "左右翻转",
