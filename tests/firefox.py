@@ -107,8 +107,13 @@ class Firefox:
         (identity,) = found.values()
         return str(identity)
 
-    def drag(self, *points: tuple[float, float]) -> None:
-        """Press the mouse at a point of the window, move it through others, and release it."""
+    def drag(self, *points: tuple[float, float], kind: str = "mouse") -> None:
+        """Press the mouse at a point of the window, move it through others, and release it.
+
+        Args:
+            points: x and y in pixels of the window.
+            kind: "mouse", or "touch" for a finger.
+        """
         moves = [{"type": "pointerMove", "x": round(x), "y": round(y), "duration": 20} for x, y in points]
         actions = [
             moves[0],
@@ -118,8 +123,8 @@ class Firefox:
         ]
         pointer = {
             "type": "pointer",
-            "id": "mouse",
-            "parameters": {"pointerType": "mouse"},
+            "id": kind,
+            "parameters": {"pointerType": kind},
             "actions": actions,
         }
         self.command("WebDriver:PerformActions", {"actions": [pointer]})

@@ -1,9 +1,11 @@
-"""Unsaved work in Firefox: large pictures, and a browser that is killed."""
+"""The page in Firefox: unsaved work with large pictures, a browser that is killed, and the lasso."""
 
+import math
 from pathlib import Path
 
 import pytest
-from studio_page import Server
+from studio_page import SIDE, Server
+from test_page_lasso import two_circles
 from test_page_storage import KB, MB, write_noise
 
 from firefox import Firefox, firefox
@@ -77,3 +79,39 @@ def test_unsaved_work_outlives_a_killed_firefox(server: Server, tmp_path: Path) 
     with firefox(tmp_path / "profile") as running:
         start(running, server)
         restored(running)
+
+
+def test_the_lasso_cuts_a_picture_in_firefox_with_the_mouse_and_with_a_finger(
+    server: Server, tmp_path: Path
+) -> None:
+    server.reset()
+    two_circles().save(tmp_path / "circles.png")
+    with firefox(tmp_path / "profile") as running:
+        start(running, server)
+        running.choose_file("#import-file", tmp_path / "circles.png")
+        running.wait_for("document.querySelector('#choose').open")
+        running.click("#choose button[value=drawing]")
+        running.wait_for("document.querySelector('#result').dataset.painted")
+        running.click("#tool-select")
+        running.click("#select-lasso")
+        x, y, width, height = running.run(
+            "const box = document.querySelector('#board').getBoundingClientRect();"
+            "return [box.x, box.y, box.width, box.height]"
+        )
+        margin = min(24, width / 20)
+        scale = min(width - 2 * margin, height - 2 * margin) / SIDE
+        angles = [2 * math.pi * i / 24 for i in range(25)]
+        around = [
+            (
+                x + width / 2 + scale * (70 - SIDE / 2 + 56 * math.cos(a)),
+                y + height / 2 + scale * (56 * math.sin(a)),
+            )
+            for a in angles
+        ]
+        for kind in ("mouse", "touch"):
+            running.drag(*around, kind=kind)
+            running.wait_for("!document.querySelector('#select-split').disabled")
+            running.click("#select-split")
+            running.wait_for("document.querySelector('#status').textContent === 'Moved to “Layer 2”.'")
+            running.click("#undo")
+            running.wait_for("document.querySelector('#status').textContent === 'Undone.'")

@@ -168,3 +168,30 @@ def test_a_lasso_chooses_lines_that_lie_mostly_inside_and_says_where_nothing_doe
     assert [stroke["kind"] for stroke in new["strokes"]] == ["pen", "eraser"]
     assert new["strokes"][0]["points"][0] == pytest.approx(230, abs=1)
     assert not studio.inked(190, 100)
+
+
+def test_photographed_paper_is_filled_with_its_own_tone_and_grain(studio: Studio, tmp_path: Path) -> None:
+    y, x = np.mgrid[:SIDE, :SIDE] / SIDE
+    grain = np.random.default_rng(0).normal(0, 5, (SIDE, SIDE))
+    bare = np.clip(np.dstack([235 - 60 * x - 20 * y, 225 - 60 * x, 200 - 50 * y]) + grain[..., None], 0, 255)
+    picture = Image.fromarray(bare.astype(np.uint8))
+    draw = ImageDraw.Draw(picture)
+    for middle in (70, 190):
+        draw.ellipse((middle - 40, 88, middle + 40, 168), outline=(40, 30, 50), width=7)
+    give(studio, picture, tmp_path / "photo.png")
+    studio.page.keyboard.press("q")
+    lasso(studio, 190, 128, 56)
+    with studio.repainting(), studio.saying("Moved to “Layer 2”."):
+        studio.page.keyboard.press("j")
+    rest, piece = (layer["strokes"][0] for layer in saved(studio))
+    left, right = pixels(rest), pixels(piece, (255, 255, 255))
+    gone = np.abs(bare - np.asarray(picture, float)).max(-1) > 60
+    gone[:, :128] = False
+    filled = (left - bare)[gone]
+    assert np.abs(filled.mean(0)).max() < 1.5
+    # Two grains that have nothing to do with each other differ by √2 of one's.
+    assert 5 < filled.std(0).mean() < 9
+    assert np.abs((left - np.asarray(picture, float))[:, :128]).max() == 0
+    # No film of paper goes along.
+    assert (right.min(-1)[112:144, 174:206] == 255).mean() > 0.97
+    assert right[gone].max() < 90

@@ -7,7 +7,7 @@ const SWEEPS = 6;
 /** Levels by which paper differs from the colour that most of it has: more is ink for sure. */
 const WIDE = 64;
 /** Levels by which ink differs from the paper at least and at most, and how many times more than the paper's grain does. */
-const [LEAST, MOST, GRAIN] = [6, 48, 5];
+const [LEAST, MOST, GRAIN] = [6, 48, 6];
 /** Pixels about ink that go with it: its edge is fainter than the paper's grain. */
 const EDGE = 2;
 /** Pixels from where the grain is taken. */
