@@ -259,11 +259,12 @@ def test_layers_of_more_than_a_request_takes_go_ahead_one_by_one(studio: Studio,
           window.fetch = async (path, options) => {
             const answer = await ask(path, options);
             if (path === "/api/predict") {
-              const length = new DataView(options.body.buffer).getUint32(0, true);
-              const text = new TextDecoder().decode(options.body.subarray(4, 4 + length));
+              const body = await new Response(options.body).arrayBuffer();
+              const length = new DataView(body).getUint32(0, true);
+              const text = new TextDecoder().decode(body.slice(4, 4 + length));
               const { layers, longest } = JSON.parse(text);
               const each = layers.map(({ name, bytes }) => [name, bytes]);
-              sent.push({ each, longest, size: options.body.length, status: answer.status });
+              sent.push({ each, longest, size: body.byteLength, status: answer.status });
             }
             return answer;
           };

@@ -174,6 +174,7 @@ async function answer(path, { method = "GET", body, headers, signal }) {
     }
     if (path === "/api/open") return json(null);
     if (path === "/api/import" && body instanceof Blob) return await picture(body);
+    if (body instanceof Blob) return await drawing(path, new Uint8Array(await body.arrayBuffer()), signal);
     if (body instanceof Uint8Array) return await drawing(path, body, signal);
     return refused(LACKS, 501);
   } catch (error) {

@@ -41,6 +41,9 @@ async function ask(path, options = {}) {
   throw new Refused(response.status, answer.error ?? response.statusText);
 }
 
+/** Bytes from which a body is sent as a blob: Chromium passes bytes to its network process in one piece, for which the page waits. */
+const LARGE = 2 ** 21;
+
 /**
  * Sends a request about a drawing: the length of its fields as JSON, the JSON, then the bytes of its planes.
  * @param {string} path @param {Request} request @param {AbortSignal} [signal]
@@ -55,7 +58,7 @@ function post(path, { fields, pixels }, signal) {
     body.set(each, at);
     at += each.length;
   }
-  return ask(path, { method: "POST", body, headers: { "Content-Type": "application/x-normalgan-drawing" }, signal });
+  return ask(path, { method: "POST", body: body.length < LARGE ? body : new Blob([body]), headers: { "Content-Type": "application/x-normalgan-drawing" }, signal });
 }
 
 /** @param {Response} response @param {string} name */
