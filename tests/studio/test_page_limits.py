@@ -23,7 +23,8 @@ def test_a_layer_that_is_full_says_so_when_the_pen_comes_down(
         for value in (128 + 60 * math.cos(k / 9.5), 128 + 60 * math.sin(k / 9.5), 0.5)
     ]
     layer = {
-        "id": 1, "name": "full", "visible": True, "hints": [], "areas": [], "mask": [], "source": None, "form": None,
+        "id": 1, "name": "full", "visible": True, "source": None, "form": None, "hints": [],
+        "areas": [], "mask": [],
         "strokes": [{"kind": "pen", "size": 4, "points": ring, "mirror": 140}, *[dot] * (MOST_STROKES - 1)],
     }  # fmt: skip
     whole = {"format": "normalgan-studio", "version": 5, "width": SIDE, "height": SIDE, "layers": [layer]}
