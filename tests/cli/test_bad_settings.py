@@ -102,7 +102,6 @@ def test_a_bad_setting_is_one_sentence(tmp_path: Path, yaml: str, words: list[st
             ["trainer.gradient_clip_val cannot", "use model.gradient_clip."],
         ),
         ("trainer: {accumulate_grad_batches: 4}", ["accumulate_grad_batches cannot", "data.batch_size."]),
-        ("model: {n_critic: 0}", ["n_critic of NormalGAN is 0; it must be 1 or more."]),
         ("model: {objective: WassersteinGradientPenalty}", ["without batch norm"]),
         ("checkpoint: {monitor: val/eror}", ["val/eror"]),
     ],

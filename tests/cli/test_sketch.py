@@ -116,12 +116,6 @@ def test_it_loads_neither_torch_nor_lightning() -> None:
         (["horse", "--normal", "n.tif"], "the normal map n.tif must be a .png."),
         (["horse", "--medium.noise", "0.1"], "a medium is made of pixels; write sketch.svg as .png"),
         (["horse", "--size", "3"], 'argument "size": 3 is out of range; it must be >= 8 and <= 8192.'),
-        (["horse", "--margin", "0.5"], 'argument "margin": 0.5 is out of range; it must be >= 0 and < 0.5.'),
-        (
-            ["horse", "--field_of_view", "180"],
-            'argument "field_of_view": 180 is out of range; it must be >= 1 and <= 120.',
-        ),
-        (["horse", "--seed", "-1"], 'argument "seed": -1 is out of range; it must be >= 0.'),
         (["horse", "--lines", "Sugestive"], "no LineDrawing named 'Sugestive'. Did you mean Sug"),
         (
             ["horse", "--hand.strength", "[2,3]"],
