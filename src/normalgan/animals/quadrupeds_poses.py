@@ -15,7 +15,7 @@ Angles = tuple[float, float, float, float]
 
 @dataclass(frozen=True)
 class Pose:
-    """Angles in degrees, as differences from rest; a positive joint angle moves what hangs below forward.
+    """Angles in degrees, as differences from rest; a positive joint angle moves the part below it forward.
 
     Args:
         legs: the four joints of right fore, left fore, right hind, left hind, from the top down.

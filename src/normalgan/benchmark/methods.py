@@ -45,7 +45,7 @@ class Method:
         predict: predicts a batch; only classical methods may use the truth, as their docstrings say.
         sampler: gives the hints that it was trained for.
         generator: its network; None if it has none.
-        timed: whether it predicts here, so that its speed can be measured; what another program predicted is
+        timed: whether it predicts here, so that its speed can be measured; predictions of another program are
             only read.
     """
 

@@ -1,4 +1,4 @@
-"""normalgan convert: a normal or height map of any program to another format, direction or kind."""
+"""normalgan convert: converts a normal or height map of any program to another format, direction or kind."""
 
 from pathlib import Path
 from typing import Literal
@@ -22,7 +22,7 @@ def run(arguments: list[str]) -> int:
     """Convert what the arguments name and return the exit code.
 
     Raises:
-        InputError: if something that was given cannot be used.
+        InputError: if an argument cannot be used.
     """
     return convert(build_parser().parse_args(arguments))
 

@@ -39,10 +39,10 @@ PLUGINS: dict[str, Registry[Any]] = {"renderer": RENDERERS, "lines": LINE_DRAWIN
 
 
 def run(arguments: list[str]) -> int:
-    """Draw what the arguments ask for and return the exit code.
+    """Draw the mesh of the arguments and return the exit code.
 
     Raises:
-        InputError: if something that was given cannot be used.
+        InputError: if an argument cannot be used.
     """
     for registry in (RENDERERS, LINE_DRAWINGS):
         registry.load_entry_points()
@@ -140,10 +140,10 @@ def draw(settings: Namespace) -> None:
     """Draw and write the files.
 
     Args:
-        settings: as `build_parser` gives them, with the classes built.
+        settings: the arguments of `build_parser`, with the classes built.
 
     Raises:
-        InputError: if they cannot be used or the files not be written.
+        InputError: if they cannot be used, or the files cannot be written.
     """
     kind = _check(settings)
     mesh, seen = _load(settings)
@@ -175,7 +175,7 @@ def draw(settings: Namespace) -> None:
 
 
 def _load(settings: Namespace) -> tuple[Mesh, NDArray[np.floating]]:
-    """Return the mesh and the vertices (V, 3) that the view holds: of a clip those of all its moments."""
+    """Return the mesh, and the vertices (V, 3) that set the frame: of a clip, at all its times."""
     source = find_source(settings.mesh, settings.orientation, settings.crease_angle)
     if settings.clip is None:
         if settings.time is not None:

@@ -18,10 +18,11 @@ NAME = ".running"
 def one_run_in(folder: Path) -> Iterator[None]:
     """Lock a run's folder, so that no other run writes checkpoints into it.
 
-    The system releases the lock when the process ends, however it ends; a file left behind blocks nobody.
+    The system releases the lock when the process ends, however it ends; a lock file left behind blocks
+    nothing.
 
     Args:
-        folder: folder of the run; made if it is not there, and removed if nothing was put into it.
+        folder: folder of the run; created if it is missing, and removed again if it stays empty.
 
     Raises:
         InputError: if another process holds it, on this machine or another with the same file system; or if

@@ -55,8 +55,8 @@ class Done:
     Args:
         target: where the map is.
         warning: part of a sentence; empty if all is well.
-        held: the files that wait for the other drawings of a command.
-        note: what was done that the user may not expect, a part of a sentence; empty if nothing was.
+        held: the files that wait for other drawings of a command.
+        note: the warning for the user, a part of a sentence; empty if nothing was.
         partial: whether something that is drawn could not be predicted, as the warning says.
     """
 
@@ -76,11 +76,11 @@ class JobPredictor:
         writer: writes its map.
         size: longer side of the maps in pixels; None is the drawing's.
         packing: how the drawings of a sheet are found.
-        frame: whether the network is shown the same square of all drawings that belong together; None is
-            ``shared`` for an animation, and ``own`` else.
-        strength: what the slopes of all maps are multiplied by.
+        frame: whether the network is shown the same square of all drawings that belong together; None takes
+            ``shared`` for an animation and ``own`` otherwise.
+        strength: factor of all maps' slopes.
         layers: whether each visible layer of a layered file is predicted separately.
-        tile: the ways in which each drawing is repeated, and its map can be; None is not at all.
+        tile: the ways in which each drawing is repeated, and its map can be; None does not split.
         single: whether a page is one object, whatever it shows; else its figures are predicted separately.
         holes: x and y in pixels of a drawing, as `prepare` has its flips.
         explain: folder for pictures of how each mask was found; None writes none.
@@ -257,7 +257,7 @@ class JobPredictor:
         return _noted(predict_tileset(*given), to_picture(sheet))
 
     def _animation(self, job: Job, drawing: Drawing) -> Done:
-        """Write the maps of an animation's frames, or of pages, each of which goes into a file of its own."""
+        """Write the maps of an animation's frames, or of pages, each to its own file."""
         found, pages = drawing.frames, drawing.moving == PAGES
         members = [self._member(to_picture(each.decoded), job.files) for each in found.parts]
         shared = self.frame == "shared" if pages else self.frame != "own"
@@ -311,7 +311,7 @@ def target_of(job: Job, outputs: Outputs, packing: Packing, layers: bool = False
     """Return the path of a job's map, or of the first one if there are several files.
 
     Raises:
-        InputError: if it is a broken animation, has no layers that are asked for, or would be written over.
+        InputError: if it is a broken animation, lacks the requested layers, or would be overwritten.
     """
     drawing = Drawing(job.files.drawing, job.files.content)
     if layers:

@@ -90,8 +90,8 @@ def watch(losses: Mapping[str, Tensor], processes: int) -> Callable[[Batch, int,
 
     Args:
         losses: scalars by name.
-        processes: how many train together. If one stopped alone, the others would wait, so the sum over
-            all is checked too.
+        processes: how many train together. If one process stopped alone, the others would hang, so the sum
+            over all is checked too.
 
     Raises:
         LossError: by the returned check, in every process, if a loss is not finite.

@@ -162,5 +162,5 @@ def _by_image(errors: Tensor) -> Tensor:
 
 
 def _whole(sums: Tensor, fraction: float) -> Tensor:
-    """Return the sum over the images, each rounded to a whole number of the fraction."""
+    """Return the sum over the images, each rounded to a multiple of the fraction."""
     return (sums / fraction).round().long().sum()

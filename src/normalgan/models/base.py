@@ -103,7 +103,7 @@ def check_generated(generator: nn.Module, predicted: object, condition: Tensor) 
         condition: (N, 4, H, W), its input.
 
     Raises:
-        InputError: if the output is anything else.
+        InputError: otherwise.
     """
     count, _, height, width = condition.shape
     if not isinstance(predicted, Tensor) or predicted.ndim != 4 or len(predicted) != count:
@@ -168,7 +168,7 @@ def check_scores(discriminator: nn.Module, scores: object, condition: Tensor) ->
         condition: (N, 4, H, W), its input.
 
     Raises:
-        InputError: if the output is anything else.
+        InputError: otherwise.
     """
     asked = f"a discriminator gives a tuple of scores, a tensor ({len(condition)}, …) a head"
     # A bare tensor is iterable too; its samples would be taken for heads.

@@ -57,7 +57,7 @@ def camera_of(projection: Doubles, placed: PlacedMesh, side: int) -> Camera:
         side: side of the drawing in pixels.
 
     Raises:
-        InputError: if there is no such camera: it is singular, skewed, a mirror, or stands in the mesh.
+        InputError: if no camera fits: it is singular, skewed, a mirror, or stands in the mesh.
     """
     matrix = projection @ placed.to_file
     if not np.isfinite(matrix).all() or np.linalg.norm(matrix[:, :3]) == 0:

@@ -32,8 +32,8 @@ _Boxes = NDArray[np.intp]
 def find_islands(sheet: Decoded) -> list[Cell]:
     """Return the drawings of a sheet, row by row: islands of opacity, or of connected lines.
 
-    Parts on both sides of a narrow gap count as connected. A small part, such as an eye or a spark, belongs
-    to the large one that it is close to.
+    Parts on both sides of a narrow gap count as connected. A small part, such as an eye or a spark, joins the
+    large part next to it.
 
     Args:
         sheet: its pixels, not reduced.
