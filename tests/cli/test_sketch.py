@@ -89,7 +89,7 @@ def test_a_sheet_seen_edge_on_is_no_drawing(tmp_path: Path, capsys: pytest.Captu
     sheet.write_text("v -1 0 -1\nv 1 0 -1\nv 1 0 1\nv -1 0 1\nf 1 2 3 4\n")
     view = ("sketch", str(sheet), "-o", str(out), "--size", "64", "--azimuth", "30", "--elevation")
     assert main([*view, "0"]) == 2
-    assert f"gets no lines from {sheet} at azimuth 30 and elevation 0; seen so" in capsys.readouterr().err
+    assert f"finds no lines in {sheet} at azimuth 30 and elevation 0: there it" in capsys.readouterr().err
     assert not out.exists()
     assert main([*view, "40"]) == 0
 

@@ -40,7 +40,7 @@ def test_the_model_that_is_read_is_not_written_over(
     (tmp_path / "m.safetensors").write_bytes(b"weights")
     path = tmp_path / "m.safetensors"
     assert export(path, tmp_path / ".." / tmp_path.name / path.name, "--format", "safetensors") == 2
-    assert "is read and would be written over" in capsys.readouterr().err
+    assert "is an input and would be overwritten" in capsys.readouterr().err
     assert path.read_bytes() == b"weights"
 
 

@@ -85,7 +85,7 @@ def test_patch_of_three_layers_sees_70_pixels() -> None:
 
 
 def test_wrong_sizes_are_said() -> None:
-    with pytest.raises(InputError, match="power of two from 4 on, not 100"):
+    with pytest.raises(InputError, match="power of two, at least 4, not 100"):
         UNetGenerator(size=100)
     with pytest.raises(InputError, match="multiples of 64, not 32 × 96"):
         UNetGenerator(size=64, width=2)(torch.zeros(1, 4, 32, 96))

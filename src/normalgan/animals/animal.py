@@ -87,7 +87,7 @@ def make_animals(
         ['horse', 'cat', 'horse']
     """
     if count < 1:
-        raise InputError(f"a herd has at least one animal, not {count}.")
+        raise InputError(f"the number of animals is {count}; it must be 1 or more.")
     if not 0 <= postures <= 1:
         raise InputError(f"the share of postures is {postures}; give a number from 0 to 1.")
     names = members(species)
@@ -109,7 +109,7 @@ def members(names: Sequence[str]) -> list[str]:
         InputError: if there is no name, or one is unknown.
     """
     if not names:
-        raise InputError(f"a herd has at least one species; known groups: {', '.join(GROUPS)}.")
+        raise InputError(f"no species was named; known groups: {', '.join(GROUPS)}.")
     for name in names:
         _known("species or group", name, [*GROUPS, *SPECIES])
     # What is named twice would otherwise come with the same seed twice.

@@ -68,7 +68,7 @@ def read_budget(text: str) -> float:
         raise InputError(f"the budget {text!r} is not a span of time; write it like 8m, 90s or 1h30m.")
     seconds = sum(float(number) * _UNITS[unit] for number, unit in parts)
     if seconds <= 0:
-        raise InputError(f"the budget {text!r} is no time at all; write it like 8m, 90s or 1h30m.")
+        raise InputError(f"the budget {text!r} must be more than zero; write it like 8m, 90s or 1h30m.")
     return float(seconds)
 
 

@@ -64,7 +64,7 @@ def check_specification(found: Specification, path: Path) -> str:
     sizes = sorted({int(one["size"]) for one in frozen["sizes"]})
     if found["size"] not in sizes:
         raise InputError(
-            f"{path} has frozen no benchmark at {found['size']} pixels; use data.size "
+            f"{path} has no benchmark at {found['size']} pixels; use data.size "
             f"{' or '.join(map(str, sizes))}."
         )
     tracks = {str(one.get("track", "")): one for one in frozen["sizes"] if one["size"] == found["size"]}
@@ -76,7 +76,7 @@ def check_specification(found: Specification, path: Path) -> str:
     if named[nearest]:
         of_track = f", the track {nearest}" if nearest else ""
         raise InputError(
-            f"this is not the benchmark that {path} has frozen as {frozen['version']}{of_track}: its "
+            f"this is not the benchmark that {path} holds as {frozen['version']}{of_track}: its "
             f"{' and '.join(named[nearest])} differ."
         )
     return nearest

@@ -93,7 +93,7 @@ def _refuse_flipped_green(folder: Path, maps: Tensor, batch: Batch) -> None:
     # A network that has learnt nothing stays within 0.05 of zero; one as wrong as a constant normal has 0.4.
     if x > 0.2 and y < -0.2:
         raise InputError(
-            f"the maps in {folder} look as if their green had the other direction: x agrees with the true "
+            f"the maps in {folder} look as if their green had the opposite direction: x agrees with the true "
             f"normals (correlation {x:.2f}) and y contradicts them ({y:.2f}); write green up, as in OpenGL."
         )
 

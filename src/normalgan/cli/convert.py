@@ -88,7 +88,7 @@ def convert(settings: Namespace) -> int:
     if settings.source == "height" and settings.scale is None:
         raise InputError("a height map needs --scale: the pixels from black to white.")
     if output.resolve() == Path(settings.map).resolve():
-        raise InputError(f"{output} is read and would be overwritten; give another output (-o).")
+        raise InputError(f"{output} is an input and would be overwritten; give another output (-o).")
     if settings.source == "height":
         found = map_of_heights(settings.map, settings.scale)
     else:
@@ -100,7 +100,7 @@ def convert(settings: Namespace) -> int:
         if settings.to == "height":
             form: Literal["png", "tiff"] = "png" if output.suffix.lower() == ".png" else "tiff"
             if output.suffix.lower() not in {".png", ".tif", ".tiff"}:
-                raise InputError(f"the height map {output} is to end in .png, .tif or .tiff.")
+                raise InputError(f"the height map {output} must end in .png, .tif or .tiff.")
             height = Height(form, settings.scale if form == "png" else None)
             write_bytes(output, height.encode(found)[height.endings[0]])
         else:

@@ -179,7 +179,7 @@ def _load(settings: Namespace) -> tuple[Mesh, NDArray[np.floating]]:
     source = find_source(settings.mesh, settings.orientation, settings.crease_angle)
     if settings.clip is None:
         if settings.time is not None:
-            raise InputError("a time is one of a clip; name it with --clip.")
+            raise InputError("a time needs a clip; name one with --clip.")
         mesh = source.load()
         return mesh, mesh.vertices
     if not isinstance(source, MeshFile):
@@ -221,7 +221,7 @@ def _check(settings: Namespace) -> str:
     read = [Path(each).resolve() for each in (settings.mesh, settings.orientation) if each]
     for path in filter(None, (settings.output, settings.normal)):
         if Path(path).resolve() in read:
-            raise InputError(f"{path} is read and would be written over; give another name.")
+            raise InputError(f"{path} is an input and would be overwritten; give another name.")
         read.append(Path(path).resolve())  # nor are both written to one file
     if kind == ".svg" and settings.medium is not None:
         raise InputError(

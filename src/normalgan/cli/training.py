@@ -305,7 +305,7 @@ class NormalGANCLI(LightningCLI):
     def _use_weights(self, path: Path, command: str) -> None:
         """Take the model's settings, and the size of its pictures, from a file of weights."""
         if command == "fit":
-            raise InputError(f"fit cannot go on from {path}, which has weights alone; give a checkpoint.")
+            raise InputError(f"fit cannot resume from {path}, which holds only weights; give a checkpoint.")
         weights = read_weights(path)
         notes, size = weights.notes, self.config["data"]["size"]
         if size != self.parser.get_default("data.size"):
@@ -340,7 +340,7 @@ class NormalGANCLI(LightningCLI):
         settings = {k: v for k, v in self.config["model"].as_dict().items() if k in saved}
         if lost := ignored_settings(settings, defaults, saved, self.given):
             names = ", ".join(f"model.{name}" for name in lost)
-            warnings.warn(f"{path} was trained with other settings, and they stay: {names}.", stacklevel=2)
+            warnings.warn(f"{path} was trained with other settings, which are kept: {names}.", stacklevel=2)
 
 
 def run(arguments: list[str]) -> int:

@@ -325,7 +325,7 @@ class MeshDataModule(LightningDataModule):
     def _open(self, split: str) -> SampleDataset:
         if not self.kept[split]:
             raise InputError(
-                f"there is nothing in the split {split}, which is asked for; give it a share in "
+                f"the split {split} is empty, but it is needed; give it a share in "
                 "data.split.fractions, or names in data.split.file."
             )
         # A training pair that cannot be used keeps its place, whenever that is found: a resumed run, which

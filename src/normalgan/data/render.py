@@ -82,12 +82,10 @@ def render_samples(
             version, or workers die whatever they render. Finished shards are kept.
     """
     if per_shard < 1:
-        raise InputError(f"a shard has 1 sample or more, not {per_shard}.")
+        raise InputError(f"a shard needs at least 1 sample, not {per_shard}.")
     folder, views, meshes = _locate(cache, sources, views_per_mesh, recipe)
     if (workers > 0 or cluster) and folder.in_memory:
-        raise InputError(
-            f"{cache} cannot be seen by other processes; set workers to 0 or name another folder."
-        )
+        raise InputError(f"{cache} is invisible to other processes; set workers to 0 or name another folder.")
     folder.sweep()
     if set(views) <= set(later):  # processes would take longer to start than the few samples to make
         workers = 0
@@ -260,7 +258,7 @@ def _lay_out(
     """
     for _, outcome in pool.run(check_recipe, [recipe]):
         if isinstance(outcome, Killed):
-            raise RunError(f"{type(recipe).__name__} kills the process that asks whether it runs.")
+            raise RunError(f"{type(recipe).__name__} kills the process that checks whether it can run.")
     splits = {}
     for split, number in views.items():
         names = tuple(source.name for source in sources[split])

@@ -133,5 +133,5 @@ def _check(options: Namespace) -> Path:
     if options.licence is not None and not re.fullmatch(r"[^\x00-\x1f]{1,500}", options.licence):
         raise InputError("--licence is one line of at most 500 characters.")
     if Path(options.output).resolve() == Path(options.model).resolve():
-        raise InputError(f"{options.output} is read and would be written over; give another -o.")
+        raise InputError(f"{options.output} is an input and would be overwritten; give another -o.")
     return Path(options.output)

@@ -86,8 +86,8 @@ def parse_address(text: str) -> Address:
     found = _HASH.fullmatch(fragment)
     if found is None:
         raise InputError(
-            f"{address} needs the hash of its file, so that nobody can exchange it: end it in #sha256= and "
-            "64 digits, as its author publishes them."
+            f"{address} needs the hash of its file, so that the file cannot be replaced: end it in "
+            "#sha256= and 64 digits, as its author publishes them."
         )
     name = _hub_place(address)[2] if scheme == "hf" else unquote(urlsplit(address).path)
     name = re.split(r"[/\\]", name)[-1]

@@ -62,6 +62,6 @@ def check_writable(folder: Path) -> None:
     """
     there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
     if not there.is_dir():
-        raise InputError(f"the run cannot be kept in {folder}: {there} is not a folder.")
+        raise InputError(f"the run cannot be stored in {folder}: {there} is not a folder.")
     if not os.access(there, os.W_OK | os.X_OK):
-        raise InputError(f"the run cannot be kept in {folder}: {there} may not be written to.")
+        raise InputError(f"the run cannot be stored in {folder}: {there} is not writable.")

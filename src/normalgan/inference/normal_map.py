@@ -89,9 +89,7 @@ class NormalMap:
             InputError: if the strength is invalid: negative, or more than 100.
         """
         if not 0 <= strength <= 100:
-            raise InputError(
-                f"strength is {strength}; 1 leaves a map as it is, and 0 to 100 can be asked for."
-            )
+            raise InputError(f"strength is {strength}; use 0 to 100; 1 changes nothing.")
         if strength == 1:
             return self
         scaled = self.extended * np.array([strength, strength, 1], np.float32)
@@ -201,7 +199,7 @@ class NormalMap:
         """
         form = _SUFFIXES.get(Path(path).suffix.lower())
         if form is None:
-            raise InputError(f"the normal map {path} is to end in one of {' '.join(_SUFFIXES)}.")
+            raise InputError(f"the normal map {path} must end in one of {' '.join(_SUFFIXES)}.")
         if bits not in get_args(Bits) or (bits == 16 and form != "png"):
             raise InputError(f"bits are 8 or 16, of a PNG; {path} with {bits} is neither.")
         if y not in get_args(Green):

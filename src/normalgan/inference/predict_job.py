@@ -129,7 +129,7 @@ class JobPredictor:
         if kind is not None:
             return self._animation(job, drawing)
         if job.exact and job.target.suffix.lower() in {".gif", ".webp"}:
-            raise InputError(f"{job.target} would be an animation, but {files.drawing} does not move.")
+            raise InputError(f"{job.target} would be an animation, but {files.drawing} is a still image.")
         if self.packing.given:
             return self._written(job, self._sheet(files, drawing))
         preds = self._drawing(job, drawing)
@@ -154,7 +154,7 @@ class JobPredictor:
             pixels += picture.size[0] * picture.size[1]
             if pixels > MOST_TOGETHER:
                 raise InputError(
-                    f"the drawings that are to share a frame have more than {MOST_TOGETHER} pixels together; "
+                    f"the drawings that share a frame have more than {MOST_TOGETHER} pixels together; "
                     "name fewer, or leave --frame shared out."
                 )
             members.append(member)
@@ -332,7 +332,9 @@ def _moving_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
         return job.numbered(1, outputs.ending).target
     target = job.target if job.exact else job.target.with_suffix(f".{kind}")
     if target.resolve() == job.files.drawing.resolve():
-        raise InputError(f"{target} is read and would be written over; give another folder (-o) or --suffix.")
+        raise InputError(
+            f"{target} is an input and would be overwritten; give another folder (-o) or --suffix."
+        )
     return target
 
 

@@ -45,6 +45,5 @@ def check_terms(reconstruction: Reconstruction, terms: object, alone: bool) -> N
             raise InputError(f"{class_name(reconstruction)} gave {given} as {name}; {asked}.")
     if terms and not any(term.value.requires_grad for term in terms.values()):
         raise InputError(
-            f"{class_name(reconstruction)} gave terms that no gradient leads back from; do not detach the "
-            "map."
+            f"{class_name(reconstruction)} gave terms without a gradient; do not detach the map."
         )

@@ -139,7 +139,7 @@ def check_predictions(generator: nn.Module, preds: object, condition: Tensor) ->
             raise InputError(f"{name} gave {describe(value)} as {part}; it is a tensor {wanted} here.")
     if torch.is_grad_enabled() and not preds.direction.requires_grad:
         raise InputError(
-            f"{class_name(generator)} returns maps that no gradient leads back from; do not detach them, and "
+            f"{class_name(generator)} returns maps without a gradient; do not detach them, and "
             "give it parameters to learn."
         )
 

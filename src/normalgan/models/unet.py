@@ -130,7 +130,7 @@ def full_depth(size: int) -> int:
     """
     if size < 4 or size & (size - 1):
         raise InputError(
-            f"a U-Net down to one pixel needs a size that is a power of two from 4 on, not {size}."
+            f"a U-Net down to one pixel needs a size that is a power of two, at least 4, not {size}."
         )
     return size.bit_length() - 1
 

@@ -165,7 +165,7 @@ def _paths(source: str) -> list[Path]:
     if found:
         return found
     if place.is_dir():
-        raise InputError(f"the folder {source} holds no mesh; files in {' '.join(SUFFIXES)} are taken.")
+        raise InputError(f"the folder {source} has no mesh; files in {' '.join(SUFFIXES)} are taken.")
     raise InputError(f"{source} is not a file, a folder or a pattern that matches a mesh file.")
 
 

@@ -139,8 +139,8 @@ def draw_strokes(
 def no_lines(lines: LineDrawing, seen: str, size: int) -> InputError:
     """Return the error for a view in which a style draws no strokes: a blank sheet is not a drawing."""
     return InputError(
-        f"{type(lines).__name__} gets no lines from {seen}; seen so, it is thinner than a pixel of {size}, "
-        "or no line is as long as the style asks for."
+        f"{type(lines).__name__} finds no lines in {seen}: there it is thinner than a pixel of {size}, "
+        "or every line is shorter than the style allows."
     )
 
 

@@ -213,7 +213,7 @@ def test_the_height_of_a_large_map_is_that_of_a_reduced_one(monkeypatch: pytest.
         (["--height-scale", "5"], "height_scale is a setting of the height map; add --height png"),
         (
             ["--height", "tiff", "--height-scale", "5"],
-            "a height_scale is that of a height png; add --height png.",
+            "height_scale applies to a height map as png; add --height png.",
         ),
         (["--faces", "500"], "faces is a setting of the relief mesh; add --relief glb, or leave it out."),
         (["--relief", "obj", "--faces", "2"], "faces of Relief is 2; it must be 12 or more."),

@@ -55,9 +55,7 @@ class Cluster(Pool):
             self._seen = time.monotonic()
             while not self._workers:
                 for address, flaw in self._look().items():
-                    raise InputError(
-                        f"the worker {address} of {self.where} is not fit for this: it has {flaw}."
-                    )
+                    raise InputError(f"the worker {address} of {self.where} cannot be used: it has {flaw}.")
                 if not self._workers:
                     time.sleep(0.1)
             self._stack = stack.pop_all()
@@ -142,7 +140,7 @@ class Cluster(Pool):
             return False
         unfit = self._look()
         for address, flaw in unfit.items():
-            warnings.warn(f"the worker {address} has joined but is not fit: it has {flaw}.", stacklevel=2)
+            warnings.warn(f"the worker {address} has joined but cannot be used: it has {flaw}.", stacklevel=2)
         if unfit:
             self._sent_away |= set(unfit)
             self._client.retire_workers(list(unfit))
@@ -168,7 +166,7 @@ class Cluster(Pool):
 
     def _lost(self) -> RunError:
         return RunError(
-            f"the scheduler at {self.where} is gone; what is finished is kept: start it, and run again."
+            f"the scheduler at {self.where} is gone; finished samples are kept: start it, and run again."
         )
 
 

@@ -9,10 +9,10 @@ from normalgan.errors import RunError
 
 __all__ = ["DEADLY", "render_shards", "validate_sources"]
 
-DEADLY = "it kills the process that works on it, most likely for want of memory."
+DEADLY = "it kills the process that renders it, most likely because memory runs out."
 
 _NOBODY = (
-    "the workers are killed whatever mesh they render, most likely for want of memory; what is finished is "
+    "every mesh kills the workers, most likely because memory runs out; finished samples are "
     "kept: give them more, and run again."
 )
 _HOPELESS = 3  # meshes found deadly in a row before anything is finished: then it is not the meshes

@@ -231,9 +231,9 @@ def _load(task: MeshTask) -> Any:
         with read_once():
             if fingerprint(task.source) != task.fingerprint:
                 raise ChangedMeshError(
-                    f"{task.source.name} on {socket.gethostname()} is not what rendering "
-                    "began with, or is not there; leave the files as they are until it ends, and the same on "
-                    "every machine."
+                    f"{task.source.name} on {socket.gethostname()} has changed since rendering "
+                    "began, or is missing; do not change files while rendering, and keep them the same "
+                    "on every machine."
                 )
             _last = key, task.source.load()
     return _last[1]

@@ -51,9 +51,7 @@ class Workers(Pool):
 
     def __init__(self, count: int) -> None:
         if count < 0:
-            raise InputError(
-                f"{count} workers are asked for; it must be 0 (none besides this process) or more."
-            )
+            raise InputError(f"{count} workers were requested; use 0 (only this process) or more.")
         self.count = count
         self._pool: ProcessPoolExecutor | None = None  # it is used up when one of its processes dies
         self._pools: dict[Any, ProcessPoolExecutor] = {}  # by the futures of their tasks

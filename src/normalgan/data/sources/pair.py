@@ -212,7 +212,7 @@ def _check_green(normal: Floats, mask: BoolMask) -> None:
     x, y = _outwardness(normal, mask)
     if x > 0.4 and y < -0.4:
         raise InputError(
-            "the normal map looks as if its green had the other direction: along the outline x points "
+            "the normal map looks as if its green had the opposite direction: along the outline x points "
             "outward and y inward; set green to down if it is that of DirectX, and to up if of OpenGL."
         )
 

@@ -246,7 +246,7 @@ def _listed(path: Path, left_out: list[str]) -> Iterator[PairFiles]:
         raise InputError(f"{path} is not CSV ({error}); {right}.") from None
     if unknown := [column for column in columns if column not in COLUMNS]:
         raise InputError(
-            f"{path} has a column {unknown[0]!r}, which means nothing here."
+            f"{path} has a column {unknown[0]!r}, which is unknown."
             f"{did_you_mean(unknown[0], COLUMNS)} {right[0].upper()}{right[1:]}."
         )
     if missing := [column for column in COLUMNS[:2] if column not in columns]:

@@ -116,9 +116,7 @@ class Pairs(PairSource):
         parts = {pair.part is None for pair in pairs}
         if len(parts) > 1:
             lacking = next(pair for pair in pairs if pair.part is None)
-            raise InputError(
-                f"{lacking.sketch} is in no split, but others are; give all of them one, or none."
-            )
+            raise InputError(f"{lacking.sketch} has no split, but others do; give every pair one, or none.")
         sides: dict[str, str | None] = {}
         for pair in pairs:
             if sides.setdefault(pair.group, pair.part) != pair.part:

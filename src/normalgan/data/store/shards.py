@@ -228,7 +228,7 @@ def write_shard(
 
     Raises:
         ValueError: if the samples are not as many or not as large as the shard says.
-        InputError: if the disk is full or may not be written to.
+        InputError: if the disk is full or is not writable.
     """
     failed = failed or {}
     if len(samples) != len(shard):

@@ -83,7 +83,7 @@ class Storage:
             return bytes(files.cat_file(f"{root}/{path}", start=start, end=stop))
         except (FileNotFoundError, NotADirectoryError) as error:
             if _no_bucket(error):
-                raise InputError(f"there is no such bucket as in {self.url}; create it first.") from error
+                raise InputError(f"the bucket of {self.url} does not exist; create it first.") from error
             return None
         except Exception as error:  # what a remote store raises need not be an OSError: botocore's is not
             raise InputError(f"cannot read {self.url}/{path}: {reason(error)}.") from error
@@ -118,7 +118,7 @@ class Storage:
         """Write an object: a reader sees the old bytes or the new ones, never a part.
 
         Raises:
-            InputError: if the disk is full or may not be written to.
+            InputError: if the disk is full or is not writable.
         """
         files, root = self._files()
         try:

@@ -160,7 +160,7 @@ def _json(text: str) -> list[Page] | None:
         return [_json_page(each) for each in textures if isinstance(each, dict)]
     if isinstance(content.get("images"), list):
         if not isinstance(content.get("frames"), list):
-            raise UnreadableAtlasError("divides its sheet evenly; use --sheet in place of it")
+            raise UnreadableAtlasError("divides its sheet evenly; use --sheet instead")
         return _easel(content["images"], content["frames"])
     if any(isinstance(content.get(each), dict | list) for each in ("frames", "SubTexture")):
         return [_json_page(content)]

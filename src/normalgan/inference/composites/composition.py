@@ -30,7 +30,9 @@ def compose(maps: Sequence[NormalMap]) -> NormalMap:
         ValueError: if there are none, or their sizes differ.
     """
     if not maps or len({each.mask.shape for each in maps}) > 1:
-        raise ValueError(f"maps to be composed have one size; these are {[each.mask.shape for each in maps]}")
+        raise ValueError(
+            f"composited maps need the same size; these are {[each.mask.shape for each in maps]}"
+        )
     if len(maps) == 1:
         return maps[0]
     normals, alpha, mask = maps[0].extended.copy(), maps[0].alpha, maps[0].mask.copy()

@@ -176,7 +176,9 @@ def layered_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
         drawing.layers  # noqa: B018 -- says that it has none, or that it is missing
     target = job.target.with_suffix(f".{drawing.layered}")
     if target.resolve() == drawing.path.resolve():
-        raise InputError(f"{target} is read and would be written over; give another folder (-o) or --suffix.")
+        raise InputError(
+            f"{target} is an input and would be overwritten; give another folder (-o) or --suffix."
+        )
     return target
 
 

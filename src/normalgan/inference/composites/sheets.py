@@ -44,7 +44,7 @@ def parse_grid(text: str) -> tuple[int, int]:
     columns, rows = map(int, match.groups()) if match else (0, 0)
     if not 0 < columns * rows <= MOST_CELLS:
         raise InputError(
-            f"sheet is {text!r}; it is columns x rows, such as 4x3, of at most {MOST_CELLS} cells."
+            f"sheet is {text!r}; give columns x rows, such as 4x3, of at most {MOST_CELLS} cells."
         )
     return columns, rows
 
@@ -64,7 +64,7 @@ def grid_cells(columns: int, rows: int, shape: tuple[int, int], name: object) ->
     w, h = width // columns, height // rows
     if min(w, h) < SMALLEST:
         raise InputError(
-            f"the cells of {name} would be {w} × {h} pixels; a drawing has {SMALLEST} a side at least."
+            f"the cells of {name} would be {w} × {h} pixels; a drawing needs at least {SMALLEST} a side."
         )
     return [
         Cell(f"row {row + 1}, column {column + 1}", column * w, row * h, w, h)
@@ -164,7 +164,9 @@ def _member(
 
 
 def _too_small(cell: Cell) -> InputError:
-    return InputError(f"it is {cell.width} × {cell.height} pixels; a drawing has {SMALLEST} a side at least.")
+    return InputError(
+        f"it is {cell.width} × {cell.height} pixels; a drawing needs at least {SMALLEST} a side."
+    )
 
 
 def _ground(part: Pixels, own: BoolMask) -> NDArray[np.generic]:

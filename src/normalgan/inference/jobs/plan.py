@@ -290,7 +290,7 @@ def _check_names(
         for path in (job.target, *(job.beside(ending) for ending in others)):
             if path.resolve() in read:
                 raise InputError(
-                    f"{path} is read and would be written over; give another folder (-o) or --suffix."
+                    f"{path} is an input and would be overwritten; give another folder (-o) or --suffix."
                 )
             if path.resolve() in written:
                 raise InputError(f"{path} would be written twice; rename a sketch, or give another --suffix.")

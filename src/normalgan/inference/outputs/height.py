@@ -38,7 +38,7 @@ class Height(Output):
         """Refuse settings that contradict each other."""
         super().__post_init__()
         if self.height_scale is not None and self.format != "png":
-            raise InputError("a height_scale is that of a height png; add --height png.")
+            raise InputError("height_scale applies to a height map as png; add --height png.")
 
     @property
     def whole_batch(self) -> bool:

@@ -54,7 +54,7 @@ class Normal(Output):
         """Refuse settings that contradict each other."""
         super().__post_init__()
         if self.bits == 16 and self.format != "png":
-            raise InputError(f"bits are of a PNG; a map as {self.format} always has floats of 32 bits.")
+            raise InputError(f"bits apply to PNG; a map as {self.format} always has 32-bit floats.")
         if self.pack and self.alpha:
             raise InputError(
                 "--pack normal_specular and --alpha both write the alpha channel; leave one out."

@@ -258,7 +258,7 @@ def read_normals(path: str | Path, green: Green = "up") -> tuple[Floats, Floats 
         read_exr(path, LARGEST) if path.suffix.lower() == ".exr" else read_pixels(path, exact=True).pixels
     )
     if pixels.ndim == 2:
-        raise InputError(f"{path} is grey; a normal map has three colours, the axes of its vectors.")
+        raise InputError(f"{path} is grey; a normal map needs three channels.")
     found = vectors(pixels[..., :3])
     alpha = to_unit(pixels[..., 3]) if pixels.shape[2] == 4 else None
     return flip_green(found) if green == "down" else found, alpha

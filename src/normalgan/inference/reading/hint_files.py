@@ -117,4 +117,4 @@ def _parsed(path: Path) -> Any:
     except UnicodeDecodeError:
         raise InputError(f"the hints {path} are not a text.") from None
     except (ValueError, RecursionError):  # a number of thousands of digits, a list in a list in a list …
-        raise InputError(f"the hints {path} are not a list of hints; they hold what none has.") from None
+        raise InputError(f"the hints {path} are not a list of hints; they have unknown content.") from None

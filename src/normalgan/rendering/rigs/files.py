@@ -80,7 +80,7 @@ class RiggedFile:
             except LooseRigError as error:
                 raise bad_gltf(Path(self.file.path), str(error)) from error
         if not np.isfinite(vertices).all():
-            raise bad_gltf(Path(self.file.path), f"pose {self.pose} throws vertices beyond all numbers")
+            raise bad_gltf(Path(self.file.path), f"pose {self.pose} moves vertices to infinity")
         return place(self.name, self.file, vertices, faces)[0]
 
 

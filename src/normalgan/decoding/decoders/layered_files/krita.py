@@ -243,5 +243,5 @@ def _unpacked(packed: bytes, count: int) -> bytes:
         once = bytes(out[len(out) - back : len(out) - back + length])
         out += (once * (length // len(once) + 1))[:length]
     if len(out) != count:
-        raise ValueError(f"a tile of it has {len(out)} bytes in place of {count}")
+        raise ValueError(f"a tile of it has {len(out)} bytes instead of {count}")
     return bytes(out)
