@@ -46,7 +46,7 @@ class Pose:
 
 @dataclass(frozen=True)
 class _Gait:
-    """A way of going (Hildebrand, "The quadrupedal gaits of vertebrates", 1989).
+    """A gait (Hildebrand, "The quadrupedal gaits of vertebrates", 1989).
 
     Args:
         phases: phases of right fore, left fore, right hind, left hind in the cycle, 0 to 1.

@@ -133,8 +133,8 @@ def pooled(values: Doubles, pixels: Doubles, draws: Indices) -> Doubles:
 
     Args:
         values: (meshes, runs) means over each mesh's pixels.
-        pixels: (meshes, runs) how many these are.
-        draws: (draws, meshes) which meshes.
+        pixels: (meshes, runs) number of these pixels.
+        draws: (draws, meshes) indices of the drawn meshes.
     """
     sums, counts = (values * pixels)[draws].sum(1), pixels[draws].sum(1)
     return np.asarray((sums / counts).mean(-1))

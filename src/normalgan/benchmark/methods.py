@@ -119,8 +119,8 @@ def saved_method(name: str, size: int, device: torch.device) -> Method:
 
     Args:
         name: name of the file; ``shipped`` for the one in the package.
-        size: side of the pictures that it is to predict.
-        device: where to; ONNX predicts on the processor.
+        size: side of the pictures to predict.
+        device: device of the network; ONNX runs on the CPU.
 
     Raises:
         InputError: if it cannot be used, or was trained at another size.

@@ -70,7 +70,7 @@ class Plan:
 
     Args:
         name: in reports.
-        images: how many each generator learns from, repetitions counted.
+        images: number of training images of each generator, with repetitions.
         rows: what is compared.
         data: settings of the data that all rows share.
         test_data: settings of data that differ for the test split: how it is drawn, or other meshes.

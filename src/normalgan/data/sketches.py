@@ -43,7 +43,7 @@ class SketchDataset(Dataset[SketchSample]):
     Args:
         files: the drawings with their hints and masks, as `inference.jobs.plan.find_files` finds them.
         size: side of the generator's pictures.
-        longest: longer side of the maps in pixels; None is the drawing's.
+        longest: longer side of the maps in pixels; None takes the drawing's.
         line_widths: widths of lines that the generator sees as they were drawn, in its pixels.
 
     Raises:

@@ -90,7 +90,7 @@ class DecodedLayer:
     """A visible layer, or one frame of it.
 
     Args:
-        name: as the file has it.
+        name: its name in the file.
         groups: names of the groups around it, the outermost first.
         opacity: 0 to 255, multiplied by its groups'; not applied to the pixels.
         left: column of its left edge in the picture.

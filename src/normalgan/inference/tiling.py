@@ -179,7 +179,7 @@ def _levelled(predicted: Floats, own: Floats, tile: Tile) -> Floats:
 
 
 def _enlarged(preds: NormalMap, shape: tuple[int, int], tile: Tile) -> NormalMap:
-    """Return a map with (H, W) pixels that can be repeated as before."""
+    """Return a map resized to (H, W) pixels that still repeats."""
     larger = partial(resize_tile, shape=shape, tile=tile)
     return replace(
         preds,

@@ -141,7 +141,7 @@ class NormalMapMetric(MapMetric):
 
     @abstractmethod
     def value(self) -> Tensor:
-        """Return the metric, given that there are pixels and all are finite."""
+        """Return the metric; called only if there are pixels and all are finite."""
 
     def mean(self, total: Tensor) -> Tensor:
         """Return a sum of the state, in fractions, as a mean over pixels."""

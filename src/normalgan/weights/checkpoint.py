@@ -70,7 +70,7 @@ class Checkpoint:
 
     Args:
         path: path of the file.
-        settings: settings of the model, as the file has them.
+        settings: settings of the model, as in the file.
         tensors: weights and statistics of the model's networks by name; mapped, and read where they are used.
         callbacks: states of callbacks by their names.
         progress: the run's progress and the state of its optimisers; `check_progress` says whether it can be
@@ -176,7 +176,7 @@ class Checkpoint:
             )
 
     def _fits(self, network: str, state: Mapping[str, Any]) -> bool:
-        """Return whether the state of an optimiser can be one of a network."""
+        """Return whether the state of an optimiser fits a network."""
         shapes = {tensor.shape for tensor in self.tensors_of(network).values()}
         match state:
             case {"state": dict(kept), "param_groups": [{"params": [*_]}, *_]}:

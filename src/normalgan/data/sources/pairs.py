@@ -35,7 +35,7 @@ class Pairs(PairSource):
             they are (``A`` and ``B``, or ``AB/train`` with both side by side). The normal map of ``a.png`` is
             ``a_normal.png`` beside it, or in a folder ``normal`` next to its folder ``sketch``; so for masks
             and hints.
-        green: which way of y the normal maps hold as green: up as in OpenGL, down as in DirectX.
+        green: direction of the normal maps' green channel: up as in OpenGL, down as in DirectX.
         hints: use the pairs' own hints instead of a sampler's; a pair without hints gets none.
         group_by: the unit that stays in one split: each file, or each folder; the group of a
             CSV counts before it.
@@ -94,7 +94,7 @@ class Pairs(PairSource):
         """Return all pairs, in order of their names; a warning lists files without a partner.
 
         Raises:
-            InputError: if there are none, or two have one name.
+            InputError: if there are none, or two have the same name.
         """
         left_out: list[str] = []
         pairs = self._find(left_out)

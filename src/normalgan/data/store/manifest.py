@@ -121,7 +121,7 @@ def views_by_split(
     """Return the number of views a mesh for every split that has meshes.
 
     Raises:
-        InputError: if it is not a positive number for every split, or a mesh's name occurs twice.
+        InputError: if a number is not positive, or two meshes have the same name.
     """
     names = [source.name for part in sources.values() for source in part]
     twins = sorted(name for name, count in Counter(names).items() if count > 1)

@@ -148,7 +148,7 @@ class Storage:
             raise InputError(f"cannot remove {self.url}/{path}: {reason(error)}.") from error
 
     def sweep(self) -> None:
-        """Remove files that killed processes left half written at least an hour ago, if possible."""
+        """Remove partial files of killed processes, at least an hour old, if possible."""
         files, root = self._files()
         if not isinstance(files, LocalFileSystem):
             return

@@ -35,7 +35,7 @@ def moving_kind(path: Path, content: bytes | None = None) -> Kind | Literal["pag
         content: its content, if it has been read already.
 
     Raises:
-        InputError: if it is a GIF that ends within a frame, whose rest a decoder would leave out silently.
+        InputError: if it is a GIF that ends within a frame, which a decoder would truncate silently.
     """
     if content is None and (path.suffix.lower() not in MOVING or not path.is_file()):
         return None

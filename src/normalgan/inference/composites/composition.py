@@ -73,7 +73,7 @@ def tiled(pictures: Sequence[Floats]) -> Floats:
 
 
 def _opacity(part: NormalMap) -> Floats:
-    """Return how opaque (H, W) a part is, and more than 0 wherever its mask is."""
+    """Return the opacity (H, W) of a part, above 0 wherever its mask is."""
     return np.where(part.mask, np.maximum(part.alpha, _THIN), part.alpha)
 
 

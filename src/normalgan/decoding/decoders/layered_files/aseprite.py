@@ -144,7 +144,7 @@ class AsepriteFile(LayeredFile):
             yield from self._cels_of(frame)
 
     def _cels_of(self, frame: int) -> list[Layer]:
-        """Return the cels of the visible layers in a frame, the lowest first."""
+        """Return the cels of the visible layers in a frame, bottom to top."""
         found = []
         for number, layer in enumerate(self._layers):
             if not layer.visible or number not in self._cels[frame]:

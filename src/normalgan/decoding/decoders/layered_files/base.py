@@ -59,7 +59,7 @@ class Layer:
     """A visible layer, or one frame of it.
 
     Args:
-        name: as the file has it.
+        name: its name in the file.
         groups: names of the groups around it, the outermost first.
         opacity: 0 to 255, multiplied by its groups'; not applied to the image.
         left: column of its first column in the picture; may be negative.
