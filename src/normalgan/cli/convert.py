@@ -37,7 +37,7 @@ def build_parser() -> LightParser:
     parser.add_argument("map", help="a normal map (PNG, TIFF, EXR), or a grey height map")
     parser.add_argument("-o", "--output", required=True, help="where it goes: .png, .tiff or .exr")
     parser.add_argument(
-        "--from", dest="source", type=_Kind, default="normal", help="what the map holds (default %(default)s)"
+        "--from", type=_Kind, default="normal", help="what the map holds (default %(default)s)"
     )
     parser.add_argument("--to", type=_Kind, default="normal", help="what to write (default %(default)s)")
     parser.add_argument(
@@ -85,11 +85,11 @@ def convert(settings: Namespace) -> int:
         InputError: if it cannot be read or written, or the settings do not go together.
     """
     output = Path(settings.output)
-    if settings.source == "height" and settings.scale is None:
+    if settings["from"] == "height" and settings.scale is None:
         raise InputError("a height map needs --scale: the pixels from black to white.")
     if output.resolve() == Path(settings.map).resolve():
         raise InputError(f"{output} is an input and would be overwritten; give another output (-o).")
-    if settings.source == "height":
+    if settings["from"] == "height":
         found = map_of_heights(settings.map, settings.scale)
     else:
         found = read_map(settings.map, settings.from_y)

@@ -136,4 +136,8 @@ def _wanted(message: str) -> Iterable[str]:
 
 
 def _given(message: str) -> str:
-    return str(re.findall(r"G(?:ot|iven) value: (.*)", message)[-1])
+    given = str(re.findall(r"G(?:ot|iven) value: (.*)", message)[-1])
+    nested = re.fullmatch(
+        r"NestedArg\(key='.*', val='(.*)'\)", given
+    )  # jsonargparse's own, of an option in dots
+    return nested[1] if nested else given

@@ -176,7 +176,7 @@ def test_a_result_that_dies_with_its_worker_is_made_again(
 
 
 def test_memory_is_not_shared_with_a_cluster() -> None:
-    with pytest.raises(InputError, match="memory://x cannot be seen by other processes"):
+    with pytest.raises(InputError, match="memory://x is invisible to other processes"):
         render_samples("memory://x", SOURCES, VIEWS, recipe(), progress=False, cluster="local:1")
 
 
@@ -192,7 +192,7 @@ def test_a_mesh_that_a_worker_does_not_see_stops_the_run_with_its_address(
     tmp_path: Path, pair: DaskCluster
 ) -> None:
     sources = {"train": [Local("a")]}
-    with pytest.raises(InputError, match=r"^a on \S+ is not what .* machine \(worker tcp://\S+\)\.$"):
+    with pytest.raises(InputError, match=r"^a on \S+ has changed .* machine \(worker tcp://\S+\)\.$"):
         render_samples(str(tmp_path), sources, 2, recipe(), progress=False, cluster=pair.address)
     assert finished(tmp_path) == 0
 
