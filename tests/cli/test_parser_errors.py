@@ -33,7 +33,8 @@ LINES = {"styles": LINE_DRAWINGS}
             "argument \"others\": no class named 'Silhouete'.",
         ),
         (
-            "Parser key \"hand.strength\":\n  Expected a List. Got value: NestedArg(key='strength', val='3')",
+            'Parser key "hand.strength":\n'
+            "  Expected a <class 'list'>. Got value: NestedArg(key='strength', val='3')",
             'argument "hand.strength": expected a list, not 3.',
         ),
     ],

@@ -137,7 +137,6 @@ def _wanted(message: str) -> Iterable[str]:
 
 def _given(message: str) -> str:
     given = str(re.findall(r"G(?:ot|iven) value: (.*)", message)[-1])
-    nested = re.fullmatch(
-        r"NestedArg\(key='.*', val='(.*)'\)", given
-    )  # jsonargparse's own, of an option in dots
+    # How jsonargparse shows the value of an option in dots.
+    nested = re.fullmatch(r"NestedArg\(key='.*', val='(.*)'\)", given)
     return nested[1] if nested else given
