@@ -108,7 +108,7 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "maps that teach nothing": (
         {"generator": Predictor(lambda predicted: predicted.detach())},
-        r"^Predictor returns maps that no gradient leads back from; do not detach them",
+        r"^Predictor returns maps without a gradient; do not detach them",
     ),
     "predictions that are maps": (
         {"generator": Teller(lambda predicted: predicted)},
@@ -133,7 +133,7 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "a loss that teaches nothing": (
         {"reconstruction": Loss(lambda difference: {"l1": Term(difference.mean().detach(), 1)})},
-        r"^Loss gave terms that no gradient leads back from; do not detach the map\.$",
+        r"^Loss gave terms without a gradient; do not detach the map\.$",
     ),
     "no loss at all": (
         {"reconstruction": Loss(lambda difference: {}), "discriminator": None},

@@ -6,7 +6,6 @@ import pytest
 import torch
 from torch import Tensor, nn
 
-from normalgan.errors import InputError
 from normalgan.optimizers import MuonRAdam, orthogonalized
 
 
@@ -96,8 +95,3 @@ def test_training_goes_on_to_the_bit_from_a_saved_state() -> None:
     optimizer.load_state_dict(state)
     assert torch.equal(train(network, optimizer, range(20, 40)), whole)
     assert whole < first
-
-
-def test_a_momentum_that_is_none_is_refused() -> None:
-    with pytest.raises(InputError, match=r"momentum of \w+ is 1\.0; it must be from 0 to below 1"):
-        MuonRAdam([nn.Parameter(torch.zeros(2))], momentum=1.0)

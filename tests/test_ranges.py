@@ -1,10 +1,15 @@
-"""Ranges in annotations: numbers, optional ones, pairs and lists, in dataclasses and other classes."""
+"""Ranges in annotations: numbers, optional ones, pairs and lists; every class that has one checks it."""
 
+import inspect
+import pkgutil
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Annotated, Literal
+from importlib import import_module
+from typing import Annotated, Any, Literal, get_args, get_type_hints
 
 import pytest
 
+import normalgan
 from normalgan.errors import InputError
 from normalgan.ranges import Count, Positive, Range, Share, check_ranges
 
@@ -62,3 +67,37 @@ def test_a_class_may_give_its_values_by_name() -> None:
 
     with pytest.raises(InputError, match="count of Brush is -2; it must be 0 or more"):
         Brush(-2)
+
+
+def has_range(hint: Any) -> bool:
+    metadata = getattr(hint, "__metadata__", ())
+    return any(isinstance(each, Range) for each in metadata) or any(map(has_range, get_args(hint)))
+
+
+def checks(kind: type) -> bool:
+    """Return whether a method that runs when an object is made calls `check_ranges`."""
+    made = [vars(base).get(name) for base in kind.__mro__ for name in ("__init__", "__post_init__")]
+    return any("check_ranges" in each.__code__.co_names for each in made if inspect.isfunction(each))
+
+
+def classes_with_ranges() -> Iterator[type]:
+    """Yield the classes of the package that annotate a setting with a range.
+
+    The body plans of animals are left out: what reads a species file checks them.
+    """
+    for module in pkgutil.walk_packages(normalgan.__path__, "normalgan."):
+        # The first would run, and the second is imported by a child process under another name.
+        if module.name.startswith(("normalgan.__main__", "normalgan.decoding.", "normalgan.animals.")):
+            continue
+        for _, kind in inspect.getmembers(import_module(module.name), inspect.isclass):
+            if kind.__module__ == module.name and "Annotated" in str(inspect.signature(kind.__init__)):
+                hints = get_type_hints(kind.__init__, include_extras=True)
+                if any(map(has_range, hints.values())):
+                    yield kind
+
+
+@pytest.mark.filterwarnings("ignore")  # of libraries, as they are imported
+def test_every_class_that_declares_a_range_checks_it() -> None:
+    found = list(classes_with_ranges())
+    assert len(found) > 40
+    assert [kind.__name__ for kind in found if not checks(kind)] == []

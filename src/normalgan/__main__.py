@@ -38,7 +38,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Run a command and return its exit code.
 
     Args:
-        arguments: the arguments after the program's name; None takes them from the command line.
+        arguments: the arguments after the program's name; None takes those of the command line.
     """
     arguments = sys.argv[1:] if arguments is None else arguments
     if not arguments or arguments[0] in {"-h", "--help"}:
@@ -86,7 +86,7 @@ def _unknown(command: str) -> str:
 
 
 def _culprit(error: Exception) -> str:
-    """Return which method of somebody else's class raised an error, if one did: a bug there is for them."""
+    """Return which method of a third-party class raised an error, if one did: a bug there is for them."""
     found, trace = "", error.__traceback__
     while trace is not None:
         owner = type(trace.tb_frame.f_locals.get("self"))

@@ -1,4 +1,4 @@
-"""Arrays: the types of numpy arrays that the package passes on, each defined once."""
+"""Arrays: the types of NumPy arrays in this package, each defined once."""
 
 import numpy as np
 from numpy.typing import NDArray

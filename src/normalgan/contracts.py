@@ -17,7 +17,7 @@ def check_kinds(given: Mapping[str, tuple[object, type]], optional: Collection[s
         optional: those that may be None.
 
     Raises:
-        InputError: if one is a name, a class that was not called, or anything else.
+        InputError: if one is a name, a class instead of an object, or anything else.
     """
     for setting, (value, kind) in given.items():
         if not (isinstance(value, kind) or (value is None and setting in optional)):

@@ -76,7 +76,7 @@ def brief(error: BaseException) -> str:
 
 
 def did_you_mean(given: str, known: Iterable[str], cutoff: float = 0.6) -> str:
-    """Return " Did you mean …?" for the nearest known name; empty if none is near.
+    """Return " Did you mean …?" for the nearest known name; empty if no name is near.
 
     Args:
         given: the unknown name.

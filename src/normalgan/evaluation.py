@@ -1,4 +1,4 @@
-"""Evaluation: predicting, validating and testing of a generator that takes a sketch and hints."""
+"""Evaluation: prediction, validation and testing of a generator."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -49,7 +49,7 @@ class Evaluation(LightningModule):
             hints: (N, 4, H, W) normals at the hints and where they are; None for none.
 
         Returns:
-            (N, 3, H, W) in [-1, 1], of about unit length on the object and of none off it.
+            (N, 3, H, W) in [-1, 1], of about unit length on the object and near zero off it.
         """
         return self.predict_with_confidence(sketch, hints)[:, :3]
 
@@ -65,7 +65,7 @@ class Evaluation(LightningModule):
     def measured_hints(self, batch: Batch) -> Tensor:
         """Return a batch's hints (N, 4, H, W) for validation and testing.
 
-        They depend on the sample alone, not on epoch, batch size or number of processes.
+        They depend only on the sample, not on epoch, batch size or number of processes.
         """
         if "hints" in batch:
             return batch["hints"]

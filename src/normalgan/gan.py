@@ -97,7 +97,7 @@ class NormalGAN(SavedSettings, Evaluation):
             with those before it is most wrong. Each takes a prediction of these samples.
         hint_noise: largest mean angle in degrees by which the hints of a training sample are turned.
         distractor_consistency: weight of the mean angle in radians between the normals with and without
-            strokes that mean nothing. A quarter of each batch is predicted twice for it; 0: none.
+            distractor strokes. A quarter of each batch is predicted twice for it; 0: none.
         share_every: number of generator steps after which to log the ratio of the adversarial to the
             reconstruction gradient norm, as ``train/adversarial_share`` (at its weights) and
             ``train/adversarial_share_output`` (at its output); 0 logs none. Such a step takes two more

@@ -16,10 +16,10 @@ USUAL_WIDTHS: LineWidths = (0.8, 1.9)
 
 
 def check_line_widths(widths: object) -> LineWidths:
-    """Return the widths as they are used; settings in a file may be anything.
+    """Return the validated widths; settings in a file may be anything.
 
     Raises:
-        InputError: if they are not two widths that `DRAWN_WIDTH` lies between.
+        InputError: if they are not two widths with `DRAWN_WIDTH` between them.
     """
     match widths:
         case [int() | float() as thinnest, int() | float() as thickest] if (

@@ -149,7 +149,7 @@ def paint_flat(normals: Floats, mask: NDArray[np.bool_]) -> Floats:
 def pad_edge(pixels: NDArray[Any], there: NDArray[np.bool_], reach: int) -> None:
     """Give pixels (H, W, C) around an object the colour of the nearest one on it, in place.
 
-    Engines blend neighbouring pixels when they scale a texture, so the colours beside an object get into its
+    Engines blend neighbouring pixels when they scale a texture, so colours next to an object bleed into its
     rim. A fourth channel, the opacity, stays as it is.
 
     Args:

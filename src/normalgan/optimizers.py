@@ -67,7 +67,7 @@ class MuonRAdam(RAdam):
     those of RAdam (Liu et al., "Muon is scalable for LLM training", 2025, equation 4).
 
     Args:
-        params: tensors, or groups of them with settings of their own.
+        params: tensors, or groups of them with separate settings.
         lr: rate.
         betas: betas of RAdam.
         weight_decay: decoupled, a share of ``lr``.

@@ -1,4 +1,4 @@
-"""Ranges: what numbers or words a setting takes, said in its annotation and checked by its constructor."""
+"""Ranges: the numbers or words that a setting takes, in its annotation, checked by its constructor."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -14,7 +14,7 @@ __all__ = ["Count", "NonNegative", "Positive", "PositiveInt", "Range", "Share", 
 
 @dataclass(frozen=True)
 class Range:
-    """The numbers that a setting takes; none of them is infinite.
+    """The finite numbers that a setting takes.
 
     Args:
         least: the smallest.
@@ -35,7 +35,7 @@ class Range:
     below: bool = False
 
     def __contains__(self, value: object) -> bool:
-        """Return whether a setting may have a value; nan and other things than numbers never may."""
+        """Return whether a setting may have a value; never nan or a value of another type."""
         if not isinstance(value, Real):
             return False
         number = float(value)
@@ -82,7 +82,7 @@ def check_ranges(settings: Any, values: Mapping[str, Any] | None = None) -> None
         values: the settings by name; None takes the object's attributes.
 
     Raises:
-        InputError: if one lies outside its range, or is none of its words.
+        InputError: if one lies outside its range, or is not one of its words.
 
     Example:
         >>> @dataclass

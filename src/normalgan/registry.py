@@ -25,8 +25,8 @@ C = TypeVar("C", bound=type[Any])
 def offered(group: str) -> EntryPoints:
     """Return the entry points of installed packages in a group.
 
-    It takes a tenth of a second to read those of a few hundred packages, so all groups are read at once, and
-    again only when the path or a folder on it has changed.
+    Reading the entry points of a few hundred packages takes a tenth of a second, so all groups are read
+    together, and again only after the path or a folder on it has changed.
     """
     state = tuple((folder, _changed(folder)) for folder in sys.path)
     selected: EntryPoints = _all_offered(state).select(group=group)
@@ -54,7 +54,7 @@ class LeftOut:
         entry: its name in the package's list of entry points.
         value: the class as ``module:Class``.
         group: the group of entry points it is offered in.
-        package: who offers it, with its version; empty if unknown.
+        package: its package, with the version; empty if unknown.
         reason: why it cannot be used, a sentence without a full stop.
     """
 
@@ -163,7 +163,7 @@ class Registry(Generic[T]):
         return sorted(self._classes)
 
     def find(self, name: str) -> type[T] | None:
-        """Return the class that a file names, None if it is not known; nothing is imported for the name.
+        """Return the class that a file names, None if it is unknown; nothing is imported for the name.
 
         Args:
             name: name of a registered class, or its dotted path. In a path only the package must be right,
@@ -186,7 +186,7 @@ class Registry(Generic[T]):
         return iter([self._classes[name] for name in self.names()])
 
     def explain_unknown(self, name: str) -> str:
-        """Return the sentence for a name that is not registered, with the nearest one that is."""
+        """Return the error message for an unregistered name, with the nearest registered one."""
         hint = did_you_mean(name, self.names(), 0.5)
         return f"no {self.base.__name__} named {name!r}.{hint} Known: {', '.join(self.names())}."
 

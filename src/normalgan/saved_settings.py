@@ -41,7 +41,7 @@ class SavedSettings(LightningModule):
     def _given(self) -> dict[str, Any]:
         """Return all arguments of the module; Lightning drops values from ``hparams`` that cannot be pickled.
 
-        Without an optimiser made by a lambda, say, a checkpoint would go on with the default one.
+        Otherwise a run with an optimiser made by a lambda, for example, would continue with the default one.
         """
         dropped = signature(type(self)).parameters.keys() - self.hparams.keys()
         return {**{name: getattr(self, name) for name in dropped if hasattr(self, name)}, **self.hparams}

@@ -1,4 +1,4 @@
-"""Seeds for the parts of a run: independent of one another, and equal when a run is resumed."""
+"""Seeds for the parts of a run: independent of each other, and equal when a run is resumed."""
 
 import hashlib
 import zlib
@@ -13,7 +13,7 @@ __all__ = ["derive_seed", "rng_of", "seed_torch"]
 
 
 def derive_seed(*parts: int | str) -> int:
-    """Return a seed that depends on all parts and nothing else, equal on every machine.
+    """Return a seed that depends only on the parts, equal on every machine.
 
     >>> derive_seed("hints", 1) == derive_seed("hints", 1) != derive_seed("hints", 2)
     True

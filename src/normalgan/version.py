@@ -1,4 +1,4 @@
-"""Version: of the installed package; looking it up takes as long as all else that ``--help`` does."""
+"""Version: of the installed package; looking it up takes as long as the rest of ``--help``."""
 
 from importlib.metadata import version
 

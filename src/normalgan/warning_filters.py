@@ -43,7 +43,7 @@ class _InfoHandler(logging.Handler):
     """Prints Lightning's log messages to the current stderr as our own sentences."""
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Print a message, if somebody may want it."""
+        """Print a message, unless it is filtered."""
         text = record.getMessage().strip("\n")
         if record.levelno <= logging.INFO and (not text.strip() or INFO_NOT_SAID.search(text.strip())):
             return

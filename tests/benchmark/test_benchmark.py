@@ -177,7 +177,6 @@ def test_mistakes_are_told_before_anything_starts(capsys: pytest.CaptureFixture[
         (["--config", fourlegs, "--config", fourlegs], "but was given 2"),
         (["--config", fourlegs, "--rows", "paper,their"], "the plan has no row their"),
         (["--config", fourlegs, "--budget", "soon"], "the budget 'soon' is not a span of time"),
-        (["--config", fourlegs, "--images", "0"], "images of Plan is 0; it must be 1 or more"),
         (["--config", fourlegs, "--seeds", "one"], "--seeds was given 'one'; use whole numbers"),
         (["--config", fourlegs, "--cheat", "1"], "there is no setting cheat"),
     ):

@@ -11,7 +11,7 @@ def test_what_is_no_time_is_refused(text: str) -> None:
 
 
 def test_no_time_at_all_is_refused() -> None:
-    with pytest.raises(InputError, match="no time at all"):
+    with pytest.raises(InputError, match="must be more than zero"):
         read_budget("0m")
 
 

@@ -142,7 +142,7 @@ def test_a_specification_tells_what_the_figures_depend_on(tmp_path: Path) -> Non
     path = tmp_path / "v2.json"
     path.write_text(json.dumps({"version": "v2", "sizes": [found]}))
     check_specification(found, path)
-    with pytest.raises(InputError, match=r"has frozen as v2: its hints differ"):
+    with pytest.raises(InputError, match=r"holds as v2: its hints differ"):
         check_specification({**found, "hints": "x"}, path)
     with pytest.raises(InputError, match=r"no benchmark at 64 pixels; use data.size 32"):
         check_specification({**found, "size": 64}, path)
@@ -261,7 +261,7 @@ def test_a_submission_whose_green_points_down_is_refused(tmp_path: Path, given: 
     measure(read_submission(right).method(), [given], HintTests([0]), CPU)
     flipped = maps * torch.tensor([1.0, -1.0, 1.0]).view(1, 3, 1, 1)
     folder = written(tmp_path / "flipped", given, flipped, given["mask"][:, 0] > 0.5)
-    with pytest.raises(InputError, match="look as if their green had the other direction"):
+    with pytest.raises(InputError, match="look as if their green had the opposite direction"):
         measure(read_submission(folder).method(), [given], HintTests([0]), CPU)
 
 

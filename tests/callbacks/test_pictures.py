@@ -11,7 +11,6 @@ from tensorboard.backend.event_processing.event_accumulator import EventAccumula
 
 from normalgan.callbacks import PictureLogger
 from normalgan.callbacks.gallery import batch_row, draw_gallery
-from normalgan.errors import InputError
 from small import QUIET, data, gan, trainer
 
 pytestmark = pytest.mark.filterwarnings(*QUIET)
@@ -63,12 +62,6 @@ def test_without_tensorboard_nothing_is_drawn(
     run = trainer(tmp_path, logger=csv, callbacks=[PictureLogger(every_n_epochs=1)])
     run.fit(gan(), data(meshes, cache))
     assert run.current_epoch == 1
-
-
-@pytest.mark.parametrize("settings", [{"every_n_epochs": 0}, {"samples": 0}])
-def test_settings_are_checked(settings: dict[str, int]) -> None:
-    with pytest.raises(InputError, match="must be 1 or more"):
-        PictureLogger(**settings)
 
 
 def test_other_models_are_refused(tmp_path: Path) -> None:

@@ -111,19 +111,3 @@ def test_a_resumed_run_stays_at_the_rate_and_a_cool_down_branches_off(
     run = trainer(tmp_path, max_epochs=-1, callbacks=[rest, StableSchedule(warmup=4, cooldown=4)])
     run.fit(gan(), data(meshes, cache), ckpt_path=halfway)
     assert factors(rest) == pytest.approx([1 - 0.75**0.5])
-
-
-@pytest.mark.parametrize(
-    ("schedule", "settings", "message"),
-    [
-        (WallClockSchedule, {"seconds": 0}, "seconds of WallClockSchedule is 0; it must be more than 0"),
-        (WallClockSchedule, {"seconds": 10, "warmup": 1.0}, "it must be from 0 to below 1"),
-        (StableSchedule, {"warmup": -1}, "warmup of StableSchedule is -1"),
-        (StableSchedule, {"cooldown": 0}, "cooldown of StableSchedule is 0"),
-    ],
-)
-def test_bad_numbers_are_refused(
-    schedule: type[WallClockSchedule | StableSchedule], settings: dict[str, float], message: str
-) -> None:
-    with pytest.raises(InputError, match=message):
-        schedule(**settings)  # type: ignore[arg-type]

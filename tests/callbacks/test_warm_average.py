@@ -9,7 +9,6 @@ from torch.utils._python_dispatch import TorchDispatchMode
 
 from normalgan.callbacks import WarmAverage
 from normalgan.callbacks.checkpoints import LastCheckpoint
-from normalgan.errors import InputError
 from small import QUIET, data, gan, trainer
 
 pytestmark = pytest.mark.filterwarnings(*QUIET)
@@ -38,12 +37,6 @@ def test_the_saved_weights_are_the_average_by_hand(meshes: Path, cache: Path, tm
         torch.testing.assert_close(weights.double(), average[name], rtol=1e-4, atol=1e-6)
     last = diary.pages[-1]
     assert any(not torch.equal(weights.double(), last[name]) for name, weights in model.named_parameters())
-
-
-@pytest.mark.parametrize("decay", [-0.1, 1.0, float("nan")])
-def test_a_decay_that_forgets_nothing_is_refused(decay: float) -> None:
-    with pytest.raises(InputError, match=r"decay of WarmAverage is .*; it must be from 0 to below 1"):
-        WarmAverage(decay)
 
 
 class Waits(TorchDispatchMode):

@@ -97,7 +97,7 @@ def test_the_checkpoint_wins_and_says_over_what(bench: Bench, trained: Path, tmp
     )
     assert outcome.code == 0, outcome.err
     assert outcome.err == (
-        f"normalgan: warning: {run}/checkpoints/last.ckpt was trained with other settings, and they stay: "
+        f"normalgan: warning: {run}/checkpoints/last.ckpt was trained with other settings, which are kept: "
         "model.generator.width, model.hint_sampler.dropout, model.objective, "
         "model.reconstruction.l1_weight.\n"
     )

@@ -93,8 +93,6 @@ def test_a_bad_setting_is_one_sentence(tmp_path: Path, yaml: str, words: list[st
     ("yaml", "words"),
     [
         ("data: {size: 48}", ["a power of two", "not 48"]),
-        ("data: {size: -3}", ["-3"]),
-        ("data: {split: {fractions: [0.9, 0.9, 0.9]}}", ["sum to 1"]),
         ("data: {batch_size: 0}", ["batch_size of MeshDataModule is 0; it must be 1 or more."]),
         ("trainer: {accelerator: quantum}", ["a setting cannot be used", "accelerator='quantum'"]),
         (
@@ -102,8 +100,6 @@ def test_a_bad_setting_is_one_sentence(tmp_path: Path, yaml: str, words: list[st
             ["trainer.gradient_clip_val cannot", "use model.gradient_clip."],
         ),
         ("trainer: {accumulate_grad_batches: 4}", ["accumulate_grad_batches cannot", "data.batch_size."]),
-        ("model: {n_critic: 0}", ["n_critic of NormalGAN is 0; it must be 1 or more."]),
-        ("model: {objective: WassersteinGradientPenalty}", ["without batch norm"]),
         ("checkpoint: {monitor: val/eror}", ["val/eror"]),
     ],
 )

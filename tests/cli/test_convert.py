@@ -67,10 +67,10 @@ def test_a_detail_is_repeated_and_stands_on_the_surface(hill: Path, tmp_path: Pa
 @pytest.mark.parametrize(
     ("more", "sentence"),
     [
-        (["-o", "x.jpg"], "x.jpg is to end in one of .png .exr .tif .tiff"),
-        (["-o", "x.exr", "--to", "height"], "the height map x.exr is to end in .png, .tif or .tiff"),
+        (["-o", "x.jpg"], "x.jpg must end in one of .png .exr .tif .tiff"),
+        (["-o", "x.exr", "--to", "height"], "the height map x.exr must end in .png, .tif or .tiff"),
         (["-o", "x.png", "--from", "height"], "needs --scale"),
-        (["-o", "hill.png"], "hill.png is read and would be overwritten"),
+        (["-o", "hill.png"], "hill.png is an input and would be overwritten"),
         (["-o", "x.png", "--detail", "gone.png"], "there is no file gone.png"),
     ],
 )

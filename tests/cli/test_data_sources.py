@@ -55,13 +55,6 @@ def test_fit_test_and_predict_on_pairs(tmp_path: Path) -> None:
     assert (tmp_path / "out" / "a0_normal.png").is_file()
 
 
-def test_the_wrong_green_stops_the_run_in_a_sentence(tmp_path: Path) -> None:
-    pairs = write_pairs(tmp_path / "pairs", 5, "down")
-    on_pairs("fit", tmp_path, pairs).refused("none of the 3 pairs for train", "green", "set green to down")
-    on_pairs("fit", tmp_path, tmp_path / "none").refused("no sketch is at", "a pair is a.png with")
-    run("fit", "--data.source", "Pears").refused("no DataSource named 'Pears'. Did you mean Pairs?")
-
-
 FOREIGN = '''
 from dataclasses import dataclass
 from normalgan.data.sources import Pair, PairSource

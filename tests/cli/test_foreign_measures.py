@@ -104,13 +104,3 @@ def test_they_are_used_by_short_name(bench: Bench, tmp_path: Path, site: Path) -
     assert " below_3 " in cells
     (result,) = json.loads((tmp_path / "bench" / "results.json").read_text())["runs"]
     assert result["figures"]["15"]["share_facing"] == 1
-
-
-def test_two_metrics_of_one_name_are_refused(bench: Bench, tmp_path: Path) -> None:
-    config = tmp_path / "own.yaml"
-    twice = {"class_path": "ShareBelow", "init_args": {"threshold": 5.0}}
-    config.write_text(yaml.safe_dump({"report": {"metrics": [twice]}}))
-    done = bench.run("fit", tmp_path / "run", "--config", config)
-    done.refused("two metrics are called below_5, one of them ShareBelow; leave one out")
-    config.write_text(yaml.safe_dump({"report": {"metrics": [{"class_path": "ShareBelw"}]}}))
-    bench.run("fit", tmp_path / "run", "--config", config).refused("Did you mean ShareBelow?")

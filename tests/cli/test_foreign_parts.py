@@ -100,4 +100,4 @@ def test_help_lists_foreign_parts_with_their_summaries_and_a_typo_is_answered(
         assert any(
             line.split() == [name, "A", "part", "of", "somebody", "else's."] for line in shown.splitlines()
         )
-        run("fit", f"--{setting}", f"{name}s").refused(f"named '{name}s'. Did you mean {name}?")
+    run("fit", f"--{setting}", f"{name}s").refused(f"named '{name}s'. Did you mean {name}?")

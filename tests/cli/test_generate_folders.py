@@ -173,15 +173,15 @@ def test_one_drawing_and_a_file_name_are_that_file(here: Path, capsys: pytest.Ca
         (["fox.png", "owl.png", "-o", "z.png"], "z.png is one file, but there are 2 sketches"),
         (["fox.png", "-o", "z.png", "--format", "exr"], "z.png is not exr"),
         (["fox.png", "-o", "z.exr", "--format", "png"], "z.exr is not png; name a file of that kind"),
-        (["fox.png", "-o", "z.gif"], "z.gif would be an animation, but fox.png does not move."),
-        (["fox.png", "-o", "fox.png"], "fox.png is read and would be written over"),
+        (["fox.png", "-o", "z.gif"], "z.gif would be an animation, but fox.png is a still image."),
+        (["fox.png", "-o", "fox.png"], "fox.png is an input and would be overwritten"),
     ):
         capsys.readouterr()
         assert generate(*arguments) == 2
         assert sentence in capsys.readouterr().err
     Path("m.png").write_bytes(Path("model.onnx").read_bytes())
     assert generate("fox.png", "-o", "m.png", "--model", "m.png") == 2
-    assert "m.png is read and would be written over" in capsys.readouterr().err
+    assert "m.png is an input and would be overwritten" in capsys.readouterr().err
     assert Path("m.png").read_bytes() == Path("model.onnx").read_bytes()
     Path("folder.png").mkdir()
     assert generate("fox.png", "-o", "folder.png") == 0

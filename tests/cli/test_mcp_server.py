@@ -83,7 +83,7 @@ def test_a_sprite_has_the_details_that_generate_gives_it(here: Path) -> None:
     ("arguments", "sentence"),
     [
         ({"drawing": "gone.png", "output": "a.png"}, "there is no file"),
-        ({"drawing": "fox.png", "output": "a.jpg"}, "is to end in one of .png .exr"),
+        ({"drawing": "fox.png", "output": "a.jpg"}, "must end in one of .png .exr"),
         ({"drawing": "fox.png", "output": "../a.png"}, "../a.png lies outside"),
         ({"drawing": "/etc/hostname", "output": "a.png"}, "/etc/hostname lies outside"),
         ({"drawing": "fox.png", "output": "a.png", "hints": [{"x": 1}]}, "a hint has x, y"),

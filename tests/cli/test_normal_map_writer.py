@@ -157,7 +157,7 @@ def test_a_drawing_is_not_written_over(tmp_path: Path) -> None:
     drawings = draw(tmp_path / "in", a=(40, 40))
     run = trainer(tmp_path, callbacks=[NormalMapWriter(drawings, Outputs(Normal(suffix="")))])
     module = data(drawings, drawings, prediction=Prediction(str(drawings)))
-    with pytest.raises(InputError, match=r"a\.png is read and would be written over"):
+    with pytest.raises(InputError, match=r"a\.png is an input and would be overwritten"):
         run.predict(gan(), module)
 
 

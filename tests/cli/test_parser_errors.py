@@ -32,6 +32,11 @@ LINES = {"styles": LINE_DRAWINGS}
             'Parser key "others":\n  Expected a dot import path string: Silhouete',
             "argument \"others\": no class named 'Silhouete'.",
         ),
+        (
+            'Parser key "hand.strength":\n'
+            "  Expected a <class 'list'>. Got value: NestedArg(key='strength', val='3')",
+            'argument "hand.strength": expected a list, not 3.',
+        ),
     ],
 )
 def test_a_wrong_item_of_a_list_is_one_sentence(message: str, sentence: str) -> None:

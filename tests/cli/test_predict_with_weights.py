@@ -89,7 +89,7 @@ def test_a_setting_that_was_given_is_overruled_though_it_is_the_default(
         outcome = predict(*given)
         assert outcome.code == 0, outcome.err
         said = outcome.err.splitlines()
-        assert said[0].endswith(f"was trained with other settings, and they stay: {lost}.")
+        assert said[0].endswith(f"was trained with other settings, which are kept: {lost}.")
     assert said[1] == f"normalgan: predict uses the weights in {weights}: UNetGenerator, 32 pixels."
 
 
@@ -99,7 +99,7 @@ def test_weights_that_cannot_be_used(
     before = left_in(tmp_path)
     predict("--data.size", 64).refused("ours.onnx was trained at 256 pixels, not 64")
     predict("--ckpt_path", "gone.safetensors").refused("there are no weights gone.safetensors")
-    bench.run("fit", tmp_path / "run", "--ckpt_path", weights).refused("has weights alone")
+    bench.run("fit", tmp_path / "run", "--ckpt_path", weights).refused("holds only weights")
     bench.run("test", tmp_path / "run").refused("test needs a trained model: --ckpt_path")
     bench.run("test", tmp_path / "run", "--ckpt_path", "shipped").refused("trained at 256 pixels, not 32")
     bad = tmp_path.parent / f"{tmp_path.name}.safetensors"

@@ -113,7 +113,7 @@ def test_animals_are_rendered(tmp_path: Path) -> None:
 def test_a_split_that_is_empty_and_asked_for_is_named(split: str) -> None:
     shares = Split((0.5, 0.5 * (split == "test"), 0.5 * (split == "val")))
     module = MeshDataModule(animals=EmbeddedAnimals(3), split=shares)
-    with pytest.raises(InputError, match=f"^there is nothing in the split {split}, which is asked for; give"):
+    with pytest.raises(InputError, match=f"^the split {split} is empty, but it is needed; give"):
         getattr(module, f"{split}_dataset")
 
 

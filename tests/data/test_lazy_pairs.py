@@ -130,5 +130,5 @@ def test_a_pair_that_is_replaced_while_it_is_trained_on_ends_in_a_sentence(
     dataset = module.train_dataset
     name = module.sources["train"][-1].name
     shutil.copyfile(copy / "a0.png", copy / f"{name}.png")
-    with pytest.raises(InputError, match=f"^{name} on .* is not what rendering began with"):
+    with pytest.raises(InputError, match=f"^{name} on .* has changed since rendering began"):
         dataset[62]

@@ -218,12 +218,12 @@ def test_each_mesh_but_the_first_of_a_split_is_loaded_once(
         ({"train": []}, 2, 0, "there are no meshes"),
         ({"train": [Octahedron("a")]}, 0, 0, "0 views a mesh are asked for train"),
         ({"train": [Octahedron("a")]}, {"val": 3}, 0, "0 views a mesh are asked for train"),
-        ({"train": [Octahedron("a")]}, 2, -1, "-1 workers are asked for"),
+        ({"train": [Octahedron("a")]}, 2, -1, "-1 workers were requested"),
         (
             {"train": [Octahedron("a")]},
             2,
             2,
-            "memory://x cannot be seen by other processes; set workers to 0",
+            "memory://x is invisible to other processes; set workers to 0",
         ),
     ],
 )
@@ -241,7 +241,7 @@ def test_a_renderer_that_does_not_run_here_says_so_before_any_work(tmp_path: Pat
 
 
 def test_a_mesh_that_kills_its_worker_is_left_out_and_the_others_are_rendered(tmp_path: Path) -> None:
-    with pytest.warns(UserWarning, match="^the mesh b is left out: it kills the process that works on it"):
+    with pytest.warns(UserWarning, match="^the mesh b is left out: it kills the process that renders it"):
         folder = render(tmp_path, workers=1, dies_at="b")
     store = ShardedSamples(str(folder), "train", Layout(("a", "b"), 18, 16))
     alone = recipe(dies_at="b").render(SOURCES["train"][0].load(), 17)

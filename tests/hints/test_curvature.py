@@ -131,11 +131,6 @@ def test_dropout_keeps_a_twentieth() -> None:
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        (
-            {"estimator": "prewitt"},
-            r"is 'prewitt'; it must be 'central' or 'sobel'",
-        ),
-        ({"offset": 128.0}, r"offset of CurvatureHints is 128.0; it must be from 0 to 1"),
         ({"thresholds": (127, 127)}, r"is \(127, 127\); it must be two different levels"),
         ({"thresholds": (127, 256)}, r"it must be two different levels from 0 to 255"),
         ({"thresholds": (127,)}, r"it must be two different levels from 0 to 255"),

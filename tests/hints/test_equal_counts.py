@@ -7,7 +7,6 @@ import pytest
 import torch
 from torch import Tensor
 
-from normalgan.errors import InputError
 from normalgan.hints import CurvatureHints, FarthestPointHints, HintSampler, UniformHints, WorstErrorHints
 
 SIZE = 48
@@ -87,13 +86,3 @@ def test_curvature_at_a_count_takes_the_selected_points_first() -> None:
     assert away[where].max() <= away[(mask[0] > 0) & ~where].min() + 1  # whole levels, one of them shared
     others = CurvatureHints(count=5).sample(normal, mask, seeded(9))
     assert not torch.equal(others, sampler.sample(normal, mask, seeded()))
-
-
-@pytest.mark.parametrize("kind", [FarthestPointHints, WorstErrorHints])
-def test_a_negative_count_is_refused(kind: type[FarthestPointHints | WorstErrorHints]) -> None:
-    with pytest.raises(InputError, match=r"count of \w+ is -1; it must be 0 or more"):
-        kind(-1)
-    with pytest.raises(InputError, match=r"spacing of WorstErrorHints is -0.5; it must be 0 or more"):
-        WorstErrorHints(3, spacing=-0.5)
-    with pytest.raises(InputError, match=r"count of CurvatureHints is -2; it must be 0 or more"):
-        CurvatureHints(count=-2)

@@ -94,5 +94,3 @@ def test_a_share_of_the_samples_gets_none() -> None:
     counts = where.sum(dim=(1, 2, 3))
     assert (counts == 0).float().mean() == pytest.approx(0.25, abs=0.06)
     assert set(counts.tolist()) == {0, 2, 3, 4, 5}
-    with pytest.raises(InputError, match=r"none of UniformHints is 1\.5; it must be from 0 to 1"):
-        UniformHints(none=1.5)

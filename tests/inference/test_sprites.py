@@ -10,7 +10,6 @@ from PIL import Image, ImageOps
 
 from normalgan.__main__ import main
 from normalgan.arrays import Floats
-from normalgan.errors import InputError
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.reading.picture import Picture
@@ -156,12 +155,6 @@ def test_each_sprite_of_a_sheet_is_alone_and_turned_ones_are_upright() -> None:
     )
     found = Sprite(detail=1)(both, Picture(sheet(picture.colour), sheet(picture.alpha)))
     assert np.allclose(found.extended, sheet(alone.extended), atol=1e-5)
-
-
-@pytest.mark.parametrize("detail", [-0.1, 1.5, float("nan")])
-def test_a_detail_that_is_no_share_is_refused(detail: float) -> None:
-    with pytest.raises(InputError, match=r"^detail of Sprite is .*; it must be from 0 to 1\.$"):
-        Sprite(detail=detail)
 
 
 def test_the_options_reach_the_map(here: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,7 +1,6 @@
 import pytest
 import torch
 
-from normalgan.errors import InputError
 from normalgan.losses import CosineAndL2, Predictions
 
 
@@ -28,8 +27,3 @@ def test_its_gradient_is_finite_where_nothing_is_painted() -> None:
     assert preds.grad is not None
     assert preds.grad.isfinite().all()
     assert (preds.grad[:, 2] < 0).all()
-
-
-def test_a_negative_weight_is_refused() -> None:
-    with pytest.raises(InputError, match=r"l2_weight of CosineAndL2 is -1\.0; it must be 0 or more"):
-        CosineAndL2(l2_weight=-1.0)

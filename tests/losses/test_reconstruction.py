@@ -166,5 +166,3 @@ def test_a_stride_compares_one_pixel_of_each_square() -> None:
     whole = AngularLikelihood(angle_weight=1.0).terms(preds, normal, mask, mask)["angle"].value.item()
     assert len(set(values)) == 4
     assert abs(sum(values) / len(values) - whole) < 0.03
-    with pytest.raises(InputError, match="stride of AngularLikelihood is 0; it must be 1 or more"):
-        AngularLikelihood(stride=0)

@@ -9,7 +9,14 @@ from metric_samples import by_numpy, computed, random_batch, turned
 from torch import Tensor
 
 from normalgan.errors import InputError
-from normalgan.metrics import MapMetric, MeanAngularError, StageMetrics, angular_error, normal_map_metrics
+from normalgan.metrics import (
+    MapMetric,
+    MeanAngularError,
+    ShareBelow,
+    StageMetrics,
+    angular_error,
+    normal_map_metrics,
+)
 
 NAMES = {
     *("angular_mean", "angular_median", "angular_rmse", "angular_mean_per_image", "l1", "l2"),
@@ -157,3 +164,9 @@ def test_a_metric_that_computes_no_number_is_named(figure: Any, sentence: str) -
     stage.update("hints", torch.zeros(1, 3, 2, 2), torch.zeros(1, 3, 2, 2), torch.ones(1, 1, 2, 2))
     with pytest.raises(InputError, match=sentence):
         stage.pop()
+
+
+@pytest.mark.parametrize("more", [[ShareBelow(5.0)], [ShareBelow(3.0), ShareBelow(3.0)]])
+def test_two_metrics_of_one_name_are_refused(more: list[MapMetric]) -> None:
+    with pytest.raises(InputError, match=r"two metrics are called below_\d, one of them ShareBelow; leave"):
+        normal_map_metrics(more=more)

@@ -85,7 +85,7 @@ def test_patch_of_three_layers_sees_70_pixels() -> None:
 
 
 def test_wrong_sizes_are_said() -> None:
-    with pytest.raises(InputError, match="power of two from 4 on, not 100"):
+    with pytest.raises(InputError, match="power of two, at least 4, not 100"):
         UNetGenerator(size=100)
     with pytest.raises(InputError, match="multiples of 64, not 32 × 96"):
         UNetGenerator(size=64, width=2)(torch.zeros(1, 4, 32, 96))
@@ -93,10 +93,6 @@ def test_wrong_sizes_are_said() -> None:
         GlobalDiscriminator(size=32, width=2)(torch.zeros(1, 4, 64, 64), torch.zeros(1, 3, 64, 64))
     with pytest.raises(InputError, match="multiple of 8"):
         GlobalDiscriminator(size=20)
-    with pytest.raises(InputError, match="width"):
-        UNetGenerator(width=0)
-    with pytest.raises(InputError, match="layers of PatchDiscriminator is 0; it must be 1 or more"):
-        PatchDiscriminator(layers=0)
 
 
 class CopiedForward(Generator):

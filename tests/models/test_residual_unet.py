@@ -142,7 +142,6 @@ def test_sides_that_cannot_be_halved_are_refused() -> None:
     [
         (((8,), (1,), 2), "two or more levels"),
         (((8, 16), (1,), 2), "two or more levels"),
-        (((8, 16), (1, 0), 2), r"blocks of ResidualUNetGenerator is \(1, 0\); each number must be 1 or more"),
         (((8, 16), (1, 1), 3), "are 3 and 1; they must be powers of two"),
     ],
 )

@@ -121,7 +121,7 @@ def test_a_sheet_seen_edge_on_is_refused_by_name(kind: type[LineDrawing]) -> Non
     corners = np.array([[-1.0, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1]])
     sheet = as_mesh("sheet of paper", corners, np.array([[0, 1, 2], [0, 2, 3]]))
     edge_on = Views(azimuth=(30, 30), elevation=(0, 0), roll=(5, 5), perspective=0)
-    with pytest.raises(InputError, match=f"{kind.__name__} gets no lines from sheet of paper, view 3; seen"):
+    with pytest.raises(InputError, match=f"{kind.__name__} finds no lines in sheet of paper, view 3: there"):
         Recipe(edge_on, EmbreeRenderer(), lines, size=32).render(sheet, 3)
     from_above = Recipe(replace(edge_on, elevation=(40, 40)), EmbreeRenderer(), lines, size=32)
     assert from_above.render(sheet, 3).sketch.max() > 100

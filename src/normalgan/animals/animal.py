@@ -23,7 +23,7 @@ class Animal:
     Args:
         species: such as horse, owl, shark; see `SPECIES`.
         seed: draws proportions, age and carriage, and the pose if none is given; not negative.
-        pose: one that the species knows, such as stand, walk, sit; drawn if None.
+        pose: a pose of the species, such as stand, walk or sit; drawn if None.
 
     Raises:
         InputError: if species, seed or pose is not such.
@@ -46,7 +46,7 @@ class Animal:
 
     @property
     def name(self) -> str:
-        """Species and seed, and the pose if it was asked for."""
+        """Species and seed, and the pose if one was given."""
         return f"{self.species}-{self.seed:04d}" + (f"-{self.pose}" if self.pose else "")
 
     def fingerprint(self) -> str:
@@ -72,12 +72,13 @@ def make_animals(
     Args:
         count: how many.
         seed: seed of the animals.
-        species: names of species, and of groups, which stand for all their species.
-        postures: share of the animals, from 0 to 1, that sit, lie, rear, beg, bow, leap or look back, where
-            the species knows one of these; the others are in a pose of their habits.
+        species: names of species or groups; a group means all of its species.
+        postures: share of the animals, from 0 to 1, that sit, lie, rear, beg, bow, leap or look back, if the
+            species has such a pose; the others take a usual one.
 
     Raises:
-        InputError: if there is no animal, no species, a name is not known, or the share is none.
+        InputError: if the number is below 1, there is no species, a name is unknown, or the share is not from
+            0 to 1.
 
     Example:
         >>> [animal.species for animal in make_animals(3, seed=0)]
@@ -86,7 +87,7 @@ def make_animals(
         ['horse', 'cat', 'horse']
     """
     if count < 1:
-        raise InputError(f"a herd has at least one animal, not {count}.")
+        raise InputError(f"the number of animals is {count}; it must be 1 or more.")
     if not 0 <= postures <= 1:
         raise InputError(f"the share of postures is {postures}; give a number from 0 to 1.")
     names = members(species)
@@ -95,20 +96,20 @@ def make_animals(
 
 
 def _posture(species: str, seed: int, share: float) -> str | None:
-    """Return the posture of an animal, None for all but a share of them."""
+    """Return the posture of an animal; only a share of them has one, the others get None."""
     known = [pose for pose in SPECIES[species].poses if pose == "sit" or pose in POSTURES]
     rng = rng_of(f"posture of {species}", seed)
     return str(rng.choice(known)) if known and rng.random() < share else None
 
 
 def members(names: Sequence[str]) -> list[str]:
-    """Return the species that names of species and groups stand for, each once, in order.
+    """Return the species behind names of species and groups, each once, in order.
 
     Raises:
-        InputError: if there is none, or a name is not known.
+        InputError: if there is no name, or one is unknown.
     """
     if not names:
-        raise InputError(f"a herd has at least one species; known groups: {', '.join(GROUPS)}.")
+        raise InputError(f"no species was named; known groups: {', '.join(GROUPS)}.")
     for name in names:
         _known("species or group", name, [*GROUPS, *SPECIES])
     # What is named twice would otherwise come with the same seed twice.

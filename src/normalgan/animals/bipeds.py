@@ -344,10 +344,10 @@ class Robot:
 
 @dataclass(frozen=True)
 class Biped(PosedPlan):
-    """A kind that goes on two legs.
+    """A species that walks on two legs.
 
     Args:
-        habits: the poses it is seen in; one named twice is drawn twice as often.
+        habits: the poses it takes; one named twice is drawn twice as often.
         body: the flesh around the bones.
         measures: proportions of the average individual.
         spread: how much an individual's measures differ, as a fraction, at most a half.
@@ -464,7 +464,7 @@ def _tail(length: float, bones: Skeleton, rng: Rng) -> Shape:
 
 
 def _panel(depth: float, half: float, width: float, rng: Rng) -> list[Shape]:
-    """Return the parts on the breast: a plate, or knobs."""
+    """Return the parts on the chest: a plate, or knobs."""
     if rng.uniform() < 0.5:
         return [block((depth, -half), [0.014, 0.6 * half, 0.6 * width], 0.01)]
     knobs = both(tube([[x, -0.5 * half, 0.4 * width] for x in (depth - 0.01, depth + 0.014)], 0.02))

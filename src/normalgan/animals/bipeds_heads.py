@@ -74,7 +74,7 @@ def _hair(kind: str, wide: float, rng: Rng) -> list[Part]:
 
 
 def _toon(rng: Rng) -> list[Part]:
-    """A cartoon's: a great ball with great eyes."""
+    """A cartoon's: a large ball with large eyes."""
     wide = rng.uniform(0.95, 1.12)
     parts = [
         fuse(ball((0.0, 0.52), [0.46, 0.47, 0.48 * wide])),

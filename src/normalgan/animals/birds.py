@@ -1,6 +1,6 @@
 """The birds: the measures of a kind, with its wings, tail and legs, in units of its body's length.
 
-Feathers are flat sweeps, laid over one another like slates. A leg is a feathered thigh, a thin shank, three
+Feathers are flat sweeps that overlap like roof tiles. A leg is a feathered thigh, a thin shank, three
 toes before and one behind, webbed or not.
 """
 
@@ -97,7 +97,7 @@ class Legs:
     claws: float = 0.5
 
     def grow(self, factor: float, pose: str, body: Frame, rng: Rng) -> list[Part]:
-        """Return both legs in the world; the ground is where those that stand reach to.
+        """Return both legs in the world; standing legs reach the ground.
 
         Args:
             factor: on their length.
@@ -206,7 +206,7 @@ class Bird(PosedPlan):
     """A kind of bird.
 
     Args:
-        habits: the poses it is seen in; one named twice is drawn twice as often.
+        habits: the poses it takes; one named twice is drawn twice as often.
         body: from the rump, x = 0, to the breast, x = 1, lying flat.
         pitch: degrees by which the breast is raised when it stands.
         neck: from inside the breast to the head, in the upright bird, as differences from the first.
@@ -226,7 +226,7 @@ class Bird(PosedPlan):
         ranges: ranges of proportions that differ from the general ones.
 
     Raises:
-        InputError: if neck and low have not as many stations.
+        InputError: if neck and low differ in their number of stations.
     """
 
     habits: tuple[Annotated[str, tuple(_POSES)], ...]

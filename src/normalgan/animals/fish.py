@@ -33,7 +33,7 @@ class Fin:
             root, along the chord).
         thick: half the thickness of its rim.
         root: (x, y, z) where a pair is set on; None for a single one, given in the fish's own coordinates.
-        spread: degrees by which a pair stands off the flank, 90 straight out.
+        spread: angle in degrees between a pair of fins and the flank; 90 is straight out.
         droop: degrees by which a pair hangs below the horizontal.
         chord: direction of a pair's second axis, as nearly as the first allows.
         swell: growth of half the thickness inwards.
@@ -99,14 +99,14 @@ class Fish(PosedPlan):
     """A kind of fish, straight, its nose at x = 1, the root of its tail fin near x = 0.
 
     Args:
-        habits: the poses it is seen in; one named twice is drawn twice as often.
+        habits: the poses it takes; one named twice is drawn twice as often.
         body: from the tail to the nose.
         fins: all fins but the tail fin, in the order in which they blend.
         eye: the right one of a pair.
         mouth: points of its right half, from the corner to the middle in front.
         gills: gills of both flanks.
         tail: the tail fin, upright, or None.
-        spines: how many spines stand off its skin.
+        spines: number of spines on its skin.
         wave: degrees by which body and tail swing when it swims.
         ranges: ranges of proportions that differ from the general ones.
 
@@ -167,7 +167,7 @@ def _spine(pose: str, wave: float, rng: Rng) -> Spine:
 
 
 def _moved(fin: Fin, stretch: Doubles) -> Fin:
-    """Return a fin moved out with the back, belly or flank it stands on."""
+    """Return a fin, moved out with the back, belly or flank that it grows on."""
     if fin.root is not None:
         x, y, z = np.array(fin.root) * stretch
         return replace(fin, root=(float(x), float(y), float(z)))

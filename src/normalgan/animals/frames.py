@@ -52,7 +52,7 @@ def yaw(degrees: float) -> Doubles:
 
 
 def roll(degrees: float) -> Doubles:
-    """Return the (3, 3) rotation about x that lifts what hangs down towards +z, the animal's right.
+    """Return the (3, 3) rotation about x that lifts a hanging limb towards +z, the animal's right.
 
     >>> bool(np.allclose(roll(90) @ [0, -1, 0], [0, 0, 1]))
     True
@@ -62,7 +62,7 @@ def roll(degrees: float) -> Doubles:
 
 
 def ray(azimuth: float, elevation: float) -> Doubles:
-    """Return the direction (3,) that is turned to the right of +x and raised, both in radians.
+    """Return +x turned to the right and then raised, by angles in radians, (3,).
 
     >>> ray(0.0, np.pi / 2).round(6).tolist()
     [0.0, 1.0, 0.0]
@@ -97,7 +97,7 @@ class Frame:
         return self.origin + np.asarray(points, float) @ self.rotation.T
 
     def carried(self, frame: "Frame", size: float = 1.0) -> "Frame":
-        """Return it with its place scaled by ``size``, then carried along with another frame."""
+        """Return the frame with its origin scaled by ``size``, then moved with another frame."""
         return Frame(frame.place(self.origin * size), frame.rotation @ self.rotation)
 
 
@@ -134,12 +134,12 @@ def bend(points: Doubles, up: float, left: float) -> tuple[Doubles, Doubles]:
 
 
 def fold(points: Doubles, joints: tuple[int, ...], angles: tuple[float, ...]) -> Doubles:
-    """Rotate all that follows each joint about it, from the root on, in the sagittal plane.
+    """Rotate the bones beyond each joint about it, from the root outwards, in the sagittal plane.
 
     Args:
         points: (n, 3)
         joints: indices of points.
-        angles: degrees, positive moves what hangs below forward.
+        angles: degrees; a positive angle moves the part below forward.
     """
     moved = points.copy()
     for joint, angle in zip(joints, angles, strict=True):

@@ -110,7 +110,7 @@ def _feelers(base: ArrayLike, bends: Sequence[ArrayLike], thick: float, club: fl
 
 
 def _eyes(at: ArrayLike, radii: ArrayLike, turn: float = 0.0) -> Part:
-    """Return a pair of faceted eyes, seen as smooth."""
+    """Return a pair of compound eyes, without facets."""
     return pair(ball(at, radii, yaw(turn)), blend=0.01)
 
 
@@ -163,7 +163,7 @@ def _held(rng: Rng, raised: Span, back: Span) -> tuple[float, float]:
 
 
 def _beetle(pose: str, rng: Rng) -> list[Part]:
-    """Return a beetle: wing cases with a seam, a shield, and jaws or a horn on some."""
+    """Return a beetle: wing cases with a seam, a shield, and sometimes jaws or a horn."""
     long, wide, high, reach = around(rng, 0.15, 0.40, 0.25, 0.19, 1.0)
     front = -0.12 + long
     nose = front + 0.20
@@ -202,7 +202,7 @@ def _beetle(pose: str, rng: Rng) -> list[Part]:
 
 
 def _ladybird(pose: str, rng: Rng) -> list[Part]:
-    """Return a ladybird: a dome with spots that stand out a little."""
+    """Return a ladybird: a dome with slightly raised spots."""
     long, high, reach, spot = around(rng, 0.1, 0.42, 0.30, 0.30, 1.0)
     wide = 0.37
     radii = np.array([long, high, wide])
@@ -257,7 +257,7 @@ def _ant(pose: str, rng: Rng) -> list[Part]:
 
 
 def _caterpillar(pose: str, rng: Rng) -> list[Part]:
-    """Return a caterpillar: rings on stumpy legs; one that walks arches its back."""
+    """Return a caterpillar: rings on stumpy legs; a walking one arches its back."""
     rings = int(rng.integers(8, 12))
     arch = rng.uniform(0.16, 0.30) if pose == "walk" else rng.uniform(0.0, 0.05)
     fat, sway = rng.uniform(0.085, 0.115), rng.uniform(-0.1, 0.1)
@@ -283,7 +283,7 @@ def _caterpillar(pose: str, rng: Rng) -> list[Part]:
 
 
 def _bee(pose: str, rng: Rng) -> list[Part]:
-    """Return a bee or bumblebee: furry breast, ringed abdomen, two pairs of wings."""
+    """Return a bee or bumblebee: furry thorax, ringed abdomen, two pairs of wings."""
     belly, head, span, breast = around(rng, 0.14, 0.20, 1.0, 1.0, 0.19)
     raised, back = _held(rng, (12, 50), (0, 25)) if pose == "fly" else _held(rng, (8, 20), (48, 66))
     rear = [(-0.12, 0.0), (-0.30, 0.0), (-0.50, -0.06), (-0.66, -0.16)]
@@ -302,7 +302,7 @@ def _bee(pose: str, rng: Rng) -> list[Part]:
 
 
 def _fly(pose: str, rng: Rng) -> list[Part]:
-    """Return a fly: great eyes, short feelers, one pair of wings."""
+    """Return a fly: large eyes, short antennae, one pair of wings."""
     belly, eye, span = around(rng, 0.14, 1.0, 0.125, 1.0)
     raised, back = _held(rng, (10, 45), (0, 25)) if pose == "fly" else _held(rng, (8, 18), (52, 72))
     rear = [(-0.1, 0.02), (-0.26, 0.01), (-0.42, -0.04), (-0.55, -0.10)]
@@ -322,7 +322,7 @@ def _fly(pose: str, rng: Rng) -> list[Part]:
 
 
 def _grasshopper(pose: str, rng: Rng) -> list[Part]:
-    """Return a grasshopper, the knees of its hind legs above its back; one that leaps has them stretched."""
+    """Return a grasshopper, the knees of its hind legs above its back; a leaping one stretches them."""
     tail, high, feeler, head = around(rng, 0.12, 0.52, 0.36, 1.0, 1.0)
     knee, foot = np.array([-0.42, high, 0.20]), np.array([-0.30, -0.24, 0.30])
     if pose == "leap":
@@ -346,7 +346,7 @@ def _grasshopper(pose: str, rng: Rng) -> list[Part]:
 
 
 def _mantis(pose: str, rng: Rng) -> list[Part]:
-    """Return a praying mantis: raised breast, folded arms, a head like a triangle."""
+    """Return a praying mantis: raised thorax, folded forelegs, a triangular head."""
     neck, belly, reach = around(rng, 0.12, 0.45, 1.0, 0.32)
     tilt = np.deg2rad(rng.uniform(35, 65))
     top = np.array([0.05, 0.02, 0]) + neck * ray(0.0, tilt)

@@ -35,7 +35,7 @@ def to_mesh(name: str, parts: Sequence[Part], count: int = _FACES) -> Mesh:
         count: about how many faces it is to have.
 
     The spacing of the grid follows from the surface of the parts, so that an animal has the same number
-    of faces whether lean or fat. Normals are the gradient of the field, smoother than those of the faces.
+    of faces whether lean or fat. Normals are the gradient of the field, which is smoother than face normals.
     """
     field = _field(parts, _spacing(parts, count))
     vertices, faces, normals, _ = marching_cubes(field, 0.0, allow_degenerate=False)
@@ -138,7 +138,7 @@ class Grid:
 def sample(parts: Sequence[Part], grid: Grid) -> Volume:
     """Return the signed distance, negative inside, at every sample; right near the surface, `_FAR` elsewhere.
 
-    The blend has finite width, so a part matters only within that width of its own surface.
+    The blend has finite width, so a part has no effect farther than that from its surface.
 
     Returns:
         grid.shape

@@ -1,4 +1,4 @@
-"""Things, each a function: vessels, cars, craft, what stands in a garden, plants, blobs without a name."""
+"""Things, each a function: vessels, cars, boats and planes, garden objects, plants, shapeless blobs."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -55,7 +55,7 @@ _VESSELS: Mapping[str, tuple[Sequence[float], Sequence[float]]] = {
 
 
 def _vase(pose: str, rng: Rng) -> list[Part]:
-    """Return a vase, bottle, bowl or goblet, with two handles on some."""
+    """Return a vase, bottle, bowl or goblet, sometimes with two handles."""
     foot, belly, neck, lip, tall = around(rng, 0.2, 1.0, 1.0, 1.0, 1.0, 1.0)
     kind = str(rng.choice([*_VESSELS, "bowl"]))
     if kind == "bowl":
@@ -266,7 +266,7 @@ def _rocket(pose: str, rng: Rng) -> list[Part]:
 
 
 def _snowman(pose: str, rng: Rng) -> list[Part]:
-    """Return a snowman: two or three balls, a carrot, sticks, a hat on some."""
+    """Return a snowman: two or three balls, a carrot, sticks, sometimes a hat."""
     *sizes, carrot = around(rng, 0.14, 0.33, 0.24, 0.17, 0.20)
     if rng.uniform() < 0.3:
         sizes.pop(1)
@@ -352,7 +352,7 @@ def _tree(pose: str, rng: Rng) -> list[Part]:
 
 
 def _fir(pose: str, rng: Rng) -> list[Part]:
-    """Return a fir: cones on a trunk, one over the other."""
+    """Return a fir: cones stacked on a trunk."""
     wide, trunk, gap = around(rng, 0.2, 0.36, 0.07, 1.0)
     count = int(rng.integers(3, 6))
     step = 0.75 / count
@@ -370,7 +370,7 @@ def _fir(pose: str, rng: Rng) -> list[Part]:
 
 
 def _cactus(pose: str, rng: Rng) -> list[Part]:
-    """Return a cactus with arms, ribbed, in a pot on some."""
+    """Return a ribbed cactus with arms, sometimes in a pot."""
     tall, thick, long = around(rng, 0.2, 0.85, 0.13, 1.0)
     column = tube([(0, 0.0), (0, 0.5 * tall), (0, tall)], [0.9 * thick, 1.05 * thick, 0.85 * thick])
     arms = []
@@ -392,7 +392,7 @@ def _cactus(pose: str, rng: Rng) -> list[Part]:
 
 
 def _mushroom(pose: str, rng: Rng) -> list[Part]:
-    """Return a mushroom, with a small one beside it or a collar on some."""
+    """Return a mushroom, sometimes with a small one next to it or a collar."""
     parts = _one_mushroom(rng, np.zeros(3), 1.0, blend=0.0)
     if rng.uniform() < 0.4:
         at = np.array([0.10, 0.0, float(rng.choice((-1, 1))) * 0.12])
@@ -426,7 +426,7 @@ _INNER = 0.5  # share of its radii within which others may grow out of a piece; 
 
 @dataclass(frozen=True, eq=False)
 class _Piece:
-    """A solid, and points (n, 3) inside it that others can be rooted in."""
+    """A solid, and points (n, 3) inside it where other parts can grow."""
 
     shape: Shape
     roots: Doubles

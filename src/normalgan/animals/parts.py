@@ -50,7 +50,7 @@ class Part:
         shapes: that make it up.
         blend: width of the zone in which the part and the rest flow together; 0 for a sharp seam.
         carve: take the part away instead of adding it.
-        ripple: bumps on the surface, or None.
+        ripple: bumps on the surface; None for a smooth one.
     """
 
     shapes: tuple[Shape, ...]
@@ -75,7 +75,7 @@ class Part:
 
 
 def by(start: Doubles, x: float, y: float, z: float) -> Doubles:
-    """Return the point so far from another.
+    """Return the point at a given distance from another.
 
     >>> by(np.array([1.0, 2.0, 3.0]), 0.5, 0, 0).tolist()
     [1.5, 2.0, 3.0]
@@ -85,7 +85,7 @@ def by(start: Doubles, x: float, y: float, z: float) -> Doubles:
 
 
 def in_space(points: ArrayLike) -> Doubles:
-    """Return points (..., 3); those given by x and y alone lie in the middle plane, z = 0.
+    """Return points (..., 3); points without a z lie in the middle plane, z = 0.
 
     >>> in_space((1, 2)).tolist()
     [1.0, 2.0, 0.0]
@@ -160,7 +160,7 @@ def pair(*shapes: Shape, blend: float = 0.0, carve: bool = False) -> Part:
 
 
 def carried(parts: Iterable[Part], frame: Frame, size: float = 1.0) -> list[Part]:
-    """Return parts scaled by ``size``, their blends too, and carried along with a frame."""
+    """Return parts and their blends scaled by ``size`` and moved with a frame."""
     return [part.placed(frame, size) for part in parts]
 
 

@@ -55,7 +55,7 @@ class BodyPlan(Protocol):
 
     @property
     def poses(self) -> tuple[str, ...]:
-        """The names of the poses that may be asked for."""
+        """The names of the poses that can be requested."""
 
     def grow(self, pose: str | None, rng: Rng) -> list[Part]:
         """Return one individual's parts, in the order in which they blend.
@@ -68,10 +68,10 @@ class BodyPlan(Protocol):
 
 @dataclass(frozen=True)
 class PosedPlan(ABC):
-    """The base of most body plans: the pose is drawn first, and all else follows from it.
+    """The base of most body plans: the pose is drawn first, and everything else follows from it.
 
     Args:
-        habits: the poses it is seen in; one named twice is drawn twice as often.
+        habits: the poses it takes; one named twice is drawn twice as often.
     """
 
     habits: tuple[str, ...]
@@ -95,7 +95,7 @@ class Form(PosedPlan):
     """A species made by a function of the pose and a source of random numbers.
 
     Args:
-        habits: the poses it is seen in; one named twice is drawn twice as often.
+        habits: the poses it takes; one named twice is drawn twice as often.
         shape: returns the parts of one individual.
     """
 
@@ -107,7 +107,7 @@ class Form(PosedPlan):
 
 
 def drawn_pose(habits: Sequence[str], pose: str | None, rng: Rng) -> str:
-    """Return the pose that is asked for, or one of the habits; drawn anyway, so that it shifts nothing."""
+    """Return the requested pose, or one of the habits; the draw is made in any case."""
     drawn = str(rng.choice(habits))
     return pose or drawn
 
@@ -121,7 +121,7 @@ def proportions(
         general: the range of each factor in all species of the body plan.
         own: those ranges of the species that differ.
         rng: draws each factor evenly, in the order of ``general``.
-        young: what the factors of a young one are multiplied by; None for a grown one.
+        young: factors of a young animal; None for an adult.
 
     >>> proportions({"legs": (1.0, 1.0), "tail": (0.8, 1.2)}, {"tail": (2.0, 2.0)}, np.random.default_rng(0))
     {'legs': 1.0, 'tail': 2.0}

@@ -1,4 +1,4 @@
-"""Plush toys, each a function: a round body, stubby limbs, a great head; seams on some."""
+"""Plush toys, each a function: a round body, stubby limbs, a large head, and sometimes seams."""
 
 from collections.abc import Mapping
 
@@ -36,7 +36,7 @@ def _sewn(
     Args:
         features: the parts of the head, in units of half its height.
         pose: one of `HABITS`.
-        rng: draws proportions, the limbs' places, and seams on some.
+        rng: draws proportions, the limbs' places, and whether there are seams.
         belly: radii of the body.
         head: half the height of the head.
         limbs: thickness of arms and legs, 1 as usual.
@@ -135,7 +135,7 @@ def _teddy(pose: str, rng: Rng) -> list[Part]:
 
 
 def _bunny(pose: str, rng: Rng) -> list[Part]:
-    """Return a bunny, an ear flopped on some."""
+    """Return a bunny, sometimes with a floppy ear."""
     long = rng.uniform(1.0, 1.6)
     flop = [rng.uniform() < 0.3 for _ in range(2)]
     ears = []
@@ -213,7 +213,7 @@ def _frog(pose: str, rng: Rng) -> list[Part]:
 
 
 def _elephant(pose: str, rng: Rng) -> list[Part]:
-    """Return an elephant: a trunk, great ears, tusks on some."""
+    """Return an elephant: a trunk, large ears, sometimes tusks."""
     ear, lift = rng.uniform(0.85, 1.2), rng.uniform(0.0, 1.0)
     trunk = [(0.75, -0.1), (1.25, -0.35), (1.45, -0.85 + 0.4 * lift), (1.75, -1.0 + 0.9 * lift),
              (1.98, -0.9 + 1.25 * lift)]  # fmt: skip

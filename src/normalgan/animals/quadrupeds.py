@@ -99,16 +99,16 @@ class Ornament:
 
     Args:
         stations: in units of the height at the withers; on the head, of its length.
-        scale: the factor of `_RANGES` that stretches it from its pivot; None on the head for one that only
-            grows with it.
+        scale: the factor of `_RANGES` that stretches it from its pivot; None for an ornament of the head that
+            only scales with it.
         side: direction of the width.
-        mirror: whether there is another on the left.
+        mirror: whether the left side has one too.
         blend: width of the blend.
         carve: dig instead of add.
         swivel: degrees by which its direction may differ from one individual to the next.
         chance: share of the individuals that have it.
         ripple: bumps, or None.
-        pivot: what it is stretched and swivelled about; None for its first station.
+        pivot: the centre of stretching and swivelling; None for its first station.
         otherwise: it is there if the one before it is not, whatever its chance.
     """
 
@@ -203,7 +203,7 @@ class Head:
         skull: its sections.
         eye: one eye of a pair.
         ornaments: nose, nostrils, ears, horns, in the order in which they blend.
-        mouth: or None for a closed one.
+        mouth: None for a closed one.
         flat: whether the snout ends flat.
     """
 
@@ -240,8 +240,8 @@ class Quadruped:
     """A kind of quadruped, standing at rest, head to +x, ground at y = 0, the withers about 1 high.
 
     Args:
-        habits: the poses it is seen in; one named twice is drawn twice as often.
-        torso: from the buttocks to the breast.
+        habits: the poses it takes; one named twice is drawn twice as often.
+        torso: from the buttocks to the chest.
         neck: from inside the chest to the poll.
         head: the head.
         fore: the forelegs.
@@ -250,11 +250,11 @@ class Quadruped:
         ornaments: humps and udders, in the body's frame.
         mane: or None.
         armour: plates, spikes or a frill, or None.
-        ranges: those of `_RANGES` that differ from the general ones.
+        ranges: ranges that replace entries of `_RANGES`.
         tail_lift: degrees between which the tail is raised.
         tail_ripple: bumps on the tail, or None.
         coat: bumps on torso and neck, or None.
-        ruff: bumps on the neck if others than the coat's.
+        ruff: bumps on the neck, if they differ from the coat's.
         neck_pitch: degrees between which the neck is raised over its rest.
     """
 
@@ -436,7 +436,7 @@ def _hang(limb: Limb, build: _Build, angles: tuple[float, ...]) -> Doubles:
 
 
 def _leg(limb: Limb, build: _Build, angles: tuple[float, ...], stance: bool, body: Frame) -> Sweep:
-    """Return a right leg; one that stands is stretched or shortened so that its sole is on the ground."""
+    """Return a right leg; a standing leg is stretched or shortened until its sole is on the ground."""
     rows = limb.template.stations
     points = _hang(limb, build, angles)
     root = body.place([limb.x * build["length"], limb.y, limb.z * build["girth"]])
@@ -493,7 +493,7 @@ def _ornament(
 
 
 def _on_skull(head: Head, x: float, degrees: float) -> Doubles:
-    """Return the point (3,) on the right half of the skull, in units of its length, seen from its axis.
+    """Return a point (3,) on the right half of the skull, in units of its length, by its angle.
 
     The skull is the union of ellipsoids about all stations, so where it tapers steeply its surface lies
     outside the nearest station's section: the ray from the axis is cut with every ellipsoid near.

@@ -15,7 +15,7 @@ Angles = tuple[float, float, float, float]
 
 @dataclass(frozen=True)
 class Pose:
-    """Angles in degrees, as differences from rest; a positive joint angle moves what hangs below forward.
+    """Angles in degrees, as differences from rest; a positive joint angle moves the part below it forward.
 
     Args:
         legs: the four joints of right fore, left fore, right hind, left hind, from the top down.
@@ -46,7 +46,7 @@ class Pose:
 
 @dataclass(frozen=True)
 class _Gait:
-    """A way of going (Hildebrand, "The quadrupedal gaits of vertebrates", 1989).
+    """A gait (Hildebrand, "The quadrupedal gaits of vertebrates", 1989).
 
     Args:
         phases: phases of right fore, left fore, right hind, left hind in the cycle, 0 to 1.

@@ -32,7 +32,7 @@ class Crawler(PosedPlan):
     Lengths are in units of snout to tail root.
 
     Args:
-        habits: the poses it is seen in; one named twice is drawn twice as often.
+        habits: the poses it takes; one named twice is drawn twice as often.
         trunk: from the tip of the tail to the neck; the tail starts at 0.
         head: length of the head.
         skull: the head with its upper jaw, in its own frame, in units of ``head``.
@@ -96,7 +96,7 @@ class Turtle(PosedPlan):
     """A kind of turtle, its shell a unit long.
 
     Args:
-        habits: the poses it is seen in; one named twice is drawn twice as often.
+        habits: the poses it takes; one named twice is drawn twice as often.
         dome: height of the shell over its rim.
         half_width: half the width of the shell.
         neck: length of the neck.
@@ -157,7 +157,7 @@ class Snake(PosedPlan):
     """A kind of snake: a long tube that tapers, coiled, winding or raised.
 
     Args:
-        habits: the poses it is seen in; one named twice is drawn twice as often.
+        habits: the poses it takes; one named twice is drawn twice as often.
         skull: its sections, or the name of shared ones.
         hooded: whether it spreads its neck, as a cobra does.
     """
@@ -349,11 +349,11 @@ def _spiral(fat: float, turns: float, inner: float, rise: float, end: float, rng
 
     Args:
         fat: radius of the snake.
-        turns: how often it goes round.
+        turns: number of turns.
         inner: radius in the middle.
         rise: rise of each turn over the one outside it, in units of ``fat``.
         end: radians at which it ends.
-        rng: draws which way round it goes.
+        rng: draws the direction of the coil.
     """
     side = 1.0 if rng.uniform() < 0.5 else -1.0
     angle = np.linspace(0, 2 * np.pi * turns, int(14 * turns))
@@ -388,7 +388,7 @@ def _wind(fat: float, rng: Rng) -> Doubles:
 
 
 def _rear(fat: float, rng: Rng) -> Doubles:
-    """Return a coil from which the front third stands up."""
+    """Return a coil whose front third is raised."""
     spiral = _spiral(fat, rng.uniform(1.3, 1.9), 0.20, 0.5, -0.75 * np.pi, rng)
     neck = [(0.15, 0.06), (0.20, 0.26), (0.14, 0.52), (0.10, 0.78), (0.13, 0.94), (0.24, 1.0)]
     return _with_neck(spiral, neck, rng.uniform(0.55, 0.85))

@@ -1,4 +1,4 @@
-"""The shapes of which animals are made: sweeps along a curve, and solids where sweeps are clumsy."""
+"""The shapes that animals consist of: sweeps along a curve, and solids where sweeps are clumsy."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
@@ -71,11 +71,11 @@ class Shape(ABC):
 
     @abstractmethod
     def pieces(self, spacing: float) -> Iterator[Piece]:
-        """Go over the pieces that make it up; ``spacing`` is that of the grid."""
+        """Yield the pieces that it consists of; ``spacing`` is the grid's."""
 
 
 class Cut(NamedTuple):
-    """A plane beyond which there is nothing.
+    """A plane that cuts off everything beyond it.
 
     Args:
         point: (3,) on it.
@@ -95,8 +95,8 @@ class Sweep(Shape):
         radii: (n,) radius of the section across ``sides``.
         widths: (n,) radius of the section along ``sides``.
         sides: (n, 3) direction of the second axis of each section; its part along the curve is ignored.
-        cut: a plane beyond which the last third ends flat (soles, snouts); it may cut the rest too,
-            as that of a folded leg does.
+        cut: a plane beyond which the last third ends flat (soles, snouts); it may cut other parts too, as for
+            a folded leg.
     """
 
     points: Doubles
@@ -368,7 +368,7 @@ class Plate(Solid):
 
     Args:
         frame: where the plane is: its own axes are the outline's first, its second, and across.
-        outline: (n, 2) corners in either order, n ≥ 3.
+        outline: (n, 2) corners, clockwise or not, n ≥ 3.
         rim: half the thickness at the rim.
         swell: growth of half the thickness for each unit of way inwards from the rim.
         most: half the greatest thickness.
@@ -396,7 +396,7 @@ class Plate(Solid):
         return max(self.rim, min(self.most, self.rim + self.swell * inner))
 
     def area(self) -> float:
-        """Return about how much surface both sides have."""
+        """Return the approximate area of both sides."""
         x, y = self.outline.T
         return float(abs(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
 

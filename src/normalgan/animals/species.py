@@ -1,4 +1,4 @@
-"""The species by name and group: files of the folder beside, read when asked for, and functions.
+"""The species by name and group: files in the folder next to this module, read on demand, and functions.
 
 A file is TOML, read into the fields of a body plan, whose docstring says what each means.
 """
@@ -95,7 +95,7 @@ def read_species(path: str | Path) -> BodyPlan:
     """Return the species that a TOML file describes.
 
     The file's ``plan`` names a body plan; its other keys are the fields of that class, tables those of the
-    classes within. A text in place of a table stands for one of `SHARED`; where there are several kinds, the
+    classes within. A string instead of a table names an entry of `SHARED`; where there are several kinds, the
     table's ``kind`` says which.
 
     Args:

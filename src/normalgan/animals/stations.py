@@ -22,7 +22,7 @@ class Stations:
         x: (n,) of their middles, forward; n ≥ 2.
         y: (n,) upward.
         radius: (n,) of the section, upward.
-        z: (n,) to the animal's right; None if all lie in the middle.
+        z: (n,) to the animal's right; None if all are in the middle.
         half_width: (n,) of the section, sideways; None if all are round.
 
     Raises:
@@ -120,7 +120,7 @@ class Spine:
         self.aside = np.concatenate([[0.0], np.cumsum(-steps * np.sin(middle))])
 
     def frame(self, x: float) -> Frame:
-        """Return the frame at position ``x``; the ends go on straight."""
+        """Return the frame at position ``x``; beyond the ends it continues straight."""
         at = float(np.clip(x, self.xs[0], self.xs[-1]))
         angle = float(np.interp(at, self.xs, self.turns))
         over = x - at

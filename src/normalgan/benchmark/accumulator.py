@@ -1,4 +1,4 @@
-"""Accumulator: all figures of a method, over the whole split, by mesh and by view."""
+"""Accumulator: the figures of a method, over the whole split, by mesh and by view."""
 
 import math
 from collections.abc import Sequence
@@ -43,7 +43,7 @@ class Accumulator:
 
     Args:
         device: where maps are compared.
-        more: other metrics that are measured too.
+        more: additional metrics.
 
     Attributes:
         names: names of the samples so far.
@@ -70,7 +70,8 @@ class Accumulator:
         """Count a batch.
 
         Args:
-            predicted: (N, 3 or 4, H, W) normals, as long as an object is probable, and optionally confidence.
+            predicted: (N, 3 or 4, H, W) normals, whose length is the probability of an object, and optionally
+                confidence.
             target: (N, 3, H, W) true unit normals.
             mask: (N, 1, H, W), 1 on the object.
             where: (N, 1, H, W), 1 at the hints, which do not count.

@@ -1,4 +1,4 @@
-"""normalgan benchmark: trains and measures the methods of a plan, or measures a given model."""
+"""normalgan benchmark: trains and measures the methods of a plan, or measures one model."""
 
 import warnings
 from dataclasses import replace
@@ -35,7 +35,7 @@ def run(arguments: list[str]) -> int:
     """Run the command and return the exit code: 1 if a run failed.
 
     Raises:
-        InputError: if something that was given cannot be used.
+        InputError: if an argument cannot be used.
         KeyboardInterrupt: if it was stopped.
     """
     options = build_parser().parse_args(arguments)
@@ -188,7 +188,7 @@ def evaluate(plan: Plan, scale: Scale, name: str, out: Path | None = None) -> in
 
 
 def score(plan: Plan, scale: Scale, folder: Path, out: Path | None = None) -> int:
-    """Measure what another program predicted of the plan's test split, print tables, return the exit code.
+    """Measure another program's predictions of the test split, print tables, and return the exit code.
 
     Args:
         plan: the benchmark.
@@ -232,7 +232,7 @@ def measure_human(options: Namespace) -> int:
     """Measure a model on drawings by people, and return the exit code.
 
     Raises:
-        InputError: if the folder or the model cannot be used, or something is given that has no say in it.
+        InputError: if the folder or the model cannot be used, or an option does not apply.
     """
     from normalgan.benchmark.human import human
 

@@ -24,7 +24,7 @@ _PACKAGES = ("torch", "lightning", "numpy", "kornia", "torchmetrics")
 def flops(network: nn.Module, size: int, device: torch.device) -> int:
     """Return the floating-point operations for one map; a multiplication and an addition count as two.
 
-    Only convolutions and matrix products are counted; they are nearly all of the operations.
+    Only convolutions and matrix products are counted; they make up nearly all operations.
 
     Args:
         network: a generator, which takes (N, 4, size, size).

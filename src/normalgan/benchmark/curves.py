@@ -79,7 +79,7 @@ def draw_calibration(plan: Plan, results: Results, caption: str) -> bytes | None
     Args:
         plan: in whose order the rows come.
         results: results of the rows.
-        caption: above it, with the expected calibration errors beside the lines' names.
+        caption: above it; the lines' names come with the expected calibration errors.
     """
     sure = [row for row in plan.rows if any(_promises(run) for run in results.get(row.name, ()))]
     if not sure:

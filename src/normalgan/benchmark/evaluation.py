@@ -61,7 +61,7 @@ class Evaluation:
 
     @property
     def hash(self) -> str:
-        """A hash of everything but the data that decides the figures of a given model."""
+        """A hash of everything, except the data, that determines the figures of a given model."""
         plan = self.plan
         return digest(
             {"counts": plan.counts, "seed": plan.hint_seed, "which": plan.checkpoint}
@@ -80,7 +80,7 @@ class Evaluation:
 
     @cached_property
     def data(self) -> MeshDataModule:
-        """The shared data, the test split drawn as it is tested, rendered if it is not yet."""
+        """The shared data, with the test split in the plan's own style; rendered if necessary."""
         untaught = all(row.classical in {"constant", "inflation"} for row in self.plan.rows)
         alone = self.test_alone or bool(self.plan.test_data) or untaught
         once = {"on_the_fly": False} if alone else {}

@@ -37,8 +37,8 @@ def hint_order(mask: Tensor, name: str, seed: int, most: int) -> Tensor:
     Args:
         mask: (1, H, W), 1 on the object.
         name: the sample's name, which decides where the points are.
-        seed: another seed gives other points.
-        most: how many, if the object has as many pixels.
+        seed: a different seed gives different points.
+        most: number of hints; fewer if the object has fewer pixels.
     """
     pixels = torch.nonzero(mask.flatten() > 0.5).flatten()
     order = np.random.default_rng(derive_seed("benchmark", seed, name)).permutation(len(pixels))
@@ -52,7 +52,7 @@ def hint_points(mask: Tensor, names: Sequence[str], seed: int, count: int) -> Te
         mask: (N, 1, H, W), 1 on the object.
         names: names of the N samples.
         seed: seed of the points.
-        count: hints of each sample; all of its pixels if it has fewer.
+        count: hints of each sample; all of its pixels if there are fewer.
     """
     where = torch.zeros_like(mask)
     for sample, one, name in zip(where, mask, names, strict=True):
@@ -84,17 +84,17 @@ def noisy_hints(
 ) -> Tensor:
     """Return hints (N, 4, H, W) turned by an angle and moved by a distance, each in its own random direction.
 
-    Every hint is turned by exactly ``degrees``, never away from the viewer, and moved by ``pixels``,
-    rounded, on the object; it stays if there is no such place.
+    Every hint is turned by exactly ``degrees``, never away from the viewer, and moved by ``pixels``, rounded.
+    It stays where it is if that would move it off the object.
 
     Args:
         normal: (N, 3, H, W) true unit normals.
         mask: (N, 1, H, W), 1 on the object.
         where: (N, 1, H, W), 1 where the hints would be without noise.
         names: names of the samples.
-        seed: another seed gives other directions.
-        degrees: by how much each is turned.
-        pixels: by how much each is moved.
+        seed: a different seed gives different directions.
+        degrees: angle of each turn.
+        pixels: length of each shift.
     """
     hints = torch.zeros(len(normal), 4, *normal.shape[2:], dtype=normal.dtype)
     for i, name in enumerate(names):

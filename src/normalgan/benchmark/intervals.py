@@ -34,7 +34,7 @@ class Interval(NamedTuple):
 
 
 def mesh_interval(runs: Sequence[Result], given: str, name: str) -> Interval | None:
-    """Return a method's figure with its interval over meshes; None without two meshes or a figure.
+    """Return a method's figure with its interval over meshes; None if there are fewer than two.
 
     The figure is pooled over pixels in each run, as in the tables, and averaged over the runs. Meshes are
     drawn with replacement, with all their views; seeds are fixed.
@@ -58,9 +58,9 @@ def difference_interval(
 ) -> Interval | None:
     """Return the difference of a method's figure from the reference's, with its interval over meshes.
 
-    The samples are paired: both are measured on the same drawn meshes, so that a mesh hard for both cancels.
-    Seeds are fixed, so this is the interval of these trained networks, not of the methods (`total_interval`).
-    None if their meshes differ or are fewer than two.
+    The samples are paired: both use the same resampled meshes, so that a mesh that is hard for both cancels
+    out. Seeds are fixed, so this is the interval of these trained networks, not of the methods
+    (`total_interval`). None if their meshes differ or are fewer than two.
 
     Args:
         runs: runs of the method.
@@ -84,8 +84,8 @@ def total_interval(
 
     The samples are paired by mesh and by common seed. The variances of the means over meshes and over seeds
     are added, which counts their interaction twice and makes the interval too wide rather than too narrow.
-    The interval is Student's with Satterthwaite's degrees of freedom. None without two meshes and two such
-    seeds.
+    The interval is Student's with Satterthwaite's degrees of freedom. None if there are fewer than two meshes
+    or two such seeds.
 
     Args:
         runs: runs of the method.
@@ -133,8 +133,8 @@ def pooled(values: Doubles, pixels: Doubles, draws: Indices) -> Doubles:
 
     Args:
         values: (meshes, runs) means over each mesh's pixels.
-        pixels: (meshes, runs) how many these are.
-        draws: (draws, meshes) which meshes.
+        pixels: (meshes, runs) number of these pixels.
+        draws: (draws, meshes) indices of the drawn meshes.
     """
     sums, counts = (values * pixels)[draws].sum(1), pixels[draws].sum(1)
     return np.asarray((sums / counts).mean(-1))
@@ -150,7 +150,7 @@ def _seed(run: Result) -> int:
 
 
 def _parts(values: Doubles, pixels: Doubles) -> tuple[Doubles, Doubles]:
-    """Return each run's figure, (runs,), and what each mesh adds to it, (meshes, runs)."""
+    """Return each run's figure, (runs,), and each mesh's contribution to it, (meshes, runs)."""
     weights = pixels / pixels.sum(0)
     figures = (weights * values).sum(0)
     return figures, weights * (values - figures)

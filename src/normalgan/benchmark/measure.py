@@ -1,4 +1,4 @@
-"""Measuring a method: with increasing numbers of common hints, and with those of its own sampler."""
+"""Measuring a method: with increasing numbers of common hints, and with its own sampler's."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -27,7 +27,7 @@ OWN = "own"
 
 @dataclass(frozen=True)
 class Measured:
-    """What was measured, by what was given: ``15`` hints, or ``own``.
+    """Figures by the hints that were given: ``15`` hints, or ``own``.
 
     Args:
         figures: over all samples, such as ``angular_mean``; None where it is undefined or a map was not
@@ -48,7 +48,7 @@ class Measured:
 
     @classmethod
     def of(cls, gathered: Mapping[str, Accumulator]) -> Self:
-        """Return the figures of what was gathered of the same samples, by what was given."""
+        """Return the figures of the accumulated predictions, by the hints that were given."""
         return cls(
             figures={given: one.figures() for given, one in gathered.items()},
             names=next(iter(gathered.values())).names,
@@ -61,15 +61,15 @@ class Measured:
 
 @dataclass(frozen=True)
 class HintTests:
-    """The hints that a method is tested with, besides those of its own sampler.
+    """The hints that a method is tested with, besides its own sampler's.
 
     Args:
         counts: numbers of common hints, uniform on the object.
         seed: seed of all hints.
-        placements: samplers by what their figures are called.
-        noise: degrees and pixels that hints are off by, by what their figures are called.
+        placements: samplers, by the name of their figures.
+        noise: errors of hints in degrees and pixels, by the name of their figures.
         noisy: number of common hints that are off.
-        metrics: other metrics that are measured with all of them.
+        metrics: additional metrics, for every kind of hints.
     """
 
     counts: Sequence[int]
@@ -92,7 +92,7 @@ def more_metrics(named: Sequence[str | dict[str, Any]]) -> list[MapMetric]:
         named: names of registered classes, or these as ``class_path`` with ``init_args``.
 
     Raises:
-        InputError: if there is no such metric, it does not take its settings, or two have the same name.
+        InputError: if a metric is unknown, does not take its settings, or shares its name with another.
     """
     given = [{"class_path": each} if isinstance(each, str) else each for each in named]
     metrics = [ClassSpec.of(each, ANY_NUMBER).build(METRICS) for each in given]
@@ -136,7 +136,7 @@ def measure(method: Method, batches: Iterable[Batch], tests: HintTests, device: 
 
 
 def _hints(own: HintSampler, batch: Batch, error: Tensor, tests: HintTests) -> Iterator[tuple[str, Tensor]]:
-    """Yield by name the hints (N, 4, H, W), on the CPU: another device would draw others."""
+    """Yield by name the hints (N, 4, H, W), on the CPU: a different device would draw different ones."""
     normal, mask, names, seed = batch["normal"], batch["mask"], batch["name"], tests.seed
     for count in tests.counts:
         yield str(count), hints_at(normal, hint_points(mask, names, seed, count))

@@ -45,7 +45,7 @@ class Method:
         predict: predicts a batch; only classical methods may use the truth, as their docstrings say.
         sampler: gives the hints that it was trained for.
         generator: its network; None if it has none.
-        timed: whether it predicts here, so that its speed can be measured; what another program predicted is
+        timed: whether it predicts here, so that its speed can be measured; predictions of another program are
             only read.
     """
 
@@ -119,8 +119,8 @@ def saved_method(name: str, size: int, device: torch.device) -> Method:
 
     Args:
         name: name of the file; ``shipped`` for the one in the package.
-        size: side of the pictures that it is to predict.
-        device: where to; ONNX predicts on the processor.
+        size: side of the pictures to predict.
+        device: device of the network; ONNX runs on the CPU.
 
     Raises:
         InputError: if it cannot be used, or was trained at another size.

@@ -30,7 +30,7 @@ Part = TypeVar("Part", "Plan", "Row")
 
 @dataclass(frozen=True)
 class Row:
-    """A line of the table: a method with no learning, or one that is trained.
+    """A line of the table: a trained method, or one without training.
 
     The settings of a trained method are composed as for `normalgan fit`, and later ones win: its configs, its
     changes, the data of the plan, the overlays of the scale, its settings.
@@ -38,12 +38,12 @@ class Row:
     Args:
         name: name of its folder.
         label: in tables and pictures.
-        group: heading that it stands under.
-        classical: a method with no learning.
+        group: heading in tables.
+        classical: a method without training.
         configs: files that it is put together from; relative to the plan, or else to the working directory.
         changes: settings, in dots, before the overlays of the scale.
         settings: settings, in dots, that win over these.
-        takes: parts of the overlays, in dots, that it takes; None takes all.
+        takes: settings of the overlays that it takes, in dots; None takes all.
     """
 
     name: str
@@ -70,7 +70,7 @@ class Plan:
 
     Args:
         name: in reports.
-        images: how many each generator learns from, repetitions counted.
+        images: number of training images of each generator, with repetitions.
         rows: what is compared.
         data: settings of the data that all rows share.
         test_data: settings of data that differ for the test split: how it is drawn, or other meshes.
@@ -85,7 +85,7 @@ class Plan:
         placement_counts: how many hints each placement gives.
         noise_degrees: by how much hints of table 1 are turned, in tests of hints that are off.
         noise_pixels: by how much they are moved.
-        pins: how many pins a simulated user gives one after the other; 0 tests none.
+        pins: number of pins that a simulated user gives in turn; 0 tests none.
         metrics: other metrics that are measured, each a name or a ``class_path`` with ``init_args``.
     """
 
@@ -129,7 +129,7 @@ class Plan:
 
     @property
     def noise(self) -> dict[str, tuple[float, float]]:
-        """Degrees and pixels that hints are off by, by what the figures are called."""
+        """Errors of hints in degrees and pixels, by the name of their figures."""
         turned = {f"degrees-{degrees:g}": (degrees, 0.0) for degrees in self.noise_degrees}
         return turned | {f"pixels-{pixels:g}": (0.0, pixels) for pixels in self.noise_pixels}
 
@@ -151,7 +151,7 @@ class Plan:
 
 
 def is_plan(path: str | Path) -> bool:
-    """Return whether a configuration is a plan: it has rows, or takes those of another plan.
+    """Return whether a configuration is a plan: it has rows, or takes another plan's.
 
     Raises:
         InputError: if it cannot be read as a configuration.
@@ -172,11 +172,11 @@ def read_plan(path: str | Path) -> Plan:
 
 
 def _with_base(path: Path, above: tuple[Path, ...]) -> tuple[Settings, list[Row]]:
-    """Return settings and rows of a plan, those of its base included.
+    """Return settings and rows of a plan, including those of its base.
 
     Args:
         path: path of the plan.
-        above: plans of which it is a base.
+        above: plans that are based on it.
     """
     path = Path(find_config(str(path)))  # its base lies beside it, in the package too
     if path.resolve() in above:
@@ -200,13 +200,13 @@ def _with_base(path: Path, above: tuple[Path, ...]) -> tuple[Settings, list[Row]
 
 
 def _beside(plan: Path, name: str) -> str:
-    """Return the file of a name beside the plan or, if there is none, the name, for the working directory."""
+    """Return the file of this name next to the plan, or else the name itself."""
     beside = plan.parent / name
     return str(beside) if beside.is_file() else name
 
 
 def read_yaml(path: str | Path) -> Settings:
-    """Return the settings of a configuration file, or of one that comes with the package, by its name.
+    """Return the settings of a configuration file, the user's or the package's.
 
     Raises:
         InputError: if it cannot be read as one.
@@ -218,7 +218,7 @@ def read_yaml(path: str | Path) -> Settings:
 
 
 def _read(kind: type[Part], content: Settings, where: str, **given: Any) -> Part:
-    """Build a dataclass from the fields of a file and those known already."""
+    """Build a dataclass from a file's fields and known ones."""
     known = {field.name for field in fields(kind)} - set(given)
     for name in content.keys() - known:
         near = did_you_mean(str(name), known)

@@ -32,7 +32,7 @@ class Report:
     Args:
         plan: what is compared.
         scale: at which.
-        runs: all of the plan, whether done or not.
+        runs: all runs of the plan, finished or not.
         evaluation: how they are measured.
         folder: where the report goes.
     """
@@ -44,7 +44,7 @@ class Report:
     folder: Path
 
     def write(self) -> None:
-        """Write all files, each whole or not at all."""
+        """Write all files, each atomically."""
         done = self._done()
         results: dict[str, list[Result]] = {}
         for run, result in done:

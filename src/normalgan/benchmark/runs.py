@@ -36,9 +36,9 @@ class Run:
 
     Args:
         row: row of the plan.
-        seed: seed of initialisation, training hints and dropout; None if nothing is learnt.
+        seed: seed of initialisation, training hints and dropout; None without training.
         folder: where it is kept.
-        settings: all of `normalgan fit`; of a row that learns nothing, those of its data count.
+        settings: all of `normalgan fit`; for a row without training, only the data settings count.
     """
 
     row: Row
@@ -134,7 +134,7 @@ def timed(settings: Settings, images: int, samples: int, seconds: float | None) 
 
     Args:
         settings: settings of a row.
-        images: the number; batches that the discriminator alone sees do not count.
+        images: the number; batches for the discriminator alone do not count.
         samples: in the training split.
         seconds: the wall-clock budget; None trains on the number of images.
     """
@@ -156,10 +156,10 @@ def timed(settings: Settings, images: int, samples: int, seconds: float | None) 
 
 
 def plan_runs(plan: Plan, scale: Scale, out: Path, seeds: Sequence[int]) -> list[Run]:
-    """Return all runs of a plan, those that learn nothing first, then seed by seed.
+    """Return all runs of a plan, those without training first, then seed by seed.
 
     Raises:
-        InputError: if a row cannot be trained as it is written, or not compared with the others.
+        InputError: if a row cannot be trained, or cannot be compared with the others.
     """
     shared = shared_settings(plan, scale)
     runs = [Run(row, None, out / row.name, shared) for row in plan.rows if row.classical]

@@ -22,10 +22,10 @@ class Scale:
     """Settings that overlay all rows of a plan.
 
     Args:
-        name: that every result bears.
-        overlays: settings of `normalgan fit`, of which a row takes what it says; later ones win.
-        given: settings of data and trainer that win over all others.
-        seconds: wall-clock budget of a run in place of the plan's number of images; None for none.
+        name: the name in every result.
+        overlays: settings of `normalgan fit`; a row may take only some; later ones win.
+        given: settings of data and trainer that override all others.
+        seconds: wall-clock budget of a run, instead of the plan's number of images; None for none.
     """
 
     name: str
@@ -68,7 +68,7 @@ def read_budget(text: str) -> float:
         raise InputError(f"the budget {text!r} is not a span of time; write it like 8m, 90s or 1h30m.")
     seconds = sum(float(number) * _UNITS[unit] for number, unit in parts)
     if seconds <= 0:
-        raise InputError(f"the budget {text!r} is no time at all; write it like 8m, 90s or 1h30m.")
+        raise InputError(f"the budget {text!r} must be more than zero; write it like 8m, 90s or 1h30m.")
     return float(seconds)
 
 

@@ -1,4 +1,4 @@
-"""Settings: nested mappings as `normalgan fit` takes them, put together by its own parser."""
+"""Settings: nested mappings as `normalgan fit` takes them, merged by its parser."""
 
 import hashlib
 import json
@@ -26,7 +26,7 @@ def nest(dotted: Mapping[str, Any]) -> Settings:
     """Return settings in dots as nested mappings.
 
     Raises:
-        InputError: if a setting is at once a value and a group.
+        InputError: if a setting is both a value and a group.
 
     >>> nest({"data.size": 64, "data.views": {"roll": 0}, "seed_everything": 1})
     {'data': {'size': 64, 'views': {'roll': 0}}, 'seed_everything': 1}
@@ -72,7 +72,7 @@ def part(settings: Mapping[str, Any], names: Sequence[str] | None) -> Settings:
 
 
 def without(settings: Mapping[str, Any], names: Sequence[str]) -> Settings:
-    """Return the settings but those that are named or lie under a name."""
+    """Return the settings without those that are named or lie under a name."""
     return nest({name: value for name, value in flatten(settings).items() if not _under(name, names)})
 
 
@@ -94,7 +94,7 @@ def compose(layers: Sequence[Mapping[str, Any]]) -> Settings:
 
 
 def digest(settings: Mapping[str, Any]) -> str:
-    """Return 12 letters and digits that stand for the settings, in whatever order they are.
+    """Return a hash of the settings, 12 letters and digits; their order does not matter.
 
     >>> digest({"a": 1, "b": [2]}) == digest({"b": [2], "a": 1}) != digest({"a": 1, "b": [3]})
     True
@@ -103,7 +103,7 @@ def digest(settings: Mapping[str, Any]) -> str:
 
 
 def differences(a: Mapping[str, Any], b: Mapping[str, Any]) -> list[str]:
-    """Return the names, in dots, of what two settings do not have in common.
+    """Return the names, in dots, of the settings that differ.
 
     >>> differences({"data": {"size": 64, "seed": 0}}, {"data": {"size": 32, "seed": 0}})
     ['data.size']

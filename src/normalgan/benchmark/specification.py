@@ -22,7 +22,7 @@ _DRAWN_ALIKE = ("size", "renderer")  # the size stands beside, and renderers giv
 
 
 def specify(data: MeshDataModule, tests: HintTests, trained: MeshDataModule | None = None) -> Specification:
-    """Return everything that the figures of a given model depend on.
+    """Return everything that a model's figures depend on, as hashes.
 
     ``meshes`` stands for the names of each split's meshes, ``views`` for how and how often each test mesh is
     looked at and drawn, ``hints`` for where the common hints lie,
@@ -31,8 +31,8 @@ def specify(data: MeshDataModule, tests: HintTests, trained: MeshDataModule | No
 
     Args:
         data: the benchmark's data.
-        tests: with what hints methods are tested.
-        trained: the data of the training split, if they are others.
+        tests: the hints of the test.
+        trained: the data of the training split, if they differ.
     """
     recipe = _drawn(data)
     other = {} if trained is None or _drawn(trained) == recipe else {"training": digest(_drawn(trained))}
@@ -58,13 +58,13 @@ def check_specification(found: Specification, path: Path) -> str:
         path: JSON file: a specification by its version, for each track and size of picture.
 
     Raises:
-        InputError: if it does not, or the file is none.
+        InputError: if they differ, or the file is not a specification.
     """
     frozen = _read(path)
     sizes = sorted({int(one["size"]) for one in frozen["sizes"]})
     if found["size"] not in sizes:
         raise InputError(
-            f"{path} has frozen no benchmark at {found['size']} pixels; use data.size "
+            f"{path} has no benchmark at {found['size']} pixels; use data.size "
             f"{' or '.join(map(str, sizes))}."
         )
     tracks = {str(one.get("track", "")): one for one in frozen["sizes"] if one["size"] == found["size"]}
@@ -76,7 +76,7 @@ def check_specification(found: Specification, path: Path) -> str:
     if named[nearest]:
         of_track = f", the track {nearest}" if nearest else ""
         raise InputError(
-            f"this is not the benchmark that {path} has frozen as {frozen['version']}{of_track}: its "
+            f"this is not the benchmark that {path} holds as {frozen['version']}{of_track}: its "
             f"{' and '.join(named[nearest])} differ."
         )
     return nearest

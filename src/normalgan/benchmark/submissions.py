@@ -1,9 +1,9 @@
-"""Submissions: normal maps that another program predicted of the test views, measured like a method of ours.
+"""Submissions: another program's normal maps of the test views, measured like our methods.
 
-A submission is a folder of ``submission.json``, ``{"name": "…"}``, and normal maps: ``0/horse/3.png`` is what
-was painted of view 3 of the mesh horse without hints, ``15/horse/3.png`` with the 15 hints of the benchmark.
-A map declares two things: its colours the direction of each pixel, its opacity where there is an object.
-Without opacity an object is where the vector is longer than 1/2, as for our methods.
+A submission is a folder of ``submission.json``, ``{"name": "…"}``, and normal maps: ``0/horse/3.png`` is the
+prediction for view 3 of the mesh horse without hints, ``15/horse/3.png`` with the benchmark's 15 hints. A map
+declares two things: its colours the direction of each pixel, its opacity where there is an object. Without
+opacity an object is where the vector is longer than 1/2, as for our methods.
 """
 
 import json
@@ -35,7 +35,7 @@ _THERE, _ABSENT = 1.0, 0.25
 
 @dataclass(frozen=True)
 class Submission:
-    """A folder with what another program predicted.
+    """A folder with another program's predictions.
 
     Args:
         folder: its folder.
@@ -93,7 +93,7 @@ def _refuse_flipped_green(folder: Path, maps: Tensor, batch: Batch) -> None:
     # A network that has learnt nothing stays within 0.05 of zero; one as wrong as a constant normal has 0.4.
     if x > 0.2 and y < -0.2:
         raise InputError(
-            f"the maps in {folder} look as if their green had the other direction: x agrees with the true "
+            f"the maps in {folder} look as if their green had the opposite direction: x agrees with the true "
             f"normals (correlation {x:.2f}) and y contradicts them ({y:.2f}); write green up, as in OpenGL."
         )
 
@@ -115,7 +115,7 @@ def read_submission(folder: Path) -> Submission:
 
 
 def write_inputs(folder: Path, batch: Batch, counts: Sequence[int], seed: int) -> None:
-    """Write what another program needs to predict a batch: sketches, and the hints as JSON.
+    """Write the inputs that another program needs to predict a batch: sketches, and the hints as JSON.
 
     ``sketches/horse/3.png`` has ink black on white. ``hints/horse/3.json`` has the points in order, each with
     ``x``, ``y`` (whole pixels from the left and the top) and ``normal``; of n hints these are the first n.

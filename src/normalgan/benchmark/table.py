@@ -68,7 +68,7 @@ def spread_of(values: Sequence[float], digits: int, unit: str = "") -> str:
 
 
 def large(value: float) -> str:
-    """Return a large number with three digits and what they count in.
+    """Return a large number with three digits and a unit prefix.
 
     >>> [large(v) for v in (0, 950, 54414979, 18.2e9, 2e12)]
     ['–', '950', '54.4 M', '18.2 G', '2.00 T']
@@ -91,7 +91,7 @@ def markdown(
         plan: in whose order the rows come.
         scale: at which they were trained.
         results: results of the rows; those missing are left out.
-        specification: what they are measured on, which is said if it is given.
+        specification: hashes of the test data, printed if given.
     """
     span = f"{scale.seconds:g} seconds a run" if scale.seconds else f"{plan.images} images a generator"
     lines = [f"# {plan.name}, scale {scale.name}", ""]
@@ -148,7 +148,7 @@ def markdown(
 
 
 def _hints(given: str) -> str:
-    """Return the words for what was given."""
+    """Return the hints in words."""
     return {"0": "no hints", OWN: "its own hints"}.get(given, f"{given} hints")
 
 
@@ -265,8 +265,8 @@ def interval_table(plan: Plan, results: Results) -> list[str]:
     If a row has two seeds or more, table 4 follows: the differences over the test meshes and the seeds.
 
     Args:
-        plan: which says the order of the rows.
-        results: results of the rows, with those of each mesh.
+        plan: plan with the order of the rows.
+        results: results of the rows, by mesh too.
     """
     reference = results.get(plan.reference or "", [])
     cells: dict[str, Cell] = {}

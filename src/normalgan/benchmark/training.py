@@ -37,7 +37,7 @@ def read_state(run: Run, evaluation: str) -> State:
 
     Args:
         run: which one.
-        evaluation: the hash of how it is to be measured; a result of another one does not count.
+        evaluation: the hash of how it is measured; a result of a different one does not count.
 
     Raises:
         InputError: if its folder holds a run with other settings.
@@ -57,7 +57,7 @@ def read_state(run: Run, evaluation: str) -> State:
 
 
 def read_result(run: Run, evaluation: str) -> Result | None:
-    """Return the result of a run as it is planned now; None if there is none."""
+    """Return the result of a run, if it matches the plan; None if there is none."""
     result = _read(run.folder / "result.json")
     return result if result and (result["hash"], result["evaluation"]) == (run.hash, evaluation) else None
 
@@ -77,7 +77,7 @@ def run_all(
         evaluation: the hash of how they are measured.
         train: trains or continues a run in its folder.
         evaluate: measures a trained run.
-        report: writes what there is so far; called after each run.
+        report: writes the report so far; called after each run.
         say: tells the user.
     """
     failures = []
@@ -111,7 +111,7 @@ def fit(run: Run) -> None:
     """Train a run by `normalgan fit` in its own process; an interrupted one is resumed.
 
     Raises:
-        RunError: if it fails; what it said is in ``train.log``.
+        RunError: if it fails; its output is in ``train.log``.
         KeyboardInterrupt: if it was stopped.
     """
     settings, log = run.folder / "settings.yaml", run.folder / "train.log"
@@ -133,7 +133,7 @@ def measured_checkpoint(run: Run, which: Literal["best", "last"]) -> Path:
     """Return the checkpoint that is measured.
 
     Raises:
-        RunError: if training has left none.
+        RunError: if training left no checkpoint.
         InputError: if it cannot be read, or the best one is missing.
     """
     last = run.folder / "checkpoints" / "last.ckpt"
@@ -143,7 +143,7 @@ def measured_checkpoint(run: Run, which: Literal["best", "last"]) -> Path:
 
 
 def write_json(path: Path, content: Any) -> None:
-    """Write a file whole or not at all; a list of numbers or names takes one line."""
+    """Write a JSON file atomically; a list of numbers or names takes one line."""
     write_bytes(path, (_dumped(content) + "\n").encode())
 
 

@@ -57,13 +57,13 @@ class LastCheckpoint(ModelCheckpoint):
             super().on_train_epoch_end(trainer, pl_module)
 
     def on_train_epoch_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        """Save, if all of the epoch was trained."""
+        """Save, if the whole epoch was trained."""
         if trainer.fit_loop.epoch_loop.batch_progress.is_last_batch:
             super().on_train_epoch_end(trainer, pl_module)
 
 
 class AtomicCheckpointIO(TorchCheckpointIO):
-    """Writes a checkpoint beside its target and renames it, so that a kill never leaves half of one.
+    """Writes a checkpoint beside its target and renames it, so that a killed run never leaves half a file.
 
     Lightning writes to the system's temporary folder. From another disk a file is copied, not renamed, over
     the last checkpoint.
@@ -142,7 +142,7 @@ def named_checkpoint(last: Path, name: str) -> Path:
         name: which one.
 
     Raises:
-        InputError: if none is the best.
+        InputError: if there is no best one.
     """
     if name == "last":
         return last

@@ -1,4 +1,4 @@
-"""What training shows on the terminal: the networks before it, and a progress bar."""
+"""Output of training on the terminal: the networks before it, and a progress bar."""
 
 import sys
 from typing import Any

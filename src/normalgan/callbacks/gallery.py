@@ -157,7 +157,7 @@ def draw_gallery(rows: Sequence[Row]) -> bytes:
     Maps of up to 300 pixels are enlarged by a whole number, so that every pixel is visible.
 
     Args:
-        rows: the samples, top to bottom, all of one size.
+        rows: the samples, top to bottom, all of the same size.
 
     Raises:
         InputError: if there are no rows.

@@ -66,6 +66,6 @@ class LearningCurve(Callback):
         return {"images": self.images, "records": self.records, "seconds": self._spent()}
 
     def load_state_dict(self, state_dict: dict[str, Any]) -> None:
-        """Go on where the checkpoint was saved."""
+        """Continue from where the checkpoint was saved."""
         self.images, self.records = state_dict["images"], state_dict["records"]
         self._seconds = state_dict["seconds"]

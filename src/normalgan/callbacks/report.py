@@ -143,7 +143,7 @@ class TestReport(Callback):
 
 
 def _folder(root: Path, measured: dict[str, Any]) -> Path:
-    """Return where to write: the folder of the checkpoint, another if that has the figures of another one."""
+    """Return the checkpoint's folder, or a new one if that holds another checkpoint's figures."""
     if measured["checkpoint"] is None:
         return root
     folder = root / Path(measured["checkpoint"]).stem

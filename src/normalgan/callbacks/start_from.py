@@ -26,8 +26,8 @@ class StartFrom(Callback):
     checkpoint determines them.
 
     Args:
-        weights: safetensors, an exported ONNX file, a checkpoint, or ``shipped`` for what comes with the
-            package; its generator is of the same class and settings as the run's.
+        weights: safetensors, an exported ONNX file, a checkpoint, or ``shipped`` for the package's own
+            weights; its generator is of the same class and settings as the run's.
         grow: whether the weights are of a smaller network, with half the resolution, fewer channels or fewer
             blocks; see `normalgan.models.growth`.
         discriminator: whether to take the discriminator's weights too, from a checkpoint.
@@ -56,7 +56,7 @@ class StartFrom(Callback):
         """Load the weights, if the run is new.
 
         Raises:
-            InputError: if the file cannot be used, or its generator is another one.
+            InputError: if the file cannot be used, or its generator differs.
         """
         if self._resumed:
             return

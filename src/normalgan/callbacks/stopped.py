@@ -18,10 +18,10 @@ __all__ = ["StoppedCheckpoint"]
 class StoppedCheckpoint(Callback):
     """Saves ``stopped.ckpt`` where a job is preempted (SIGTERM) or a loss is no longer finite.
 
-    ``last.ckpt`` stays that of the last whole epoch; a run resumed from it ends as if it had never stopped.
-    After SIGTERM a run can resume from ``stopped.ckpt`` too, and loses nothing, but may end in other weights.
-    After a loss that is not finite its weights are sound, but batch norm's running statistics have seen the
-    batch: use it to look for the cause.
+    ``last.ckpt`` stays the one of the last whole epoch; a run resumed from it ends as if it had never
+    stopped. After SIGTERM a run can also resume from ``stopped.ckpt``: it loses no training, but may end with
+    different weights. After a loss that is not finite its weights are sound, but batch norm's running
+    statistics have seen the batch: use it to look for the cause.
 
     With several processes, Lightning answers SIGTERM by a message to the others from within the handler. In
     the middle of another exchange this makes all processes wait for one another. Here the handler only sets a

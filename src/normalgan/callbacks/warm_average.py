@@ -22,8 +22,8 @@ class WarmAverage(WeightAveraging):
     the last ninth of the run until ``decay`` is reached (as TensorFlow's ``ExponentialMovingAverage`` does
     with ``num_updates``).
 
-    The average is on the device of the weights. Batch norm's running statistics are averaged too, and over
-    the processes before anything is measured or saved.
+    The average is on the device of the weights. Batch norm's running statistics are averaged too; before a
+    measurement or a checkpoint, also over the processes.
 
     Args:
         decay: final decay, in [0, 1).

@@ -1,3 +1,3 @@
-"""The command line: the commands, how their settings are parsed, and what is said of mistakes in them."""
+"""The command line: the commands, the parsing of their settings, and the error messages."""
 
 __all__ = []

@@ -12,12 +12,12 @@ __all__ = ["OwnDefaultsParser"]
 
 
 class OwnDefaultsParser(ArgumentParser):
-    """Keeps the settings of one class from becoming those of another that is named in its place.
+    """Stops the settings of one class from passing to another class that replaces it.
 
     When another class is named, jsonargparse keeps every setting that both classes have, even one that was
     only the first class's default (https://github.com/mauvilsa/jsonargparse/issues/460). A brush, for
-    example, got the default line width of another style. A setting that an option gave is still kept when
-    another option names the new class.
+    example, got the default line width of another style. A setting from an option is still kept when another
+    option names the new class.
     """
 
     def add_argument(self, *names: Any, **how: Any) -> Any:
@@ -42,7 +42,7 @@ class OwnDefaultsParser(ArgumentParser):
 
 
 class _Overlay(ActionConfigFile):
-    """Drops the settings of each class in whose place a file names another, and reads the file."""
+    """Drops the settings of each class that a file replaces, and reads the file."""
 
     def __call__(self, parser: Any, settings: Any, file: Any, option: Any = None) -> None:
         if Path(file).is_file():
@@ -51,7 +51,7 @@ class _Overlay(ActionConfigFile):
 
 
 def _drop_replaced(settings: Any, named: object) -> None:
-    """Drop the settings of the classes in whose place others are named, at any depth."""
+    """Drop the settings of replaced classes, at any depth."""
     if not (isinstance(settings, Namespace) and isinstance(named, Mapping)):
         return
     another = "class_path" in named and _class_name(named) != _class_name(settings)

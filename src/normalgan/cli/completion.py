@@ -40,11 +40,11 @@ def build_parser() -> LightParser:
 
 
 def completion_script(shell: str, training: Sequence[str] = tuple(COMMANDS)) -> str:
-    """Return the script for a shell; making it takes seconds, to complete by it none.
+    """Return the script for a shell; making it takes seconds, completing with it none.
 
     Args:
         shell: one of `SHELLS`.
-        training: the training commands that are completed, beside all others.
+        training: the training commands to complete, besides all others.
 
     Raises:
         InputError: if shtab is not installed.

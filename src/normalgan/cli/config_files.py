@@ -25,7 +25,8 @@ def check_config(path: str | Path, sections: Collection[str] = ()) -> None:
         sections: the keys that group settings.
 
     Raises:
-        InputError: if it is missing, cannot be read, is not YAML, holds no settings, or wants too much.
+        InputError: if it is missing, cannot be read, is not YAML, holds no settings, or is too large or too
+            deep.
     """
     content = _read(Path(path))
     if not isinstance(content, dict):
@@ -49,7 +50,7 @@ def load_bounded(text: str, load: Callable[[str], Any], safe: bool = False) -> A
         safe: whether it may not read the environment, which may hold secrets.
 
     Raises:
-        InputError: if it stands for too much, or names a variable that cannot be read.
+        InputError: if it is too large when expanded, or names a variable that cannot be read.
     """
     # Most are a word or a number; less than a line without an anchor cannot stand for much.
     if "&" in text or len(text) > 100:
@@ -67,11 +68,11 @@ def with_environment(value: Any, safe: bool = False) -> Any:
     ``${oc.env:NAME}`` and ``${oc.env:NAME,default}``, as OmegaConf writes them, mean the same.
 
     Args:
-        value: settings, with lists and mappings in one another.
+        value: settings: nested lists and mappings.
         safe: whether to refuse to read the environment.
 
     Raises:
-        InputError: if a variable is not set, or something else stands in the braces.
+        InputError: if a variable is not set, or the braces hold something else.
     """
     if isinstance(value, dict):
         return {key: with_environment(item, safe) for key, item in value.items()}

@@ -1,4 +1,4 @@
-"""normalgan convert: a normal or height map of any program to another format, direction or kind."""
+"""normalgan convert: converts a normal or height map of any program to another format, direction or kind."""
 
 from pathlib import Path
 from typing import Literal
@@ -22,7 +22,7 @@ def run(arguments: list[str]) -> int:
     """Convert what the arguments name and return the exit code.
 
     Raises:
-        InputError: if something that was given cannot be used.
+        InputError: if an argument cannot be used.
     """
     return convert(build_parser().parse_args(arguments))
 
@@ -37,7 +37,7 @@ def build_parser() -> LightParser:
     parser.add_argument("map", help="a normal map (PNG, TIFF, EXR), or a grey height map")
     parser.add_argument("-o", "--output", required=True, help="where it goes: .png, .tiff or .exr")
     parser.add_argument(
-        "--from", dest="source", type=_Kind, default="normal", help="what the map holds (default %(default)s)"
+        "--from", type=_Kind, default="normal", help="what the map holds (default %(default)s)"
     )
     parser.add_argument("--to", type=_Kind, default="normal", help="what to write (default %(default)s)")
     parser.add_argument(
@@ -85,11 +85,11 @@ def convert(settings: Namespace) -> int:
         InputError: if it cannot be read or written, or the settings do not go together.
     """
     output = Path(settings.output)
-    if settings.source == "height" and settings.scale is None:
+    if settings["from"] == "height" and settings.scale is None:
         raise InputError("a height map needs --scale: the pixels from black to white.")
     if output.resolve() == Path(settings.map).resolve():
-        raise InputError(f"{output} is read and would be overwritten; give another output (-o).")
-    if settings.source == "height":
+        raise InputError(f"{output} is an input and would be overwritten; give another output (-o).")
+    if settings["from"] == "height":
         found = map_of_heights(settings.map, settings.scale)
     else:
         found = read_map(settings.map, settings.from_y)
@@ -100,7 +100,7 @@ def convert(settings: Namespace) -> int:
         if settings.to == "height":
             form: Literal["png", "tiff"] = "png" if output.suffix.lower() == ".png" else "tiff"
             if output.suffix.lower() not in {".png", ".tif", ".tiff"}:
-                raise InputError(f"the height map {output} is to end in .png, .tif or .tiff.")
+                raise InputError(f"the height map {output} must end in .png, .tif or .tiff.")
             height = Height(form, settings.scale if form == "png" else None)
             write_bytes(output, height.encode(found)[height.endings[0]])
         else:

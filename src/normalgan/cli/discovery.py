@@ -1,4 +1,4 @@
-"""Plug-ins: the classes that a setting can name, ours and those of the libraries under us."""
+"""Plug-ins: the classes that a setting can name, from this package, its plug-ins and its libraries."""
 
 import contextlib
 import inspect
@@ -149,7 +149,7 @@ def described(section: str = "") -> str:
     """Return every plug-in with its summary, by setting, as the end of a command's help.
 
     Args:
-        section: ``model`` or ``data`` gives those of its settings alone; empty if there are none.
+        section: ``model`` or ``data`` gives only those of its settings; empty if there are none.
     """
     parts = []
     for kind, setting in SETTINGS.items():

@@ -45,10 +45,10 @@ POLL_SECONDS = 0.5
 
 
 def run(arguments: list[str]) -> int:
-    """Predict what the arguments ask for and return the exit code.
+    """Predict the named drawings and return the exit code.
 
     Raises:
-        InputError: if something that was given cannot be used.
+        InputError: if an argument cannot be used.
     """
     parser = build_parser(engine_of(arguments))
     options = [option for action in parser._actions for option in action.option_strings]
@@ -150,7 +150,7 @@ def _points(given: Sequence[str]) -> list[tuple[float, float]]:
 
 
 def _check_explained(settings: Namespace, packing: Packing) -> None:
-    """Raise `InputError` if options on the mask of a drawing do not go with the others."""
+    """Raise `InputError` if options of the mask contradict other options."""
     given = [
         option
         for option, value in (
@@ -217,7 +217,7 @@ class _Batch:
         return left
 
     def list_jobs(self, jobs: Sequence[Job]) -> int:
-        """Say what would be read and written, and return the exit code."""
+        """Print what would be read and written, and return the exit code."""
         for job in jobs:
             extras = [f" with {each}" for each in job.files.beside]
             try:
@@ -319,7 +319,7 @@ class _Batch:
                     print(f"normalgan: {one_line(str(error))}", file=sys.stderr, flush=True)
 
     def read(self, jobs: Iterable[Job]) -> dict[Path, list[Path]]:
-        """Return the drawings, each with the other files read for it."""
+        """Return the drawings, each with its hints, mask and other files."""
         files = [job.files for job in jobs]
         return {
             each.drawing: [*each.beside, *self._packing.beside(each.drawing, each.below)] for each in files
@@ -355,7 +355,7 @@ class _Found:
 
     Args:
         jobs: the drawings to predict.
-        missing: an error for each argument that names nothing.
+        missing: an error for each argument without a drawing.
         clashing: drawings that would be written to one file.
         left_out: warnings about layered files and their exports.
     """
@@ -399,7 +399,7 @@ def _find(settings: Namespace, outputs: Outputs, packing: Packing, content: byte
 
 
 class _Piped:
-    """Standard output as the place where the one map goes, once it is known to be one."""
+    """Standard output as the sink of a single map, checked to be the only one."""
 
     def __init__(self) -> None:
         self._files: list[bytes] = []

@@ -18,7 +18,7 @@ __all__ = ["as_shell_means", "build_parser", "engine_of"]
 
 
 def engine_of(arguments: Sequence[str]) -> Engine | None:
-    """Return the engine that a command line names; None if it names none that is known.
+    """Return the engine that a command line names; None if it names no known one.
 
     >>> engine_of(["fox.png", "--engine", "unreal"])
     'unreal'
@@ -177,7 +177,7 @@ def _add_sheets(parser: LightParser) -> None:
 def as_shell_means(arguments: Sequence[str], options: Sequence[str]) -> list[str]:
     """Return arguments in which a file whose name begins with a dash is not taken for an option.
 
-    After ``--`` nothing is an option. Before, what is called as a file that is there, and as no option, is
+    After ``--`` nothing is an option. Before it, an argument that names an existing file and no option is
     that file.
 
     Args:

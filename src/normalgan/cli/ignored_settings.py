@@ -1,4 +1,4 @@
-"""Settings that are overruled: given for a model, while those that it was trained with stay."""
+"""Settings that are overruled: given for a model that keeps the settings of its training."""
 
 import importlib
 import inspect
@@ -13,7 +13,7 @@ __all__ = ["given_names", "ignored_settings"]
 
 
 def given_names(arguments: Sequence[str], configs: Sequence[str], section: str) -> set[str]:
-    """Return the settings of a section that somebody gave, be they the defaults or not, in dots.
+    """Return the settings of a section that were given, even if they equal the defaults, in dots.
 
     Args:
         arguments: a command's arguments.
@@ -46,13 +46,13 @@ def ignored_settings(
     given: Collection[str] = (),
     prefix: str = "",
 ) -> list[str]:
-    """Return the settings that were set to something else than a model was trained with.
+    """Return the settings that differ from those of a model's training.
 
     Args:
         settings: settings of the model as parsed, nested.
         defaults: its settings if none are given; those of classes are looked up in their signatures.
         saved: those that it was trained with.
-        given: names in dots of those that somebody gave, which count though they are the defaults.
+        given: names in dots of the given settings, which count even if they equal the defaults.
         prefix: prefix of the names in ``given``.
 
     >>> ignored_settings({"n_critic": 3, "seed": 0}, {"n_critic": 5, "seed": 0}, {"n_critic": 5, "seed": 1})

@@ -13,8 +13,8 @@ __all__ = ["gc_paused"]
 def gc_paused() -> Iterator[None]:
     """Switch the garbage collector off during imports, and exclude their objects from later runs.
 
-    Modules make a million objects that stay. To look through them for some that do not takes a fifth of the
-    time in which Lightning is imported and a command is parsed.
+    Modules make a million objects that stay. Searching them for garbage takes a fifth of the time to import
+    Lightning and parse a command.
 
     >>> with gc_paused():
     ...     gc.isenabled()

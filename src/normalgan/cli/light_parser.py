@@ -24,7 +24,7 @@ class LightParser(OwnDefaultsParser):
         super().__init__(*args, formatter_class=argparse.HelpFormatter, **settings)
 
     def error(self, message: str, ex: Exception | None = None) -> NoReturn:
-        """Raise `InputError` in place of a usage page."""
+        """Raise `InputError` instead of printing a usage page."""
         if self.exit_on_error:
             raise InputError(
                 explain(message, self.plugins, [action.dest for action in self._actions])
@@ -33,7 +33,7 @@ class LightParser(OwnDefaultsParser):
 
 
 def choices(kind: Any) -> str | None:
-    """Return how ``--help`` shows an option's value: its choices; None if there are others than words.
+    """Return how ``--help`` shows an option's value: its choices; None if it also takes other values.
 
     >>> choices(Literal["png", "exr"] | None), choices(Literal["batch"] | float)
     ('{png,exr}', None)

@@ -104,7 +104,7 @@ class Tools:
             output: the file to write: .png, .exr or .tiff.
             hints: known normals: [{"x": 10, "y": 20, "normal": [0, 0.6, 0.8]}], in pixels from the top left.
             mask: a picture that is white on the object, or "outline", "model" or "reader".
-            size: longer side of the map in pixels; default that of the drawing.
+            size: longer side of the map in pixels; default: the drawing's.
             green: "up" for OpenGL, Godot, Unity and Blender; "down" for DirectX and Unreal.
             bits: bits of each channel of a PNG.
             alpha: whether the object's mask becomes the alpha channel.
@@ -183,8 +183,8 @@ class Tools:
     def explain(self, drawing: str, output: str, mask: str | None = None) -> dict[str, Any]:
         """Show how the mask of a drawing is found: write a picture of each stage to a folder.
 
-        The stages are input, ink, outline, regions with the reader's votes, presence and mask. A mask that is
-        given, or is the drawing's opacity, has no outline, regions or presence.
+        The stages are input, ink, outline, regions with the reader's votes, presence and mask. If the mask
+        was given or is the drawing's opacity, there is no outline, region or presence.
 
         Args:
             drawing: the picture.

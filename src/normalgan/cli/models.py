@@ -59,7 +59,7 @@ def _model(name: str, path: Path) -> dict[str, object]:
 
 
 def _notes(path: Path) -> Mapping[str, str]:
-    """Return the metadata of an ONNX file; none for other files, which need torch."""
+    """Return the metadata of an ONNX file; empty for other files, which need torch."""
     from normalgan.errors import InputError
     from normalgan.inference.network.onnx_backend import OnnxBackend
 

@@ -29,8 +29,8 @@ class NormalMapWriter(BasePredictionWriter):
 
     Args:
         folder: where the maps go.
-        outputs: what is written; None is the map as PNG.
-        strength: what the slopes of the map are multiplied by.
+        outputs: what is written; None writes the map as PNG.
+        strength: factor of the map's slopes.
     """
 
     def __init__(
@@ -87,7 +87,7 @@ class NormalMapWriter(BasePredictionWriter):
         batch_idx: int,
         dataloader_idx: int,
     ) -> None:
-        """Write what belongs to the drawings of one batch, each file whole or not at all.
+        """Write the files of one batch's drawings, each atomically.
 
         Raises:
             InputError: if the only drawing cannot be used; one of several is named, and the rest are

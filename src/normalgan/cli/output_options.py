@@ -1,4 +1,4 @@
-"""Output options: those of the commands that write normal maps, from the registry of outputs."""
+"""Output options: options of the commands that write normal maps, from the registry of outputs."""
 
 import argparse
 from collections.abc import Iterator
@@ -32,9 +32,9 @@ def add_output_options(
 
     Args:
         parser: parser of the command.
-        group: group of the help in which the options stand.
-        section: what their names begin with, such as ``output.``; empty spells them for a shell.
-        form: default format of the map; None leaves it to the name of the file that is written.
+        group: group of the options in the help.
+        section: prefix of their names, such as ``output.``; empty spells them for a shell.
+        form: default format of the map; None takes it from the name of the output file.
 
     Raises:
         InputError: if a plug-in's option is taken.

@@ -22,7 +22,7 @@ _section: ContextVar[str | None] = ContextVar("_section", default=None)
 
 @contextmanager
 def help_of(section: str | None) -> Iterator[None]:
-    """Let ``--help`` list the settings of one section alone; None lets it list all."""
+    """Let ``--help`` list only the settings of one section; None lists all."""
     token = _section.set(section)
     try:
         yield
@@ -38,7 +38,7 @@ class Parser(OwnDefaultsParser, LightningArgumentParser):
     """Reports mistakes in one sentence, with a suggestion for typos."""
 
     def error(self, message: str, ex: Exception | None = None) -> NoReturn:
-        """Raise `InputError` in place of a usage page."""
+        """Raise `InputError` instead of printing a usage page."""
         if self.exit_on_error:
             raise InputError(explain(message, namable(), self._settings())) from ex
         # The parser of a class that a setting names; what it says comes back as part of a longer message.
@@ -53,7 +53,7 @@ class Parser(OwnDefaultsParser, LightningArgumentParser):
         return text
 
     def format_help(self, formatter: HelpFormatter | None = None) -> str:
-        """Return the help, with a usage line in which the command follows the program at once.
+        """Return the help, with the command directly after the program in the usage line.
 
         The help of a command ends with the plug-ins that its settings can name. Within `help_of` only one
         section is shown.

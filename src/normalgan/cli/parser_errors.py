@@ -136,4 +136,7 @@ def _wanted(message: str) -> Iterable[str]:
 
 
 def _given(message: str) -> str:
-    return str(re.findall(r"G(?:ot|iven) value: (.*)", message)[-1])
+    given = str(re.findall(r"G(?:ot|iven) value: (.*)", message)[-1])
+    # How jsonargparse shows the value of an option in dots.
+    nested = re.fullmatch(r"NestedArg\(key='.*', val='(.*)'\)", given)
+    return nested[1] if nested else given

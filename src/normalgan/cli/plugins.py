@@ -1,4 +1,4 @@
-"""normalgan plugins: which classes settings can name, from which packages, and what was left out."""
+"""normalgan plugins: lists the classes that settings can name, and the plug-ins that failed to load."""
 
 import json
 from collections.abc import Mapping

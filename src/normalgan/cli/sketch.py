@@ -39,10 +39,10 @@ PLUGINS: dict[str, Registry[Any]] = {"renderer": RENDERERS, "lines": LINE_DRAWIN
 
 
 def run(arguments: list[str]) -> int:
-    """Draw what the arguments ask for and return the exit code.
+    """Draw the mesh of the arguments and return the exit code.
 
     Raises:
-        InputError: if something that was given cannot be used.
+        InputError: if an argument cannot be used.
     """
     for registry in (RENDERERS, LINE_DRAWINGS):
         registry.load_entry_points()
@@ -140,10 +140,10 @@ def draw(settings: Namespace) -> None:
     """Draw and write the files.
 
     Args:
-        settings: as `build_parser` gives them, with the classes built.
+        settings: the arguments of `build_parser`, with the classes built.
 
     Raises:
-        InputError: if they cannot be used or the files not be written.
+        InputError: if they cannot be used, or the files cannot be written.
     """
     kind = _check(settings)
     mesh, seen = _load(settings)
@@ -175,11 +175,11 @@ def draw(settings: Namespace) -> None:
 
 
 def _load(settings: Namespace) -> tuple[Mesh, NDArray[np.floating]]:
-    """Return the mesh and the vertices (V, 3) that the view holds: of a clip those of all its moments."""
+    """Return the mesh, and the vertices (V, 3) that set the frame: of a clip, at all its times."""
     source = find_source(settings.mesh, settings.orientation, settings.crease_angle)
     if settings.clip is None:
         if settings.time is not None:
-            raise InputError("a time is one of a clip; name it with --clip.")
+            raise InputError("a time needs a clip; name one with --clip.")
         mesh = source.load()
         return mesh, mesh.vertices
     if not isinstance(source, MeshFile):
@@ -221,7 +221,7 @@ def _check(settings: Namespace) -> str:
     read = [Path(each).resolve() for each in (settings.mesh, settings.orientation) if each]
     for path in filter(None, (settings.output, settings.normal)):
         if Path(path).resolve() in read:
-            raise InputError(f"{path} is read and would be written over; give another name.")
+            raise InputError(f"{path} is an input and would be overwritten; give another name.")
         read.append(Path(path).resolve())  # nor are both written to one file
     if kind == ".svg" and settings.medium is not None:
         raise InputError(

@@ -1,4 +1,4 @@
-"""The trainer of the training commands: Lightning's, with `render`, and without settings that do nothing."""
+"""The trainer of the training commands: Lightning's with `render`, without settings that have no effect."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -49,7 +49,7 @@ class RenderingTrainer(Trainer):
 
 
 class SaveConfig(SaveConfigCallback):
-    """Saves the settings of training beside the run; a later test does not overwrite them."""
+    """Saves the settings of training in the run's folder; a later test does not overwrite them."""
 
     def setup(self, trainer: Trainer, pl_module: LightningModule, stage: str) -> None:
         """Write them when training starts."""

@@ -87,8 +87,8 @@ class NormalGANCLI(LightningCLI):
 
     The file that ``ckpt_path`` names decides on the model: a checkpoint, safetensors or ONNX. ``last`` and
     ``best`` name checkpoints in the run's folder, ``shipped`` the weights that come with the package; predict
-    uses these if nothing is named. The path is taken out of the settings before Lightning sees it, as that
-    would build whatever class a checkpoint names. Only fit gets it back, once the checkpoint was looked at.
+    uses these if none are named. The path is taken out of the settings before Lightning sees it, as that
+    would build whatever class a checkpoint names. Only fit gets it back, after the checkpoint was checked.
 
     There is one parser for the command instead of Lightning's parser of subcommands, which checks each
     setting twice and so doubles the time of parsing.
@@ -96,7 +96,7 @@ class NormalGANCLI(LightningCLI):
     Args:
         command: the Trainer's method that is run.
         arguments: its options.
-        held: what is released when the command ends, such as the lock of the run's folder.
+        held: resources to release when the command ends, such as the lock of the run's folder.
         safe: whether configurations may not say where the run writes.
     """
 
@@ -130,7 +130,7 @@ class NormalGANCLI(LightningCLI):
         )
 
     def run_command(self) -> None:
-        """Do what the command is for."""
+        """Run the command."""
         options = {name: self.config_init[name] for name in self._options}
         getattr(self.trainer, self.command)(model=self.model, datamodule=self.datamodule, **options)
         if self.command == "fit" and self.trainer.is_global_zero:
@@ -228,7 +228,7 @@ class NormalGANCLI(LightningCLI):
             self._use_checkpoint(path, command)
 
     def before_instantiate_classes(self) -> None:
-        """Refuse to train over a finished run, or where nothing can be written."""
+        """Refuse to train over a finished run, or in a folder that is not writable."""
         if self.resumed is not None:
             # Tell Lightning the checkpoint that fit goes on from.
             self.config["ckpt_path"] = str(self.resumed)
@@ -249,7 +249,7 @@ class NormalGANCLI(LightningCLI):
             self.held.enter_context(one_run_in(last.parent.parent))
 
     def instantiate_classes(self) -> None:
-        """Build model, data and trainer, and report what they refuse as a bad setting."""
+        """Build model, data and trainer, and report their errors as bad settings."""
         try:
             super().instantiate_classes()
         except InputError:
@@ -305,7 +305,7 @@ class NormalGANCLI(LightningCLI):
     def _use_weights(self, path: Path, command: str) -> None:
         """Take the model's settings, and the size of its pictures, from a file of weights."""
         if command == "fit":
-            raise InputError(f"fit cannot go on from {path}, which has weights alone; give a checkpoint.")
+            raise InputError(f"fit cannot resume from {path}, which holds only weights; give a checkpoint.")
         weights = read_weights(path)
         notes, size = weights.notes, self.config["data"]["size"]
         if size != self.parser.get_default("data.size"):
@@ -328,26 +328,26 @@ class NormalGANCLI(LightningCLI):
         self.weights, self.measured = weights, path
 
     def _set(self, path: Path, changes: dict[str, Any]) -> None:
-        """Change settings to those in a file, whose classes may be others here than where it was written."""
+        """Replace settings by those in a file, whose classes may differ from the ones here."""
         try:
             self.config = self.parser.parse_object(changes, self.config)
         except InputError as error:
             raise InputError(f"the model in {path} cannot be built here: {error}") from error
 
     def _warn_of_overruled(self, path: Path, command: str, saved: dict[str, Any]) -> None:
-        """Warn of settings of the model that were given, while those in the file are used."""
+        """Warn of model settings that were given but are ignored, because the file's are used."""
         defaults = self.parser.get_defaults()["model"].as_dict()
         settings = {k: v for k, v in self.config["model"].as_dict().items() if k in saved}
         if lost := ignored_settings(settings, defaults, saved, self.given):
             names = ", ".join(f"model.{name}" for name in lost)
-            warnings.warn(f"{path} was trained with other settings, and they stay: {names}.", stacklevel=2)
+            warnings.warn(f"{path} was trained with other settings, which are kept: {names}.", stacklevel=2)
 
 
 def run(arguments: list[str]) -> int:
     """Run one of the training commands.
 
     Raises:
-        InputError: if something that was given cannot be used.
+        InputError: if an argument cannot be used.
         KeyboardInterrupt: if it was stopped.
     """
     arguments, section = asked_for(arguments)
@@ -391,11 +391,11 @@ def resolved_settings(arguments: list[str]) -> dict[str, Any]:
 
 @contextmanager
 def _reading_settings(safe: bool = False) -> Iterator[ExitStack]:
-    """Load plug-ins, and bound what YAML may ask for, as long as settings are read and used.
+    """Inside this context plug-ins are loaded, and YAML is limited in size and depth.
 
     Args:
-        safe: whether to import and build registered classes alone. jsonargparse decides on each class or
-            function that any setting names, and cannot be told to allow more again in this process.
+        safe: whether to import and build only registered classes. jsonargparse checks each class or function
+            that a setting names; within a process this cannot be relaxed again.
     """
     with warnings.catch_warnings(), ExitStack() as held:
         filter_warnings()
@@ -433,7 +433,7 @@ def _set_here(arguments: list[str]) -> list[str]:
 
 
 def _check_groups(parser: LightningArgumentParser, config: Namespace) -> None:
-    """Refuse a single value in place of a group of settings, which jsonargparse lets a file give."""
+    """Refuse a single value where a group of settings belongs, which jsonargparse accepts from a file."""
     names = [action.dest for action in parser._actions]
     for group in (a.dest for a in parser._actions if a.help == "Path to a configuration file."):
         if isinstance(value := config.get(group), str | int | float | list):
@@ -452,7 +452,7 @@ def _names_file(value: object) -> bool:
 
 
 class _ParserBuiltError(Exception):
-    """Ends the building of a command line of which the parser alone is wanted."""
+    """Stops building a command line once its parser is there."""
 
 
 class _ParserAlone(NormalGANCLI):
@@ -464,7 +464,7 @@ class _ParserAlone(NormalGANCLI):
 
 
 def training_parser(command: str) -> Parser:
-    """Return the parser of a training command, for what lists its settings: the site, shell completion."""
+    """Return the parser of a training command, to list its settings: the site, shell completion."""
     try:
         _ParserAlone(command, [], ExitStack())
     except _ParserBuiltError as built:

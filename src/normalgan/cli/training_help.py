@@ -1,4 +1,4 @@
-"""Help of the training commands: a page that needs no imports, and which part of the rest is asked for."""
+"""Help of the training commands: a page that needs no imports, and the choice of a section."""
 
 import re
 from collections.abc import Sequence

@@ -80,7 +80,7 @@ def augmented(augmentation: BatchAugmentation, batch: Batch, seed: int) -> Batch
 
     Raises:
         InputError: if it did not return a batch with the same parts of the same sizes. Lightning would skip
-            None and train on nothing.
+            None and not train at all.
     """
     given: object = augmentation(batch, seed)
     asked = "an augmentation gives a batch with all that it was given"
@@ -155,7 +155,7 @@ def smooth_noise(values: Tensor, side: int, mode: str) -> Tensor:
     On a CPU two small matrix products are faster than `torch.nn.functional.interpolate`.
 
     Args:
-        values: (N, C, P, P), of which the outermost lie on the rim.
+        values: (N, C, P, P), the outermost points on the rim.
         side: H and W.
         mode: "bilinear" or "bicubic", as of ``interpolate``.
     """

@@ -50,28 +50,29 @@ _PAIRS_PER_SHARD = 8
 class MeshDataModule(LightningDataModule):
     """Makes or reads sketches, normal maps and masks, and serves them and drawings to predict in batches.
 
-    Settings that researchers change from run to run are parameters of their own, as in other data modules;
-    the rest is grouped.
+    Settings that researchers change from run to run are separate parameters, as in other data modules; the
+    rest is grouped.
 
     Args:
-        meshes: a folder, a glob or a list of mesh files (.off .obj .ply .stl .glb .gltf); None takes the
+        meshes: a folder, a glob or a list of mesh files (.off .obj .ply .stl .glb .gltf); None uses the
             embedded procedural animals, or the source.
         groups: groups of meshes with their own reading, poses and split, besides ``meshes`` or instead.
-        source: where samples come from, such as `Pairs` on disk, in place of meshes and animals.
+        source: where samples come from, such as `Pairs` on disk, instead of meshes and animals.
         reading: how ``meshes`` are read, and how many variants are made of each.
-        animals: embedded animals, in place of meshes or beside them.
+        animals: embedded animals, instead of meshes or in addition to them.
         split: which meshes are for training, validation and testing.
         views: where the objects are looked at from.
-        renderer: what turns a mesh and a camera into maps.
+        renderer: renders a mesh to maps.
         lines: the style of the sketches.
         hand: how a person would draw these lines; None draws the exact ones.
-        medium: pen, paper and scanner; None is clean ink on white paper.
+        medium: pen, paper and scanner; None draws clean ink on white paper.
         size: side of the pictures in pixels.
         train_views: views of each training mesh; on the fly, of each epoch.
         val_views: views of each validation mesh.
         test_views: views of each test mesh.
-        on_the_fly: render training samples while training, in ``workers``, other views every epoch, and
-            keep none; if not, they are rendered once and kept, as those to validate and test always are.
+        on_the_fly: render training samples in ``workers`` during training, with new views every epoch, and
+            store none; otherwise they are rendered once and stored, as validation and test samples always
+            are.
         cache: folder or URL where rendered samples are kept.
         storage: memory, disk and processes that this machine spends on samples.
         batch_size: samples in a batch.
@@ -163,7 +164,7 @@ class MeshDataModule(LightningDataModule):
 
     @property
     def of_pairs(self) -> bool:
-        """Whether the samples are pairs on disk: each is called as its files are, and has no other view."""
+        """Whether the samples are pairs on disk: each is named after its files and has one view."""
         return isinstance(self.source, PairSource)
 
     @cached_property
@@ -227,7 +228,7 @@ class MeshDataModule(LightningDataModule):
 
         Args:
             cluster: a Dask cluster to render on instead of this machine.
-            thorough: whether to check every byte in a distant store too, and to retry failed meshes.
+            thorough: whether to also check every byte in a remote store, and to retry failed meshes.
         """
         views_by_split(self.views_per_mesh, self.sources)  # refuses now what training would stumble over
         if any(self.kept.values()):
@@ -247,7 +248,7 @@ class MeshDataModule(LightningDataModule):
     def _later(self) -> list[str]:
         """Return the splits whose samples are made when they are first read.
 
-        In training, samples of pairs are, so that it begins at once. A split that is measured is made first.
+        In training this applies to pairs, so that it begins at once. A split that is measured is made first.
         """
         stage = self.trainer.state.fn if self.trainer is not None else None
         measured = {TrainerFn.FITTING: "", TrainerFn.VALIDATING: "val", TrainerFn.TESTING: "test"}
@@ -256,7 +257,7 @@ class MeshDataModule(LightningDataModule):
         return [split for split in SPLITS if split != measured[stage]]
 
     def setup(self, stage: str) -> None:
-        """Read the drawings, or note what is trained on: splits are opened when first asked for.
+        """Read the drawings, or record the training data; splits are opened on first use.
 
         Raises:
             InputError: if there are no drawings to predict, or one cannot be used.
@@ -293,7 +294,7 @@ class MeshDataModule(LightningDataModule):
         return {"training_data": self._training_data} if self._training_data else {}
 
     def load_state_dict(self, state_dict: dict[str, Any]) -> None:
-        """Warn if a run that is resumed was trained with other samples, or in another order."""
+        """Warn if a resumed run was trained with different samples or in a different order."""
         before = state_dict.get("training_data")
         if self._training_data and before and (changed := changes(before, self._training_data)):
             warnings.warn(
@@ -303,7 +304,7 @@ class MeshDataModule(LightningDataModule):
 
     @cached_property
     def train_dataset(self) -> SampleDataset | StreamDataset:
-        """Samples of the training meshes; on the fly, those of the first epoch have a number."""
+        """Samples of the training meshes; on the fly, indices are those of the first epoch."""
         if not self.on_the_fly:
             return self._open("train")
         sources = self.sources["train"]
@@ -324,7 +325,7 @@ class MeshDataModule(LightningDataModule):
     def _open(self, split: str) -> SampleDataset:
         if not self.kept[split]:
             raise InputError(
-                f"there is nothing in the split {split}, which is asked for; give it a share in "
+                f"the split {split} is empty, but it is needed; give it a share in "
                 "data.split.fractions, or names in data.split.file."
             )
         # A training pair that cannot be used keeps its place, whenever that is found: a resumed run, which
@@ -337,7 +338,7 @@ class MeshDataModule(LightningDataModule):
     # --- from samples to batches ----------------------------------------------------------------------
 
     def train_dataloader(self) -> DataLoader[Item]:
-        """Return shuffled batches; the order depends on the seed and the epoch alone."""
+        """Return shuffled batches; the order depends only on the seed and the epoch."""
         return self._loaders().shuffled(self.train_dataset, self.seed)
 
     def val_dataloader(self) -> DataLoader[Item]:

@@ -1,4 +1,4 @@
-"""SampleDataset: the samples of one split as tensors, uint8, float16 and bool as they are stored."""
+"""SampleDataset: the samples of one split as tensors, of the stored types uint8, float16 and bool."""
 
 from typing import Any
 
@@ -25,13 +25,13 @@ class SampleDataset(Dataset[Item]):
     Args:
         store: where they lie.
         memory: bytes that may be used to hold the split; a sample of 256 pixels a side takes 0.5 MB.
-        processes: that read an unfinished split side by side, and share the memory.
-        substitute: whether the next sample takes the place of one that could not be made. Such a sample
+        processes: number of processes that read an unfinished split in parallel and share the memory.
+        substitute: whether the next sample replaces one that could not be made. Such a sample
             otherwise has an empty mask, which changes no metric.
 
     Raises:
-        InputError: if it is held in memory and a shard is damaged or, of a store that makes none, not
-            finished. If not, reading raises it.
+        InputError: if it is held in memory and a shard is damaged, or is unfinished in a store that makes
+            none. Otherwise reading raises it.
     """
 
     def __init__(
@@ -57,7 +57,7 @@ class SampleDataset(Dataset[Item]):
 
     @property
     def distant(self) -> bool:
-        """Whether a sample that is asked for has to come from another machine."""
+        """Whether samples come from another machine."""
         return self._held is None and not self.store.local
 
     def __len__(self) -> int:

@@ -1,4 +1,4 @@
-"""The two interfaces of a data set: things that can be loaded, and a recipe that makes samples of them."""
+"""The two interfaces of a data set: sources that can be loaded, and a recipe that makes samples of them."""
 
 from typing import Any, Protocol
 
@@ -19,7 +19,7 @@ class Loadable(Protocol):
         """Return a hash of everything that `load` depends on: bytes of files, settings, a version.
 
         Raises:
-            InputError: if that cannot be told.
+            InputError: if it cannot be computed.
         """
 
     def load(self) -> Any:
@@ -35,7 +35,7 @@ class SampleRecipe(Protocol):
 
     @property
     def noun(self) -> str:
-        """The word for a loaded thing in messages: ``mesh`` or ``pair``."""
+        """The word for a source in messages: ``mesh`` or ``pair``."""
 
     @property
     def size(self) -> int:
@@ -52,7 +52,7 @@ class SampleRecipe(Protocol):
         """Return sample number ``index`` of a mesh or pair; it does not depend on the other samples.
 
         Raises:
-            InputError: if none can be made.
+            InputError: if it cannot be made.
         """
 
     def describe(self) -> dict[str, Any]:
@@ -63,7 +63,7 @@ class SampleRecipe(Protocol):
 
 
 def fingerprint(source: Loadable) -> str:
-    """Return the identity of a mesh; `look_at` refuses one that cannot be read."""
+    """Return the fingerprint of a source; an unreadable one has one too, and fails on loading."""
     try:
         return source.fingerprint()
     except InputError as error:

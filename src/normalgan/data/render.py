@@ -62,15 +62,15 @@ def render_samples(
     out with a warning that says why. A damaged shard is named in a warning.
 
     Args:
-        cache: folder of all data sets, a path or a URL; this one lies in it under its key.
+        cache: folder of all data sets, a path or a URL; this data set is the subfolder named by its key.
         sources: the meshes by split.
         views_per_mesh: samples to render of each mesh, one number or one a split.
         recipe: how.
         workers: processes to render in, 0 for this one alone.
         progress: whether to show progress bars on the error stream.
         cluster: a Dask cluster to render on instead; see `Cluster`.
-        thorough: whether to check every byte in a distant store too, not only that all objects are there, and
-            to retry meshes that could not be rendered.
+        thorough: whether to check every byte in a remote store too, not only that all objects exist, and to
+            retry meshes that could not be rendered.
         per_shard: samples to a shard, if the data set is new: 32 suit reading in any order, more suit a store
             that counts objects.
         later: splits whose samples are made when they are first read; see `open_samples`. Only the first
@@ -82,12 +82,10 @@ def render_samples(
             version, or workers die whatever they render. Finished shards are kept.
     """
     if per_shard < 1:
-        raise InputError(f"a shard has 1 sample or more, not {per_shard}.")
+        raise InputError(f"a shard needs at least 1 sample, not {per_shard}.")
     folder, views, meshes = _locate(cache, sources, views_per_mesh, recipe)
     if (workers > 0 or cluster) and folder.in_memory:
-        raise InputError(
-            f"{cache} cannot be seen by other processes; set workers to 0 or name another folder."
-        )
+        raise InputError(f"{cache} is invisible to other processes; set workers to 0 or name another folder.")
     folder.sweep()
     if set(views) <= set(later):  # processes would take longer to start than the few samples to make
         workers = 0
@@ -126,7 +124,7 @@ def open_samples(
     """Return the samples that `render_samples` has made for the same request; writes nothing.
 
     Args:
-        cache: as it was given to `render_samples`, as are the next three.
+        cache: as given to `render_samples`; so are the next three.
         sources: the meshes by split.
         views_per_mesh: samples of each mesh.
         recipe: how they were made.
@@ -260,7 +258,7 @@ def _lay_out(
     """
     for _, outcome in pool.run(check_recipe, [recipe]):
         if isinstance(outcome, Killed):
-            raise RunError(f"{type(recipe).__name__} kills the process that asks whether it runs.")
+            raise RunError(f"{type(recipe).__name__} kills the process that checks whether it can run.")
     splits = {}
     for split, number in views.items():
         names = tuple(source.name for source in sources[split])
@@ -283,9 +281,9 @@ def _pending_shards(pool: Pool, store: ShardedSamples, thorough: bool) -> list[S
     """Return missing and damaged shards, with a warning that names the damaged ones.
 
     Args:
-        pool: who checks, if there are many machines.
+        pool: runs the checks, if there are many machines.
         store: the samples of a split.
-        thorough: whether every byte of a distant store is checked too, and failed meshes are tried again.
+        thorough: whether to check every byte of a remote store too, and to retry failed meshes.
     """
     storage = Storage(store.url)
     missing = store.missing()

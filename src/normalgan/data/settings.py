@@ -20,9 +20,9 @@ class MeshReading:
         orientation: JSON file that says of each mesh how it is turned upright, and whether inside out.
         crease_angle: degrees from which an edge is sharp; None shades everything smooth.
         poses: poses that replace each rigged glTF file; 0 keeps all files at rest.
-        variants: individuals that join each training mesh or embedded animal, varied at random; meshes to
-            validate and test stay as they are.
-        variation: how far such individuals differ from their mesh, those of groups included.
+        variants: random variants added for each training mesh or embedded animal; validation
+            and test meshes do not change.
+        variation: how much these variants, and those of groups, differ from their mesh.
     """
 
     orientation: str | None = None
@@ -40,10 +40,10 @@ class EmbeddedAnimals:
     """Animals that the package generates.
 
     Args:
-        count: how many there are, if no meshes are given.
-        extra: how many join the training meshes that are given; meshes to validate and test stay as they are.
-        extra_postures: share of the extra ones that sit, lie, rear, beg, bow, leap or look back, where the
-            species knows one of these.
+        count: number of animals, if no meshes are given.
+        extra: number of animals added to the given training meshes; validation and test meshes do not change.
+        extra_postures: share of the extra ones that sit, lie, rear, beg, bow, leap or look back, if the
+            species has such a pose.
         species: groups (such as quadrupeds or birds) and species that they are of, in turn.
     """
 
@@ -66,8 +66,8 @@ class Split:
     """Which meshes or pairs are for training, validation and testing.
 
     Args:
-        fractions: shares of train, val and test, if there is no file.
-        seed: which names go where, if there is no file.
+        fractions: shares of train, val and test, used if there is no file.
+        seed: seed of the random split, used if there is no file.
         file: JSON file that lists the names of train, val and test; None splits by fractions.
     """
 
@@ -92,12 +92,12 @@ class Split:
 
 @dataclass(frozen=True)
 class Storage:
-    """What this machine spends on samples: it changes none of them.
+    """Resources of this machine; they do not change the samples.
 
     Args:
         memory: bytes that a split may take in memory; larger ones are read from the cache as needed. On the
             fly, bytes for the meshes in all workers together.
-        render_workers: processes that render what is kept, side by side; 0 renders in this one.
+        render_workers: processes that render stored samples in parallel; 0 renders in this one.
     """
 
     memory: Count = 2 * 1024**3
@@ -117,7 +117,7 @@ class Prediction:
         mask: where the object is in the drawings: a file, a folder of ``<sketch>_mask.png``, ``outline`` to
             fill what lines enclose, ``reader`` to let a small network vote on that, or ``model`` to leave it
             to the model; None uses its opacity if it shows the object, else the reader.
-        map_size: longer side of the maps in pixels; None is the drawing's, 1024 of an SVG.
+        map_size: longer side of the maps in pixels; None takes the drawing's, or 1024 for an SVG.
     """
 
     sketches: str | list[str] | None = None

@@ -1,4 +1,4 @@
-"""SketchDataset: the user's own drawings, and the hints painted for them, as the generator takes them."""
+"""SketchDataset: the user's drawings and hints, in the form that the generator takes."""
 
 from collections import OrderedDict
 from collections.abc import Sequence
@@ -35,14 +35,15 @@ class SketchSample(TypedDict):
 
 
 class SketchDataset(Dataset[SketchSample]):
-    """Drawings prepared for the generator. All are read at once, so that a bad one is known early.
+    """Drawings prepared for the generator.
 
-    Those of several that cannot be used are left out: `unusable` gives the reason for each.
+    All are read at the start, so that a bad one is reported early. If there are several, unusable ones are
+    left out: `unusable` gives the reason for each.
 
     Args:
         files: the drawings with their hints and masks, as `inference.jobs.plan.find_files` finds them.
         size: side of the generator's pictures.
-        longest: longer side of the maps in pixels; None is the drawing's.
+        longest: longer side of the maps in pixels; None takes the drawing's.
         line_widths: widths of lines that the generator sees as they were drawn, in its pixels.
 
     Raises:
@@ -50,7 +51,7 @@ class SketchDataset(Dataset[SketchSample]):
     """
 
     unusable: list[InputError]
-    """What is wrong with each of the drawings that are left out."""
+    """The errors of the drawings that are left out."""
 
     def __init__(
         self,

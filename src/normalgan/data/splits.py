@@ -22,15 +22,15 @@ _Names = dict[str, list[str]]
 def split_by_fractions(
     names: Sequence[str], fractions: tuple[float, float, float], seed: int = 0, noun: str = "mesh"
 ) -> _Names:
-    """Split meshes at random in given proportions; names keep their order within a split.
+    """Split meshes randomly in given proportions; names keep their order within a split.
 
     The counts are the fractions of the whole by largest remainder, but every fraction above 0 gets at
-    least one mesh. Which mesh goes where depends on the set of names and the seed, not on their order.
+    least one mesh. The split depends on the set of names and the seed, not on their order.
 
     Args:
         names: the meshes.
         fractions: shares of training, validation and testing, summing to 1.
-        seed: another seed gives another split.
+        seed: a different seed gives a different split.
         noun: the word for one in messages.
 
     Returns:

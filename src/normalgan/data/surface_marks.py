@@ -58,8 +58,8 @@ def mark_surfaces(
 def fill_areas(ink: Floats, normals: Floats, mask: BoolMask, rng: _Rng) -> Floats:
     """Return a sketch with some areas filled black, in which lines are white or gone.
 
-    Most often one to four areas that lines enclose are filled, as for hair or a tyre; now and then a patch of
-    the surface, or all of the object, a silhouette with white details.
+    Most often one to four areas that lines enclose are filled, as for hair or a tyre; sometimes a patch of
+    the surface, or the whole object, as a silhouette with white details.
     """
     kind = rng.random()
     if kind < 0.6:
@@ -232,7 +232,7 @@ def _spots(rng: _Rng) -> Floats:
 
 
 def _striped_coat(normals: Floats, mask: BoolMask, rng: _Rng) -> Floats:
-    """Return wavy black stripes on all of an object or a patch of it, as of a zebra or a jersey."""
+    """Return wavy black stripes on an object or a patch of it, as on a zebra or a jersey."""
     spacing = rng.uniform(7, 24)
     black = spacing * rng.uniform(0.15, 0.6)
     where = mask if rng.random() < 0.4 else _patch(mask, rng)

@@ -59,14 +59,14 @@ def decode(
     """Return the pixels of a picture, upright; an SVG is drawn, transparent where it is empty.
 
     Args:
-        name: what to call it in an error.
+        name: its name in errors.
         content: its file.
-        sides: pixels that each side has at least and at most.
+        sides: minimum and maximum length of a side in pixels.
         svg_side: longer side in pixels that an SVG is drawn with.
         longest: longer side in pixels that a larger picture is reduced to.
-        grey: whether only how bright it is on white paper is wanted, (H, W).
-        exact: whether the levels are wanted as they are stored: colours of 16 bits a channel and floats too;
-            such a picture is not reduced.
+        grey: whether to return only the brightness on white paper, (H, W).
+        exact: whether to return the stored levels, including 16 bits a channel and floats; such a picture is
+            not reduced.
 
     Raises:
         InputError: if it cannot be decoded; it says why.
@@ -77,7 +77,7 @@ def decode(
 
 
 def decode_frames(name: str, content: bytes, sides: tuple[int, int]) -> Parts:
-    """Return all frames of an animation, each whole; arguments and errors are those of `decode`."""
+    """Return all frames of an animation, each in full; arguments and errors are those of `decode`."""
     return _pool.run(needed(content), _Question("frames", name, content, sides, _frames))
 
 
@@ -87,7 +87,7 @@ def decode_layers(name: str, content: bytes, sides: tuple[int, int]) -> DecodedL
 
 
 def decode_tileset(name: str, content: bytes, sides: tuple[int, int]) -> tuple[Decoded, tuple[int, int]]:
-    """Return the tiles of an Aseprite file's first visible tilemap, one below the other, and the size of one.
+    """Return the tiles of an Aseprite file's first visible tilemap, stacked vertically, and a tile's size.
 
     Arguments and errors are those of `decode`.
     """
@@ -100,20 +100,20 @@ def start() -> None:
 
 
 _Answer = tuple[dict[str, Any], list[tuple[dict[str, Any], Decoded]]]
-"""What a child says of a file, and of each picture in it, with its pixels."""
+"""The child's header of a file, and of each picture in it with its pixels."""
 
 
 @dataclass(frozen=True)
 class _Question(Generic[T]):
-    """What a child is asked.
+    """A request to a child.
 
     Args:
-        what: what is wanted: ``picture``, ``frames``, ``layers`` or ``tileset``.
-        name: what to call it in an error.
+        what: ``picture``, ``frames``, ``layers`` or ``tileset``.
+        name: its name in errors.
         content: its file.
-        sides: pixels that each side has at least and at most.
-        read: makes the result of the child's answer; raises one of `_NONSENSE` if that is impossible.
-        more: how to decode it.
+        sides: minimum and maximum length of a side in pixels.
+        read: makes the result from the child's answer; raises one of `_NONSENSE` if the answer is invalid.
+        more: further options of decoding.
     """
 
     what: str
@@ -163,10 +163,10 @@ def _tileset(answer: _Answer, most: int) -> tuple[Decoded, tuple[int, int]]:
 
 
 class _Child:
-    """A process that decodes one picture after the other.
+    """A process that decodes pictures one at a time.
 
     Args:
-        needs: which libraries it has beside Pillow, as `decoders.worker.needed` says.
+        needs: its library besides Pillow, as `decoders.worker.needed` names it.
     """
 
     def __init__(self, needs: str) -> None:
@@ -197,7 +197,7 @@ class _Child:
         self._ready = False
 
     def ask(self, question: _Question[T]) -> T:
-        """Return the answer of the process, which has ended if anything but a refusal is raised."""
+        """Return the answer; if anything but a refusal is raised, the process has ended."""
         late = threading.Event()
 
         def end() -> None:
@@ -250,7 +250,7 @@ class _Child:
         self._ready = True
 
     def _answer(self, name: str, most: int) -> _Answer:
-        """Return what the child says and sends, within the limits of a drawing."""
+        """Return the child's headers and pixels, within the limits of a drawing."""
         said = self._header(name)
         found, pixels = [], 0
         for _ in range(_whole(said["count"], 1, MOST_PARTS)):
@@ -263,7 +263,7 @@ class _Child:
         return said, found
 
     def _header(self, name: str) -> dict[str, Any]:
-        """Return words and numbers that the child sends.
+        """Return a header of the child.
 
         Raises:
             InputError: if it refuses the file.
@@ -300,7 +300,7 @@ class _Child:
 
 
 class _Pool:
-    """Idle children for the next pictures; there are as many as were needed at once, up to a limit.
+    """Idle children, reused for the next pictures; as many as ran at once, up to a limit.
 
     Args:
         most: children at once.
@@ -313,7 +313,7 @@ class _Pool:
         self._idle: list[_Child] = []
 
     def start(self) -> None:
-        """Have one child at least."""
+        """Start a child if there is none."""
         with self._lock:
             if not self._idle:
                 self._idle.append(_Child(""))
@@ -332,7 +332,7 @@ class _Pool:
                         self._idle.append(child)
 
     def close(self) -> None:
-        """End those that wait."""
+        """End the idle children."""
         with self._lock:
             while self._idle:
                 self._idle.pop().close()
@@ -358,14 +358,14 @@ def _folders() -> list[str]:
 
 
 def _whole(value: Any, least: int, most: int) -> int:
-    """Return a whole number that a child sends; raise `EOFError` if it is none in this range."""
+    """Return a child's integer; raise `EOFError` if it is not an integer in this range."""
     if type(value) is not int or not least <= value <= most:
         raise EOFError
     return value
 
 
 def _notes(said: dict[str, Any]) -> FileNotes:
-    """Return how a file looks different than in its program; an animation says nothing of it."""
+    """Return the notes on how a file looks different from its program's rendering; empty for an animation."""
     layers = [LayerNote(_printable(name), _printable(reason)) for name, reason in said.get("notes", ())]
     return FileNotes(_printable(said.get("note", "")), said.get("partial") is True, tuple(layers))
 

@@ -1,4 +1,4 @@
-"""Results: what decoding a file gives: pixels, frames, layers."""
+"""Results: the results of decoding a file: pixels, frames, layers."""
 
 from dataclasses import dataclass
 
@@ -14,10 +14,10 @@ stored, if that is asked for, also of 16 bits or floats."""
 
 @dataclass(frozen=True)
 class LayerNote:
-    """A layer that is left out, or not shown as its program shows it.
+    """A layer that is left out, or looks different than in its program.
 
     Args:
-        name: as the file has it; empty for the whole file.
+        name: its name in the file; empty for the whole file.
         reason: why a layer is left out: it is ``damaged``, has ``no_pixels`` of its own, or is ``foreign``
             (only its program can draw it). Else ``effect``, or ``frame`` if one frame of an animation is
             used.
@@ -32,9 +32,9 @@ class FileNotes:
     """How a file looks different than in its program.
 
     Args:
-        text: part of a sentence; empty if it does not.
+        text: part of a sentence; empty if there is no difference.
         partial: whether a layer is missing.
-        layers: the same, layer by layer.
+        layers: the differences, layer by layer.
     """
 
     text: str = ""
@@ -48,8 +48,8 @@ class Decoded:
 
     Args:
         pixels: (h, w), (h, w, 3) or (h, w, 4).
-        shape: (H, W) of the file; that of the pixels unless they were reduced.
-        notes: how it looks different.
+        shape: (H, W) of the file, before any reduction.
+        notes: how the file looks different.
     """
 
     pixels: Pixels
@@ -63,7 +63,7 @@ class Part:
 
     Args:
         decoded: its pixels.
-        duration: milliseconds that it is shown.
+        duration: duration in milliseconds.
     """
 
     decoded: Decoded
@@ -76,8 +76,8 @@ class Parts:
 
     Args:
         parts: the frames.
-        loop: how often they are shown; 0 is for ever.
-        notes: how it looks different.
+        loop: number of loops; 0 is endless.
+        notes: how the file looks different.
     """
 
     parts: list[Part]
@@ -87,18 +87,18 @@ class Parts:
 
 @dataclass(frozen=True)
 class DecodedLayer:
-    """A visible layer, or what it shows in one frame.
+    """A visible layer, or one frame of it.
 
     Args:
-        name: as the file has it.
-        groups: names of those that it lies in, the outermost first.
-        opacity: 0 to 255, with that of its groups; the pixels do not have it.
-        left: column of the picture in which its first one lies.
-        top: row of the picture in which its first one lies.
-        number: number of the layer, from the lowest up.
-        frame: in which it shows this.
+        name: its name in the file.
+        groups: names of the groups around it, the outermost first.
+        opacity: 0 to 255, multiplied by its groups'; not applied to the pixels.
+        left: column of its left edge in the picture.
+        top: row of its top edge in the picture.
+        number: number of the layer, counted from the bottom.
+        frame: number of the frame.
         pixels: (h, w, 4), all within the picture.
-        clipped_to: number of the layer that it is clipped to, by which its pixels are cut; -1 if to none.
+        clipped_to: number of the layer that it is clipped to, -1 for none; the pixels are already cut.
     """
 
     name: str
@@ -118,9 +118,9 @@ class DecodedLayers:
 
     Args:
         shape: (H, W) of the picture.
-        durations: milliseconds that each frame is shown; one of 0 if it does not move.
-        layers: frame by frame, in each the lowest first; those that nothing is drawn on are not among them.
-        notes: how it looks different.
+        durations: duration of each frame in milliseconds; [0] for a still file.
+        layers: frame by frame, bottom to top; empty layers are left out.
+        notes: how the file looks different.
     """
 
     shape: tuple[int, int]

@@ -25,10 +25,10 @@ TOLERANCE = 1e-3
 
 
 def run(arguments: list[str]) -> int:
-    """Do what the arguments ask for and return the exit code.
+    """Export the model and return the exit code.
 
     Raises:
-        InputError: if something that was given cannot be used.
+        InputError: if an argument cannot be used.
     """
     options = build_parser().parse_args(arguments)
     target = _check(options)
@@ -71,7 +71,7 @@ def build_parser() -> LightParser:
 
 
 def export(name: str, target: Path, options: Namespace) -> str:
-    """Write the model, and return what there is to say about it.
+    """Write the model, and return the report for the user.
 
     Args:
         name: name of the file to read; ``shipped`` for the one in the package.
@@ -80,7 +80,7 @@ def export(name: str, target: Path, options: Namespace) -> str:
 
     Raises:
         InputError: if the model cannot be used or the file not be written.
-        RunError: if the exported model predicts something else than torch; nothing is written then.
+        RunError: if the exported model and torch differ in their predictions; nothing is written then.
     """
     with gc_paused():
         from normalgan.exporting.comparison import largest_difference, turn_in_degrees
@@ -133,5 +133,5 @@ def _check(options: Namespace) -> Path:
     if options.licence is not None and not re.fullmatch(r"[^\x00-\x1f]{1,500}", options.licence):
         raise InputError("--licence is one line of at most 500 characters.")
     if Path(options.output).resolve() == Path(options.model).resolve():
-        raise InputError(f"{options.output} is read and would be written over; give another -o.")
+        raise InputError(f"{options.output} is an input and would be overwritten; give another -o.")
     return Path(options.output)

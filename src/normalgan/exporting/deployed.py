@@ -60,7 +60,7 @@ def load(name: str, size: int | None = None, licence: str | None = None) -> tupl
 
     Args:
         name: name of a checkpoint, safetensors or ONNX file; ``shipped`` for the one in the package.
-        size: side of the pictures; None for that which it was trained at, if it or its run says so.
+        size: side of the pictures; None for the size of its training, if the model or its run records it.
         licence: licence of the weights; None takes the file's.
 
     Raises:

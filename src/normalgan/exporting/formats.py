@@ -44,7 +44,7 @@ class Format:
     Args:
         write: makes the bytes from a model and its metadata.
         read: returns a function that predicts sketches with hints, from the bytes.
-        halve: makes of the bytes those with weights in 16 bits; None where that is not done.
+        halve: makes of the bytes those with weights in 16 bits; None where formats are not compared.
     """
 
     write: Callable[[Deployed, Mapping[str, str]], bytes]

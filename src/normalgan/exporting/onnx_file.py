@@ -16,7 +16,7 @@ _SMALL = 64
 
 
 def fold_constants(model: ModelProto) -> ModelProto:
-    """Return a model in which all that depends on constants alone is computed; weights keep their names."""
+    """Return a model with constant subexpressions folded; weights keep their names."""
     done = ModelProto()
     done.CopyFrom(model)
     optimizer.fold_constants(done)
@@ -25,7 +25,7 @@ def fold_constants(model: ModelProto) -> ModelProto:
 
 
 def finish(model: ModelProto, notes: Mapping[str, str]) -> bytes:
-    """Return a model as bytes, with notes as its ``metadata_props`` and nothing of the machine that made it.
+    """Return a model as bytes, with notes as its ``metadata_props`` and without traces of this machine.
 
     Raises:
         onnx.checker.ValidationError: if it is not a valid model.
@@ -52,7 +52,7 @@ def halve(content: bytes) -> bytes:
     """Return a model whose weights are stored as float16, while all that is computed stays float32.
 
     A cast brings each weight back; ONNX Runtime does so once, on loading. So the file is half as large, and
-    no slower on a processor that computes in float32 alone.
+    no slower on a processor that computes only in float32.
     """
     model = onnx.load_from_string(content)
     casts: list[NodeProto] = []

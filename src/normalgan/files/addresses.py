@@ -35,7 +35,7 @@ class Address:
     """A file elsewhere.
 
     Args:
-        text: as it was given, without the hash.
+        text: the address as given, without the hash.
         sha256: of the file's content, 64 lower-case digits.
         name: name of the file.
     """
@@ -74,7 +74,7 @@ def parse_address(text: str) -> Address:
         text: ``https://host/file#sha256=…`` or ``hf://owner/name[@revision][/file]#sha256=…``.
 
     Raises:
-        InputError: if it is another one, or has no hash.
+        InputError: if its scheme is not supported, or it has no hash.
 
     >>> parse_address("hf://owner/name@v1#sha256=" + 64 * "a").name
     'model.onnx'
@@ -86,8 +86,8 @@ def parse_address(text: str) -> Address:
     found = _HASH.fullmatch(fragment)
     if found is None:
         raise InputError(
-            f"{address} needs the hash of its file, so that nobody can exchange it: end it in #sha256= and "
-            "64 digits, as its author publishes them."
+            f"{address} needs the hash of its file, so that the file cannot be replaced: end it in "
+            "#sha256= and 64 digits, as its author publishes them."
         )
     name = _hub_place(address)[2] if scheme == "hf" else unquote(urlsplit(address).path)
     name = re.split(r"[/\\]", name)[-1]
@@ -97,7 +97,7 @@ def parse_address(text: str) -> Address:
 
 
 def local_file(name: str) -> Path:
-    """Return the path of a file; one that an address names is fetched, unless it was before.
+    """Return the path of a file; a file behind an address is fetched once and kept.
 
     Raises:
         InputError: if an address cannot be used, does not answer, or its file has another hash.

@@ -15,8 +15,8 @@ def read_json(path: Path, kind: str = "", like: str = "") -> Any:
 
     Args:
         path: the file.
-        kind: what messages call it before its name, such as ``the split file``.
-        like: a sentence that says what the file must be like, for one that is not JSON.
+        kind: its description in messages, such as ``the split file``.
+        like: a sentence on the expected content, for a file that is not JSON.
 
     Raises:
         InputError: if the file cannot be read or is not JSON.

@@ -1,4 +1,4 @@
-"""Limits of reading, so that no file takes all memory or time."""
+"""Limits of reading, so that no file exhausts memory or time."""
 
 import os
 import stat

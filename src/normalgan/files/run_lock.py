@@ -18,10 +18,11 @@ NAME = ".running"
 def one_run_in(folder: Path) -> Iterator[None]:
     """Lock a run's folder, so that no other run writes checkpoints into it.
 
-    The system releases the lock when the process ends, however it ends; a file left behind blocks nobody.
+    The system releases the lock when the process ends, however it ends; a lock file left behind blocks
+    nothing.
 
     Args:
-        folder: folder of the run; made if it is not there, and removed if nothing was put into it.
+        folder: folder of the run; created if it is missing, and removed again if it stays empty.
 
     Raises:
         InputError: if another process holds it, on this machine or another with the same file system; or if
@@ -61,6 +62,6 @@ def check_writable(folder: Path) -> None:
     """
     there = next(path for path in (folder.absolute(), *folder.absolute().parents) if path.exists())
     if not there.is_dir():
-        raise InputError(f"the run cannot be kept in {folder}: {there} is not a folder.")
+        raise InputError(f"the run cannot be stored in {folder}: {there} is not a folder.")
     if not os.access(there, os.W_OK | os.X_OK):
-        raise InputError(f"the run cannot be kept in {folder}: {there} may not be written to.")
+        raise InputError(f"the run cannot be stored in {folder}: {there} is not writable.")

@@ -18,7 +18,7 @@ def shipped_names() -> list[str]:
 
 
 def find_beside(given: str) -> Path:
-    """Return the path of a file that a configuration names: an existing file, or else the package's.
+    """Return the path of a file that a configuration names: the user's file if it exists, else the package's.
 
     Args:
         given: a path, such as ``configs/fourleg/split.json``, from the working directory.

@@ -1,4 +1,4 @@
-"""A hash of the code of somebody else's class, so that stored samples are not those of an earlier version."""
+"""A hash of a third-party class's code, so that samples of an earlier version are not reused."""
 
 import ast
 import hashlib

@@ -43,7 +43,7 @@ _END64 = struct.Struct("<4sQ2H2L4Q")
 def load_torch_file(path: Path) -> Any:
     """Load a file of `torch.save`; tensors are memory-mapped.
 
-    Nothing in it is run, and nothing is imported or allocated before it is checked.
+    Nothing in it is executed, and nothing is imported or allocated before it is checked.
 
     Raises:
         InputError: if it is missing, damaged, or holds anything but data.
@@ -76,7 +76,7 @@ class _RefusedError(Exception):
 
 
 def _read_pickle(path: Path) -> bytes:
-    """Return the objects of an archive, once it is sure that it holds no more bytes than the file has."""
+    """Return the objects of an archive, after checking that it holds no more bytes than the file has."""
     with path.open("rb") as file:
         refuse_pointer(path, file.read(64))
         directory = _directory(file)

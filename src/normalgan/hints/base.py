@@ -17,7 +17,8 @@ class HintSampler(ABC):
     def sample(self, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
         """Return the hint mask, (N, 1, H, W): 1 at a hinted pixel, 0 elsewhere.
 
-        Hints lie on the object; a sample may get none, and must not depend on the others of its batch.
+        Hints lie on the object; a sample may get none, and its hints must not depend on other samples of the
+        batch.
 
         Args:
             normal: (N, 3, H, W) true unit normals in camera space, 0 off the object.

@@ -79,7 +79,7 @@ class CurvatureHints(HintSampler):
         """Return where the hints are, (N, 1, H, W) of the normals' type; see `HintSampler.sample`.
 
         A sample's hints depend on its own normals and mask, its place in the batch, the shape of the batch
-        and the state of ``rng``, and on nothing else of the other samples.
+        and the state of ``rng``, but not on the other samples.
         """
         if self.count is not None:
             return self._nearest(normal, mask, rng, self.count)

@@ -89,7 +89,7 @@ def draw_hints_by_name(
         normal: (N, 3, H, W) true unit normals, 0 off the object.
         mask: (N, 1, H, W), 1 on the object.
         names: names of the N samples.
-        seed: another seed gives other hints.
+        seed: a different seed gives different hints.
         error: as in `draw_hints`.
 
     Raises:

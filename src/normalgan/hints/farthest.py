@@ -14,7 +14,7 @@ __all__ = ["FarthestPointHints"]
 @HINT_SAMPLERS.register
 @dataclass(frozen=True)
 class FarthestPointHints(HintSampler):
-    """Sample ``count`` points: the first random on the object, each further one farthest from those before.
+    """Sample ``count`` points: the first at random, each next one farthest from the previous ones.
 
     Distances are straight lines in the picture. A smaller object is hinted at every pixel.
 

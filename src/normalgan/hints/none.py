@@ -20,5 +20,5 @@ class NoHints(HintSampler):
     """
 
     def sample(self, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
-        """Return zeros (N, 1, H, W); ``rng`` is left as it is."""
+        """Return zeros (N, 1, H, W); ``rng`` is not used."""
         return torch.zeros_like(normal[:, :1])

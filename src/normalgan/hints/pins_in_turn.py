@@ -1,4 +1,4 @@
-"""Pins as a person sets them: one after another, each where the last prediction is most wrong."""
+"""Pins as a person sets them: one at a time, each where the last prediction is most wrong."""
 
 from collections.abc import Callable
 
@@ -29,7 +29,7 @@ def pin_in_turn(
         predict: returns normals (N, 3, H, W) of any length for hints (N, 4, H, W).
         normal: (N, 3, H, W) true unit normals, 0 off the object.
         mask: (N, 1, H, W), 1 on the object.
-        hints: (N, 4, H, W) that are given already.
+        hints: (N, 4, H, W) existing hints.
         seed: seed of the numbers of pins.
 
     References:

@@ -53,7 +53,7 @@ class UniformHints(HintSampler):
         """Return where the hints are, (N, 1, H, W) of the normals' type; see `HintSampler.sample`.
 
         A sample's hints depend on its own mask, its place in the batch, the shape of the batch and the
-        state of ``rng``, and on nothing else of the other samples.
+        state of ``rng``, but not on the other samples.
         """
         count = len(normal)
         device = normal.device

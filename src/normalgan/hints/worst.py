@@ -35,7 +35,7 @@ class WorstErrorHints(ErrorHintSampler):
         check_ranges(self)
 
     def sample_by_error(self, error: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
-        """Return where the hints are, (N, 1, H, W) of the error's type; ``rng`` is left as it is."""
+        """Return where the hints are, (N, 1, H, W) of the error's type; ``rng`` is not used."""
         number, _, height, width = error.shape
         on_object, flat = mask.flatten(1) > 0.5, error.flatten(1).float()  # ranks reach beyond half precision
         shares = on_object.sum(1, keepdim=True) / max(self.count, 1)

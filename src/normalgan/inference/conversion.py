@@ -33,7 +33,7 @@ def map_of_heights(path: str | Path, scale: float) -> NormalMap:
 
     Args:
         path: a grey picture; white is high.
-        scale: pixels from black to white; of a TIFF of floats, that each unit stands for.
+        scale: pixels from black to white; pixels per unit of a float TIFF.
 
     Raises:
         InputError: if it cannot be read, or has colours that differ.
@@ -53,7 +53,7 @@ def map_of_heights(path: str | Path, scale: float) -> NormalMap:
 
 
 def with_detail(base: NormalMap, detail: NormalMap) -> NormalMap:
-    """Return a map with the details of another on it; a smaller one is repeated."""
+    """Return a map with the details of another added; a smaller one is repeated."""
     height, width = base.mask.shape
     rows, columns = (-(-a // b) for a, b in zip((height, width), detail.mask.shape, strict=True))
     repeated = np.tile(detail.extended, (rows, columns, 1))[:height, :width]

@@ -1,4 +1,4 @@
-"""Drawing: the file of one job, decoded once, whatever the job asks of it."""
+"""Drawing: the file of one job, decoded only once."""
 
 from functools import cached_property
 from pathlib import Path
@@ -14,14 +14,14 @@ __all__ = ["Drawing"]
 
 
 class Drawing:
-    """The file of a drawing: what it shows, its frames and its layers.
+    """The file of a drawing: its composite, frames and layers.
 
-    Each is decoded when it is first asked for, and kept as long as this object: make one for a job, and drop
+    Each is decoded on first use, and kept as long as this object: make one for a job, and drop
     it with the job.
 
     Args:
-        path: its file, or what to call it.
-        content: what is in it, if it was read already.
+        path: its file, or its name in messages.
+        content: its content, if it has been read already.
     """
 
     def __init__(self, path: Path, content: bytes | None = None) -> None:
@@ -66,9 +66,9 @@ class Drawing:
         return to_picture(self._shown)
 
     def pixels(self) -> Decoded:
-        """Return its pixels as its file has them; those of an SVG are the last picture's.
+        """Return its pixels as its file has them; for an SVG, the last rendered size.
 
-        One that is larger than drawings are worked on is decoded again for this.
+        A picture beyond the working size is decoded again for this.
 
         Raises:
             InputError: if it is missing, not an image, or too small or large.
@@ -80,7 +80,7 @@ class Drawing:
 
     @cached_property
     def frames(self) -> Parts:
-        """All its frames or pages, each whole.
+        """All its frames or pages, each in full.
 
         Raises:
             InputError: if one cannot be decoded.
@@ -89,7 +89,7 @@ class Drawing:
 
     @property
     def tileset(self) -> tuple[Decoded, tuple[int, int]]:
-        """Its own tiles, one below the other, and (width, height) of one.
+        """Its own tiles, stacked vertically, and (width, height) of a tile.
 
         Raises:
             InputError: if it has none.
@@ -101,6 +101,6 @@ class Drawing:
         """Its visible layers, as `composites.layers.read_layers` gives them.
 
         Raises:
-            InputError: if it has no visible layer, or one that cannot be read.
+            InputError: if it has no visible layer, or an unreadable one.
         """
         return read_layers(self.path, self.content)

@@ -29,12 +29,12 @@ class Finding:
 
     Args:
         code: what it is about; see `words_of`.
-        places: x and y of what it is about, in pixels of the drawing, the most important first.
-        count: how many things it applies to.
-        total: how many things there are.
-        share: in [0, 1], of what the code is about.
+        places: x and y of the places it concerns, in pixels of the drawing, the most important first.
+        count: number of items it applies to.
+        total: number of items in total.
+        share: in [0, 1], the quantity that the code describes.
         layer: name of the layer; empty if there is only one.
-        words: a part of a sentence, or one, where the code has none of its own.
+        words: a sentence or part of one, if the code has no text.
     """
 
     code: Code
@@ -50,7 +50,7 @@ class LackingError(InputError):
     """A drawing lacks something that prediction needs.
 
     Args:
-        words: what it lacks, in one sentence.
+        words: the missing part, in one sentence.
         code: code of the finding about it.
         layer: name of the layer; empty if there is only one.
     """
@@ -72,12 +72,12 @@ def words_of(finding: Finding) -> str:
 
 
 def finding_of(error: InputError) -> Finding:
-    """Return what an error says about a drawing."""
+    """Return the finding that an error on a drawing stands for."""
     return error.finding if isinstance(error, LackingError) else Finding("note", words=str(error))
 
 
 def join(findings: Iterable[Finding]) -> str:
-    """Return what findings say, each once, as a part of a sentence; empty if there are none."""
+    """Return the texts of findings, each once, as a part of a sentence; empty if there are none."""
     return "; ".join(dict.fromkeys(words_of(each).removesuffix(".") for each in findings))
 
 

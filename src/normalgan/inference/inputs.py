@@ -103,7 +103,7 @@ def as_picture(image: AnyPicture, svg_side: int | None = None, name: str = "the 
     Args:
         image: a path, an image of Pillow, an array, or a picture.
         svg_side: longer side in pixels that an SVG is drawn with.
-        name: what to call an image or an array in an error.
+        name: name of an image or an array in errors.
 
     Raises:
         InputError: if it cannot be used.
@@ -167,7 +167,7 @@ def as_hints(hints: AnyHints, shape: tuple[int, int]) -> Hints | None:
 
 
 def _plain_hint(given: Any) -> Any:
-    """Return a hint with the numbers of Python in place of NumPy's, in which people compute."""
+    """Return a hint with NumPy numbers replaced by Python's."""
     if isinstance(given, Mapping):
         return {key: _plain_hint(value) for key, value in given.items()}
     if isinstance(given, np.ndarray | np.generic):

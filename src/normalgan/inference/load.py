@@ -22,7 +22,7 @@ def load(path_or_name: str | Path = SHIPPED_NAME, size: int | None = None) -> Pr
             a checkpoint that `normalgan fit` saved; or the address of such a file with its hash,
             ``https://host/file#sha256=…`` or ``hf://owner/name[@revision][/file]#sha256=…``. It is fetched
             once.
-        size: side in pixels of the pictures of a checkpoint's training; None where it says so itself.
+        size: side in pixels of the pictures of a checkpoint's training; None if the file records it.
 
     Raises:
         InputError: if it cannot be used.

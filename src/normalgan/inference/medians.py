@@ -1,4 +1,4 @@
-"""Medians and other ranks of values, by parting them in place of sorting."""
+"""Medians and other quantiles, by partition instead of sorting."""
 
 import numpy as np
 

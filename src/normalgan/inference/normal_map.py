@@ -42,18 +42,17 @@ _SUFFIXES: dict[str, Format] = {".png": "png", ".exr": "exr", ".tif": "tiff", ".
 
 @dataclass(frozen=True, eq=False, repr=False)
 class NormalMap:
-    """A normal map and what came with it; axes are x right, y up, z to the viewer.
+    """A normal map and its mask, confidence and notes; axes are x right, y up, z to the viewer.
 
     Args:
         extended: (H, W, 3), unit everywhere: off the object they are those on it, smoothly continued.
         mask: (H, W), the object.
-        alpha: (H, W) in [0, 1], the drawing's own opacity if that tells the mask, else the mask with a
-            soft edge.
-        seen: (S, S), what the network was shown.
+        alpha: (H, W) in [0, 1], the drawing's opacity if that gives the mask, else the mask with a soft edge.
+        seen: (S, S), the network's input.
         confidence: (H, W), the network's confidence κ ≥ 0, if it has one.
         findings: findings about it; `warning` says it.
-        tile: the directions in which the map repeats past its edges, or None.
-        cells: the drawings of a sheet, each a surface of its own; none for other maps. A turned drawing has
+        tile: the directions in which the map repeats; None for none.
+        cells: the drawings of a sheet, each a separate surface; none for other maps. A turned drawing has
             the normals of the upright one.
         partial: whether something that is drawn could not be predicted, as the findings say.
     """
@@ -75,7 +74,7 @@ class NormalMap:
 
     @property
     def warning(self) -> str:
-        """What went wrong, a part of a sentence; empty if nothing did."""
+        """The warning, a part of a sentence; empty if nothing did."""
         return join(self.findings)
 
     @cached_property
@@ -87,12 +86,10 @@ class NormalMap:
         """Return the map with its slopes multiplied by a factor.
 
         Raises:
-            InputError: if the strength is none: negative, or more than 100.
+            InputError: if the strength is invalid: negative, or more than 100.
         """
         if not 0 <= strength <= 100:
-            raise InputError(
-                f"strength is {strength}; 1 leaves a map as it is, and 0 to 100 can be asked for."
-            )
+            raise InputError(f"strength is {strength}; use 0 to 100; 1 changes nothing.")
         if strength == 1:
             return self
         scaled = self.extended * np.array([strength, strength, 1], np.float32)
@@ -125,15 +122,15 @@ class NormalMap:
         alpha: bool = False,
         pad: int | None = None,
     ) -> bytes:
-        """Return the content of a file: flat off the object, or what is transparent there.
+        """Return the content of a file: flat off the object, or transparent there.
 
         Args:
             form: format of the file; exr and tiff hold floats.
             bits: bits of each channel of a PNG.
             y: up is green as in OpenGL, down as in DirectX.
             alpha: whether the object's mask is the alpha channel.
-            pad: how many pixels around the object carry the colour of its edge; None is `PADDING` with alpha,
-                where nobody sees them, else 0.
+            pad: how many pixels around the object carry the colour of its edge; None takes `PADDING` with
+                alpha, where they are invisible, else 0.
         """
         opacity = self.alpha if alpha else None
         reach = (PADDING if alpha else 0) if pad is None else pad
@@ -187,7 +184,7 @@ class NormalMap:
         alpha: bool = False,
         pad: int | None = None,
     ) -> None:
-        """Write the map as PNG, EXR or TIFF, as the path ends, whole or not at all.
+        """Write the map atomically, as PNG, EXR or TIFF by the path's ending.
 
         Args:
             path: path of the file; its folder is made where missing.
@@ -202,7 +199,7 @@ class NormalMap:
         """
         form = _SUFFIXES.get(Path(path).suffix.lower())
         if form is None:
-            raise InputError(f"the normal map {path} is to end in one of {' '.join(_SUFFIXES)}.")
+            raise InputError(f"the normal map {path} must end in one of {' '.join(_SUFFIXES)}.")
         if bits not in get_args(Bits) or (bits == 16 and form != "png"):
             raise InputError(f"bits are 8 or 16, of a PNG; {path} with {bits} is neither.")
         if y not in get_args(Green):
@@ -232,7 +229,7 @@ def part_of(sheet: NormalMap, cell: Cell) -> NormalMap:
 def as_it_lies(sheet: NormalMap) -> Floats:
     """Return the normals of a sheet seen as one picture, (H, W, 3).
 
-    The map holds normals of upright sprites; here those of turned sprites are turned with them.
+    The map holds normals of upright sprites; the normals of rotated sprites are rotated too.
     """
     if not any(cell.turned for cell in sheet.cells):
         return sheet.extended

@@ -1,4 +1,4 @@
-"""Run several jobs at once, each in one thread."""
+"""Run jobs in parallel, one thread each."""
 
 import os
 from collections import deque

@@ -55,8 +55,8 @@ class Done:
     Args:
         target: where the map is.
         warning: part of a sentence; empty if all is well.
-        held: the files that wait for the other drawings of a command.
-        note: what was done that the user may not expect, a part of a sentence; empty if nothing was.
+        held: the files that wait for other drawings of a command.
+        note: the warning for the user, a part of a sentence; empty if nothing was.
         partial: whether something that is drawn could not be predicted, as the warning says.
     """
 
@@ -76,11 +76,11 @@ class JobPredictor:
         writer: writes its map.
         size: longer side of the maps in pixels; None is the drawing's.
         packing: how the drawings of a sheet are found.
-        frame: whether the network is shown the same square of all drawings that belong together; None is
-            ``shared`` for an animation, and ``own`` else.
-        strength: what the slopes of all maps are multiplied by.
+        frame: whether the network is shown the same square of all drawings that belong together; None takes
+            ``shared`` for an animation and ``own`` otherwise.
+        strength: factor of all maps' slopes.
         layers: whether each visible layer of a layered file is predicted separately.
-        tile: the ways in which each drawing is repeated, and its map can be; None is not at all.
+        tile: the ways in which each drawing is repeated, and its map can be; None does not split.
         single: whether a page is one object, whatever it shows; else its figures are predicted separately.
         holes: x and y in pixels of a drawing, as `prepare` has its flips.
         explain: folder for pictures of how each mask was found; None writes none.
@@ -129,7 +129,7 @@ class JobPredictor:
         if kind is not None:
             return self._animation(job, drawing)
         if job.exact and job.target.suffix.lower() in {".gif", ".webp"}:
-            raise InputError(f"{job.target} would be an animation, but {files.drawing} does not move.")
+            raise InputError(f"{job.target} would be an animation, but {files.drawing} is a still image.")
         if self.packing.given:
             return self._written(job, self._sheet(files, drawing))
         preds = self._drawing(job, drawing)
@@ -154,7 +154,7 @@ class JobPredictor:
             pixels += picture.size[0] * picture.size[1]
             if pixels > MOST_TOGETHER:
                 raise InputError(
-                    f"the drawings that are to share a frame have more than {MOST_TOGETHER} pixels together; "
+                    f"the drawings that share a frame have more than {MOST_TOGETHER} pixels together; "
                     "name fewer, or leave --frame shared out."
                 )
             members.append(member)
@@ -257,7 +257,7 @@ class JobPredictor:
         return _noted(predict_tileset(*given), to_picture(sheet))
 
     def _animation(self, job: Job, drawing: Drawing) -> Done:
-        """Write the maps of an animation's frames, or of pages, each of which goes into a file of its own."""
+        """Write the maps of an animation's frames, or of pages, each to its own file."""
         found, pages = drawing.frames, drawing.moving == PAGES
         members = [self._member(to_picture(each.decoded), job.files) for each in found.parts]
         shared = self.frame == "shared" if pages else self.frame != "own"
@@ -311,7 +311,7 @@ def target_of(job: Job, outputs: Outputs, packing: Packing, layers: bool = False
     """Return the path of a job's map, or of the first one if there are several files.
 
     Raises:
-        InputError: if it is a broken animation, has no layers that are asked for, or would be written over.
+        InputError: if it is a broken animation, lacks the requested layers, or would be overwritten.
     """
     drawing = Drawing(job.files.drawing, job.files.content)
     if layers:
@@ -332,7 +332,9 @@ def _moving_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
         return job.numbered(1, outputs.ending).target
     target = job.target if job.exact else job.target.with_suffix(f".{kind}")
     if target.resolve() == job.files.drawing.resolve():
-        raise InputError(f"{target} is read and would be written over; give another folder (-o) or --suffix.")
+        raise InputError(
+            f"{target} is an input and would be overwritten; give another folder (-o) or --suffix."
+        )
     return target
 
 

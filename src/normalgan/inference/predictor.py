@@ -1,4 +1,4 @@
-"""Predictor: a network that is called with a drawing and returns its normal map."""
+"""Predictor: predicts the normal map of a drawing."""
 
 from normalgan.inference.inputs import AnyHints, AnyMask, AnyPicture, check_any, prepare_any
 from normalgan.inference.network.backend import Backend
@@ -16,7 +16,7 @@ class Predictor:
 
     Args:
         backend: the network.
-        upsample: the step from the network's size to the drawing's; None is the network's own.
+        upsample: the step from the network's size to the drawing's; None uses the network's.
     """
 
     def __init__(self, backend: Backend, upsample: Upsampler | None = None) -> None:
@@ -48,8 +48,8 @@ class Predictor:
                 ``model`` leaves it to the network of normals; None takes the drawing's opacity if it shows
                 the object, else the reader.
             size: longer side of the map in pixels, 8 to 8192; None is the drawing's.
-            tile: the ways in which the drawing is repeated, ``both``, ``x`` (side by side) or ``y``; the map
-                can be repeated so too. None is a drawing that ends at its edges.
+            tile: the directions in which the drawing repeats, ``both``, ``x`` (side by side) or ``y``; the
+                map then repeats too. None for a drawing that ends at its edges.
 
         Raises:
             InputError: if something cannot be used, or the network sees no object.

@@ -1,4 +1,4 @@
-"""Sprites: slopes from a painting's own shading on top of the inferred form, and one normal per art pixel."""
+"""Sprites: slopes from a painting's shading, added to the predicted form, and one normal per art pixel."""
 
 from dataclasses import dataclass, replace
 from typing import TypeVar
@@ -188,7 +188,7 @@ def outlines(colour: Floats, mask: BoolMask) -> BoolMask:
 def art_pixel(picture: Picture) -> int:
     """Return the side in pixels of a sprite's art pixels; 1 if they are not enlarged.
 
-    All changes of colour of a sprite that was enlarged without smoothing lie on a grid.
+    In a sprite that was enlarged without smoothing, all colour changes lie on a grid.
 
     >>> art = np.random.default_rng(0).random((16, 16, 3)).astype(np.float32)
     >>> [art_pixel(Picture(np.kron(art, np.ones((n, n, 1), np.float32)), None)) for n in (1, 3, 8)]
@@ -217,7 +217,7 @@ def _changes(colour: Floats, axis: int) -> Floats:
 
 
 def _offset(changes: Floats, side: int) -> int | None:
-    """Return where the first line of a grid is on which the changes lie; None if they do not."""
+    """Return the offset of the grid on which the changes lie; None if they do not."""
     padded = np.pad(changes, (0, -len(changes) % side))
     by_offset = padded.reshape(-1, side).sum(0)
     offset = int(by_offset.argmax())

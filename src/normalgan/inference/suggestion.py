@@ -57,9 +57,9 @@ def suggest(
         normals: (H, W, 3), unit, as predicted.
         mask: (H, W), the object.
         confidence: (H, W), the model's κ ≥ 0; None leaves it to the curvature.
-        taken: (K, 2), x and y in pixels of the hints that are given already.
+        taken: (K, 2), x and y in pixels of the existing hints.
         count: number of points.
-        lines: (H, W), the ink. On a line two surfaces meet, and nobody can tell the normal there. Points
+        lines: (H, W), the ink. On a line two surfaces meet, so there is no single normal. Points
             keep off it as far as there is room.
 
     References:

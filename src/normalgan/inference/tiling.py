@@ -52,7 +52,7 @@ def predict_tile(
 ) -> NormalMap:
     """Predict the normal map of a drawing that repeats; the map repeats in the same directions.
 
-    The network takes its input for one object that is round as a whole. So it sees the repeated drawing in
+    The network treats its input as one object that is round as a whole. So it sees the repeated drawing in
     overlapping windows, weighted towards their centres. An edge of one window is in the centre
     of another, and opposite tilts cancel. All other steps see enough of the repeats around the drawing that
     an edge is like any other place.
@@ -62,8 +62,8 @@ def predict_tile(
         picture: the drawing.
         tile: the ways in which it is repeated.
         mask: (h, w), the object, of any size; `OUTLINE` or `MODEL`, as `preparation.prepare` has them; None
-            takes the drawing's opacity if that tells, else what the lines of the repeated drawing enclose; if
-            they leave much open, all of the drawing.
+            takes the drawing's opacity if that shows the object, else the area that the repeated drawing's
+            lines enclose; if they leave much open, the whole drawing.
         hints: in pixels of the drawing.
         longest: longer side of the map in pixels; None keeps the drawing's own size.
         upsample: replaces the network's own step to the drawing's size.
@@ -159,11 +159,11 @@ def _part(frame: Frame, origin: tuple[int, int], shape: tuple[int, int]) -> tupl
 def _levelled(predicted: Floats, own: Floats, tile: Tile) -> Floats:
     """Remove a prediction's mean slope along the directions that repeat.
 
-    A repeated surface cannot rise on the whole, because it would jump at each edge.
+    A repeated surface cannot rise overall, because it would jump at each edge.
 
     Args:
-        predicted: (S, S, 3), vectors as long as an object is probable.
-        own: (h, w, 3), those of the drawing itself.
+        predicted: (S, S, 3), vectors whose length is the probability of an object.
+        own: (h, w, 3), for the drawing itself.
         tile: the ways in which it is repeated.
     """
     sure = own[lengths(own) > _SURE]
@@ -179,7 +179,7 @@ def _levelled(predicted: Floats, own: Floats, tile: Tile) -> Floats:
 
 
 def _enlarged(preds: NormalMap, shape: tuple[int, int], tile: Tile) -> NormalMap:
-    """Return a map with (H, W) pixels that can be repeated as before."""
+    """Return a map resized to (H, W) pixels that still repeats."""
     larger = partial(resize_tile, shape=shape, tile=tile)
     return replace(
         preds,

@@ -1,4 +1,4 @@
-"""Vectors: fast unit vectors of large pictures, plane by plane."""
+"""Vectors: fast normalisation of large vector fields, plane by plane."""
 
 import cv2
 import numpy as np
@@ -32,7 +32,7 @@ def unit(
         vectors: (H, W, 3).
         front: whether those shorter than 1e-8 are to face the viewer; else they become zero.
         out: (H, W, 3), where the result is written, possibly the vectors themselves; None makes a new array.
-        length: (H, W), as `lengths` gives them, if they are known already.
+        length: (H, W), from `lengths`, if already computed.
 
     >>> unit(np.array([[[0, 0, 2], [0, 0, 0]]], np.float32)).tolist()
     [[[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]]]

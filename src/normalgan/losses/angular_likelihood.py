@@ -20,8 +20,8 @@ _TINY = 1e-6  # of a length or its square: at a right or an opposite direction t
 def angular_nll(angle: Tensor, confidence: Tensor) -> Tensor:
     """Return the negative log-likelihood of an angular error, up to a constant.
 
-    For the angular von Mises-Fisher distribution, with density proportional to exp(-κ θ). Its mode is sharp,
-    unlike that of the plain one, so it minimises the mean angle and not the squared angle.
+    For the angular von Mises-Fisher distribution, with density proportional to exp(-κ θ). Its mode is sharper
+    than the plain distribution's, so it minimises the mean angle and not the squared angle.
 
     Args:
         angle: θ in radians, of any shape.

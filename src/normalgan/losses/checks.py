@@ -31,10 +31,10 @@ def check_terms(reconstruction: Reconstruction, terms: object, alone: bool) -> N
     Args:
         reconstruction: the loss.
         terms: its output, which should be `Term` by name.
-        alone: whether there is no other loss, so that at least one term is needed.
+        alone: whether at least one term is needed, because there is no other loss.
 
     Raises:
-        InputError: if they are not, or the generator would learn nothing from them.
+        InputError: otherwise, or if the generator would learn nothing from them.
     """
     asked = "a reconstruction loss gives its terms by name, a Term of a scalar tensor and its weight each"
     if not isinstance(terms, dict) or (alone and not terms):
@@ -45,6 +45,5 @@ def check_terms(reconstruction: Reconstruction, terms: object, alone: bool) -> N
             raise InputError(f"{class_name(reconstruction)} gave {given} as {name}; {asked}.")
     if terms and not any(term.value.requires_grad for term in terms.values()):
         raise InputError(
-            f"{class_name(reconstruction)} gave terms that no gradient leads back from; do not detach the "
-            "map."
+            f"{class_name(reconstruction)} gave terms without a gradient; do not detach the map."
         )

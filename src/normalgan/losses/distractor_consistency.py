@@ -1,4 +1,4 @@
-"""Distractor consistency: strokes that mean nothing should not change the map."""
+"""Distractor consistency: meaningless strokes should not change the map."""
 
 import math
 
@@ -20,7 +20,7 @@ def add_distractor_strokes(sketch: Tensor, mask: Tensor, share: float) -> Tensor
 
     Args:
         sketch: (N, 1, H, W) in [0, 1], ink 1.
-        mask: (N, 1, H, W), 1 on the object, where their middles lie.
+        mask: (N, 1, H, W), 1 on the object, where their centres lie.
         share: probability of each of the two.
     """
     count, _, height, width = sketch.shape
@@ -56,7 +56,7 @@ def distractor_inconsistency(direction: Tensor, marked: Tensor, mask: Tensor) ->
 
     Args:
         direction: (N, 3, H, W) predicted unit normals.
-        marked: (M, 3, H, W) those of the first M sketches with distractor strokes.
+        marked: (M, 3, H, W) predictions for the first M sketches with distractor strokes.
         mask: (N, 1, H, W), 1 on the object.
     """
     count = len(marked)

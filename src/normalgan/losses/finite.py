@@ -77,7 +77,7 @@ def loss_error(bad: Sequence[str], names: Sequence[str], epoch: int, batch: int)
     more = f" and {len(names) - FEW} more" if len(names) > FEW else ""
     which = ", ".join(bad) if bad else "a loss of another process is not finite"
     return LossError(
-        f"the loss cannot be followed any further ({which}) in epoch {epoch}, batch {batch}, with the "
+        f"the loss is not finite ({which}) in epoch {epoch}, batch {batch}, with the "
         f"samples {', '.join(names[:FEW])}{more}; lower the learning rates, or look at these samples."
     )
 
@@ -90,8 +90,8 @@ def watch(losses: Mapping[str, Tensor], processes: int) -> Callable[[Batch, int,
 
     Args:
         losses: scalars by name.
-        processes: how many train together. If one stopped alone, the others would wait, so the sum over
-            all is checked too.
+        processes: how many train together. If one process stopped alone, the others would hang, so the sum
+            over all is checked too.
 
     Raises:
         LossError: by the returned check, in every process, if a loss is not finite.

@@ -141,7 +141,7 @@ class NormalMapMetric(MapMetric):
 
     @abstractmethod
     def value(self) -> Tensor:
-        """Return the metric, given that there are pixels and all are finite."""
+        """Return the metric; called only if there are pixels and all are finite."""
 
     def mean(self, total: Tensor) -> Tensor:
         """Return a sum of the state, in fractions, as a mean over pixels."""
@@ -162,5 +162,5 @@ def _by_image(errors: Tensor) -> Tensor:
 
 
 def _whole(sums: Tensor, fraction: float) -> Tensor:
-    """Return the sum over the images, each rounded to a whole number of the fraction."""
+    """Return the sum over the images, each rounded to a multiple of the fraction."""
     return (sums / fraction).round().long().sum()

@@ -1,4 +1,4 @@
-"""All metrics of normal maps at once, counted once."""
+"""All metrics of normal maps, with shared state."""
 
 from collections.abc import Sequence
 
@@ -56,8 +56,8 @@ def normal_map_metrics(
 
     Args:
         prefix: put before each name, such as ``val/``.
-        own: further metrics of ours, such as `MaskIoU`, under names that no other may have.
-        more: other metrics, copies of which are measured beside these under their `figure`.
+        own: further metrics of this package, such as `MaskIoU`; their names are reserved.
+        more: additional metrics, copied and named by their `figure`.
 
     Raises:
         InputError: if two metrics have the same name.

@@ -10,7 +10,7 @@ __all__ = ["distance_from_contour"]
 
 
 def distance_from_contour(mask: Tensor) -> Tensor:
-    """Return how far inside the object each pixel lies, in pixels; 0 off the object.
+    """Return the distance of each pixel from the contour, in pixels; 0 off the object.
 
     The contour runs half-way between a pixel of the object and its neighbour off it, so that the outermost
     pixels lie at 0.5. Where the picture's border cuts the object there is no contour.

@@ -21,8 +21,8 @@ class StageMetrics(nn.Module):
     Args:
         stage: first part of every figure's name.
         rows: names of the rows; the figures are named ``<stage>/<row>/<figure>``.
-        only: metrics to use in place of ours; None uses ours.
-        with_presence: whether mask IoU and coverage are measured too, where ours are used.
+        only: metrics to use instead of this package's; None uses ours.
+        with_presence: whether to add mask IoU and coverage to this package's metrics.
 
     Raises:
         InputError: if two of these metrics have the same name.

@@ -103,7 +103,7 @@ def check_generated(generator: nn.Module, predicted: object, condition: Tensor) 
         condition: (N, 4, H, W), its input.
 
     Raises:
-        InputError: if the output is anything else.
+        InputError: otherwise.
     """
     count, _, height, width = condition.shape
     if not isinstance(predicted, Tensor) or predicted.ndim != 4 or len(predicted) != count:
@@ -139,7 +139,7 @@ def check_predictions(generator: nn.Module, preds: object, condition: Tensor) ->
             raise InputError(f"{name} gave {describe(value)} as {part}; it is a tensor {wanted} here.")
     if torch.is_grad_enabled() and not preds.direction.requires_grad:
         raise InputError(
-            f"{class_name(generator)} returns maps that no gradient leads back from; do not detach them, and "
+            f"{class_name(generator)} returns maps without a gradient; do not detach them, and "
             "give it parameters to learn."
         )
 
@@ -168,7 +168,7 @@ def check_scores(discriminator: nn.Module, scores: object, condition: Tensor) ->
         condition: (N, 4, H, W), its input.
 
     Raises:
-        InputError: if the output is anything else.
+        InputError: otherwise.
     """
     asked = f"a discriminator gives a tuple of scores, a tensor ({len(condition)}, …) a head"
     # A bare tensor is iterable too; its samples would be taken for heads.

@@ -22,8 +22,8 @@ def grow(small: ResidualUNetGenerator, large: ResidualUNetGenerator) -> None:
 
     Args:
         small: the trained generator.
-        large: has the same patch side or twice that, in its detail layers too; the same number of levels,
-            each at least as wide and with at least as many blocks; the same norm.
+        large: generator with the same patch side or twice that, in its detail layers too; the same number of
+            levels, each at least as wide and with at least as many blocks; the same norm.
 
     Raises:
         InputError: if the two do not fit.
@@ -65,14 +65,14 @@ def _put(
     bias: Tensor | None = None,
     columns: Tensor | None = None,
 ) -> None:
-    """Copy a layer into the first outputs of a larger one, which then read the first inputs alone.
+    """Copy a layer into the first outputs of a larger one, which then read only the first inputs.
 
     Args:
         small: a convolution or a batch norm.
         large: a larger layer of the same kind.
         weight: in place of that of ``small``.
         bias: in place of that of ``small``.
-        columns: the inputs of ``large`` that those of ``small`` became.
+        columns: the inputs of ``large`` that correspond to those of ``small``.
     """
     if isinstance(small, nn.BatchNorm2d):
         for name, value in small.state_dict().items():

@@ -44,9 +44,9 @@ class ResidualUNetGenerator(Generator):
         norm: norm of the residual blocks. Batch norm learns from fewer images; without it, training does not
             mix the pictures of a batch.
         detail: side of the folded squares in the last two layers, which see the sketch again; a power of two,
-            at most ``patch``. With 1, these layers take as long as all others together.
-        hint_levels: whether hints enter at every level. If not, they enter with the sketch alone, at an equal
-            number of weights; an ablation.
+            at most ``patch``. With 1, these layers take as much time as all others together.
+        hint_levels: whether hints enter at every level. Otherwise they enter only with the sketch, with the
+            same number of weights; an ablation.
         deblock: whether to average directions over a patch far from lines, except in training. Folding leaves
             a faint grid that shows on smooth forms under light.
         mirror: whether to average predictions for a drawing and its mirror image, except in training; this
@@ -240,7 +240,7 @@ class ResidualBlock(nn.Module):
 
 
 def residual_blocks(channels: int, count: int, norm: Norm = "none") -> nn.Sequential:
-    """Return ``count`` residual blocks, one after the other."""
+    """Return ``count`` residual blocks in sequence."""
     return nn.Sequential(*(ResidualBlock(channels, norm) for _ in range(count)))
 
 

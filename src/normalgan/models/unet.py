@@ -1,4 +1,4 @@
-"""U-Net: the paper's generator and discriminator, and the network that both are made of."""
+"""U-Net: the paper's generator and discriminator, and the network that both use."""
 
 from typing import Annotated
 
@@ -19,7 +19,7 @@ _Depth = Annotated[int, Range(2)]
 class UNetGenerator(Generator):
     """The paper's generator: a U-Net of 16 layers at 256 pixels, with tanh.
 
-    Its noise z is dropout, as in pix2pix: on in training, off in prediction unless asked for.
+    Its noise z is dropout, as in pix2pix: on in training, off in prediction unless ``noise_at_test`` is set.
 
     Args:
         size: side of the pictures; sets the depth. Linked to the size of the data on the command line.
@@ -130,7 +130,7 @@ def full_depth(size: int) -> int:
     """
     if size < 4 or size & (size - 1):
         raise InputError(
-            f"a U-Net down to one pixel needs a size that is a power of two from 4 on, not {size}."
+            f"a U-Net down to one pixel needs a size that is a power of two, at least 4, not {size}."
         )
     return size.bit_length() - 1
 

@@ -68,7 +68,7 @@ class Camera:
 
         Returns:
             origins: (size, size, 3) world positions on the camera plane, row 0 the top of the picture.
-            directions: (size, size, 3) world vectors as long as one unit of depth, so that the ``t`` of
+            directions: (size, size, 3) world vectors that advance the depth by one, so that the ``t`` of
                 ``origin + t * direction`` is what `Maps` calls depth.
         """
         left, right, bottom, top = self.window
@@ -143,7 +143,7 @@ def framed(
     Args:
         vertices: (V, 3) world positions about the origin.
         rotation: (3, 3) world to camera.
-        field_of_view: angle in degrees that the bounding sphere takes up in a perspective view; None for
+        field_of_view: angle in degrees of the bounding sphere in a perspective view; None for
             an orthographic one.
         margin: part of the frame's side left free on each side.
     """

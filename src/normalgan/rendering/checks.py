@@ -18,7 +18,7 @@ def check_mesh(loaded: object) -> Mesh:
     """Return a data source's mesh after checking it.
 
     Raises:
-        InputError: if it is anything else.
+        InputError: otherwise.
     """
     if not isinstance(loaded, Mesh):
         raise InputError(
@@ -56,7 +56,7 @@ def check_maps(renderer: object, maps: object, size: int) -> Maps:
     """Return a renderer's maps after checking that they have ``size`` pixels a side.
 
     Raises:
-        InputError: if it is anything else.
+        InputError: otherwise.
     """
     name = type(renderer).__name__
     if not isinstance(maps, Maps):
@@ -77,7 +77,7 @@ def check_strokes(style: object, strokes: object, size: int) -> Sequence[Stroke]
     """Return a line style's strokes after checking them for a picture of ``size`` pixels a side.
 
     Raises:
-        InputError: if it is anything else. Strokes far outside are refused, not clipped, because drawing
+        InputError: otherwise. Strokes far outside are refused, not clipped, because drawing
             costs time and memory for every pixel along a line.
     """
     name = type(style).__name__

@@ -1,4 +1,4 @@
-"""Read the triangles of a mesh file: polygons are cut up, scenes flattened, nothing is repaired."""
+"""Read the triangles of a mesh file: polygons are triangulated, scenes flattened, nothing is repaired."""
 
 import warnings
 from collections.abc import Iterator

@@ -27,7 +27,7 @@ def read_once() -> Iterator[None]:
 
 
 def mesh_bytes(path: Path) -> bytes:
-    """Return the bytes of a mesh file, or of one that it refers to.
+    """Return the bytes of a mesh file, or of a file that it refers to.
 
     Raises:
         InputError: if it cannot be read, is larger than `MOST_BYTES`, or is a pipe or a device.

@@ -91,7 +91,7 @@ def place(
 
     Args:
         name: name of the mesh.
-        file: where the triangles are from, and how it stands.
+        file: source of the triangles, with its settings.
         vertices: (V, 3) positions, in the file's world axes.
         faces: (F, 3) vertex indices.
         about: (K, 3) points whose box and distance count in place of the mesh's own, such as those of all
@@ -130,7 +130,7 @@ def find_meshes(
     Args:
         source: a folder (its own files, not those of its subfolders), a file, a pattern such as
             ``meshes/**/*.ply``, or a list of these.
-        orientation: a file for `read_orientations`; meshes it does not name are taken as they are.
+        orientation: a file for `read_orientations`; meshes that it does not name are not turned.
         crease_angle: see `MeshFile`.
 
     Raises:
@@ -165,7 +165,7 @@ def _paths(source: str) -> list[Path]:
     if found:
         return found
     if place.is_dir():
-        raise InputError(f"the folder {source} holds no mesh; files in {' '.join(SUFFIXES)} are taken.")
+        raise InputError(f"the folder {source} has no mesh; files in {' '.join(SUFFIXES)} are taken.")
     raise InputError(f"{source} is not a file, a folder or a pattern that matches a mesh file.")
 
 

@@ -138,7 +138,7 @@ def _check_views(path: Path, tree: dict[str, Any], held: int) -> None:
 
 
 def _check_counts(path: Path, tree: dict[str, Any], held: int) -> None:
-    """Refuse numbers that nothing holds, and parts repeated until they fill the memory."""
+    """Refuse counts that the file cannot hold, and parts repeated until they fill the memory."""
     accessors, nodes = tree.get("accessors", []), tree.get("nodes", [])
     numbers = [entry["count"] * WIDTHS[entry["type"]] for entry in accessors]
     unbacked = sum(n for n, entry in zip(numbers, accessors, strict=True) if "bufferView" not in entry)

@@ -23,7 +23,7 @@ def read_obj(data: bytes) -> Polygons:
 
 
 def _corner(word: str, count: int, line: str) -> int:
-    """Return the index of a corner; one that is negative counts back from the last vertex so far."""
+    """Return the index of a corner; a negative one counts back from the last vertex so far."""
     try:
         number = int(word.partition("/")[0])
     except ValueError:

@@ -1,7 +1,7 @@
-"""Polygons: faces of mesh files with any number of corners, cut into triangles that lie inside them.
+"""Polygons: triangulation of faces with any number of corners.
 
-trimesh's readers of OBJ, OFF and PLY cut each face into a fan before anybody sees it, which fills in what a
-concave face leaves out.
+trimesh's readers of OBJ, OFF and PLY always cut a face into a fan, which covers too much if the face is
+concave.
 """
 
 from collections.abc import Sequence
@@ -46,7 +46,7 @@ class Polygons:
     sizes: Indices
 
     def triangles(self) -> Indices:
-        """Return the faces as triangles (T, 3), wound as they are; faces of fewer than 3 corners have none.
+        """Return the faces as triangles (T, 3) with the same winding; faces of 2 corners have none.
 
         Convex faces become fans. Concave ones are cut by ear clipping.
 
@@ -112,7 +112,7 @@ def _length(vectors: Doubles) -> Doubles:
 
 
 def _cut(points: Doubles) -> Indices:
-    """Return the triangles (T, 3) of a polygon (C, 3), as numbers of its corners, wound as it is."""
+    """Return the triangles (T, 3) of a polygon (C, 3), as indices of its corners, with its winding."""
     if len(points) > MOST_CORNERS:
         raise BrokenMeshError(f"a concave face has {len(points)} corners; up to {MOST_CORNERS} can be read")
     import mapbox_earcut

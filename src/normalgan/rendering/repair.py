@@ -15,7 +15,7 @@ def weld(vertices: Doubles, faces: Indices) -> tuple[Doubles, Indices]:
     """Merge vertices in the same place, drop faces without area and second copies, and unused vertices.
 
     Seams that a file keeps for textures or hard edges would break up smooth normals; two copies of a face
-    wound both ways would cancel them.
+    with opposite windings would cancel them.
 
     Args:
         vertices: (V, 3) positions in any unit.
@@ -41,13 +41,13 @@ def weld(vertices: Doubles, faces: Indices) -> tuple[Doubles, Indices]:
 
 
 def face_vectors(vertices: Doubles, faces: Indices) -> Doubles:
-    """Return (F, 3) the normals of the faces, as long as twice their areas."""
+    """Return the face normals (F, 3); their length is twice the area."""
     a, b, c = (vertices[faces[:, i]] for i in range(3))
     return np.cross(b - a, c - a)
 
 
 def wind(vertices: Doubles, faces: Indices, inside_out: bool | None) -> Indices:
-    """Return the faces wound alike within each body, counter-clockwise seen from outside.
+    """Return the faces with consistent winding within each body, counter-clockwise seen from outside.
 
     Args:
         vertices: (V, 3) positions.
@@ -85,8 +85,8 @@ def shade(vertices: Doubles, faces: Indices, crease_angle: float | None) -> tupl
 
     Args:
         vertices: (V, 3) positions.
-        faces: (F, 3) vertex indices, welded and wound alike.
-        crease_angle: edges whose faces' normals are farther apart than this, in degrees, stay hard; None
+        faces: (F, 3) vertex indices, welded, with consistent winding.
+        crease_angle: edges with a larger angle between their faces' normals, in degrees, stay hard; None
             smooths all.
     """
     flat = face_vectors(vertices, faces)

@@ -60,9 +60,9 @@ class Recipe:
         renderer: renders normals from a mesh and a camera.
         lines: the style in which the sketch is drawn.
         size: side of the pictures in pixels.
-        seed: another seed gives other views.
-        hand: who draws it; None draws the exact lines.
-        medium: pen, paper and scanner; None is clean ink on white paper.
+        seed: a different seed gives different views.
+        hand: who draws it; None keeps the exact lines.
+        medium: pen, paper and scanner; None draws clean ink on white paper.
 
     Raises:
         InputError: if the size is not positive.
@@ -120,16 +120,16 @@ class Recipe:
 def draw_strokes(
     view: View, lines: LineDrawing, hand: Hand | None, rng: Callable[[str], np.random.Generator]
 ) -> tuple[list[Stroke], Maps]:
-    """Return the strokes of a drawing and the maps that go with them, which follow the hand.
+    """Return the strokes of a drawing and its maps, both changed by the hand.
 
     Args:
         view: what is drawn.
         lines: in which style.
-        hand: who draws; None draws the exact lines.
+        hand: who draws; None keeps the exact lines.
         rng: the source of randomness of a step, ``lines`` or ``hand``.
 
     Returns:
-        No strokes, where the style gets none from the view.
+        There are no strokes if the style finds none in the view.
     """
     strokes = list(check_strokes(lines, lines.trace(view, rng("lines")), view.size))
     maps = view.maps()
@@ -139,8 +139,8 @@ def draw_strokes(
 def no_lines(lines: LineDrawing, seen: str, size: int) -> InputError:
     """Return the error for a view in which a style draws no strokes: a blank sheet is not a drawing."""
     return InputError(
-        f"{type(lines).__name__} gets no lines from {seen}; seen so, it is thinner than a pixel of {size}, "
-        "or no line is as long as the style asks for."
+        f"{type(lines).__name__} finds no lines in {seen}: there it is thinner than a pixel of {size}, "
+        "or every line is shorter than the style allows."
     )
 
 
@@ -162,7 +162,7 @@ def draw_ink(
 def sample_rng(seed: int, name: str, index: int, step: str) -> np.random.Generator:
     """Return the source of randomness of one step for one view of one mesh, the same in every process.
 
-    Each step has its own, so that no step shifts the random numbers of another.
+    Each step has its own generator, so that no step shifts another's random numbers.
 
     Args:
         seed: seed of the recipe.

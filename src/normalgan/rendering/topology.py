@@ -16,7 +16,7 @@ def neighbours(faces: Indices) -> tuple[Indices, Indices, BoolMask]:
     Returns:
         first: (E,) indices of faces.
         second: (E,) indices of their neighbours.
-        alike: (E,) whether the two are wound alike: they run along their edge in opposite directions.
+        alike: (E,) whether their windings agree: they run along their edge in opposite directions.
     """
     first, second, start, end = _shared_edges(faces)
     return first // 3, second // 3, start == end
@@ -36,10 +36,9 @@ def _shared_edges(faces: Indices) -> tuple[Indices, Indices, Indices, Indices]:
 def bodies(faces: Indices) -> tuple[Indices, BoolMask]:
     """Return each face's body (F,), and which faces (F,) to flip for a consistent winding.
 
-    Every face stands twice in a graph, as it is and turned over. Neighbours wound alike are joined copy
-    by like copy, others crosswise; a body that can be wound alike then falls into two components that
-    mirror each other, and either is a choice. One that cannot (a Möbius strip) stays one component, and
-    as it is.
+    A graph holds every face twice, unchanged and flipped. Neighbours with the same winding are linked copy to
+    copy, others crosswise. An orientable body then splits into two mirrored components, and either is a
+    consistent winding. Another (a Möbius strip) stays one component, and is not changed.
     """
     first, second, alike = neighbours(faces)
     count = len(faces)

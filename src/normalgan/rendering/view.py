@@ -10,11 +10,11 @@ __all__ = ["View"]
 
 
 class View:
-    """An object seen from one place.
+    """An object seen by one camera.
 
     Args:
         mesh: the object.
-        camera: where it is seen from.
+        camera: the camera.
         renderer: renders its maps.
         size: side of the sketch and of the normal map in pixels.
     """

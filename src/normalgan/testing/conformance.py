@@ -37,7 +37,7 @@ class Check(Generic[T]):
     """One check of a plug-in; call it with the plug-in.
 
     Args:
-        name: what is checked, in a few words; the id of the test in pytest.
+        name: the subject of the check, in a few words; the id of the test in pytest.
         ask: raises `ConformanceError` if the plug-in breaks the contract.
         contract: what a plug-in must do, for the message if it raises an exception.
     """

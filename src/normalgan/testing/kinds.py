@@ -50,7 +50,7 @@ def checks(kind: type, size: int = 64) -> list[Check[Any]]:
 
     Args:
         kind: the base of its classes, such as `HintSampler`, or a class derived from it.
-        size: side in pixels of the pictures that a generator or discriminator is given.
+        size: side in pixels of the inputs of generators and discriminators.
 
     Raises:
         ConformanceError: if it is not a kind of plug-in.
@@ -67,7 +67,7 @@ def check(plugin: object, size: int = 64) -> None:
 
     Args:
         plugin: with the settings it is to be checked with; small networks save time.
-        size: side in pixels of the pictures that a generator or discriminator is given.
+        size: side in pixels of the inputs of generators and discriminators.
 
     Raises:
         ConformanceError: at the first fault, in one sentence.

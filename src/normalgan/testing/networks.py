@@ -24,9 +24,9 @@ def network_checks(size: int, answer: Answer[N], sees_normals: bool, contract: s
     """Return the checks that generators and discriminators share.
 
     Args:
-        size: side in pixels of pictures that it takes.
+        size: side in pixels of its inputs.
         answer: runs the network and checks the form of its output.
-        sees_normals: whether the normals are something it is given.
+        sees_normals: whether the normals are an input.
         contract: what ``forward`` is to do.
     """
     return [
@@ -59,7 +59,7 @@ def _batches(network: N, size: int, answer: Answer[N]) -> None:
 
 
 def _learning(network: N, size: int, answer: Answer[N]) -> None:
-    """Demand that every parameter gets a finite gradient, and that not all of them are zero."""
+    """Check that every parameter gets a finite gradient, and that not all gradients are zero."""
     network.train()
     network.zero_grad()
     torch.manual_seed(0)
@@ -108,7 +108,7 @@ def _repeating(network: N, size: int, answer: Answer[N]) -> None:
 
 @torch.no_grad()
 def _independence(network: N, size: int, answer: Answer[N]) -> None:
-    """Demand that in evaluation an output does not depend on the other pictures of the batch."""
+    """Check that in evaluation an output does not depend on other pictures of the batch."""
     network.eval()
     condition, normal = given(3, size)
     whole = answer(network, condition, normal)
@@ -133,7 +133,7 @@ def _leaving(network: N, size: int, answer: Answer[N]) -> None:
 
 
 def _state(network: N, size: int, answer: Answer[N]) -> None:
-    """Demand that after training the state_dict alone determines the output."""
+    """Check that after training the state_dict alone determines the output."""
     trained, fresh = copy.deepcopy(network).train(), copy.deepcopy(network)
     optimizer = torch.optim.SGD([p for p in trained.parameters() if p.requires_grad], lr=1e-3)
     for _ in range(2):

@@ -1,4 +1,4 @@
-"""Test pictures of the checks: wavy ellipsoids at different places and sizes, known exactly."""
+"""Test pictures of the checks: wavy ellipsoids at different places and sizes, with exact maps."""
 
 import torch
 from torch import Tensor

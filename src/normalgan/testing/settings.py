@@ -169,7 +169,7 @@ def settings_of(cls: type[Any]) -> dict[str, inspect.Parameter]:
 
 
 def as_config(plugin: object) -> dict[str, Any]:
-    """Return the configuration that builds a plug-in: class_path, and init_args if they are known."""
+    """Return the configuration that builds a plug-in: class_path, and init_args if known."""
     if not is_dataclass(plugin):
         return {"class_path": class_path(type(plugin))}
     values = {field.name: _plain(getattr(plugin, field.name)) for field in fields(plugin) if field.init}

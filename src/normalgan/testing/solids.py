@@ -1,4 +1,4 @@
-"""Solids whose maps are known exactly, and cameras about them."""
+"""Solids with exact maps, and cameras around them."""
 
 from functools import cache
 
@@ -44,7 +44,7 @@ def camera(mesh: Mesh, field_of_view: float | None = None, front: bool = False) 
 
 
 def away(mesh: Mesh) -> Camera:
-    """Return a camera whose frame lies beside the mesh, so that it sees nothing."""
+    """Return a camera that looks past the mesh and sees nothing."""
     seen = camera(mesh)
     side = seen.window[1] - seen.window[0]
     aside = (seen.window[0] + 3 * side, seen.window[1] + 3 * side, seen.window[2], seen.window[3])

@@ -1,4 +1,4 @@
-"""The model in a checkpoint: its settings are checked as those of any file, and nothing is imported."""
+"""The model in a checkpoint: its settings are checked like any file's, and nothing is imported."""
 
 import sys
 from collections.abc import Iterator, Mapping
@@ -70,12 +70,12 @@ class Checkpoint:
 
     Args:
         path: path of the file.
-        settings: settings of the model, as the file has them.
+        settings: settings of the model, as in the file.
         tensors: weights and statistics of the model's networks by name; mapped, and read where they are used.
         callbacks: states of callbacks by their names.
         progress: the run's progress and the state of its optimisers; `check_progress` says whether it can be
             resumed.
-        size: side in pixels of the pictures that it learned from, if the file says so.
+        size: side in pixels of its training images, if the file records it.
     """
 
     path: Path
@@ -89,8 +89,8 @@ class Checkpoint:
         """Return the generator and the notes on it, as a file of weights has them.
 
         Args:
-            size: side of the pictures in pixels; None for that which it was trained at, if it or its run
-                says so.
+            size: side of the pictures in pixels; None for the size of its training, if the model or its run
+                records it.
 
         Raises:
             InputError: if no size is known, the generator cannot be built here, or the tensors are not its
@@ -118,7 +118,7 @@ class Checkpoint:
             return Weights(notes, tensors)
 
     def _trained_size(self) -> int | None:
-        """Return the size that the generator was built for or, where any would do, that of the run's data.
+        """Return the size that the generator was built for or, if it takes any, the size of the run's data.
 
         That is in ``config.yaml`` of the run, in the folder above.
         """
@@ -137,7 +137,7 @@ class Checkpoint:
 
         Raises:
             InputError: if they name anything but registered classes, optimisers and schedules that are
-                imported already, and plain values; or if networks and tensors do not go together.
+                imported already, and plain values; or if networks and tensors do not match.
         """
         with _named(self.path):
             self._check_callbacks()
@@ -176,7 +176,7 @@ class Checkpoint:
             )
 
     def _fits(self, network: str, state: Mapping[str, Any]) -> bool:
-        """Return whether the state of an optimiser can be one of a network."""
+        """Return whether the state of an optimiser fits a network."""
         shapes = {tensor.shape for tensor in self.tensors_of(network).values()}
         match state:
             case {"state": dict(kept), "param_groups": [{"params": [*_]}, *_]}:
@@ -244,7 +244,7 @@ def read_model(path: Path, size: int | None = None) -> Weights:
 
     Args:
         path: path of the file.
-        size: side in pixels of the pictures of a checkpoint's training; None where it says so itself.
+        size: side in pixels of the pictures of a checkpoint's training; None if the file records it.
 
     Raises:
         InputError: if it is missing, damaged, not one of ours, or no size is known.
@@ -262,7 +262,7 @@ def uncompiled(name: str) -> str:
 
 
 def settings_to_save(given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments of a model as a checkpoint holds them: classes and values in place of objects.
+    """Return the arguments of a model as a checkpoint holds them: classes and values instead of objects.
 
     Objects that plain values cannot describe are only named; such a model can be continued in Python.
 
@@ -326,7 +326,7 @@ def _part(name: str, value: Any) -> ClassSpec:
 
 
 def _unchecked_part(name: str, value: Any) -> ClassSpec | None:
-    """Return a part that takes no part in inference, so that its class need not be known here.
+    """Return a component that inference does not use, so that its class may be unknown here.
 
     None if the object was made in Python from values that are not plain.
     """
@@ -412,7 +412,7 @@ def _are_dicts(found: Any, count: int) -> bool:
 
 
 def _is_recent(version: Any) -> bool:
-    """Return whether a version of Lightning is one that the package has run with."""
+    """Return whether the package has run with a version of Lightning."""
     try:
         return Version(version) >= Version("2.6")
     except (InvalidVersion, TypeError):

@@ -38,14 +38,14 @@ class ClassSpec:
 
     @classmethod
     def of(cls, configuration: Any, largest: int = LARGEST) -> "ClassSpec":
-        """Return the part that a configuration names; nothing that it says is looked up yet.
+        """Return the part that a configuration names; nothing in it is looked up yet.
 
         Args:
             configuration: with ``class_path`` and ``init_args``, as checkpoints have it.
             largest: number that a setting may be.
 
         Raises:
-            InputError: if it says anything else.
+            InputError: if it has other content.
 
         >>> ClassSpec.of({"class_path": "normalgan.hints.UniformHints", "init_args": {"minimum": 1}})
         ClassSpec(name='normalgan.hints.UniformHints', settings={'minimum': 1})
@@ -84,10 +84,10 @@ class ClassSpec:
 
     @classmethod
     def from_json(cls, text: str) -> "ClassSpec":
-        """Return the part that a text names; nothing that it says is looked up yet.
+        """Return the part that a text names; nothing in it is looked up yet.
 
         Raises:
-            InputError: if the text says anything else.
+            InputError: if the text has other content.
         """
         try:
             return cls.of(json.loads(text, parse_constant=float))
@@ -125,7 +125,7 @@ class ClassSpec:
 
 
 def is_plain(value: Any, largest: int = LARGEST) -> bool:
-    """Return whether a setting can do nothing but be one: a dotted path might import a module.
+    """Return whether a setting is plain data: a dotted path might import a module.
 
     >>> is_plain([0.5, "batch", None]), is_plain("os.system"), is_plain({"class_path": "a"}), is_plain(5000)
     (True, False, False, False)

@@ -49,7 +49,7 @@ class Weights:
         generator.load_state_dict(dict(self.tensors))
 
     def halved(self) -> "Weights":
-        """Return the weights in 16 bits, those too large for it at its limits."""
+        """Return the weights in 16 bits, clamped to their range."""
         return Weights(self.notes, {name: _halve(tensor) for name, tensor in self.tensors.items()})
 
     def to_bytes(self) -> bytes:
@@ -75,7 +75,7 @@ def parse_weights(content: bytes, name: str = "the file", is_onnx: bool = False)
         is_onnx: whether it is ONNX and not safetensors.
 
     Raises:
-        InputError: if it is damaged, holds another model, or one that cannot be built here.
+        InputError: if it is damaged, or its model is not ours or cannot be built here.
     """
     try:
         metadata, tensors = (parse_onnx if is_onnx else _parse_safetensors)(content)

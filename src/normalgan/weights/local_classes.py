@@ -66,7 +66,7 @@ def find_local(name: str, base: type[T]) -> type[T] | None:
 
 
 def where_classes_are_looked_for(name: str) -> str:
-    """Return what to do about a class that is not known, as a sentence after a space.
+    """Return advice on an unknown class, as a sentence after a space.
 
     >>> where_classes_are_looked_for("nets.OwnGenerator")
     ' Install the package that offers it, or run python -m normalgan in the folder of nets.'

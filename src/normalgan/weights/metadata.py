@@ -63,7 +63,7 @@ class ModelMetadata:
         """Return the hint sampler of its training.
 
         Raises:
-            InputError: if it is not known here.
+            InputError: if its class is unknown here.
         """
         if self.hint_sampler is None:
             raise InputError(_MADE_IN_PYTHON)
@@ -76,7 +76,7 @@ class ModelMetadata:
             measured: whether the model is measured with the hints of its training; inference needs none.
 
         Raises:
-            InputError: if a class is not known here.
+            InputError: if a class is unknown here.
         """
         if measured and self.hint_sampler is None:
             raise InputError(_MADE_IN_PYTHON)

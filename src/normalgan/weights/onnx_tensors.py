@@ -18,7 +18,7 @@ def parse_onnx(content: bytes) -> tuple[dict[str, str], dict[str, Tensor]]:
     Batch norm counts its batches, which a graph does not use: the count is 0 here.
 
     Raises:
-        ValueError: if tensors lie in other files. The package onnx raises errors of its own on damaged ones.
+        ValueError: if tensors are in other files. For damaged files, the package onnx raises its own errors.
     """
     model = onnx.load_from_string(content)
     tensors: dict[str, Tensor] = {}

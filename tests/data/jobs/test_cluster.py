@@ -94,7 +94,7 @@ def test_workers_of_another_version_do_nothing(tmp_path: Path) -> None:
         other = dask_cluster.start_worker("--preload", str(preload))
         with pytest.raises(
             InputError,
-            match=r"^the worker tcp://\S+ of .* is not fit for this: it has the rendering -7, not \d+\.$",
+            match=r"^the worker tcp://\S+ of .* cannot be used: it has the rendering -7, not \d+\.$",
         ):
             render(tmp_path / "cache", dask_cluster.address)
         assert not (tmp_path / "cache").exists()
@@ -102,7 +102,7 @@ def test_workers_of_another_version_do_nothing(tmp_path: Path) -> None:
         dask_cluster.start_worker()
 
         with pytest.warns(  # noqa: PT031 -- who meddles looks at what was told
-            UserWarning, match=r"tcp://\S+ has joined but is not fit: it has the rendering -7, not "
+            UserWarning, match=r"tcp://\S+ has joined but cannot be used: it has the rendering -7, not "
         ) as told:
 
             def meddle() -> None:
@@ -126,7 +126,7 @@ def test_a_worker_without_the_package_or_with_threads_is_refused(tmp_path: Path)
     blocker.write_text("import sys\nsys.modules['normalgan.data.jobs.cluster_worker'] = None\n")
     with start_cluster(tmp_path / "dask") as dask_cluster:
         bare = dask_cluster.start_worker("--preload", str(blocker))
-        with pytest.raises(InputError, match="is not fit for this: it has no normalgan, or an older one"):
+        with pytest.raises(InputError, match="cannot be used: it has no normalgan, or an older one"):
             render(tmp_path / "cache", dask_cluster.address)
         dask_cluster.kill_last_worker(bare)
         dask_cluster.start_worker(threads=2)
@@ -145,7 +145,7 @@ def test_a_scheduler_that_goes_is_named_and_finished_shards_are_kept(tmp_path: P
 
         thread = threading.Thread(target=meddle)
         thread.start()
-        with pytest.raises(RunError, match=r"^the scheduler at .* is gone; what is finished is kept"):
+        with pytest.raises(RunError, match=r"^the scheduler at .* is gone; finished samples are kept"):
             render(tmp_path / "cache", dask_cluster.address, waits_at="d", until=str(tmp_path / "never"))
         thread.join()
     assert 0 < finished(tmp_path / "cache") < 4
@@ -176,7 +176,7 @@ def test_a_result_that_dies_with_its_worker_is_made_again(
 
 
 def test_memory_is_not_shared_with_a_cluster() -> None:
-    with pytest.raises(InputError, match="memory://x cannot be seen by other processes"):
+    with pytest.raises(InputError, match="memory://x is invisible to other processes"):
         render_samples("memory://x", SOURCES, VIEWS, recipe(), progress=False, cluster="local:1")
 
 
@@ -192,7 +192,7 @@ def test_a_mesh_that_a_worker_does_not_see_stops_the_run_with_its_address(
     tmp_path: Path, pair: DaskCluster
 ) -> None:
     sources = {"train": [Local("a")]}
-    with pytest.raises(InputError, match=r"^a on \S+ is not what .* machine \(worker tcp://\S+\)\.$"):
+    with pytest.raises(InputError, match=r"^a on \S+ has changed .* machine \(worker tcp://\S+\)\.$"):
         render_samples(str(tmp_path), sources, 2, recipe(), progress=False, cluster=pair.address)
     assert finished(tmp_path) == 0
 

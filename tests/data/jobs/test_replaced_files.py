@@ -59,7 +59,7 @@ def test_a_file_replaced_after_rendering_began_stops_it(
             Path(source.path).unlink()
         else:
             solid(tmp_path / "meshes", height)
-        with pytest.raises(ChangedMeshError, match=r"^solid on \S+ is not what rendering began with"):
+        with pytest.raises(ChangedMeshError, match=r"^solid on \S+ has changed since rendering began"):
             render_shard(task)
         assert not list((tmp_path / "cache").glob("done/*/*"))
     solid(tmp_path / "meshes", 1)

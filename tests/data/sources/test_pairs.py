@@ -239,7 +239,7 @@ def test_a_folder_that_cannot_be_used(tmp_path: Path, spoil: Callable[[Path], No
     [
         (
             "sketch,normals\na0.png,a0_normal.png",
-            r"has a column 'normals', which means nothing here\. Did you mean normal\? Its first line names",
+            r"has a column 'normals', which is unknown\. Did you mean normal\? Its first line names",
         ),
         (
             "sketch,mask\na0.png,a0.png",
@@ -252,7 +252,7 @@ def test_a_folder_that_cannot_be_used(tmp_path: Path, spoil: Callable[[Path], No
         ("sketch,normal,split\na0.png,a0_normal.png,dev", "has the split 'dev'; it is train, val, test"),
         (
             "sketch,normal,split\na0.png,a0_normal.png,val\na1.png,a1_normal.png,",
-            r"a1\.png is in no split, but others are",
+            r"a1\.png has no split, but others do",
         ),
         (
             "sketch,normal,split,group\na0.png,a0_normal.png,val,g\na1.png,a1_normal.png,test,g",
@@ -408,8 +408,8 @@ def test_a_source_of_pairs_that_loads_something_else_is_told() -> None:
             make_photo,
             r"the normal map holds no normals: its vectors are 0\.\d\d long at the median, and \d+% of them",
         ),
-        (make_grey, "is grey; a normal map has three colours"),
-        (flip_green_of, "looks as if its green had the other direction: .* set green to down"),
+        (make_grey, "is grey; a normal map needs three channels"),
+        (flip_green_of, "looks as if its green had the opposite direction: .* set green to down"),
         (turn_to_the_world, r"point away from the viewer \(\d+% on the object have z below 0\)"),
         (make_flat, "shows nothing but its background"),
         (break_file, "cannot be read as an image: it begins as a PNG and is cut short or damaged"),

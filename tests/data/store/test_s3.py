@@ -133,7 +133,7 @@ def test_objects_above_the_size_of_a_part_appear_whole(bucket: str) -> None:
 def test_an_unknown_bucket_is_named(bucket: str) -> None:
     start = time.monotonic()
     with pytest.raises(
-        InputError, match=r"^there is no such bucket as in s3://nowhere-at-all/x/\w+; create it"
+        InputError, match=r"^the bucket of s3://nowhere-at-all/x/\w+ does not exist; create it"
     ):
         render("s3://nowhere-at-all/x")
     assert time.monotonic() - start < 60  # by itself botocore would take minutes

@@ -210,7 +210,7 @@ def test_a_speck_is_a_drawing_too(here: Path) -> None:
         (["flat.png", "--bits", "16"], "flat.png has no layers"),
         (["paper.ora"], "none of its layers holds a drawing"),
         (["fox.ora", "-o", "fox.png"], "fox.png holds one map; --layers needs a folder (-o)"),
-        (["fox.ora", "-o", ".", "--suffix", ""], "fox.ora is read and would be written over"),
+        (["fox.ora", "-o", ".", "--suffix", ""], "fox.ora is an input and would be overwritten"),
         (
             ["fox.ora", "--mask", "flat.png"],
             "fox.ora is predicted layer by layer; a mask or hints belong to one",

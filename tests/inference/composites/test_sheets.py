@@ -214,8 +214,8 @@ def test_cells_can_share_a_frame(here: Path) -> None:
             ["--sheet", "5x2"],
             "sheet.png is 288 × 192 pixels, which 5 columns and 2 rows do not divide evenly.",
         ),
-        (["--sheet", "four"], "sheet is 'four'; it is columns x rows, such as 4x3"),
-        (["--sheet", "0x3"], "sheet is '0x3'; it is columns x rows"),
+        (["--sheet", "four"], "sheet is 'four'; give columns x rows, such as 4x3"),
+        (["--sheet", "0x3"], "sheet is '0x3'; give columns x rows"),
         (["--sheet", "96x2"], "the cells of sheet.png would be 3 × 96 pixels"),
         (["--sheet", "3x2", "--split", "auto"], "--sheet and --split each say where the drawings"),
         (["--sheet", "3x2", "--size", "64"], "a sheet of pixels keeps its packing"),
@@ -283,12 +283,12 @@ def test_a_tiny_sprite_of_an_atlas_is_named(here: Path, capsys: pytest.CaptureFi
     Path("sheet.json").write_text(json.dumps(told))
     assert generate("sheet.png", "--atlas", "sheet.json") == 1
     said = capsys.readouterr().err
-    assert "spark: it is left flat, as it is 6 × 7 pixels; a drawing has 8 a side at least" in said
+    assert "spark: it is left flat, as it is 6 × 7 pixels; a drawing needs at least 8 a side" in said
     assert "nothing" not in said
     told["frames"] = {name: told["frames"][name] for name in ("spark", "nothing")}
     Path("sheet.json").write_text(json.dumps(told))
     assert generate("sheet.png", "--atlas", "sheet.json") == 2
-    assert "spark: it is 6 × 7 pixels; a drawing has 8 a side at least." in capsys.readouterr().err
+    assert "spark: it is 6 × 7 pixels; a drawing needs at least 8 a side." in capsys.readouterr().err
 
 
 def test_atlases_lie_in_folders_as_their_sheets_do(here: Path) -> None:

@@ -210,15 +210,10 @@ def test_the_height_of_a_large_map_is_that_of_a_reduced_one(monkeypatch: pytest.
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["--strength", "-1"], "-1 is out of range; it must be >= 0 and <= 100"),
         (["--height-scale", "5"], "height_scale is a setting of the height map; add --height png"),
         (
             ["--height", "tiff", "--height-scale", "5"],
-            "a height_scale is that of a height png; add --height png.",
-        ),
-        (
-            ["--height", "png", "--height-scale", "0"],
-            "height_scale of Height is 0.0; it must be more than 0.",
+            "height_scale applies to a height map as png; add --height png.",
         ),
         (["--faces", "500"], "faces is a setting of the relief mesh; add --relief glb, or leave it out."),
         (["--relief", "obj", "--faces", "2"], "faces of Relief is 2; it must be 12 or more."),

@@ -49,7 +49,7 @@ def test_sketch_draws_a_moment_of_a_clip(tmp_path: Path, capsys: pytest.CaptureF
     assert 0.05 < both / either < 0.8
     for asked, sentence in (
         (["--clip", "0", "--time", "9"], "time is 9.0; the clip 0 runs from 0 to 1 seconds."),
-        (["--time", "1"], "a time is one of a clip; name it with --clip."),
+        (["--time", "1"], "a time needs a clip; name one with --clip."),
     ):
         assert main(["sketch", rig, "-o", str(tmp_path / "b.png"), *asked]) == 2
         assert sentence in capsys.readouterr().err

@@ -31,7 +31,7 @@ def human(
     """Measure a model on the drawings in a folder, and write results.json, table.md and gallery.png.
 
     Args:
-        folder: with ``drawings.json``, as `read_drawings` takes it.
+        folder: folder with a ``drawings.json``; see `read_drawings`.
         name: name of the model's file, or ``shipped``.
         out: where the files go.
         groups: the groups of drawings to measure; empty for all.

@@ -15,7 +15,7 @@ __all__ = ["INDEX", "HumanDrawing", "read_drawings"]
 INDEX = "drawings.json"
 _LAYOUT = (
     '{"OBJECT/PERSON": {"drawing": "a.png", "mesh": "a.obj", "projection": [[…4], […4], […4]]}}, or '
-    '"normal": "a_normal.png" in place of mesh and projection'
+    '"normal": "a_normal.png" instead of mesh and projection'
 )
 _KEYS = {"drawing", "mesh", "projection", "normal", "group"}
 

@@ -46,7 +46,7 @@ class Measurement:
     """The figures of a folder of drawings.
 
     Args:
-        groups: figures of drawings that belong together, as those of a method of the benchmark.
+        groups: figures of a group of drawings, in the form of a benchmark method's.
         drawings: name, group, object, size and figures of each.
         left_out: a sentence for each that could not be measured.
         shown: rows of the gallery, without hints and with the most.

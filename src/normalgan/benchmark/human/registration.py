@@ -57,11 +57,11 @@ def camera_of(projection: Doubles, placed: PlacedMesh, side: int) -> Camera:
         side: side of the drawing in pixels.
 
     Raises:
-        InputError: if there is no such camera: it is singular, skewed, a mirror, or stands in the mesh.
+        InputError: if no camera fits: it is singular, skewed, a mirror, or stands in the mesh.
     """
     matrix = projection @ placed.to_file
     if not np.isfinite(matrix).all() or np.linalg.norm(matrix[:, :3]) == 0:
-        raise InputError("its projection is not a matrix of finite numbers that looks at anything.")
+        raise InputError("its projection is not a matrix of finite numbers that shows anything.")
     perspective = np.linalg.norm(matrix[2, :3]) > 1e-9 * np.linalg.norm(matrix[:2, :3])
     return _perspective(matrix, placed, side) if perspective else _orthographic(matrix, placed, side)
 
@@ -72,12 +72,12 @@ def _perspective(matrix: Doubles, placed: PlacedMesh, side: int) -> Camera:
         matrix = -matrix
     determinant = float(np.linalg.det(matrix[:, :3]))
     if determinant <= 0:
-        raise InputError("its projection is singular or shows the mesh in a mirror; y is to go downwards.")
+        raise InputError("its projection is singular or shows the mesh in a mirror; y must point down.")
     inner, rotation = _rq(matrix[:, :3])
     scale = inner[2, 2]
     inner = inner / scale
     if abs(inner[0, 1]) > _SKEWED * inner[0, 0]:
-        raise InputError("its projection is skewed: pixels would be no rectangles.")
+        raise InputError("its projection is skewed: pixels would not be rectangles.")
     shift = np.linalg.solve(inner, matrix[:, 3]) / scale
     depth = vertices @ rotation[2] + shift[2]
     if depth.min() <= 0:

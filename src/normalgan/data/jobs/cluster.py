@@ -44,10 +44,10 @@ class Cluster(Pool):
         self._ended: SimpleQueue[Any] = SimpleQueue()
 
     def __enter__(self) -> Self:
-        """Connect, and look at the workers.
+        """Connect, and check the workers.
 
         Raises:
-            InputError: if the cluster cannot be reached, or a worker is not fit.
+            InputError: if the cluster cannot be reached, or a worker is unfit.
             RunError: if no worker comes.
         """
         with ExitStack() as stack:
@@ -55,9 +55,7 @@ class Cluster(Pool):
             self._seen = time.monotonic()
             while not self._workers:
                 for address, flaw in self._look().items():
-                    raise InputError(
-                        f"the worker {address} of {self.where} is not fit for this: it has {flaw}."
-                    )
+                    raise InputError(f"the worker {address} of {self.where} cannot be used: it has {flaw}.")
                 if not self._workers:
                     time.sleep(0.1)
             self._stack = stack.pop_all()
@@ -70,7 +68,7 @@ class Cluster(Pool):
 
     @property
     def room(self) -> int:
-        """Three tasks a worker: none waits for the next, and few fall with it."""
+        """Three tasks a worker: enough to keep it busy, and few to lose when it dies."""
         return 3 * len(self._workers)
 
     def submit(self, function: Callable[[T], R], task: T) -> Any:
@@ -82,13 +80,13 @@ class Cluster(Pool):
         return future
 
     def wait(self, under_way: Collection[Any]) -> Collection[Any]:
-        """Wait a second for a task to end, and look at who is there."""
+        """Wait up to a second for a task to end, and update the list of workers."""
         future = _next(self._ended)
         self._watch()
         return [future] if future in under_way else []
 
     def outcome(self, future: Any) -> Any:
-        """Return the result of a task; it is done again if it is lost, or its worker is not fit."""
+        """Return the result of a task, or `Again` if the result is lost or its worker is unfit."""
         from distributed import KilledWorker
 
         if future.status == "finished":
@@ -114,16 +112,16 @@ class Cluster(Pool):
         raise error
 
     def cancel(self, under_way: Collection[Any]) -> None:
-        """Tell the scheduler of tasks that nobody waits for."""
+        """Cancel tasks whose results are not needed."""
         if self._client.status == "running":
             with suppress(OSError):  # the scheduler may have gone a moment ago
                 self._client.cancel(list(under_way), force=True)
 
     def _lost_result(self) -> Again:
-        """Say that a result is lost: with its worker just after it was finished, or with the connection.
+        """Return `Again`: the result was lost with its worker, or the connection broke and was restored.
 
         Raises:
-            RunError: if there is no connection any more.
+            RunError: if the connection is lost.
         """
         if not self._connected():
             raise self._lost()
@@ -142,14 +140,14 @@ class Cluster(Pool):
             return False
         unfit = self._look()
         for address, flaw in unfit.items():
-            warnings.warn(f"the worker {address} has joined but is not fit: it has {flaw}.", stacklevel=2)
+            warnings.warn(f"the worker {address} has joined but cannot be used: it has {flaw}.", stacklevel=2)
         if unfit:
             self._sent_away |= set(unfit)
             self._client.retire_workers(list(unfit))
         return bool(unfit)
 
     def _look(self) -> dict[str, str]:
-        """Note which workers there are; return the flaws of new ones, by address."""
+        """Update the list of workers; return the flaws of new ones, by address."""
         self._looked = time.monotonic()
         if not self._connected():
             raise self._lost()
@@ -168,7 +166,7 @@ class Cluster(Pool):
 
     def _lost(self) -> RunError:
         return RunError(
-            f"the scheduler at {self.where} is gone; what is finished is kept: start it, and run again."
+            f"the scheduler at {self.where} is gone; finished samples are kept: start it, and run again."
         )
 
 

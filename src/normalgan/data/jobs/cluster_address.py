@@ -32,10 +32,10 @@ def connect(where: str, stack: ExitStack) -> Any:
     Args:
         where: ``tcp://host:port``; a scheduler file ``….json``; or ``local:N`` for N processes of this
             machine.
-        stack: ends what is started here.
+        stack: closes the client and a local cluster when it ends.
 
     Raises:
-        InputError: if Dask is not installed, it is none of these, or no scheduler answers.
+        InputError: if Dask is not installed, the address has none of these forms, or no scheduler answers.
     """
     try:
         import dask.config

@@ -23,7 +23,7 @@ _PACKAGES = ("normalgan", "numpy", "scipy", "scikit-image", "trimesh", "embreex"
 
 @dataclass(frozen=True)
 class Unfit:
-    """A worker refused a task, because its result would differ from that of the others.
+    """A worker refused a task, because its result would differ from other workers' results.
 
     Args:
         worker: its address.
@@ -35,8 +35,8 @@ class Unfit:
 def order(function: Callable[[Any], Any], task: object) -> tuple[str, dict[str, Any]]:
     """Return the arguments with which `eval` calls `perform` in a worker.
 
-    Nothing of normalgan is unpickled before the versions are checked; and a worker that has none
-    of it must fail at the task: if it failed while unpacking what to call, Dask would take it for dead.
+    Nothing of normalgan is unpickled before the versions are checked. A worker without normalgan must fail in
+    the task: if unpickling the function failed, Dask would consider the worker dead.
     """
     work = pickle.dumps((function, task), protocol=5)
     return _DO, {"work": work, "ours": worker_versions(), "folder": str(Path.cwd())}
@@ -47,8 +47,8 @@ def perform(work: bytes, ours: Mapping[str, str], folder: str) -> Any:
 
     Args:
         work: function and task, pickled.
-        ours: the versions where the work is handed out.
-        folder: the working directory there; relative paths refer to it, if there is such a folder here.
+        ours: the versions of the machine that sends the task.
+        folder: its working directory, used for relative paths if the worker has such a folder.
 
     Raises:
         InputError: as the task does, with the worker's address.

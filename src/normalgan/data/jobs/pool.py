@@ -1,4 +1,4 @@
-"""Pool: tasks side by side, in processes of one machine or many."""
+"""Pool: runs tasks in parallel, in processes of one machine or many."""
 
 from abc import ABC, abstractmethod
 from collections import deque
@@ -24,27 +24,27 @@ class Again:
     """The result of a task that must be repeated.
 
     Args:
-        lost: whether its result was lost, which can be its own fault.
+        lost: whether its result was lost, for which the task itself may be the cause.
     """
 
     lost: bool
 
 
 def unrelated(_: object) -> tuple[str, ...]:
-    """Return nothing: no task has anything to do with another."""
+    """Return no names: all tasks are independent."""
     return ()
 
 
 class Pool(ABC):
-    """Does tasks in processes, and continues when one of them dies.
+    """Runs tasks in processes, and continues when one of them dies.
 
-    Subclasses say how processes of this machine or of a cluster are started, asked and replaced.
+    Subclasses start, query and replace the processes of this machine or of a cluster.
     """
 
     @property
     @abstractmethod
     def room(self) -> int:
-        """How many tasks may be under way."""
+        """Maximum number of submitted tasks."""
 
     @abstractmethod
     def submit(self, function: Callable[[T], R], task: T) -> Any:
@@ -52,7 +52,7 @@ class Pool(ABC):
 
     @abstractmethod
     def wait(self, under_way: Collection[Any]) -> Collection[Any]:
-        """Return those futures that have ended, after waiting a while for one.
+        """Return the futures that have ended, after waiting for one for a while.
 
         Raises:
             RunError: if no worker is left.
@@ -60,11 +60,11 @@ class Pool(ABC):
 
     @abstractmethod
     def outcome(self, future: Any) -> Any:
-        """Return the result of a task that has ended, `Killed` or `Again`; raise what the task raised."""
+        """Return the result of an ended task, `Killed` or `Again`; raise the task's own error."""
 
     @abstractmethod
     def cancel(self, under_way: Collection[Any]) -> None:
-        """Give up tasks that nobody waits for any more."""
+        """Cancel tasks whose results are not needed."""
 
     def run(
         self,
@@ -75,14 +75,14 @@ class Pool(ABC):
         """Yield every task with its result when it is finished, in any order.
 
         Args:
-            function: a module's function, so that a worker can import it.
-            tasks: what it is called with.
-            related: the names of a task. After one is killed, tasks that share a name with it are not
-                started, but yielded as killed too.
+            function: a module-level function, so that a worker can import it.
+            tasks: its arguments.
+            related: the names of a task. After a task is killed, tasks that share a name with it are not
+                started, but yielded as killed.
 
         Raises:
-            InputError: as a task does; finished tasks have been yielded or written by then.
-            RunError: if no worker is left; finished tasks have been yielded or written then too.
+            InputError: as a task does; tasks that finished before were yielded or written.
+            RunError: if no worker is left; tasks that finished before were yielded or written.
         """
         todo = deque((task, 0) for task in tasks)  # with how often its result was lost
         under_way: dict[Any, tuple[T, int]] = {}

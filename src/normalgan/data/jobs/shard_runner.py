@@ -9,21 +9,21 @@ from normalgan.errors import RunError
 
 __all__ = ["DEADLY", "render_shards", "validate_sources"]
 
-DEADLY = "it kills the process that works on it, most likely for want of memory."
+DEADLY = "it kills the process that renders it, most likely because memory runs out."
 
 _NOBODY = (
-    "the workers are killed whatever mesh they render, most likely for want of memory; what is finished is "
+    "every mesh kills the workers, most likely because memory runs out; finished samples are "
     "kept: give them more, and run again."
 )
 _HOPELESS = 3  # meshes found deadly in a row before anything is finished: then it is not the meshes
 
 
 def render_shards(pool: Pool, tasks: Sequence[ShardTask]) -> Iterator[tuple[ShardTask, dict[str, str]]]:
-    """Yield every task with the meshes that failed, as it is finished.
+    """Yield every task when it finishes, with the meshes that failed.
 
-    A dead worker loses other tasks too, so a killed shard is only a suspect. It and the shards that share a
-    mesh with it wait until all others are done. Then its meshes are tried one by one, alone: the one whose
-    worker dies is the cause and is left out, and the others continue.
+    A dead worker also loses other tasks, so a killed shard is only a suspect. It and the shards that share a
+    mesh with it wait until all others are done. Then its meshes are tried one at a time: the one that kills
+    its worker is left out, and the others continue.
 
     Raises:
         RunError: if workers die with any task.
@@ -55,7 +55,7 @@ def render_shards(pool: Pool, tasks: Sequence[ShardTask]) -> Iterator[tuple[Shar
 
 
 def validate_sources(pool: Pool, tasks: Sequence[MeshTask]) -> Iterator[tuple[MeshTask, str | None]]:
-    """Yield every mesh with why it cannot be used, or None if it can. Raises as `validate_source` does."""
+    """Yield every mesh and why it cannot be used, None if it can. Raises as `validate_source` does."""
     suspects = []
     for task, outcome in pool.run(validate_source, tasks, _meshes):
         if isinstance(outcome, Killed):

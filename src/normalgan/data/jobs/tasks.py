@@ -167,7 +167,7 @@ def _render(task: ShardTask) -> tuple[list[Sample], dict[str, str], dict[str, st
 
 
 def validate_source(task: MeshTask) -> str | None:
-    """Return why a mesh cannot be used, or None if it can.
+    """Return the reason why a mesh cannot be used; None if it can.
 
     Raises:
         ChangedMeshError: if it differs from the one that the task was made for.
@@ -193,7 +193,7 @@ def check_recipe(recipe: SampleRecipe) -> None:
 
 
 def error_text(error: BaseException) -> str:
-    """Return an error in one sentence; a bug in a plug-in with its kind and place.
+    """Return an error in one sentence; for a bug in a plug-in, with its type and line.
 
     >>> error_text(InputError("horse has no legs.")), error_text(KeyError("legs"))
     ('horse has no legs.', "KeyError: 'legs'.")
@@ -231,9 +231,9 @@ def _load(task: MeshTask) -> Any:
         with read_once():
             if fingerprint(task.source) != task.fingerprint:
                 raise ChangedMeshError(
-                    f"{task.source.name} on {socket.gethostname()} is not what rendering "
-                    "began with, or is not there; leave the files as they are until it ends, and the same on "
-                    "every machine."
+                    f"{task.source.name} on {socket.gethostname()} has changed since rendering "
+                    "began, or is missing; do not change files while rendering, and keep them the same "
+                    "on every machine."
                 )
             _last = key, task.source.load()
     return _last[1]

@@ -38,7 +38,7 @@ _ONE_THREAD = {
 
 
 class Workers(Pool):
-    """A pool of spawned processes; with none, this process does one task after another.
+    """A pool of spawned processes; with a count of 0, tasks run in this process.
 
     Spawned, not forked: a process forked after an OpenGL context was made hangs when it renders.
 
@@ -51,9 +51,7 @@ class Workers(Pool):
 
     def __init__(self, count: int) -> None:
         if count < 0:
-            raise InputError(
-                f"{count} workers are asked for; it must be 0 (none besides this process) or more."
-            )
+            raise InputError(f"{count} workers were requested; use 0 (only this process) or more.")
         self.count = count
         self._pool: ProcessPoolExecutor | None = None  # it is used up when one of its processes dies
         self._pools: dict[Any, ProcessPoolExecutor] = {}  # by the futures of their tasks
@@ -69,7 +67,7 @@ class Workers(Pool):
 
     @property
     def room(self) -> int:
-        """The number of tasks to submit at once: two a worker, so that none waits and few die with it."""
+        """The number of tasks to submit at once: two a worker keep it busy, and few are lost when it dies."""
         return max(2 * self.count, 1)
 
     def submit(self, function: Callable[[T], R], task: T) -> "Future[R]":
@@ -97,7 +95,7 @@ class Workers(Pool):
         return wait_for(under_way, return_when=FIRST_COMPLETED).done
 
     def outcome(self, future: "Future[R]") -> R | Killed:
-        """Return a result; `Killed` of all that were at hand when a worker died: new ones do the others."""
+        """Return a result; `Killed` for every task in the pool when a worker died."""
         pool = self._pools.pop(future, None)
         try:
             return future.result()
@@ -107,7 +105,7 @@ class Workers(Pool):
             return Killed()
 
     def cancel(self, under_way: Collection[Any]) -> None:
-        """Give up the tasks that no process has begun."""
+        """Cancel the tasks that no process has begun."""
         for future in under_way:
             future.cancel()
             self._pools.pop(future, None)
@@ -146,7 +144,7 @@ def _die_with(sentinel: int) -> None:
 
 
 def check_main_guard() -> None:
-    """Check that the calling script does so under ``if __name__ == "__main__":``.
+    """Check that the calling script has the guard ``if __name__ == "__main__":``.
 
     A spawned process imports the script again. Without the guard it starts processes in turn, and dies.
 

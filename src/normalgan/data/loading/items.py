@@ -40,13 +40,13 @@ class Item(TypedDict):
 
 
 def to_item(sketch: Tensor, normal: Tensor, mask: Tensor, name: str, hints: Tensor | None = None) -> Item:
-    """Return a sample as it is stored, in a quarter of the bytes of the network's input; see `decode`.
+    """Return a sample in its stored form, a quarter of the bytes of the network's input; see `decode`.
 
     Args:
         sketch: (H, W) uint8, ink 255.
         normal: (H, W, 3) of any float type.
         mask: (H, W) bool.
-        name: what the sample is called.
+        name: name of the sample.
         hints: (H, W, 4) normals at the hints and where they are; None if samples bring none.
     """
     item: Item = {
@@ -63,8 +63,8 @@ def to_item(sketch: Tensor, normal: Tensor, mask: Tensor, name: str, hints: Tens
 def decode(batch: Batch) -> Batch:
     """Decode a batch for the network, on its device; a decoded batch is returned unchanged.
 
-    Ink goes from 0 to 1, masks are 0 or 1, and normals of half precision are of unit length again on the
-    object and 0 off it.
+    Ink is in [0, 1], masks are 0 or 1, and normals are rescaled to unit length on the object and are 0 off
+    it.
     """
     sketch, normal, mask = batch["sketch"], batch["normal"], batch["mask"]
     if not sketch.is_floating_point():

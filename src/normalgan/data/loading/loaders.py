@@ -28,7 +28,8 @@ class DeferredLoader(DataLoader[Item]):
     forked after an OpenGL context exists hangs when it renders, and one forked from a process with threads,
     as torch has, may wait for a lock for ever.
 
-    A checkpoint saved within an epoch stores how many batches were given. A resumed run continues after them.
+    A checkpoint saved within an epoch stores the number of batches so far. A resumed run continues after
+    them.
     """
 
     _given = 0
@@ -48,11 +49,11 @@ class DeferredLoader(DataLoader[Item]):
                 yield batch
 
     def state_dict(self) -> dict[str, int]:
-        """Return how many batches of the epoch were given."""
+        """Return the number of the epoch's batches so far."""
         return {"given": self._given}
 
     def load_state_dict(self, state: dict[str, int]) -> None:
-        """Skip the batches of the next epoch that the stopped run has seen."""
+        """In the next epoch, skip the batches that the stopped run has used."""
         self._skipped = self._given = max(int(state["given"]), 0)
 
 
@@ -76,7 +77,7 @@ class Loaders:
     decoded: bool = True
 
     def shuffled(self, dataset: Samples, seed: int) -> DataLoader[Item]:
-        """Return a loader of this process's share, in an order that depends on seed and epoch alone.
+        """Return a loader of this process's share, in an order that depends only on seed and epoch.
 
         Args:
             dataset: the samples of all processes.
@@ -127,7 +128,7 @@ class Loaders:
 
 
 class EqualShare(Dataset[Item]):
-    """One process's share of a split: every n-th sample, and as many as every other process has.
+    """One process's share of a split: every n-th sample, the same number for each process.
 
     If the samples do not divide evenly, shares are padded with a sample whose mask is empty, which changes no
     metric, so several processes measure exactly what one does. Padding with repeated samples, as Lightning

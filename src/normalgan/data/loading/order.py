@@ -1,4 +1,4 @@
-"""Order: which samples come when, of shards on another machine and of meshes rendered during training."""
+"""Order: the order of samples from remote shards and from meshes rendered during training."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -61,7 +61,7 @@ def order_of_epoch(
         meshes: how many there are.
         views: views of each mesh an epoch.
         epoch: from 0.
-        seed: another seed gives another order, but no other samples.
+        seed: a different seed changes the order, not the samples.
         batch_size: samples in a batch.
         replicas: processes that train side by side, each on every n-th batch.
     """
@@ -80,7 +80,7 @@ def order_of_epoch(
 
 
 def spread(total: int, count: int) -> list[int]:
-    """Return ``count`` positions spread evenly over ``total`` samples, all of them if they are fewer.
+    """Return ``count`` positions spread evenly over ``total`` samples, or all of them if there are fewer.
 
     >>> spread(10, 3)
     [0, 4, 9]
@@ -97,7 +97,7 @@ class ShardOrder(Sampler[int]):
 
     In a fully random order a batch of 8 touches 8 shards, and a limited cache has dropped them before their
     other samples come. So shards are shuffled and shared among the processes, and each process shuffles the
-    samples of `ABREAST` shards at a time. The order depends on seed and epoch alone. All processes have
+    samples of `ABREAST` shards at a time. The order depends only on seed and epoch. All processes have
     equally many samples; if shards do not divide evenly, some samples come twice and some not in this epoch.
 
     Args:

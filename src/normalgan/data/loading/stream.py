@@ -24,7 +24,7 @@ class StreamDataset(Dataset[Item]):
     Its only state is the cache of meshes, so that any process can render any sample at any time.
 
     Args:
-        sources: the meshes, every one of which can be used.
+        sources: the meshes, all usable.
         views: views of each mesh an epoch.
         recipe: how samples are made.
         memory: bytes that the meshes kept in one process may take.
@@ -58,10 +58,10 @@ class StreamDataset(Dataset[Item]):
 
 
 class FreshViews(DistributedSampler[ViewIndex]):
-    """One process's view indices of the epoch that Lightning sets; no epoch has a view of another.
+    """One process's view indices of the epoch that Lightning sets; no view repeats in another epoch.
 
-    All processes get equally many, in whole batches; up to a batch each is left out of an epoch. If there is
-    not a whole batch for each, all samples are used, some of them twice.
+    All processes get the same number of whole batches; each may leave out up to a batch of an epoch. If there
+    is not a whole batch for each, all samples are used, some of them twice.
 
     Args:
         dataset: what renders the views.
@@ -95,7 +95,7 @@ class FreshViews(DistributedSampler[ViewIndex]):
 
 
 class MeshCache:
-    """Loads meshes, and keeps those used last; each process fills a cache of its own.
+    """Loads meshes, and keeps those used last; each process has its own cache.
 
     Args:
         sources: where the meshes come from.

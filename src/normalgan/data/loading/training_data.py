@@ -41,7 +41,7 @@ def describe_training_data(
 
 
 def changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:
-    """Return what has changed, by setting; empty if nothing.
+    """Return the settings that have changed; empty if nothing.
 
     >>> before = {"data.batch_size": 8, "data.meshes": "0f" * 32, "data.size": 64}
     >>> changes(before, {"data.batch_size": 4, "data.meshes": "1e" * 32, "data.size": 64})

@@ -19,8 +19,8 @@ class SplitSettings(Split):
     """How data are split, and the other data settings that a source may use.
 
     Args:
-        fractions: shares of train, val and test, if there is no file.
-        seed: which names go where, if there is no file.
+        fractions: shares of train, val and test, used if there is no file.
+        seed: seed of the random split, used if there is no file.
         file: JSON file with the names of each split.
         data_seed: seed of everything random in the data, such as animals.
         variation: how far individuals that join the training meshes differ from them.
@@ -61,7 +61,7 @@ class DataSource(ABC):
         """Return how many samples are made of each mesh, by split.
 
         Args:
-            wanted: what the settings of the data say.
+            wanted: the settings of the data.
         """
         return wanted
 
@@ -72,7 +72,8 @@ class PairSource(DataSource, ABC):
     Each pair becomes one sample; settings for rendering and drawing are ignored.
 
     Attributes:
-        hints: whether the pairs' own hints are used, in training and testing; if not, the sampler is asked.
+        hints: whether the pairs' own hints are used, in training and testing; otherwise the sampler gives
+            them.
     """
 
     hints: bool = False

@@ -28,7 +28,7 @@ class MeshGroup:
         variants: individuals that join each training mesh, varied at random.
         split_file: JSON file that lists the group's train, val and test meshes; None splits by fractions.
         postures: share of the training poses, from 0 to 1, that are postures such as sitting, lying or
-            rearing, where the skeleton is a known one; the others are as the animations show them.
+            rearing, where the skeleton is a known one; the others come from the animations.
 
     Raises:
         InputError: if a number is negative, or the share greater than 1.
@@ -74,7 +74,7 @@ def split_meshes(sources: Sequence[MeshSource], settings: SplitSettings) -> dict
 
 
 def pose(sources: Sequence[MeshSource], poses: int, postures: float = 0.0) -> list[MeshSource]:
-    """Return the meshes with ``poses`` poses in place of each rigged file; 0 leaves all as they are."""
+    """Return the meshes with each rigged file replaced by ``poses`` poses; 0 replaces none."""
     posed: list[MeshSource] = []
     for source in sources:
         posed += find_poses([source], poses, postures) if isinstance(source, MeshFile) else [source]

@@ -1,4 +1,4 @@
-"""Pair: a sketch and its normal map as somebody has them, and how they become a training sample."""
+"""Pair: a sketch and its normal map, and how they become a training sample."""
 
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -31,8 +31,8 @@ class Pair:
     Args:
         sketch: a path, an image of Pillow or an array, as `normalgan.Predictor` takes it.
         normal: (H, W, 3) floats, unit vectors in camera space: x right, y up, z to the viewer.
-        mask: (H, W), the object, in any form that `normalgan.Predictor` takes; None is where the vectors are
-            not zero.
+        mask: (H, W), the object, in any form that `normalgan.Predictor` takes; None takes the pixels whose
+            vectors are not zero.
         hints: normals that a designer gave, in any form that `normalgan.Predictor` takes; None for none.
 
     Raises:
@@ -70,7 +70,7 @@ class Pair:
 class PairRecipe:
     """How a sample is made of a pair: the sketch is cleaned and framed as a drawing is when predicting.
 
-    So a model learns from the kind of sketch that it is shown later. The normals are cropped alike.
+    So a model learns from the kind of sketch that it is shown later. The normals are cropped in the same way.
 
     Args:
         size: side of the pictures in pixels.
@@ -89,7 +89,7 @@ class PairRecipe:
         check_ranges(self)
 
     def check(self) -> None:
-        """Ask nothing of the machine."""
+        """Require nothing of the machine."""
 
     def render(self, pair: Pair, index: int) -> Sample:
         """Return the sample of a pair; there is one, for any index.
@@ -140,7 +140,7 @@ def background(levels: NDArray[Any], tolerance: float = 0.02) -> BoolMask:
 
     Args:
         levels: (H, W, 3) colours or vectors, of a range of 2.
-        tolerance: by which one may differ in each channel, for what was compressed.
+        tolerance: tolerance in each channel, for compressed images.
 
     Example:
         >>> levels = np.zeros((5, 5, 3), np.float32)
@@ -212,7 +212,7 @@ def _check_green(normal: Floats, mask: BoolMask) -> None:
     x, y = _outwardness(normal, mask)
     if x > 0.4 and y < -0.4:
         raise InputError(
-            "the normal map looks as if its green had the other direction: along the outline x points "
+            "the normal map looks as if its green had the opposite direction: along the outline x points "
             "outward and y inward; set green to down if it is that of DirectX, and to up if of OpenGL."
         )
 

@@ -1,4 +1,4 @@
-"""Files of pairs: where they lie, in a folder, by a pattern or listed in a CSV, and what they hold."""
+"""Files of pairs: finding them in a folder, by a pattern or in a CSV, and reading them."""
 
 import csv
 import hashlib
@@ -56,11 +56,11 @@ class PairFiles:
         name: what it is called.
         sketch: its sketch, of any format that is read.
         normal: its normal map.
-        mask: where the object is; None is what the normal map's opacity or its background tells.
+        mask: where the object is; None derives it from the normal map's opacity or background.
         hints: normals that a designer gave, PNG or JSON; None for none.
-        green: which way of y the normal map, and hints that are painted, hold.
+        green: direction of y in the normal map and in painted hints.
         group: the group that it belongs to.
-        part: the split it is in, None if that is not said.
+        part: its split; None if it is not given.
     """
 
     name: str
@@ -87,7 +87,7 @@ class PairFiles:
         """Return the pair.
 
         Raises:
-            InputError: if a file cannot be used, or they do not go together.
+            InputError: if a file cannot be used, or the files do not match.
         """
         picture: AnyPicture = self.sketch
         vectors, alpha = read_normals(self.normal, self.green)
@@ -106,7 +106,7 @@ class PairFiles:
 
 
 def find_pairs(entry: str, left_out: list[str]) -> Iterator[PairFiles]:
-    """Yield the pairs at a folder, a file or a glob; note what has no partner.
+    """Yield the pairs at a folder, a file or a glob; record files without a partner.
 
     Args:
         entry: the folder, the file or the glob.
@@ -246,7 +246,7 @@ def _listed(path: Path, left_out: list[str]) -> Iterator[PairFiles]:
         raise InputError(f"{path} is not CSV ({error}); {right}.") from None
     if unknown := [column for column in columns if column not in COLUMNS]:
         raise InputError(
-            f"{path} has a column {unknown[0]!r}, which means nothing here."
+            f"{path} has a column {unknown[0]!r}, which is unknown."
             f"{did_you_mean(unknown[0], COLUMNS)} {right[0].upper()}{right[1:]}."
         )
     if missing := [column for column in COLUMNS[:2] if column not in columns]:

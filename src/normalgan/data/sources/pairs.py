@@ -35,13 +35,13 @@ class Pairs(PairSource):
             they are (``A`` and ``B``, or ``AB/train`` with both side by side). The normal map of ``a.png`` is
             ``a_normal.png`` beside it, or in a folder ``normal`` next to its folder ``sketch``; so for masks
             and hints.
-        green: which way of y the normal maps hold as green: up as in OpenGL, down as in DirectX.
-        hints: take the hints that pairs have, in place of a sampler's; a pair without gets none.
-        group_by: what stays on one side of the split: each file, or each folder; the group of a
+        green: direction of the normal maps' green channel: up as in OpenGL, down as in DirectX.
+        hints: use the pairs' own hints instead of a sampler's; a pair without hints gets none.
+        group_by: the unit that stays in one split: each file, or each folder; the group of a
             CSV counts before it.
 
     Raises:
-        InputError: if a setting is none of these.
+        InputError: if a setting is not one of these.
     """
 
     files: str | list[str]  # or paths of pathlib, from Python
@@ -78,7 +78,7 @@ class Pairs(PairSource):
         return split
 
     def _parts(self, pairs: Sequence[PairFiles], settings: SplitSettings) -> dict[str, str]:
-        """Return the split of each pair by name; a pair that a split file does not name has none."""
+        """Return the split of each pair by name; a pair missing from a split file has none."""
         if pairs[0].part is not None:
             return {pair.name: pair.part for pair in pairs if pair.part is not None}
         grouped = any(pair.group != pair.name for pair in pairs)
@@ -91,10 +91,10 @@ class Pairs(PairSource):
         return {pair.name: part_of[pair.group] for pair in pairs if pair.group in part_of}
 
     def found(self) -> list[PairFiles]:
-        """Return all pairs, in order of their names; a warning lists what has no partner.
+        """Return all pairs, in order of their names; a warning lists files without a partner.
 
         Raises:
-            InputError: if there are none, or two have one name.
+            InputError: if there are none, or two have the same name.
         """
         left_out: list[str] = []
         pairs = self._find(left_out)
@@ -102,7 +102,7 @@ class Pairs(PairSource):
         return pairs
 
     def _find(self, left_out: list[str]) -> list[PairFiles]:
-        """Return all pairs in order of their names; note what has no partner. Raises as `found` does."""
+        """Return all pairs by name; record files without a partner. Raises as `found` does."""
         entries = [self.files] if isinstance(self.files, str) else self.files
         pairs = [self._with_settings(pair) for entry in entries for pair in find_pairs(entry, left_out)]
         if left_out and not pairs:
@@ -116,9 +116,7 @@ class Pairs(PairSource):
         parts = {pair.part is None for pair in pairs}
         if len(parts) > 1:
             lacking = next(pair for pair in pairs if pair.part is None)
-            raise InputError(
-                f"{lacking.sketch} is in no split, but others are; give all of them one, or none."
-            )
+            raise InputError(f"{lacking.sketch} has no split, but others do; give every pair one, or none.")
         sides: dict[str, str | None] = {}
         for pair in pairs:
             if sides.setdefault(pair.group, pair.part) != pair.part:
@@ -176,7 +174,7 @@ def _size(path: Path) -> tuple[int, ...] | None:
 
 
 def _as_texts(files: object) -> str | list[str]:
-    """Return paths as texts, as in a configuration; Python may give those of pathlib."""
+    """Return paths as texts, as in a configuration; Python may pass `pathlib.Path`."""
     if isinstance(files, str | PurePath):
         return str(files)
     if isinstance(files, list | tuple) and all(isinstance(each, str | PurePath) for each in files):

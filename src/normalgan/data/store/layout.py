@@ -23,7 +23,7 @@ ARRAYS: dict[str, tuple[str, tuple[int, ...]]] = {
 
 
 def array_names(hints: bool) -> list[str]:
-    """Return the arrays of a split whose samples bring hints, or bring none.
+    """Return the names of a split's arrays, with or without hints.
 
     >>> array_names(False)
     ['sketch', 'normal', 'mask']
@@ -41,7 +41,7 @@ class Shard:
         size: side of the pictures in pixels.
         room: samples that a shard has room for; the last one holds fewer.
         runs: what its samples show: a mesh, its first view here and the one after its last, and so on.
-        hints: whether its samples bring hints.
+        hints: whether its samples have hints.
     """
 
     split: str
@@ -79,7 +79,7 @@ class Layout:
         views: samples a mesh.
         size: side of the pictures in pixels.
         per_shard: samples to a shard, the unit that is rendered, written and repaired.
-        hints: whether samples bring hints.
+        hints: whether samples have hints.
     """
 
     meshes: tuple[str, ...]

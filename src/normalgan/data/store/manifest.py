@@ -26,7 +26,7 @@ _KEYS = {"format", "samples", "recipe", "splits", "left_out", _SUM}  # "left_out
 
 @dataclass(frozen=True)
 class Manifest:
-    """What is in a data set; for people to read, it lies beside the samples as ``dataset.json``.
+    """The description of a data set, stored as ``dataset.json`` in a form that people can read.
 
     The file has a SHA-256 of its own content, so that a flipped bit in it is found.
 
@@ -62,20 +62,20 @@ class Manifest:
         return stores, reasons
 
     def write(self, folder: Storage) -> None:
-        """Write the descriptions of the arrays, then the manifest, which vouches for them."""
+        """Write the arrays' metadata, then the manifest."""
         self.describe(folder)
         counts = {split: len(layout) for split, layout in self.splits.items()}
         content = {"format": FORMAT_VERSION, "samples": counts, **asdict(self)}
         folder.write(_NAME, (json.dumps(content | {_SUM: _digest(content)}, indent=1) + "\n").encode())
 
     def describe(self, folder: Storage) -> None:
-        """Write the descriptions of the arrays, where they are not there or not whole."""
+        """Write the arrays' metadata where it is missing or damaged."""
         for store in self.stores(folder).values():
             store.create()
 
     @staticmethod
     def damaged(folder: Storage) -> bool:
-        """Whether a manifest is there that `read` does not believe."""
+        """Whether there is a manifest that `read` rejects."""
         return folder.size(_NAME) is not None and Manifest.read(folder) is None
 
     @staticmethod
@@ -99,7 +99,7 @@ def _digest(content: Mapping[str, Any]) -> str:
 
 
 def fingerprints(sources: Mapping[str, Sequence[Loadable]]) -> dict[str, list[tuple[str, str]]]:
-    """Return name and fingerprint of every mesh by split; one that cannot be read has a fingerprint too."""
+    """Return name and fingerprint of every mesh by split; one that cannot be read gets a fingerprint too."""
     return {split: [(source.name, fingerprint(source)) for source in part] for split, part in sources.items()}
 
 
@@ -121,7 +121,7 @@ def views_by_split(
     """Return the number of views a mesh for every split that has meshes.
 
     Raises:
-        InputError: if it is not a positive number for every split, or a mesh's name occurs twice.
+        InputError: if a number is not positive, or two meshes have the same name.
     """
     names = [source.name for part in sources.values() for source in part]
     twins = sorted(name for name, count in Counter(names).items() if count > 1)

@@ -20,10 +20,10 @@ _METADATA = {"zarr.json", ".zarray", ".zattrs", ".zgroup", ".zmetadata"}  # Zarr
 
 
 class ObjectStore(Store):
-    """A read-only Zarr store; what cannot be read raises `InputError`, a missing chunk `ValueError`.
+    """A read-only Zarr store; an unreadable object raises `InputError`, a missing chunk `ValueError`.
 
-    Zarr fills in zeros for a chunk that its store does not have, without a word. Here every chunk was
-    written, so one that is missing was lost, perhaps while it is trained on.
+    Zarr fills in zeros for a chunk that its store does not have, without a word. Every chunk was written, so
+    a missing one was lost, perhaps during training.
 
     Args:
         storage: the folder.

@@ -33,9 +33,9 @@ class ShardedSamples:
     In the folder, ``samples.zarr/<split>/`` holds the Zarr 3 arrays ``sketch`` (N, H, W), ``normal``
     (N, H, W, 3), ``mask`` (N, H, W) and, if samples bring any, ``hints`` (N, H, W, 4) in the sharding codec,
     one sample to an inner chunk, each with its CRC-32C; any Zarr reader opens them.
-    ``done/<split>/<shard>.json`` holds the length and SHA-256 of a shard's objects and is written last: what
-    has none is not there yet. ``failed/<split>/<shard>.json`` says which meshes could not be rendered; their
-    places are blank, and they are passed over when reading.
+    ``done/<split>/<shard>.json`` holds the length and SHA-256 of a shard's objects and is written last: a
+    shard without it is unfinished. ``failed/<split>/<shard>.json`` says which meshes could not be rendered;
+    their places are blank, and they are passed over when reading.
 
     Args:
         url: the folder of the data set.
@@ -104,7 +104,7 @@ class ShardedSamples:
         return range(before(places.start), before(places.stop))
 
     def create(self) -> None:
-        """Write the description of the arrays, unless it is there already."""
+        """Write the arrays' metadata, unless it exists."""
         for path, content in metadata(self.split, self.layout).items():
             known = self._storage.read(f"{ZARR}/{path}")
             if known is None or not _same_json(known, content):
@@ -116,7 +116,7 @@ class ShardedSamples:
         return [s for s in range(self.layout.shards) if f"{s}.json" not in done]
 
     def lost(self) -> list[int]:
-        """Return the finished shards with a missing object, by the names alone."""
+        """Return the finished shards with a missing object, from a listing."""
         names = self._storage.names(f"{ZARR}/{self.split}")
         there = {f"{self.split}/{name}" for name in names}
         return [
@@ -124,14 +124,14 @@ class ShardedSamples:
         ]
 
     def verify(self) -> list[int]:
-        """Return the finished shards whose objects are not, byte for byte, what was once written."""
+        """Return the finished shards whose bytes differ from those that were written."""
         return damaged(self._storage, self.split, self._finished())
 
     def failures(self) -> dict[int, dict[str, str]]:
         """Return why meshes could not be rendered: by shard, by name.
 
         Raises:
-            InputError: if a note that says so is damaged.
+            InputError: if such a note is damaged.
         """
         notes = _read_failures(self._storage, self.split)
         found = {number: reasons for number, reasons in notes.items() if reasons is not None}
@@ -194,7 +194,7 @@ class ShardedSamples:
             raise self._trouble(shard) from error
 
     def _trust(self, shard: int) -> None:
-        """Check once that a shard is finished, its files of their lengths."""
+        """Check once that a shard is finished and its files have their lengths."""
         if shard in self._trusted:
             return
         sums = _read_sums(self._storage, self.split, shard)
@@ -228,7 +228,7 @@ def write_shard(
 
     Raises:
         ValueError: if the samples are not as many or not as large as the shard says.
-        InputError: if the disk is full or may not be written to.
+        InputError: if the disk is full or is not writable.
     """
     failed = failed or {}
     if len(samples) != len(shard):
@@ -250,7 +250,7 @@ def write_shard(
 
 
 def write_traces(storage: Storage, shard: Shard, traces: Mapping[str, str]) -> str:
-    """Write the tracebacks of meshes that failed, by name, and return where, from the cache's folder on."""
+    """Write the tracebacks of failed meshes, by name, and return the path within the cache."""
     path = f"{_FAILED}/{shard.split}/{shard.number}.txt"
     storage.write(path, "\n".join(f"{name}:\n{trace}" for name, trace in traces.items()).encode())
     return f"{storage.url.rstrip('/').rpartition('/')[2]}/{path}"
@@ -259,7 +259,7 @@ def write_traces(storage: Storage, shard: Shard, traces: Mapping[str, str]) -> s
 def _read_failures(storage: Storage, split: str) -> dict[int, dict[str, str] | None]:
     """Return why meshes of a split could not be rendered: by shard, by name; None for a damaged note.
 
-    Files that others leave in such a folder, as file managers do, are passed over.
+    Files of other programs, such as file managers, are ignored.
     """
     folder = f"{_FAILED}/{split}"
     numbers = sorted(int(name[:-5]) for name in storage.names(folder) if re.fullmatch(r"\d{1,9}\.json", name))
@@ -293,17 +293,17 @@ def _read_sums(storage: Storage, split: str, number: int) -> dict[str, tuple[int
 
 
 def _paths(split: str, number: int, hints: bool) -> set[str]:
-    """Return where a shard's objects lie in the folder of the arrays."""
+    """Return the paths of a shard's objects in the folder of the arrays."""
     return {chunk_path(split, name, number) for name in array_names(hints)}
 
 
 def _same_sizes(storage: Storage, sums: Mapping[str, tuple[int, str]]) -> bool:
-    """Whether all objects of a shard are there, and as long as they were."""
+    """Whether all objects of a shard exist and have their recorded lengths."""
     return all(storage.size(f"{ZARR}/{path}") == size for path, (size, _) in sums.items())
 
 
 def _same_bytes(storage: Storage, sums: Mapping[str, tuple[int, str]]) -> bool:
-    """Whether all objects of a shard are, byte for byte, what was once written."""
+    """Whether all objects of a shard have their recorded bytes."""
     found = {path: storage.read(f"{ZARR}/{path}") for path in sums}
     return all(c is not None and (len(c), _digest(c)) == sums[p] for p, c in found.items())
 

@@ -29,9 +29,9 @@ _SECONDS = 10
 
 
 class Storage:
-    """Small objects under one folder, each written whole or not at all.
+    """Small objects under one folder, each written atomically.
 
-    Cheap to make, and to hand to another process: nothing stays open.
+    Cheap to create and to send to another process: it keeps nothing open.
 
     Args:
         url: a path, or a URL such as ``file:///data``, ``memory://x`` or ``s3://bucket/x``.
@@ -59,12 +59,12 @@ class Storage:
 
     @property
     def address(self) -> str:
-        """What another process calls it, wherever that one is: a path from the root on, or the URL."""
+        """Its address for processes elsewhere: an absolute path, or the URL."""
         return self.root if self.local else self.url
 
     @property
     def root(self) -> str:
-        """The folder as its file system calls it; for a local one, its path."""
+        """The folder's path in its file system."""
         return self._files()[1]
 
     def read(self, path: str, start: int | None = None, stop: int | None = None) -> bytes | None:
@@ -72,8 +72,8 @@ class Storage:
 
         Args:
             path: where it is in the folder.
-            start: from which byte on; negative counts from the end, None is the first.
-            stop: up to which byte, not included; None is the last.
+            start: first byte; negative counts from the end, None is the first.
+            stop: byte after the last one; None reads to the end.
 
         Raises:
             InputError: if it is there but cannot be read, or the bucket or its server is not.
@@ -83,7 +83,7 @@ class Storage:
             return bytes(files.cat_file(f"{root}/{path}", start=start, end=stop))
         except (FileNotFoundError, NotADirectoryError) as error:
             if _no_bucket(error):
-                raise InputError(f"there is no such bucket as in {self.url}; create it first.") from error
+                raise InputError(f"the bucket of {self.url} does not exist; create it first.") from error
             return None
         except Exception as error:  # what a remote store raises need not be an OSError: botocore's is not
             raise InputError(f"cannot read {self.url}/{path}: {reason(error)}.") from error
@@ -118,7 +118,7 @@ class Storage:
         """Write an object: a reader sees the old bytes or the new ones, never a part.
 
         Raises:
-            InputError: if the disk is full or may not be written to.
+            InputError: if the disk is full or is not writable.
         """
         files, root = self._files()
         try:
@@ -148,7 +148,7 @@ class Storage:
             raise InputError(f"cannot remove {self.url}/{path}: {reason(error)}.") from error
 
     def sweep(self) -> None:
-        """Remove files that killed processes left half written at least an hour ago, if possible."""
+        """Remove partial files of killed processes, at least an hour old, if possible."""
         files, root = self._files()
         if not isinstance(files, LocalFileSystem):
             return
@@ -175,8 +175,8 @@ def options(url: str) -> dict[str, Any]:
     """Return the options of the file system behind a URL.
 
     Listings are not kept: other processes write there too. S3 gives up on an endpoint after seconds, not
-    after minutes, as botocore does by default; whoever needs other limits sets ``config_kwargs`` in fsspec's
-    configuration (FSSPEC_S3_CONFIG_KWARGS, say) or AWS_MAX_ATTEMPTS and AWS_RETRY_MODE.
+    after minutes, as botocore does by default; for other limits, set ``config_kwargs`` in fsspec's
+    configuration (such as FSSPEC_S3_CONFIG_KWARGS), or AWS_MAX_ATTEMPTS and AWS_RETRY_MODE.
 
     >>> options("/data"), options("file:///data")
     ({}, {})
@@ -198,8 +198,8 @@ def options(url: str) -> dict[str, Any]:
 def _connect(url: str) -> tuple[AbstractFileSystem, str]:
     """Return the file system behind a URL, and the path in it.
 
-    s3fs repeats what botocore has repeated already, five times, and to read an object that five times: an
-    endpoint that accepts requests and answers none would hold a command for many minutes.
+    s3fs retries five times on top of botocore's retries, and five times again when reading an object: an
+    endpoint that accepts requests but never answers would block a command for many minutes.
 
     Raises:
         ValueError, ImportError: if none is known or installed.
@@ -211,7 +211,7 @@ def _connect(url: str) -> tuple[AbstractFileSystem, str]:
 
 
 def reason(error: BaseException) -> str:
-    """Return in a few words why a file system refused.
+    """Return the reason why a file system failed, in a few words.
 
     >>> reason(OSError(28, "No space left on device"))
     'No space left on device'
@@ -224,5 +224,5 @@ def reason(error: BaseException) -> str:
 
 
 def _no_bucket(error: BaseException) -> bool:
-    """Whether the bucket is missing, not the object: S3 says both by one kind of error."""
+    """Whether the bucket is missing, not the object: S3 reports both with the same error."""
     return "bucket does not exist" in str(error)

@@ -1,6 +1,6 @@
 """Picture formats: the table of all formats that a drawing may have.
 
-It imports nothing of the package, as the decoding program (`worker.py`) runs without it.
+It imports nothing of the package, because the child process (`worker.py`) runs without it.
 """
 
 from typing import NamedTuple

@@ -66,11 +66,11 @@ def decode(
     Args:
         content: its file.
         least: pixels that either side must have.
-        most: pixels that neither side may exceed; it is held to before any pixel is decoded.
+        most: pixels that neither side may exceed; checked before any pixel is decoded.
         svg_side: longer side in pixels that an SVG is drawn with.
-        longest: longer side in pixels that a larger one is reduced to; 0 leaves it.
-        grey: whether to return only how bright it is on white paper.
-        notes: takes what is to be said of the picture.
+        longest: longer side in pixels that a larger picture is reduced to; 0 keeps its size.
+        grey: whether to return only its brightness on white paper.
+        notes: list to which notes on the picture are added.
 
     Raises:
         RefusedError: if it cannot be decoded.
@@ -274,8 +274,8 @@ def plain(image: "Image") -> "Image":
 def _deep(image: "Image") -> "Image":
     """Return a grey image of 16 or 32 bits with white at 65535.
 
-    A picture without levels in the upper three quarters of its range has fewer bits than its file says. If
-    one of its greys is transparent, it comes with opacity and 8 bits.
+    A picture that uses only the lowest quarter of its range has fewer bits than its file says. If one of its
+    greys is transparent, it becomes RGBA with 8 bits.
     """
     import numpy as np
     from PIL import Image
@@ -296,7 +296,7 @@ def _deep(image: "Image") -> "Image":
 
 
 def reduced(image: "Image", longest: int) -> "Image":
-    """Return a smaller image in which each pixel is the mean of those it replaces."""
+    """Return a smaller image; each pixel is the mean of the pixels that it replaces."""
     from PIL import Image
 
     size = reduced_size(image.width, image.height, longest)
@@ -366,7 +366,7 @@ def _refuse_foreign(content: bytes) -> None:
 
 
 def noted(*notes: "Notes") -> dict[str, Any]:
-    """Return what the parent is told of how a file looks different, in bounded length."""
+    """Return the notes for the parent on how a file looks different, in bounded length."""
     return {
         "note": " ".join("; ".join(map(str, notes)).split())[:_MOST_NOTES],
         "partial": any(each.partial for each in notes),

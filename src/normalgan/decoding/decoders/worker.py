@@ -1,7 +1,6 @@
 """The program of the child process that decodes pictures; see `normalgan.decoding`.
 
-It answers requests over a `multiprocessing.connection` until that ends. Each message is JSON or pixels, and
-none is a pickle.
+It answers requests over a `multiprocessing.connection`. Each message is JSON or pixels, never a pickle.
 """
 
 import codecs
@@ -28,13 +27,13 @@ _STRIP = 2**20
 
 
 def main(handle: int, needs: str, seconds: int, memory: int, folders: list[str]) -> None:
-    """Answer requests until the other end is closed.
+    """Answer requests until the parent closes the connection.
 
     Args:
         handle: handle of the connection.
-        needs: the libraries of `needed` for the pictures that will come.
+        needs: the libraries that `needed` names for the pictures.
         seconds: seconds of processor time for one picture.
-        memory: bytes of address space on top of what the libraries map.
+        memory: bytes of address space, in addition to the libraries'.
         folders: where the libraries are installed.
     """
     from multiprocessing import connection as connections
@@ -80,7 +79,7 @@ def needed(content: bytes, exact: bool = False) -> str:
 
 
 def import_all(needs: str) -> None:
-    """Import all that decoding needs, because no file can be opened once the limits hold."""
+    """Import everything that decoding needs, because no file can be opened under the limits."""
     modules = [
         "resvg_py",
         "xml.etree.ElementTree",

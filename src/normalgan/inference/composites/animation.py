@@ -31,11 +31,11 @@ def moving_kind(path: Path, content: bytes | None = None) -> Kind | Literal["pag
     Only the marks between the pictures are looked at; nothing is decoded.
 
     Args:
-        path: its file, or what to call it.
-        content: what is in it, if it was read already.
+        path: its file, or its name in messages.
+        content: its content, if it has been read already.
 
     Raises:
-        InputError: if it is a GIF that ends within a frame, whose rest a decoder would leave out silently.
+        InputError: if it is a GIF that ends within a frame, which a decoder would truncate silently.
     """
     if content is None and (path.suffix.lower() not in MOVING or not path.is_file()):
         return None
@@ -71,7 +71,7 @@ def kind_of(path: Path) -> Kind:
 
 
 def count_parts(content: bytes) -> int:
-    """Return how many pages or frames a file has; 1 of an AVIF, which does not say so at its start.
+    """Return how many pages or frames a file has; 1 for AVIF, which does not record it at its start.
 
     Raises:
         InputError: as `moving_kind` does.
@@ -92,7 +92,7 @@ def count_parts(content: bytes) -> int:
 
 
 def _frames_of_apng(file: BinaryIO) -> int:
-    """Return how many frames a PNG has; it says so before its pixels."""
+    """Return how many frames a PNG has; the number is stored before the pixels."""
     file.seek(8)
     for _ in range(_MOST_CHUNKS):
         head = file.read(8)
@@ -202,7 +202,7 @@ def encode_animation(
 
 
 def _gif(images: Sequence[Image.Image], durations: Sequence[int], loop: int, transparent: bool) -> bytes:
-    """Return a GIF that holds every frame, also one that equals the frame before it."""
+    """Return a GIF with every frame, even if it equals the one before."""
     file = io.BytesIO()
     # What a frame leaves transparent must not show the one before.
     shown = 2 if transparent else 1
@@ -264,7 +264,7 @@ def _chunk(name: bytes, content: bytes) -> bytes:
 def _apng(
     images: Sequence[Image.Image], frames: Sequence[NDArray[np.uint8]], durations: Sequence[int], loop: int
 ) -> bytes:
-    """Return a PNG that holds every frame, also one that equals the frame before it."""
+    """Return a PNG with every frame, even if it equals the one before."""
     # Pillow joins equal frames whose disposal is the same. Whether a frame is cleared before the next one is
     # drawn makes no difference to what is seen, as Pillow draws what was cleared too.
     disposals = [0]

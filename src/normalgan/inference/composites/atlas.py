@@ -1,4 +1,4 @@
-"""Atlas: the places of a sheet's sprites, from another program's file."""
+"""Atlas: the positions of a sheet's sprites, from another program's file."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,7 +29,7 @@ class AtlasCells:
 
     Args:
         cells: where they lie; those that share a place once.
-        warnings: what is wrong with the others, by name, each a part of a sentence.
+        warnings: the faults of the others, by name, each a part of a sentence.
     """
 
     cells: list[Cell]
@@ -110,7 +110,7 @@ def _scale(
     """Return the pixels for each unit of an atlas, across and down.
 
     Raises:
-        InputError: if the atlas is of a sheet of another size.
+        InputError: if the atlas belongs to a sheet of a different size.
     """
     height, width = shape
     size = page.size or units

@@ -1,4 +1,4 @@
-"""Atlas formats: the one table of files that say where the sprites of a sheet lie."""
+"""Atlas formats: the table of file formats for the positions of a sheet's sprites."""
 
 import json
 import math
@@ -28,7 +28,7 @@ class Frame:
         top: first row.
         width: columns in the sheet.
         height: rows in the sheet.
-        turned: quarters by which it lies turned clockwise.
+        turned: number of clockwise quarter turns.
     """
 
     name: str
@@ -79,7 +79,7 @@ def parse_atlas(content: bytes) -> list[Page]:
         content: content of its file.
 
     Raises:
-        UnreadableAtlasError: if it is broken, or of another kind.
+        UnreadableAtlasError: if it is broken, or has another format.
     """
     text = _text(content)
     for each in FORMATS:
@@ -160,7 +160,7 @@ def _json(text: str) -> list[Page] | None:
         return [_json_page(each) for each in textures if isinstance(each, dict)]
     if isinstance(content.get("images"), list):
         if not isinstance(content.get("frames"), list):
-            raise UnreadableAtlasError("divides its sheet evenly; use --sheet in place of it")
+            raise UnreadableAtlasError("divides its sheet evenly; use --sheet instead")
         return _easel(content["images"], content["frames"])
     if any(isinstance(content.get(each), dict | list) for each in ("frames", "SubTexture")):
         return [_json_page(content)]

@@ -1,4 +1,4 @@
-"""Cells: where the drawings of a sheet lie, and how they are turned."""
+"""Cells: the positions and rotations of a sheet's drawings."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ P = TypeVar("P", float, NDArray[np.float32])
 
 @dataclass(frozen=True)
 class Cell:
-    """Where one drawing lies in a sheet.
+    """The position of a drawing in a sheet.
 
     Args:
         name: what to call it.
@@ -26,9 +26,9 @@ class Cell:
         top: first row.
         width: columns in the sheet.
         height: rows in the sheet.
-        turned: quarters by which it lies in the sheet turned clockwise, as packers do to save room.
-        own: (height, width), what of the box is its own; None if all is.
-        tile: the ways in which the drawing repeats; None if it ends at the edges of the box.
+        turned: number of clockwise quarter turns in the sheet, by which packers save room.
+        own: (height, width), the part of the box that belongs to it; None if all is.
+        tile: the ways in which the drawing repeats; None if that is the whole box.
     """
 
     name: str
@@ -50,11 +50,11 @@ class Cell:
         return np.rot90(part, self.turned) if self.turned else part
 
     def turn(self, part: NDArray[T]) -> NDArray[T]:
-        """Return an upright array as it lies in the sheet; vectors in it keep their values."""
+        """Return an upright array, turned as in the sheet; vectors in it keep their values."""
         return np.rot90(part, -self.turned) if self.turned else part
 
     def local(self, hints: Hints) -> Hints | None:
-        """Return those of a sheet's hints that lie in it, in its own upright pixels; None if none does."""
+        """Return the sheet's hints that lie in it, in its own upright pixels; None if none does."""
         x, y = hints.points.T - np.array([[self.left], [self.top]], np.float32)
         inside = (x >= 0) & (x < self.width) & (y >= 0) & (y < self.height)
         if not inside.any():
@@ -63,7 +63,7 @@ class Cell:
         return Hints(points[inside].astype(np.float32), hints.normals[inside])
 
     def points(self, given: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-        """Return those of a sheet's points (x, y) that lie in it, in its own upright pixels."""
+        """Return the sheet's points (x, y) that lie in it, in its own upright pixels."""
         local = [(x - self.left, y - self.top) for x, y in given]
         inside = [
             (x, y)

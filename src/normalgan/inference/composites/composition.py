@@ -1,4 +1,4 @@
-"""Composition: maps of parts that were predicted separately, put one over the other."""
+"""Composition: composites the maps of parts that were predicted separately."""
 
 import math
 from collections.abc import Sequence
@@ -19,18 +19,20 @@ _THIN = np.float32(1 / 255)
 def compose(maps: Sequence[NormalMap]) -> NormalMap:
     """Return one map of several parts of a drawing.
 
-    A part hides what is behind it. Along its soft edge, and where it is translucent, its normals and those
-    behind are averaged by how much of each is seen ("over" of Porter and Duff 1984). Off all parts the
-    normals are those of the nearest one, so that edges keep their own normals.
+    A part hides the parts behind it. Along its soft edge, and where it is translucent, its normals are
+    averaged with those behind, weighted by visibility (Porter and Duff's "over", 1984). Off all parts the
+    normals are extended from the nearest part, so that edges keep their normals.
 
     Args:
-        maps: maps of one size (H, W), the hindmost first; a single one is returned unchanged.
+        maps: maps of the same size (H, W), back to front; a single one is returned unchanged.
 
     Raises:
-        ValueError: if there is none, or if they are of different sizes.
+        ValueError: if there are none, or their sizes differ.
     """
     if not maps or len({each.mask.shape for each in maps}) > 1:
-        raise ValueError(f"maps to be composed have one size; these are {[each.mask.shape for each in maps]}")
+        raise ValueError(
+            f"composited maps need the same size; these are {[each.mask.shape for each in maps]}"
+        )
     if len(maps) == 1:
         return maps[0]
     normals, alpha, mask = maps[0].extended.copy(), maps[0].alpha, maps[0].mask.copy()
@@ -71,7 +73,7 @@ def tiled(pictures: Sequence[Floats]) -> Floats:
 
 
 def _opacity(part: NormalMap) -> Floats:
-    """Return how opaque (H, W) a part is, and more than 0 wherever its mask is."""
+    """Return the opacity (H, W) of a part, above 0 wherever its mask is."""
     return np.where(part.mask, np.maximum(part.alpha, _THIN), part.alpha)
 
 

@@ -1,4 +1,4 @@
-"""Context: the parts of a drawing, each seen alone or among the others, as the network knows it better."""
+"""Context: predicts each part of a drawing alone or among the others, by the network's confidence."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -34,7 +34,7 @@ def context_of(parts: Iterable[Prepared]) -> Context:
     """Return the lines of all parts of a drawing; the object of a part hides the lines behind it.
 
     Args:
-        parts: parts of one size, the hindmost first; at least one. Each is read once and not kept.
+        parts: parts of the same size, back to front; at least one. Each is read once and not kept.
     """
     parts = iter(parts)
     first = next(parts)
@@ -47,10 +47,10 @@ def context_of(parts: Iterable[Prepared]) -> Context:
 
 
 def ways_to_see(part: Prepared, context: Context | None) -> list[Prepared]:
-    """Return a part as it is seen alone, and then among the others; add hints afterwards.
+    """Return a part's map when shown alone, and when shown among the others; add hints afterwards.
 
-    Where the network decides on the object, the part is seen alone; otherwise all other parts would be
-    object too.
+    If the network decides on the object, the part is shown alone; otherwise all other parts would count as
+    object.
 
     Args:
         part: as `prepare` gives it.
@@ -66,8 +66,8 @@ def surest(
 ) -> tuple[Prepared, Floats, Floats | None]:
     """Return the view of a part for which the network expects the least error, and its prediction.
 
-    A head without its body is a wedge, so a part of a body is best seen among the others. A figure before
-    scenery is whole, and lines about it mislead. The network's confidence tells them apart.
+    A head without its body looks like a wedge, so a body part is best shown among the others. A figure in
+    front of scenery is complete, and the lines around it mislead. The network's confidence decides.
 
     Args:
         ways: the part as the network can be shown it; of a network without confidence, the first is used.

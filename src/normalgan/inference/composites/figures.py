@@ -24,15 +24,15 @@ _LEAST = 0.4
 
 
 def find_figures(decision: Decision, reading: Reading, shape: tuple[int, int]) -> list[Cell]:
-    """Return where the figures of a page lie, in reading order; a single one if they are parts of one object.
+    """Return the positions of a page's figures, in reading order; one if they are parts of one object.
 
     The reader sees for each pixel where the middle of its object is. An area that sees it outside of itself
     is a part of a larger object, and so are areas that one line connects.
 
     Args:
         decision: on the whole page.
-        reading: reading of the whole page.
-        shape: (H, W) of the drawing, in whose pixels the figures are given.
+        reading: the reader's output for the whole page.
+        shape: (H, W) of the drawing; figures are in its pixels.
     """
     size = decision.small.shape[0], decision.small.shape[1]
     presence = reading.presence_at(size)
@@ -75,7 +75,7 @@ def _connected(inked: BoolMask, figure: NDArray[np.intp], count: int) -> NDArray
 def _strangers(
     figure: NDArray[np.intp], boxes: NDArray[np.int32], reading: Reading, size: tuple[int, int]
 ) -> list[tuple[int, int]]:
-    """Return pairs of areas of one object: the reader puts the middle of one near that of the other."""
+    """Return pairs of areas of one object: if the reader places their centres close together."""
     seen = [cv2.resize(each, size[::-1], interpolation=cv2.INTER_LINEAR) for each in reading.middle]
     there = figure >= 0
     counts = np.bincount(figure[there], minlength=len(boxes))
@@ -105,7 +105,7 @@ def _joined(groups: NDArray[np.intp], pairs: list[tuple[int, int]]) -> NDArray[n
 
 
 def _cells(figure: NDArray[np.intp], drawn: BoolMask, count: int, shape: tuple[int, int]) -> list[Cell]:
-    """Return a cell for each figure: its box, and of that what is nearer to it than to another.
+    """Return a cell for each figure: its box, limited to the pixels nearer to it than to another figure.
 
     Args:
         figure: (h, w), the number of each pixel's figure, -1 for none.

@@ -32,8 +32,8 @@ _Boxes = NDArray[np.intp]
 def find_islands(sheet: Decoded) -> list[Cell]:
     """Return the drawings of a sheet, row by row: islands of opacity, or of connected lines.
 
-    Parts on both sides of a narrow gap count as connected. A small part, such as an eye or a spark, belongs
-    to the large one that it is close to.
+    Parts on both sides of a narrow gap count as connected. A small part, such as an eye or a spark, joins the
+    large part next to it.
 
     Args:
         sheet: its pixels, not reduced.
@@ -49,10 +49,10 @@ def find_islands(sheet: Decoded) -> list[Cell]:
         near = np.asarray(cv2.dilate(near, np.ones((2 * reach + 1,) * 2, np.uint8)))
     count, labels, stats, _ = cv2.connectedComponentsWithStats(near, connectivity=8)
     if count < 2:
-        raise InputError("no drawing is seen in it; a sheet holds drawings with room between them.")
+        raise InputError("no drawing was found in it; a sheet needs space between its drawings.")
     if count > 16 * MOST_CELLS:
         raise InputError(
-            f"it falls into {count - 1} parts; --split auto needs drawings with room about them."
+            f"it falls into {count - 1} parts; --split auto needs drawings with space around them."
         )
     starts = stats[1:, [cv2.CC_STAT_LEFT, cv2.CC_STAT_TOP]].astype(np.intp)
     sizes = stats[1:, [cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT]].astype(np.intp)

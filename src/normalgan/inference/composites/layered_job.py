@@ -1,4 +1,4 @@
-"""Layered job: predict each visible layer of a file, alone or among the others, and write them all."""
+"""Layered job: predicts each visible layer of a file, alone or among the others, and writes them all."""
 
 import re
 from collections.abc import Iterable
@@ -37,8 +37,8 @@ class LayeredJob:
         predictor: the network.
         writer: writes their maps.
         size: longer side of the maps in pixels; None is the drawing's.
-        shared: whether the frames of a layer that moves share what the network is shown, and are steadied.
-        strength: what the slopes of all maps are multiplied by.
+        shared: whether the frames of an animated layer share one frame and are smoothed over time.
+        strength: factor of all maps' slopes.
         sprite: adapts each map to a painted sprite.
     """
 
@@ -50,7 +50,7 @@ class LayeredJob:
     sprite: Sprite = field(default_factory=Sprite)
 
     def __call__(self, job: Job, drawing: Drawing, target: Path) -> tuple[str, list[Held], bool]:
-        """Predict and write; return the warning, what waits for others, and whether a layer is missing.
+        """Predict and write; return the warning, the waiting files, and whether a layer is missing.
 
         Args:
             job: the file.
@@ -108,7 +108,7 @@ class LayeredJob:
     def _predict(
         self, job: Job, found: DecodedLayers, number: int, context: Context | None
     ) -> tuple[list[DecodedLayer], str, list[Held]]:
-        """Return a layer's predictions frame by frame, the warning, and what waits for other drawings."""
+        """Return a layer's predictions frame by frame, the warning, and the waiting files."""
         outputs = self.writer.outputs
         own = [layer for layer in found.layers if layer.number == number]
         members = [_member(job, layer, found.shape) for layer in own]
@@ -140,7 +140,7 @@ class LayeredJob:
         return predicted, said[0] if said else "", held
 
     def _among(self, member: Member, context: Context) -> NormalMap | InputError:
-        """Return the map of a layer, seen alone or among the others, or its error."""
+        """Return the map of a layer, predicted alone or among the others, or its error."""
         backend = self.predictor.backend
         try:
             ways = ways_to_see(prepare_member(self.predictor, member, self.size), context)
@@ -156,7 +156,7 @@ def _member(job: Job, layer: DecodedLayer, shape: tuple[int, int]) -> Member:
 
 
 def goes_in_one(outputs: Outputs) -> bool:
-    """Return whether predicted layers go into one layered file: it has 8 bits, and engines want pictures."""
+    """Return whether predicted layers go into one layered file, of 8 bits and without an engine."""
     return outputs.normal.plain and outputs.normal.engine is None
 
 
@@ -176,7 +176,9 @@ def layered_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
         drawing.layers  # noqa: B018 -- says that it has none, or that it is missing
     target = job.target.with_suffix(f".{drawing.layered}")
     if target.resolve() == drawing.path.resolve():
-        raise InputError(f"{target} is read and would be written over; give another folder (-o) or --suffix.")
+        raise InputError(
+            f"{target} is an input and would be overwritten; give another folder (-o) or --suffix."
+        )
     return target
 
 

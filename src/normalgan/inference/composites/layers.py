@@ -1,4 +1,4 @@
-"""Layers: those of a layered file, read one by one, and predicted ones written back as a layered file.
+"""Layers: reads the layers of a file, and writes predicted ones as a layered file.
 
 A PSD is written as PSD, a KRA or ORA as ORA, which Krita and GIMP open, an Aseprite file as an Aseprite file.
 """
@@ -38,8 +38,8 @@ def layered_kind(path: Path, content: bytes | None = None) -> LayeredKind | None
     """Return the kind that the layers of a file are written back as; None if it has none.
 
     Args:
-        path: its file, or what to call it.
-        content: what is in it, if it was read already.
+        path: its file, or its name in messages.
+        content: its content, if it has been read already.
     """
     try:
         with io.BytesIO(content) if content is not None else path.open("rb") as file:
@@ -56,11 +56,11 @@ def read_layers(path: Path, content: bytes | None = None) -> DecodedLayers:
     cropped to its opaque part, and has a place, an opacity and the names of its groups.
 
     Args:
-        path: its file, or what to call it.
-        content: what is in it, if it was read already.
+        path: its file, or its name in messages.
+        content: its content, if it has been read already.
 
     Raises:
-        InputError: if it is missing or too large, has no visible layer, or one that cannot be read.
+        InputError: if it is missing or too large, has no visible layer, or has an unreadable one.
     """
     return decode_layers(str(path), read_content(path, content), (SMALLEST, LARGEST))
 
@@ -79,7 +79,7 @@ def is_plain(layer: DecodedLayer, shape: tuple[int, int]) -> bool:
 
 
 def cut(layer: DecodedLayer, pixels: NDArray[np.uint8]) -> DecodedLayer | None:
-    """Return a layer with other pixels (H, W, 4), of all of the picture, cut to what is opaque; None of none.
+    """Return a layer with new pixels (H, W, 4) of the whole picture, cropped to its opaque part, if any.
 
     >>> drawn = np.zeros((8, 8, 4), np.uint8)
     >>> drawn[2:4, 5] = 255
@@ -123,7 +123,7 @@ def _on_canvas(layer: DecodedLayer, shape: tuple[int, int]) -> NDArray[np.uint8]
 
 
 def _merged(shape: tuple[int, int], layers: Sequence[DecodedLayer]) -> Image.Image:
-    """Return what all layers show together."""
+    """Return the composite of all layers."""
     canvas = Image.new("RGBA", shape[::-1], _GROUND)
     for layer in layers:
         image = Image.fromarray(layer.pixels)

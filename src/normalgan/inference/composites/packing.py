@@ -33,7 +33,7 @@ class Packing:
             own, the tileset of an Aseprite file.
 
     Raises:
-        InputError: if they cannot be used, or more than one is given.
+        InputError: if an option cannot be used, or more than one is given.
     """
 
     sheet: str | None = None
@@ -64,18 +64,18 @@ class Packing:
         return any(getattr(self, each) is not None for each in _WAYS)
 
     def beside(self, path: Path, below: Path | None = None) -> list[Path]:
-        """Return what is read beside a sheet: its atlas or its tileset's file, if it has one.
+        """Return the files that are read for a sheet: its atlas or its tileset's file, if it has one.
 
         Args:
             path: the sheet's file.
-            below: the folder below that of the atlases to look in first.
+            below: the subfolder of the atlases' folder to look in first.
         """
         named, endings = (self.atlas, ENDINGS) if self.tileset is None else (self.tileset, TILED)
         found = None if named is None else find_companion(path, Path(named), endings, below)
         return [] if found is None else [found]
 
     def tile_grid(self, path: Path, below: Path | None = None) -> TileGrid:
-        """Return where the tiles of a tileset lie; arguments are those of `beside`.
+        """Return the positions of a tileset's tiles; arguments are those of `beside`.
 
         Raises:
             InputError: if its file is missing or cannot be read.
@@ -107,7 +107,7 @@ class Packing:
             units: (width, height) of an SVG in its own units, in which its atlas may be.
 
         Raises:
-            InputError: if it has none, or the grid or the atlas disagrees with it.
+            InputError: if it has none, or the grid or atlas does not match it.
         """
         if self.sheet is not None:
             return AtlasCells(grid_cells(*parse_grid(self.sheet), sheet.shape, path), [])

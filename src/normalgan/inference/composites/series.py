@@ -1,4 +1,4 @@
-"""Series: drawings that belong together, cells of a sheet or frames of an animation, predicted alike."""
+"""Series: consistent predictions of related drawings, such as cells of a sheet or frames of an animation."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -62,11 +62,11 @@ def predict_series(
     Args:
         predictor: the network.
         members: the drawings; of one size if ``shared``.
-        shared: show the network the same square of all: the one that holds the lines of all. What stays where
-            it is then has the same pixels in each; and a drawing of few lines is not enlarged to fill it.
+        shared: show the network the same square of all: the one that holds the lines of all. Parts that do
+            not move then have the same pixels in each; and a drawing of few lines is not enlarged to fill it.
         steady: average each drawing's normals with those of its neighbours in the series where they show the
-            same lines, so that what stands still does not flicker; needs ``shared``. If the boxes of all
-            drawings have one size, each is shown about itself instead: the object moves as a whole.
+            same lines, so that still parts do not flicker; needs ``shared``. If the boxes of all drawings
+            have one size, each is shown about itself instead: the object moves as a whole.
         size: longer side of the maps in pixels; None is the drawings'.
 
     Raises:
@@ -104,16 +104,16 @@ def predict_series(
 
 
 def steadied(seen: Sequence[Floats], preds: Sequence[Floats]) -> list[Floats]:
-    """Return what was predicted for the frames of an animation, each averaged with its neighbours.
+    """Return the predictions for the frames of an animation, each averaged with its neighbours.
 
     At each pixel a neighbour's weight is the similarity of its lines to those of the frame: the difference
-    of both drawings, blurred over a window. Blank paper is alike everywhere, so the normals must be
-    alike too: a ball that has moved on by a few pixels is another surface. Where something moves, a frame
-    keeps its own; where it moves slowly, frames farther apart count by way of those between them.
+    of both drawings, blurred over a window. Blank paper is similar everywhere, so the normals must be similar
+    too: a ball that moved a few pixels is a different surface. Where something moves, a frame keeps its own;
+    in slow motion, frames farther apart count through the frames between them.
 
     Args:
-        seen: (S, S) each, what the network was shown, all framed alike.
-        preds: (S, S, 3) each, what it predicted.
+        seen: (S, S) each, the network's inputs, all in the same frame.
+        preds: (S, S, 3) each, its predictions.
 
     Example:
         >>> still = np.zeros((32, 32), np.float32)

@@ -44,7 +44,7 @@ def parse_grid(text: str) -> tuple[int, int]:
     columns, rows = map(int, match.groups()) if match else (0, 0)
     if not 0 < columns * rows <= MOST_CELLS:
         raise InputError(
-            f"sheet is {text!r}; it is columns x rows, such as 4x3, of at most {MOST_CELLS} cells."
+            f"sheet is {text!r}; give columns x rows, such as 4x3, of at most {MOST_CELLS} cells."
         )
     return columns, rows
 
@@ -64,7 +64,7 @@ def grid_cells(columns: int, rows: int, shape: tuple[int, int], name: object) ->
     w, h = width // columns, height // rows
     if min(w, h) < SMALLEST:
         raise InputError(
-            f"the cells of {name} would be {w} × {h} pixels; a drawing has {SMALLEST} a side at least."
+            f"the cells of {name} would be {w} × {h} pixels; a drawing needs at least {SMALLEST} a side."
         )
     return [
         Cell(f"row {row + 1}, column {column + 1}", column * w, row * h, w, h)
@@ -83,12 +83,12 @@ def predict_sheet(
     flips: Sequence[tuple[float, float]] = (),
     said: Sequence[str] = (),
 ) -> NormalMap:
-    """Return the map of a sheet, in which each cell is as if it had been cut out and predicted alone.
+    """Return the map of a sheet, each cell as if it had been cut out and predicted alone.
 
     Args:
         predictor: the network.
         sheet: its pixels, not reduced.
-        cells: where its drawings are. One in which nothing is drawn is left flat, and so is a tiny one.
+        cells: where its drawings are. Empty and tiny cells stay flat.
         hints: in pixels of the sheet.
         mask: (H, W) the objects; or where they come from, as `prepare` has it.
         shared: whether the network is shown the same square of all cells, which are then of one size.
@@ -148,7 +148,7 @@ def _member(
     mask: MaskOrSource,
     flips: Sequence[tuple[float, float]],
 ) -> Member | None:
-    """Return what is drawn in a cell; None if nothing is."""
+    """Return the drawing in a cell; None if nothing is."""
     part = pixels[cell.box].copy()
     clear = part.ndim == 3 and part.shape[2] == 4
     if cell.own is not None and not cell.own.all():
@@ -164,11 +164,13 @@ def _member(
 
 
 def _too_small(cell: Cell) -> InputError:
-    return InputError(f"it is {cell.width} × {cell.height} pixels; a drawing has {SMALLEST} a side at least.")
+    return InputError(
+        f"it is {cell.width} × {cell.height} pixels; a drawing needs at least {SMALLEST} a side."
+    )
 
 
 def _ground(part: Pixels, own: BoolMask) -> NDArray[np.generic]:
-    """Return the paper's colour about a drawing: that of most of the edge of what is its own."""
+    """Return the paper's colour about a drawing: the colour of most of the edge of its own part."""
     edge = own & (cv2.erode(own.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=0) == 0)
     return np.asarray(np.median(part[edge], axis=0)).astype(part.dtype)
 

@@ -27,7 +27,7 @@ _EXAMPLE = "give width x height of a tile in pixels, such as 16x16 or 16x16,marg
 
 @dataclass(frozen=True)
 class TileGrid:
-    """The tiles of a picture, row by row; rows and columns that hold no whole tile are left out.
+    """The tiles of a picture, row by row; incomplete rows and columns are left out.
 
     Args:
         width: width of a tile in pixels.
@@ -161,7 +161,7 @@ def _no_tileset(path: Path) -> InputError:
 
 
 def _whole(value: Any) -> int | None:
-    """Return a whole number from 0 on, which XML has as text; None of anything else."""
+    """Return a whole number of 0 or more from XML text; None of anything else."""
     try:
         return max(int(value), 0)
     except (TypeError, ValueError, OverflowError):

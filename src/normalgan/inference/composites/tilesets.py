@@ -46,7 +46,7 @@ def predict_tileset(
     mask: MaskOrSource = None,
     sprite: Sprite | None = None,
 ) -> NormalMap:
-    """Return the map of a tileset, whose tiles fit side by side where those of the drawing do.
+    """Return the map of a tileset; its tiles fit side by side wherever the drawing's do.
 
     Two tiles fit if the step between their colours at the edge is no larger than steps inside both. A tile
     that fits itself is predicted as a drawing that repeats. Tiles that fit their neighbours in the picture
@@ -193,7 +193,7 @@ class _Tiles:
     def _edges(self, axis: int) -> list[list[tuple[int, int, int]]]:
         """Return the edges that may meet along an axis: place along it and across it, 0 before or 1 behind.
 
-        Two that were predicted side by side, and meet no other, are left as they are.
+        Two tiles that were predicted side by side, and meet no other, are not changed.
         """
         rows, columns = self.counts
         meet = [(2 * a + 1, 2 * b) for which, a, b in self._neighbours() if which == axis]
@@ -225,8 +225,8 @@ class _Tiles:
 def _drawn(picture: Picture, grid: TileGrid) -> tuple[BoolMask, Floats | None]:
     """Return the drawn pixels of a tileset, (H, W), and its opacity, if it shows the objects.
 
-    In an opaque one white at most corners of the tiles is paper, and another colour at all of the edges of
-    most tiles is their ground. One without either is all object, as of a terrain.
+    In an opaque tileset, white at most tile corners is paper, and another colour along all edges of most
+    tiles is background. A tileset with neither, such as terrain, is all object.
     """
     if picture.alpha is not None:
         return picture.alpha > 0.5, picture.alpha if is_silhouette(picture.alpha) else None
@@ -259,7 +259,7 @@ def _fit(before: Floats, behind: Floats, axis: int) -> tuple[BoolMask, BoolMask]
         axis: along which they follow.
 
     Returns:
-        Where the step at the edge is at most a usual one inside both tiles, and where at most the hardest.
+        Where the step at the edge is at most a usual step inside both tiles, and where at most the largest.
     """
     last, first = np.take(before, -1, 2 + axis), np.take(behind, 0, 2 + axis)
     there = last[..., 4] > 0, first[..., 4] > 0
@@ -293,10 +293,10 @@ def _adjust(
     """Give edges their mean normals, in place, and adjust the normals near them.
 
     Args:
-        normals: (H, W, 3), the tiles one below the other.
+        normals: (H, W, 3), the tiles stacked vertically.
         weights: (H, W), how much each pixel counts in the mean.
         edges: as `_Tiles._edges` has them.
-        sides: height and width of a tile as it lies here.
+        sides: height and width of a tile in this array.
     """
     length, width = sides
     reach = max(round(_REACH * length), 1)
@@ -316,7 +316,7 @@ def _adjust(
 
 
 def _packed_hints(hints: Hints | None, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Hints | None:
-    """Return the hints that lie in tiles, in pixels of the tiles without what is between them."""
+    """Return the hints that lie in tiles, in pixels of the tiles without the gaps."""
     if hints is None:
         return None
     x, y = np.floor(hints.points).astype(np.intp).T

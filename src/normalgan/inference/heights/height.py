@@ -39,14 +39,14 @@ def integrate(
     heights are found in turn; so a leg before a body keeps its distance, and a crease stays sharp.
 
     Args:
-        normals: (H, W, 3) unit normals, x right, y up, z to the viewer. Zero where nothing is known: the
+        normals: (H, W, 3) unit normals, x right, y up, z to the viewer. Zero where the height is unknown: the
             surface is then as flat as its surroundings let it be.
         mask: (H, W) True on the object; it may have holes and several parts.
         jumps: k of the paper, how readily the surface breaks; 0 gives plain Poisson integration.
         rounds: weights and heights are found at most this often at the lowest size.
         tolerance: and until the energy changes by less than this share of it.
-        tile: the ways in which the map is repeated: what lies at an edge is then a neighbour of what lies at
-            the opposite one, so that the heights can be repeated too.
+        tile: the ways in which the map is repeated: pixels at opposite edges are then neighbours, so that the
+            heights repeat too.
 
     Returns:
         (H, W) height in pixels towards the viewer, of mean zero over each connected part, zero off the mask.

@@ -1,4 +1,4 @@
-"""Height pyramid: a normal map at half the size, and its heights brought back to the whole."""
+"""Height pyramid: a normal map at half the size, and its heights brought back to full size."""
 
 from typing import Literal
 
@@ -17,7 +17,7 @@ Vectors = NDArray[np.float64]
 
 
 def halve(normals: Vectors, mask: BoolMask, tile: Tile | None = None) -> tuple[Vectors, BoolMask]:
-    """Return a map at half the size: normals (h, w, 3), the mean of those of each four pixels, and its mask.
+    """Return a map at half the size: normals (h, w, 3), means over 2 × 2 pixels, and its mask.
 
     Args:
         normals: (H, W, 3), zero off the mask.
@@ -39,8 +39,8 @@ def halve(normals: Vectors, mask: BoolMask, tile: Tile | None = None) -> tuple[V
 def double(height: Vectors, normals: Vectors) -> Vectors:
     """Return heights (H, W) of a map (H, W, 3) from those (h, w) at half its size.
 
-    Each pixel becomes four, on the planes of their own normals through its centre, so that a jump between
-    pixels stays a jump.
+    Each pixel becomes four, each on the plane through the old centre with its own normal, so that a jump
+    between pixels stays a jump.
     """
     rows, columns = normals.shape[:2]
     coarse = 2 * np.repeat(np.repeat(height, 2, 0)[:rows], 2, 1)[:, :columns]

@@ -1,4 +1,4 @@
-"""Multigrid: solve similar sparse symmetric systems one after the other."""
+"""Multigrid: solves a sequence of similar sparse symmetric systems."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,7 @@ _SLOW = 8
 class Solver:
     """Conjugate gradients, preconditioned by algebraic multigrid (Ruge, Stüben 1987).
 
-    The multigrid of one system serves the next ones as long as they are near enough to it.
+    The multigrid hierarchy of one system is reused for the next ones while they are close enough.
 
     Args:
         tolerance: tolerance of the residual, as a share of the right-hand side.

@@ -65,7 +65,7 @@ def simpler(height: Floats, mask: NDArray[np.bool_], faces: int) -> tuple[Floats
     Args:
         height: (H, W) in pixels towards the viewer.
         mask: (H, W), the object, not empty.
-        faces: triangles at most; but at least those of one pixel.
+        faces: triangles at most; but at least that of one pixel.
     """
     small, there, factor = height, mask, 1.0
     while _closed_faces(there) > faces and min(there.shape) > 1:

@@ -32,8 +32,8 @@ class Corners:
 def corners_of(height: NDArray[np.floating], mask: NDArray[np.bool_]) -> Corners:
     """Return the corners of the pixels of a mask that is not empty.
 
-    Where two pixels touch at a corner alone, each has a corner of its own, so that every edge of the rim
-    has one neighbour at each end.
+    Where two pixels touch only at a corner, each has its own corner, so that every edge of the rim has one
+    neighbour at each end.
 
     Args:
         height: (H, W) of the pixels.

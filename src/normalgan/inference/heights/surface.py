@@ -37,10 +37,10 @@ class Links:
 
     Args:
         tail: number of the pixel that a link starts at.
-        head: number of the one that it ends at.
+        head: number of the link where it ends.
         axis: 0 along x, 1 along y.
-        before: number of the link that ends where this one starts; its own where there is none.
-        after: number of the one that starts where this one ends; its own number if there is none.
+        before: number of the link that ends where this one starts; its own number if there is none.
+        after: number of the link that starts where this one ends; its own number if there is none.
     """
 
     tail: _Index
@@ -188,7 +188,7 @@ class Surface:
         return self.steep[0] * rise + self.tilt[0], self.steep[1] * rise + self.tilt[1]
 
     def _system(self, *weights: _Vector) -> tuple[sparse.csr_array, _Vector]:
-        """Return the normal equations: the Laplacian of the weighted links, and what it is to give."""
+        """Return the normal equations: the Laplacian of the weighted links, and the right-hand side."""
         tail, head = self.links.tail, self.links.head
         stiff = weights[0] * self.steep[0] ** 2 + weights[1] * self.steep[1] ** 2
         pull = -weights[0] * self.steep[0] * self.tilt[0] - weights[1] * self.steep[1] * self.tilt[1]

@@ -16,8 +16,8 @@ def without_twins(
 ) -> tuple[list[DrawingFiles], list[str]]:
     """Drop one of each pair of a layered file and its export; return the rest, and the messages about it.
 
-    A paint program keeps ``fox.kra`` and exports ``fox.png`` beside it. The picture is what an engine shows,
-    so the map is made from it; ``layers`` are in the layered file alone.
+    A paint program keeps ``fox.kra`` and exports ``fox.png`` beside it. The engine shows the picture, so the
+    map is made from it; ``layers`` are in the layered file alone.
 
     Example:
         >>> pair = [DrawingFiles(Path("art", name)) for name in ("fox.kra", "fox.png")]
@@ -50,7 +50,7 @@ def without_clashes(
 
     Args:
         jobs: the drawings.
-        written: what would be written for one of them; asked only of those whose maps may clash.
+        written: the names of a drawing's outputs; called only for drawings whose maps may clash.
     """
     named = Counter(job.target for job in jobs)
     files = {i: set(written(job)) for i, job in enumerate(jobs) if named[job.target] > 1}

@@ -19,17 +19,16 @@ def search(
     leave_out: Path | None = None,
     may_be_empty: bool = False,
 ) -> tuple[dict[Path, Path], list[InputError]]:
-    """Return the named drawings in order, and the reasons why some names find none.
+    """Return the named drawings in order, and the reasons why some names match none.
 
-    Each comes with the folder below the output that its map goes to: with ``recursive`` that which it lies in
-    below the folder that was named, else none. Drawings of one name in different folders get folders that
-    tell them apart.
+    Each comes with the folder below the output that its map goes to: with ``recursive`` its path below the
+    named folder, otherwise empty. Drawings with the same name in different folders go to different folders.
 
     Args:
         words: files, folders and globs.
-        companions: a file beside a drawing that is named its stem and one of these is not a drawing.
-        recursive: search folders to the bottom. What begins with a dot is passed over in any folder.
-        leave_out: a folder that is not searched: the output, if it lies in one that is.
+        companions: a file next to a drawing, named its stem plus one of these, is not a drawing.
+        recursive: search folders to the bottom. Hidden files are ignored in every folder.
+        leave_out: a folder that is not searched: the output folder, if it lies inside a named one.
         may_be_empty: whether a folder without a drawing is accepted, because drawings may arrive later.
     """
     found: dict[Path, Path] = {}

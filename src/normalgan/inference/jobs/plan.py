@@ -48,8 +48,8 @@ class DrawingFiles:
     """A drawing and what belongs to it.
 
     Args:
-        drawing: its file, or what to call standard input.
-        content: what was read from standard input.
+        drawing: its file, or a name for standard input.
+        content: the content of standard input.
         hints: the file of its hints.
         mask: the file of its mask, or one of `OUTLINE`, `MODEL` and `READER`.
         below: the folder below the output that its map goes to.
@@ -63,7 +63,7 @@ class DrawingFiles:
 
     @property
     def beside(self) -> list[Path]:
-        """The files that are read beside the drawing's."""
+        """The files that are read besides the drawing."""
         return [each for each in (self.hints, self.mask) if isinstance(each, Path)]
 
 
@@ -84,7 +84,7 @@ class Job:
     exact: bool = False
 
     def beside(self, ending: str) -> Path:
-        """Return the name of something else that is written for the drawing, such as ``_input.png``."""
+        """Return the name of another output of the drawing, such as ``_input.png``."""
         return self.target.with_name(self.stem + ending)
 
     def numbered(self, number: int, ending: str) -> "Job":
@@ -120,7 +120,7 @@ def find_many(
     folder: Path,
     may_be_empty: bool = False,
 ) -> tuple[list[DrawingFiles], list[InputError]]:
-    """Return the named drawings, and the reasons why some names find none.
+    """Return the named drawings, and the reasons why some names match none.
 
     Args:
         sketches: files, folders and globs; ``-`` is ``content``.
@@ -130,7 +130,7 @@ def find_many(
         content: what standard input holds.
         recursive: search folders to the bottom.
         folder: where the maps go; it is not searched.
-        may_be_empty: whether a folder without a drawing is nothing wrong.
+        may_be_empty: whether a folder may have no drawings.
 
     Raises:
         InputError: if a file of hints or of the mask is missing.
@@ -144,7 +144,7 @@ def find_many(
 
 
 def companions_of(ending: str) -> tuple[str, ...]:
-    """Return the files beside a drawing that are named after it and are not drawings.
+    """Return the files next to a drawing that are named after it and are not drawings.
 
     Args:
         ending: ending of a normal map's name, such as ``_normal.png``.
@@ -173,14 +173,14 @@ def plan(
     may_clash: bool = False,
     also_read: Sequence[Path] = (),
 ) -> list[Job]:
-    """Return the jobs: what to predict, and where it goes.
+    """Return the jobs: the drawings to predict, and their outputs.
 
     Args:
         files: the drawings.
         folder: where everything goes.
         ending: ending of a normal map's name, such as ``_normal.png``.
-        others: endings of what else is written.
-        may_clash: whether two drawings may go to one file, as somebody else sees to that.
+        others: endings of the other outputs.
+        may_clash: whether two drawings may go to one file, because the caller handles it.
         also_read: other files that are read, such as the model.
 
     Raises:
@@ -241,7 +241,7 @@ def plan_file(
 
 
 def check_writable(jobs: Sequence[Job]) -> None:
-    """Raise `InputError` if a map cannot be written where it is to go."""
+    """Raise `InputError` if a map cannot be written to its place."""
     for target in (job.target for job in jobs if job.target.is_dir()):
         raise InputError(f"the normal map cannot be written to {target}: it is a folder.")
     for folder in {job.target.parent for job in jobs}:
@@ -290,7 +290,7 @@ def _check_names(
         for path in (job.target, *(job.beside(ending) for ending in others)):
             if path.resolve() in read:
                 raise InputError(
-                    f"{path} is read and would be written over; give another folder (-o) or --suffix."
+                    f"{path} is an input and would be overwritten; give another folder (-o) or --suffix."
                 )
             if path.resolve() in written:
                 raise InputError(f"{path} would be written twice; rename a sketch, or give another --suffix.")

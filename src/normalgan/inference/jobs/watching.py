@@ -12,11 +12,11 @@ Stamp = tuple[tuple[Path, int, int] | None, ...]
 class Watcher:
     """Finds drawings that are new or were saved again, or whose hints or masks were.
 
-    A program takes a while to save: a file counts once it has been the same at two looks. Files are looked at
-    again and again, as the system's own messages do not come from network folders.
+    A program takes a while to save: a file is ready when two successive checks find it unchanged. Files are
+    looked at again and again, as the system's own messages do not come from network folders.
 
     Args:
-        files: the drawings that are done, each with what else is read for it.
+        files: the finished drawings, each with the other files read for it.
 
     Example:
         >>> from tempfile import TemporaryDirectory

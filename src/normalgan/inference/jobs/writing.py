@@ -18,7 +18,7 @@ Sink = Callable[[Path, bytes], None]
 
 
 class Held(NamedTuple):
-    """A file that is written once the scale that it shares with others is known."""
+    """A file that waits for the scale that it shares with others."""
 
     path: Path
     content: Scaled
@@ -37,7 +37,7 @@ class Writer:
     sink: Sink = write_bytes
 
     def write(self, job: Job, preds: NormalMap) -> list[Held]:
-        """Write what belongs to a drawing; return what waits for the other drawings.
+        """Write the files of a drawing; return those that wait for other drawings.
 
         Raises:
             OSError: if a file cannot be written.
@@ -52,7 +52,7 @@ class Writer:
         Args:
             job: the drawing.
             preds: its map.
-            hold: whether the drawing has its scale in common with others, such as those of an animation.
+            hold: whether the drawing shares its scale with others, such as the frames of an animation.
         """
         held = []
         for ending, content in self.outputs.encode_others(preds):
@@ -63,7 +63,7 @@ class Writer:
         return held
 
     def write_map(self, job: Job, preds: NormalMap) -> None:
-        """Write the map alone, and what an engine imports it by."""
+        """Write only the map and the engine's import file."""
         self.write_sidecar(job.target)
         (content,) = self.outputs.normal.encode(preds).values()
         self.sink(job.target, content)
@@ -79,7 +79,7 @@ class Writer:
             self.sink(*found)
 
     def write_held(self, held: Sequence[Held]) -> None:
-        """Write files with one scale for all: that of the one that reaches farthest.
+        """Write files with one scale for all: the largest of all.
 
         Raises:
             OSError: if one cannot be written.

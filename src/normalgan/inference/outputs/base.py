@@ -16,11 +16,11 @@ __all__ = ["OUTPUTS", "Output", "Scaled"]
 
 @dataclass(frozen=True)
 class Output(ABC):
-    """A kind of file that is written beside a normal map, such as a height map.
+    """A kind of file that is written next to a normal map, such as a height map.
 
     Subclasses are frozen dataclasses. Each field is a setting with a default, and an option of `generate` and
-    `predict`, so its name is one that neither has. The studio's menu and the rule for which pictures beside
-    a drawing are outputs of it read the registry too.
+    `predict`, so its name must be new to both. The studio's menu also reads the registry, and so does the
+    rule that tells outputs from drawings.
 
     Args:
         format: ending of the file. A kind with several annotates it as a `Literal` of them.
@@ -64,7 +64,7 @@ class Output(ABC):
 
 
 class Scaled(bytes):
-    """A grey PNG of 16 bits whose scale is known, so that it can be brought to that of others.
+    """A 16-bit grey PNG with a known scale, so that it can be rescaled to match others.
 
     Args:
         content: content of the file.
@@ -74,13 +74,13 @@ class Scaled(bytes):
     spread: float
 
     def __new__(cls, content: bytes, spread: float) -> "Scaled":
-        """Keep the scale beside the content."""
+        """Keep the scale with the content."""
         scaled = super().__new__(cls, content)
         scaled.spread = spread
         return scaled
 
     def at(self, spread: float) -> bytes:
-        """Return the file rescaled so that white means ``spread``, at least the present one."""
+        """Return the file rescaled so that white means ``spread``, which is at least its own."""
         if spread <= self.spread:
             return self
         import cv2

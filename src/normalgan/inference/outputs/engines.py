@@ -48,7 +48,7 @@ def sidecar(engine: Engine, target: Path) -> tuple[Path, bytes]:
 
     Args:
         engine: whose. Unity and Godot (``godot`` is Godot 4) read the file automatically. For Unreal and
-            Blender it is a Python script that imports the map beside it.
+            Blender it is a Python script that imports the map next to it.
         target: the map.
     """
     path = target.with_name(target.name + CONVENTIONS[engine].sidecar)

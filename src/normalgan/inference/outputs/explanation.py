@@ -23,7 +23,7 @@ def write_explanation(
 ) -> None:
     """Write `<stem>_<number>_<stage>.png` for each stage of this job.
 
-    A drawing whose mask was given, or is its opacity, has no regions or presence.
+    If the mask was given or is the opacity, there are no regions and no presence.
 
     Args:
         folder: is made if it does not exist.

@@ -21,8 +21,8 @@ class Height(Output):
 
     Args:
         format: png is 16 bits from the lowest to the highest, tiff floats in pixels.
-        height_scale: pixels of height between black and white of a png; batch takes those of the highest
-            drawing.
+        height_scale: pixels of height between black and white of a png; batch take the largest value of all
+            its drawings.
 
     Raises:
         InputError: if they do not go together.
@@ -35,10 +35,10 @@ class Height(Output):
     height_scale: Positive | Literal["batch"] | None = None
 
     def __post_init__(self) -> None:
-        """Refuse settings that do not go together."""
+        """Refuse settings that contradict each other."""
         super().__post_init__()
         if self.height_scale is not None and self.format != "png":
-            raise InputError("a height_scale is that of a height png; add --height png.")
+            raise InputError("height_scale applies to a height map as png; add --height png.")
 
     @property
     def whole_batch(self) -> bool:

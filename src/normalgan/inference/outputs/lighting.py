@@ -63,9 +63,9 @@ def lamp_direction(azimuth: float, elevation: float) -> tuple[float, float, floa
 
 
 def shade(normals: Floats, light: tuple[float, float, float], clay: Clay = Clay()) -> Floats:
-    """Return the linear colours (..., 3) of a surface that is seen from the front.
+    """Return the linear colours (..., 3) of a surface seen from the front.
 
-    Lambert's law, the highlight of Blinn, and a sky that shines on what faces up.
+    Lambertian shading, a Blinn highlight, and a sky that lights upward normals.
 
     Args:
         normals: (..., 3) unit normals, x right, y up, z to the viewer.
@@ -79,7 +79,7 @@ def shade(normals: Floats, light: tuple[float, float, float], clay: Clay = Clay(
         Blinn 1977, "Models of Light Reflection for Computer Synthesized Pictures".
 
     Example:
-        What faces the lamp is brightest, what turns away is left to sky and ground:
+        Surfaces that face the lamp are brightest; the others get light only from sky and ground:
 
         >>> facing = np.array([[0, 0, 1], [1, 0, 0], [-1, 0, 0]], np.float32)
         >>> shade(facing, (1, 0, 1))[:, 1].astype(float).round(1).tolist()

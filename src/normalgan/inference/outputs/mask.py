@@ -1,4 +1,4 @@
-"""Mask: what was taken for the object."""
+"""Mask: the predicted object."""
 
 from dataclasses import dataclass
 from typing import ClassVar

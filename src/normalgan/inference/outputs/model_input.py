@@ -1,4 +1,4 @@
-"""ModelInput: what the network was shown."""
+"""ModelInput: the network's input."""
 
 from dataclasses import dataclass
 from typing import ClassVar

@@ -24,15 +24,14 @@ class Normal(Output):
     """The normal map.
 
     Args:
-        format: format of the map; exr and tiff hold floats; by default that of the file that -o names,
-            else png.
-        suffix: ending of the map's name, after that of the drawing.
+        format: format of the map; exr and tiff hold floats; by default from the file that -o names, else png.
+        suffix: ending of the map's name, after the drawing's.
         bits: bits of each channel of a PNG.
         y: where green points: up as in OpenGL, down as in DirectX.
         alpha: write the mask of the object as alpha channel.
         pad: pixels around the object that get the colour of its edge, for engines that blend neighbours;
-            by default 16 with alpha, pack or engine, else 0, which leaves all of the background flat.
-        pack: what else the map holds: normal_specular writes the specular map as alpha channel.
+            by default 16 with alpha, pack or engine, else 0, which leaves the whole background flat.
+        pack: further channels: normal_specular writes the specular map as alpha channel.
         engine: sets y, bits and suffix for an engine, and writes the file by which it imports the map.
 
     Raises:
@@ -52,10 +51,10 @@ class Normal(Output):
     engine: Engine | None = None
 
     def __post_init__(self) -> None:
-        """Refuse settings that do not go together."""
+        """Refuse settings that contradict each other."""
         super().__post_init__()
         if self.bits == 16 and self.format != "png":
-            raise InputError(f"bits are of a PNG; a map as {self.format} always has floats of 32 bits.")
+            raise InputError(f"bits apply to PNG; a map as {self.format} always has 32-bit floats.")
         if self.pack and self.alpha:
             raise InputError(
                 "--pack normal_specular and --alpha both write the alpha channel; leave one out."

@@ -27,7 +27,7 @@ def occlusion(height: Floats, normals: Floats, mask: NDArray[np.bool_], longest:
         height: (H, W), in pixels towards the viewer.
         normals: (H, W, 3), unit.
         mask: (H, W), the object.
-        longest: longer side in pixels of the drawing, if its repeats are about it; None is that of the map.
+        longest: longer side in pixels of the drawing, if its repeats are about it; None takes the map's.
 
     References:
         Bavoil, Sainz, Dimitrov 2008, "Image-space horizon-based ambient occlusion".

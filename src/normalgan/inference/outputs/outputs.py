@@ -18,7 +18,7 @@ class Outputs:
 
     Args:
         normal: how its normal map is written.
-        others: what is written beside it.
+        others: the other outputs.
     """
 
     normal: Normal = field(default_factory=Normal)
@@ -52,7 +52,7 @@ def option_of(kind: type[Output]) -> str:
 
 
 def settings_of(kind: type[Output]) -> list[str]:
-    """Return the settings of an output that are options of their own."""
+    """Return the settings of an output that are separate options."""
     return [each.name for each in fields(kind) if each.name != "format"]
 
 
@@ -60,8 +60,8 @@ def outputs_of(settings: Mapping[str, Any]) -> Outputs:
     """Return the outputs that a command's options ask for.
 
     Args:
-        settings: the value of each option, those of every output in `OUTPUTS`, and of `Normal` as far as the
-            command has them.
+        settings: the value of each option, for every output in `OUTPUTS` and for `Normal`, as far as the
+            command has it.
 
     Raises:
         InputError: if they do not go together.

@@ -1,4 +1,4 @@
-"""Preview: a normal map under a lamp that goes around it, as a sheet of pictures and as an animation."""
+"""Preview: a normal map lit by a lamp that circles it, as a sheet of pictures or an animation."""
 
 from dataclasses import dataclass
 from io import BytesIO
@@ -27,7 +27,7 @@ _FINE = 4  # samples a side of a pixel of the ball, for a smooth edge
 @OUTPUTS.register
 @dataclass(frozen=True)
 class Preview(Output):
-    """The map under a lamp that goes around it.
+    """The map, lit by a lamp that circles it.
 
     Args:
         format: png shows eight lights side by side, gif moves.
@@ -75,7 +75,7 @@ def lit(normals: Floats, opacity: Opacity, azimuth: float, elevation: float = 25
 
 
 def turn(normals: Floats, opacity: Opacity, frames: int = 24, elevation: float = 25.0) -> list[Pixels]:
-    """Return pictures of a map while the lamp goes once around, clockwise from the upper left.
+    """Return pictures of a map while the lamp circles it once, clockwise from the upper left.
 
     Args:
         normals: (H, W, 3) unit normals.

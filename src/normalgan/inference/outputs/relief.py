@@ -23,7 +23,7 @@ class Relief(Output):
         faces: triangles of the relief at most; by default four for each pixel.
 
     Raises:
-        InputError: if so few triangles close no relief.
+        InputError: if a closed relief needs more triangles.
     """
 
     name: ClassVar[str] = "relief"

@@ -147,7 +147,7 @@ def curvature(normals: Floats, mask: BoolMask, longest: int | None = None) -> Fl
     Args:
         normals: (H, W, 3), unit on the object.
         mask: (H, W), the object; off it is 0.5.
-        longest: longer side in pixels of the drawing, if its repeats are about it; None is that of the map.
+        longest: longer side in pixels of the drawing, if its repeats are about it; None takes the map's.
     """
     from scipy import ndimage  # here: it takes a while to import
 

@@ -1,3 +1,3 @@
-"""Reading: drawings as they lie on disk, and the hints given for them."""
+"""Reading: drawings and their hints on disk."""
 
 __all__ = []

@@ -1,4 +1,4 @@
-"""Drawings of the user's own: finding and reading them, and the hints painted for them; the one reader."""
+"""Drawings of the user's own: finding and reading them and their painted hints; the one reader."""
 
 from collections.abc import Sequence
 from glob import glob
@@ -51,12 +51,12 @@ def find_drawings(
 
     Args:
         source: folder, glob, file or a list of them.
-        ending: what is written for a drawing is named its stem with this.
-        companions: what lies beside a drawing in a folder or a glob and is named its stem with one of these,
-            such as ``_hints``, is not a drawing.
+        ending: outputs are named after the drawing's stem with this ending.
+        companions: files next to a drawing, named its stem plus one of these, such as ``_hints``, are not
+            drawings.
 
     Raises:
-        InputError: if something named is missing, or nothing is found, or two have one name.
+        InputError: if a named file is missing, nothing is found, or two have the same name.
     """
     paths: list[Path] = []
     for entry in [source] if isinstance(source, str) else source:
@@ -96,12 +96,12 @@ def is_drawing(path: Path) -> bool:
 def find_companion(
     drawing: Path, source: Path, endings: Sequence[str], below: Path | None = None
 ) -> Path | None:
-    """Return a file beside a drawing, such as its hints or its mask.
+    """Return a file that goes with a drawing, such as its hints or its mask.
 
     Args:
         drawing: the drawing's file.
         source: the companion itself, or a folder of such files.
-        endings: what one is named after the drawing's stem, in the order in which they are looked for.
+        endings: its possible endings after the drawing's stem, in order of preference.
         below: the folder below ``source`` to look in first.
     """
     if source.is_file():
@@ -113,7 +113,7 @@ def find_companion(
 
 
 def without_companions(paths: Sequence[Path], companions: Sequence[str]) -> list[Path]:
-    """Return paths without those that are named as another one's stem with one of ``companions``."""
+    """Return paths without those named another path's stem plus one of ``companions``."""
     stems = {path.with_suffix("") for path in paths}
     return [
         path
@@ -157,15 +157,15 @@ def read_pixels(
 ) -> Decoded:
     """Read a picture of any format upright; an SVG is drawn, transparent where it is empty.
 
-    Everything that reads a picture reads it so: it is decoded in a process of its own (`normalgan.decoding`).
+    Everything that reads a picture reads it so: it is decoded in a child process (`normalgan.decoding`).
 
     Args:
         path: the file, or its name in messages.
         content: the bytes of the file, if they were read already.
         svg_side: longer side in pixels that an SVG is drawn with.
         longest: longer side in pixels that a larger picture is reduced to.
-        grey: whether only how bright it is on white paper is wanted.
-        exact: whether the levels are wanted as they are stored, 16 bits a channel or floats.
+        grey: whether to return only its brightness on white paper.
+        exact: whether to return the stored levels, including 16 bits a channel and floats.
 
     Raises:
         InputError: if it is missing, not an image, of an invalid size, or too expensive to decode.
@@ -202,7 +202,7 @@ def read_hints(path: str | Path, shape: tuple[int, int]) -> tuple[Floats, NDArra
     """Read hints: a transparent PNG of the drawing's size with normals painted in normal-map colours.
 
     Returns:
-        Unit normals (H, W, 3), zero where there is no hint, and where the hints are (H, W).
+        Unit normals (H, W, 3), zero where there is no hint, and the mask of the hints (H, W).
 
     Raises:
         InputError: if the picture is missing, opaque or of another size, or a colour is not a normal.
@@ -258,7 +258,7 @@ def read_normals(path: str | Path, green: Green = "up") -> tuple[Floats, Floats 
         read_exr(path, LARGEST) if path.suffix.lower() == ".exr" else read_pixels(path, exact=True).pixels
     )
     if pixels.ndim == 2:
-        raise InputError(f"{path} is grey; a normal map has three colours, the axes of its vectors.")
+        raise InputError(f"{path} is grey; a normal map needs three channels.")
     found = vectors(pixels[..., :3])
     alpha = to_unit(pixels[..., 3]) if pixels.shape[2] == 4 else None
     return flip_green(found) if green == "down" else found, alpha

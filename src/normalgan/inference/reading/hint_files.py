@@ -1,4 +1,4 @@
-"""Hint files: normals that a user gives at points of a drawing, painted as PNG or listed as JSON."""
+"""Hint files: a user's normals at points of a drawing, painted as PNG or listed as JSON."""
 
 import json
 import math
@@ -55,7 +55,7 @@ def parse_hints(entries: Any, path: Path | str, shape: tuple[int, int]) -> Hints
     Args:
         entries: what the text holds: ``[{"x": 10, "y": 20, "normal": [0, 0.6, 0.8]}, …]``, x and y in
             whole pixels of the drawing from its upper left.
-        path: what to call it in an error.
+        path: its name in errors.
         shape: (H, W) of the drawing.
 
     Raises:
@@ -117,4 +117,4 @@ def _parsed(path: Path) -> Any:
     except UnicodeDecodeError:
         raise InputError(f"the hints {path} are not a text.") from None
     except (ValueError, RecursionError):  # a number of thousands of digits, a list in a list in a list …
-        raise InputError(f"the hints {path} are not a list of hints; they hold what none has.") from None
+        raise InputError(f"the hints {path} are not a list of hints; they have unknown content.") from None

@@ -26,7 +26,7 @@ class Picture:
     Args:
         colour: (h, w, 3) in [0, 1], red, green, blue; not multiplied by the opacity.
         alpha: (h, w) opacity in [0, 1], or None where every pixel is opaque.
-        full: (H, W) of its file, if that has more pixels; None if it has the same.
+        full: (H, W) of its file, if that has more pixels; None if it is the same.
         notes: how its file looks different than in its program.
     """
 
@@ -37,16 +37,16 @@ class Picture:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """(H, W) of its file, in whose pixels hints and masks are given."""
+        """(H, W) of its file; hints and masks are in its pixels."""
         return self.full or self.size
 
     @property
     def size(self) -> tuple[int, int]:
-        """(h, w) of what is held of it."""
+        """(h, w) of the pixels in memory."""
         return self.colour.shape[0], self.colour.shape[1]
 
     def resized(self, shape: tuple[int, int], by: "Resize | None" = None) -> "Picture":
-        """Return the picture with (H, W) pixels, brought there by `resize` or another; itself if it has."""
+        """Return the picture resized to (H, W) pixels, by `resize` or another function; itself if it has."""
         if shape == self.size:
             return self
         by = by or resize
@@ -79,8 +79,8 @@ def read_picture(path: Path, content: bytes | None = None, longest: int | None =
     """Read a drawing of any mode and format, upright; a very large one is reduced.
 
     Args:
-        path: its file, or what to call it.
-        content: what is in it, if it was read already.
+        path: its file, or its name in messages.
+        content: its content, if it has been read already.
         longest: longer side in pixels that an SVG is drawn with; None is `SVG_SIDE`.
 
     Raises:

@@ -25,7 +25,7 @@ class _FoundError(Exception):
 
 
 def svg_size(content: bytes) -> tuple[float, float] | None:
-    """Return (width, height) of an SVG in CSS pixels, or those of its view box; None if it gives neither.
+    """Return (width, height) of an SVG in CSS pixels, or of its view box; None if it has neither.
 
     Only the first element is parsed.
 

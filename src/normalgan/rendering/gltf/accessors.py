@@ -28,7 +28,7 @@ def read_accessor(container: Container, index: Any, kind: str) -> Array:
         kind: what it must hold: SCALAR, VEC3, VEC4 or MAT4.
 
     Raises:
-        InputError: if it holds something else, or goes beyond its buffer.
+        InputError: if it holds another type, or goes beyond its buffer.
     """
     entry = container.item("accessors", index)
     code, held, count = entry["componentType"], entry["type"], entry["count"]
@@ -83,7 +83,7 @@ def _replaced(container: Container, sparse: dict[str, Any], values: Array) -> Ar
 
 
 def _normalised(values: Array) -> Array:
-    """Return integers as the fractions that they stand for (section 3.11)."""
+    """Return normalised integers as fractions (section 3.11)."""
     if values.dtype.kind == "f":
         return values
     return np.maximum(values.astype(np.float64) / np.iinfo(values.dtype).max, -1.0)

@@ -1,4 +1,4 @@
-"""The container of glTF: its JSON and its buffers, out of a .glb or out of a .gltf with files beside it."""
+"""The container of glTF: its JSON and its buffers, from a .glb, or a .gltf with its files."""
 
 import base64
 import binascii
@@ -31,7 +31,7 @@ class Container:
     Args:
         path: the file.
         tree: its JSON.
-        buffers: the bytes of its buffers, each as long as it says or longer.
+        buffers: the bytes of its buffers, each at least as long as declared.
     """
 
     path: Path
@@ -61,7 +61,7 @@ def bad_gltf(path: Path, reason: str) -> InputError:
 
 @contextmanager
 def refusing_bad_gltf(path: Path) -> Iterator[None]:
-    """Refuse a file that breaks the rules of glTF in a way without a message of its own."""
+    """Refuse a file that violates glTF in a way without a specific message."""
     try:
         yield
     except InputError:
@@ -121,7 +121,7 @@ def _tree(path: Path) -> tuple[dict[str, Any], bytes | None]:
 
 
 def _linked(path: Path, uri: str) -> bytes:
-    """Return the bytes that a URI stands for: in itself, or in a file beside or below the glTF file."""
+    """Return the bytes of a URI: embedded, or in a file next to or below the glTF file."""
     if uri.startswith("data:"):
         try:
             return base64.b64decode(uri.partition(",")[2], validate=True)

@@ -29,7 +29,7 @@ def piece(stroke: Stroke, start: int, stop: int) -> Stroke:
 
 
 def begin_at(stroke: Stroke, index: int) -> Stroke:
-    """Return a closed stroke that starts and ends at the point with another index."""
+    """Return a closed stroke with another point as its start and end."""
 
     def turn(values: Doubles) -> Doubles:
         return np.concatenate([values[index:-1], values[: index + 1]])

@@ -53,7 +53,7 @@ class Distortion:
         return source, (jacobian + self.matrix) / self.zoom
 
     def move(self, points: Doubles) -> Doubles:
-        """Return where points (N, 2) of the drawing go: the inverse of `sources`, by Newton's method."""
+        """Return the new positions of points (N, 2): the inverse of `sources`, by Newton's method."""
         moved = (0.5 + (points - 0.5) @ np.linalg.inv(self.matrix).T) * self.zoom + self.shift
         for _ in range(_ROUNDS):
             source, jacobian = self.sources(moved)
@@ -68,7 +68,7 @@ class Distortion:
     def grid(self, height: int, width: int) -> tuple[Doubles, Doubles]:
         """Return `sources` of all pixel centres, x and y (2, H, W), and the Jacobian (2, 2, H, W).
 
-        The zoom is left out of the Jacobian: it is of the object, not of its picture alone. The frame's
+        The zoom is left out of the Jacobian: the object moves, not only its picture. The frame's
         side is the longer one.
         """
         side = max(height, width)

@@ -35,23 +35,23 @@ class Hand:
     Lengths are fractions of the frame's side, so that a drawing looks the same at every size; 0 turns an
     effect off. A drawing's strength scales all settings, and its habits scale each by a third to five
     thirds. Normals, depth and mask follow the distortion of the whole drawing. All other effects are errors
-    of the hand and leave the object as it is.
+    of the hand and do not change the object.
 
     Args:
         strength: range from which the strength of a drawing is drawn; 0 is the exact drawing, 1 the
             settings below.
-        distortion: how far the whole drawing is distorted (standard deviation).
+        distortion: distortion of the whole drawing (standard deviation).
         proportion: how wrong the ratio of height to width is, and the shear (standard deviation).
         cuts: how often the pen is lifted on the length of a side, at corners mostly.
         simplification: standard deviation of the rounding off of detail.
         missed: chance that a short stroke is left out; a long one inside seldom, of the outline hardly ever.
         missed_parts: how many parts are not drawn on the length of a side.
-        repeats: share of strokes that are drawn over a second time, beside the first.
-        drift: how far a whole stroke is displaced (standard deviation).
+        repeats: share of strokes that are drawn a second time, next to the first.
+        drift: displacement of whole strokes (standard deviation).
         wobble: how far it waves, by the arm (standard deviation).
         tremor: how far it trembles, by the fingers (standard deviation).
-        overshoot: mean length by which an end is too long; it happens to one of two.
-        gaps: mean length by which the other one is too short.
+        overshoot: mean length of an overshoot at one end; it happens to one of two.
+        gaps: mean length of a gap at the other.
         pressure: deviation of the logarithm of the width, along and among strokes.
         fade: deviation of the logarithm of the darkness, which never exceeds the style's.
         taper: share by which the width falls to where the pen is lifted.
@@ -93,8 +93,8 @@ class Hand:
         Args:
             strokes: the exact drawing, in pixels of a frame as large as the maps.
             maps: (H, W) of the object; not changed.
-            rng: source of randomness; each effect has its own stream, so that changing one effect leaves
-                the others alone.
+            rng: source of randomness; each effect has its own stream, so that changing one effect does not
+                affect the others.
         """
         own, bending, *streams = rng.spawn(9)
         strength = own.uniform(*self.strength)

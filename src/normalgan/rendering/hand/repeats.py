@@ -12,7 +12,7 @@ _OFFSET = 0.005  # of the side: how far it lies beside the first (standard devia
 
 
 def second_pass(stroke: Stroke, side: float, rng: np.random.Generator) -> Stroke:
-    """Return a second stroke slightly beside the first, over at least two fifths of it.
+    """Return a second stroke close to the first, over at least two fifths of it.
 
     Args:
         stroke: the first pass.

@@ -1,4 +1,4 @@
-"""Apparent ridges: where the surface, as it is seen, turns away fastest."""
+"""Apparent ridges: where the visible surface turns away fastest."""
 
 import numpy as np
 

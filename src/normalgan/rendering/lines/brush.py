@@ -38,8 +38,8 @@ class Brush(LineDrawing):
         widest: strokes are at most this many times as wide as the median; broad shadows make no blots.
         sigma: standard deviation of the smaller blur, as a fraction of the frame's side.
         sharpening: p, how strongly edges are lifted out of the shading.
-        threshold: epsilon, the sharpened n·v below which there is ink; above 0, flat faces seen at so
-            small an n·v turn black.
+        threshold: epsilon, the sharpened n·v below which there is ink; above 0, flat faces with an n·v below
+            it turn black.
         gap: how far the surface must jump back for a contour, beyond what its slope explains, as a
             fraction of the frame's side; contours are inked wherever they are.
         shortest_contour: contours that span less than this fraction of the frame's side are left out.

@@ -17,14 +17,14 @@ _MARGIN = 4  # pixels kept about the object, so that filters meet the background
 
 @dataclass(frozen=True)
 class Buffers:
-    """The part of a view's maps that the object takes up.
+    """The part of a view's maps that holds the object.
 
     Args:
         maps: (H, W) of the part.
         sight: its lines of sight.
-        corner: (x, y) of its upper left corner in pixels of the whole.
+        corner: (x, y) of its upper left corner in the whole maps.
         side: side of the whole picture in pixels.
-        scale: pixels of the whole to one of the sketch.
+        scale: pixels of the maps per pixel of the sketch.
     """
 
     maps: Maps
@@ -37,7 +37,7 @@ class Buffers:
     def of(cls, view: View, resolution: int) -> Self | None:
         """Return a view's buffers, ``resolution`` pixels a side or somewhat more; None if nothing is seen.
 
-        A side is a whole multiple of the sketch's, and no smaller than that.
+        A side is a whole multiple of the sketch's.
         """
         scale = -(-resolution // view.size)
         whole = view.maps(scale)

@@ -83,13 +83,13 @@ def _foretold(maps: Maps, sight: Sight, pixel: Indices, axis: int) -> Floats:
 
 
 def _outdone(falls: Floats, first: Indices, shape: tuple[int, ...], axis: int) -> BoolMask:
-    """Return which jumps may be only the start or end of a much larger one beside them in their row.
+    """Return which jumps may be only the start or end of a much larger neighbouring jump in their row.
 
     Args:
         falls: (N,) how far the surface jumps back (positive) or forth (negative).
         first: (N,) flat index of the first pixel of each pair.
         shape: (H, W) of the picture.
-        axis: 0 for pairs side by side, 1 for pairs one above the other.
+        axis: 0 for horizontal pairs, 1 for vertical pairs.
     """
     stride = shape[1] if axis else 1
     there = np.zeros(shape[0] * shape[1] + 2 * stride, np.float32)

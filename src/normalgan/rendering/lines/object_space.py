@@ -81,7 +81,7 @@ def radial_curvature(shape: Shape, eye: Doubles) -> tuple[Doubles, Doubles, Doub
 
     The radial curvature is that along w, the projection of the view vector v to the tangent plane; with
     ``S n = 0`` it is ``v · S v / (w · w)``, positive where the surface bulges. Its rise is its derivative
-    along w / |w|; on a zero of the radial curvature that of ``v · S v`` may stand for it.
+    along w / |w|; at a zero of the radial curvature, the derivative of ``v · S v`` can replace it.
 
     Args:
         shape: the mesh and its curvature.

@@ -11,7 +11,7 @@ __all__ = ["project", "towards_eye"]
 def project(camera: Camera, points: Doubles, size: int) -> tuple[Doubles, Doubles]:
     """Return where points (N, 3) lie in a sketch of ``size`` pixels, (N, 2), and their depths (N,).
 
-    Right and down in pixels as in `Stroke`; depth as in `Maps`. All points must lie before the eye.
+    Right and down in pixels as in `Stroke`; depth as in `Maps`. All points must lie in front of the eye.
 
     >>> from normalgan.rendering.cameras import framed, look_at_origin
     >>> camera = framed(np.eye(3), look_at_origin(0, 0, 0), None, 0.0)
@@ -29,7 +29,7 @@ def project(camera: Camera, points: Doubles, size: int) -> tuple[Doubles, Double
 
 
 def towards_eye(camera: Camera, points: Doubles) -> Doubles:
-    """Return the unit vectors (N, 3) from points (N, 3) to the eye; orthographic, all are the same."""
+    """Return the unit vectors (N, 3) from points (N, 3) to the eye; all the same in an orthographic view."""
     if not camera.perspective:
         return np.broadcast_to(camera.rotation[2], points.shape)
     away = -camera.translation @ camera.rotation - points

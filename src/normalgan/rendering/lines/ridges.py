@@ -1,4 +1,4 @@
-"""Ridges and valleys, as they are seen: folds that no contour shows."""
+"""Apparent ridges and valleys: folds that no contour shows."""
 
 from dataclasses import dataclass
 
@@ -40,7 +40,7 @@ class RidgesAndValleys(OutlinedDrawing):
         smoothing: standard deviation of the smoothing of the curvature, as a fraction of the object's
             radius.
         strength: how sharply the surface must turn for a ridge or valley, in radians over the object's
-            radius as it is seen; one that has begun continues down to a third of it.
+            radius as it is seen; a line that has begun continues down to a third of it.
         sharpness: by how much more than beside it, in units of the curvature cubed; a limb is round, so its
             middle is not a ridge.
         shortest_contour: contours that span less than this fraction of the frame's side are left out.

@@ -83,5 +83,5 @@ class SuggestiveContours(OutlinedDrawing):
         return zero_crossings(slope, bend, deep).lines(self.strength, self.shortest * side)
 
     def _says_more(self, line: Line, distance: Floats, side: int) -> bool:
-        """Return whether a line keeps away from contours; beside one it would only double it."""
+        """Return whether a line keeps away from contours; next to a contour it would only double it."""
         return bool(distance[tuple(line.pixels.T)].mean() > self.apart * side)

@@ -51,7 +51,7 @@ def shape_operators(surface: Surface, normals: Doubles, smoothing: float) -> Dou
 
 
 def _fit(sides: Doubles, normals: Doubles, first: Doubles, second: Doubles) -> Doubles:
-    """Return the symmetric (F, 2, 2) that best takes the sides of faces to the turns of the normals."""
+    """Return the symmetric matrices (F, 2, 2) that best map sides of faces to changes of normals."""
     turns = np.roll(normals, -2, axis=1) - np.roll(normals, -1, axis=1)
     u, v = (np.einsum("fkc,fc->fk", sides, axis) for axis in (first, second))
     du, dv = (np.einsum("fkc,fc->fk", turns, axis) for axis in (first, second))

@@ -52,7 +52,7 @@ def zero_marks(surface: Surface, field: Doubles, usable: BoolMask) -> EdgeMarks:
 def seen(view: View, buffers: Buffers, points: Doubles) -> tuple[Doubles, BoolMask]:
     """Return the positions of points (N, 3) in the sketch, (N, 2), and which are visible.
 
-    A point counts as seen if the surface is as deep in one of the nine pixels of the buffers about it: on a
+    A point counts as visible if one of the nine pixels around it has the same depth: on a
     contour half of them show the surface behind or in front.
     """
     place, depth = project(view.camera, points, view.size)

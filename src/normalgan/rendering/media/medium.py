@@ -17,7 +17,7 @@ __all__ = ["Medium"]
 class Medium:
     """Pen, paper and scanner: effects on the pixels of a drawing, after its strokes are drawn.
 
-    Every drawing takes a part of each effect, drawn at random from none to all of it.
+    Every drawing gets a random share, from 0 to 1, of each effect.
 
     Args:
         strength: range of the factor that a drawing's effects share; at 0 the drawing stays as it is.
@@ -26,7 +26,7 @@ class Medium:
         lightness: how much lighter than ink a pencil line is, at most.
         bleed: how far ink runs at most, as a fraction of the frame's side.
         tint: how dark the paper is at most, 1 being black.
-        shadow: how much darker the paper is on one side than on the other, at most.
+        shadow: largest difference in lightness between two sides of the paper.
         noise: standard deviation of the scanner's noise, at most.
 
     Raises:

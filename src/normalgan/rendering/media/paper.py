@@ -10,7 +10,7 @@ __all__ = ["on_paper", "scanned"]
 def on_paper(ink: Floats, tint: float, shadow: float, rng: np.random.Generator) -> Floats:
     """Return the darkness of a drawing on paper that is not white and not evenly lit.
 
-    Paper and ink let through what light falls on them, so their lightnesses multiply.
+    Paper and ink act as filters of light, so their lightnesses multiply.
 
     Args:
         ink: (H, W) in [0, 1].

@@ -54,7 +54,7 @@ class EmbreeRenderer(Renderer):
 
 
 def _scene(mesh: Mesh) -> Any:
-    """Return Embree's search tree of the mesh, built once for as long as the mesh stays the same."""
+    """Return Embree's search tree of the mesh, cached until the mesh changes."""
     from embreex.mesh_construction import TriangleMesh  # 0.1 s, only when it renders
     from embreex.rtcore_scene import EmbreeScene
 

@@ -118,6 +118,6 @@ def pose_at(nodes: Nodes, clip: Clip, moment: float) -> Nodes:
 
 
 def _unit(quaternions: Doubles) -> Doubles:
-    """Return quaternions (M, 4) of length 1; splines can pass through 0, where any is as good as another."""
+    """Return quaternions (M, 4) of length 1; splines can pass through 0, where any rotation will do."""
     lengths = np.linalg.norm(quaternions, axis=1, keepdims=True)
     return np.where(lengths > 1e-9, quaternions / np.maximum(lengths, 1e-9), [0.0, 0.0, 0.0, 1.0])

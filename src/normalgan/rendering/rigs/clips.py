@@ -1,4 +1,4 @@
-"""Clips: the moments of an animation as meshes that stand in one place, for one camera."""
+"""Clips: the frames of an animation as meshes in one fixed place, for one camera."""
 
 from functools import cached_property
 from pathlib import Path
@@ -24,10 +24,10 @@ _MOMENTS = 16
 class ClipMeshes:
     """Sampled times of one clip of a rigged glTF file.
 
-    All are moved and scaled alike, by the box of the whole clip: what stands still stays where it is.
+    All are moved and scaled alike, by the box of the whole clip: still parts do not move.
 
     Args:
-        file: the rig, and how it stands.
+        file: the rigged file, with its orientation.
         clip: name of the clip; the part after its last ``|`` will do. Or its number from 0.
 
     Raises:

@@ -28,10 +28,10 @@ class RiggedFile:
     """A pose of a rigged glTF file, drawn by its number; a `MeshSource`.
 
     Args:
-        file: the file, and how it stands; its crease angle holds for the pose.
-        pose: number of the pose, from 0: it alone draws the pose, with the file's name.
-        postures: share of the poses, from 0 to 1, that are postures such as sitting or lying, where the
-            skeleton is a known one.
+        file: the file, with its orientation; its crease angle holds for the pose.
+        pose: number of the pose, from 0: the pose depends only on it and the file's name.
+        postures: share of the poses, from 0 to 1, that are postures such as sitting or lying, if the skeleton
+            is a known one.
 
     Raises:
         InputError: if the number is negative.
@@ -80,12 +80,12 @@ class RiggedFile:
             except LooseRigError as error:
                 raise bad_gltf(Path(self.file.path), str(error)) from error
         if not np.isfinite(vertices).all():
-            raise bad_gltf(Path(self.file.path), f"pose {self.pose} throws vertices beyond all numbers")
+            raise bad_gltf(Path(self.file.path), f"pose {self.pose} moves vertices to infinity")
         return place(self.name, self.file, vertices, faces)[0]
 
 
 def find_poses(files: Sequence[MeshFile], poses: int, postures: float = 0.0) -> list[MeshFile | RiggedFile]:
-    """Return mesh files with ``poses`` poses in place of each rigged one; 0 leaves all at rest.
+    """Return mesh files, each rigged one replaced by ``poses`` poses; 0 leaves all at rest.
 
     Args:
         files: rigged and others.

@@ -46,10 +46,10 @@ class Joints:
     """The joints that move surface.
 
     Args:
-        nodes: (J,) indices of their nodes, each after the one that it hangs on.
-        parents: (J,) position in ``nodes`` of the joint that each hangs on, -1 for none.
+        nodes: (J,) indices of their nodes, parents first.
+        parents: (J,) position in ``nodes`` of each joint's parent, -1 for none.
         low: (J, 3) least rotation vectors from rest, in the joint's own axes, in radians; 0 for joints
-            that hang on none, or hang on another than in the file.
+            without a parent, or with a different one than in the file.
         high: (J, 3) greatest rotation vectors.
     """
 
@@ -102,7 +102,7 @@ def owned_vertices(rig: Rig) -> tuple[Doubles, Indices]:
 
 
 def _hang_together(points: Doubles, owners: Indices, parents: Indices, moving: BoolMask) -> Indices:
-    """Return the parents with smaller trees hung on the joints of larger ones that they touch."""
+    """Return the parents, with smaller trees attached to the joints of larger ones that they touch."""
     parents = np.where(moving, parents, -1)
     points, owners = _thinned(points, owners)
     loose = int((parents[np.unique(owners)] < 0).sum())
@@ -137,7 +137,7 @@ def _thinned(points: Doubles, owners: Indices) -> tuple[Doubles, Indices]:
 
 
 def _ordered(parents: Indices, moving: BoolMask) -> Indices:
-    """Return the moving nodes, each after the one that it hangs on."""
+    """Return the moving nodes, parents first."""
 
     def depth(node: int) -> int:
         count = 0

@@ -33,7 +33,7 @@ class Posture:
         neck: bend of the neck.
         head: turn of the head against the neck.
         tail: bend of the tail; its pitch raises the tip.
-        whole: turn of the whole figure at the end, to lay it down; individuals differ by up to 15 %.
+        whole: final rotation of the whole figure, to lay it down; individuals differ by up to 15 %.
         spread: largest difference of an angle of a limb or the trunk from the table, in degrees.
         free: the same for neck, head and tail.
         level: whether the trunk is pitched until forefeet and hind feet stand on the same ground.
@@ -259,7 +259,7 @@ class Skeleton:
         hind: right and left hind leg or leg.
         parents: (N,) the node that each node follows, -1 for none.
         places: (N, 3) of the nodes at rest, x to the body's left, y up, z ahead.
-        tips: (N, 3) middle of the surface that each node moves, or its place if it moves none.
+        tips: (N, 3) centre of the surface that each node moves, or its own position if it moves none.
         axes: (3, 3) columns left, up and ahead in the file's axes.
     """
 
@@ -494,7 +494,7 @@ def _direction(way: tuple[float, float], side: float) -> Doubles:
 
 
 def _swing(start: Doubles, end: Doubles) -> Doubles:
-    """Return the least rotation (3, 3) that turns one direction (3,) into another."""
+    """Return the smallest rotation (3, 3) that turns one direction (3,) into another."""
     start, end = start / np.linalg.norm(start), end / np.linalg.norm(end)
     axis = np.cross(start, end)
     sine, cosine = float(np.linalg.norm(axis)), float(start @ end)

@@ -89,10 +89,10 @@ def _bound(
     faces: Indices,
     node: int,
 ) -> Piece:
-    """Return a surface bound to the joints of a skin; stiff on its node if none of its vertices has weights.
+    """Return a surface bound to the joints of a skin; rigid on its node if no vertex has weights.
 
-    Exporters leave vertices that no joint moves without weights, or with NaN. Among others that have some,
-    such a vertex moves as the nearest of those: stiff beside them it would pull a spike out of the surface.
+    Exporters leave vertices that no joint moves without weights, or with NaN. A single vertex without weights
+    moves like the nearest one that has some: a rigid one would pull a spike out of the surface.
     """
     if skin is None or not any(name.startswith("JOINTS_") for name in attributes):
         return _stiff(vertices, faces, node)

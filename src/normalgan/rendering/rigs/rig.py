@@ -29,7 +29,7 @@ class Piece:
         vertices: (V, 3) positions.
         faces: (F, 3) vertex indices.
         node: index of the node that it hangs on.
-        skin: moves it instead of its node; None if it is stiff.
+        skin: moves it instead of its node; None if it is rigid.
         joints: (V, K) indices into the skin's joints.
         weights: (V, K) the share of each, summing to 1.
     """
@@ -44,7 +44,7 @@ class Piece:
 
 @dataclass(frozen=True)
 class Track:
-    """How one property of one node changes with time.
+    """The animation of one property of one node.
 
     Args:
         node: index of the node.

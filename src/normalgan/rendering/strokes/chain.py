@@ -16,14 +16,14 @@ _STRAIGHT = np.cos(np.deg2rad(60.0))  # a path turns by no more at a junction
 
 
 def chain(points: Doubles, links: Indices) -> list[Indices]:
-    """Return paths that together run once through every link.
+    """Return paths that together traverse every link once.
 
     At a junction, a point with more than two links, a path continues in the straightest direction. So where
     one contour ends on another, the other stays whole.
 
     Args:
         points: (N, 2) positions.
-        links: (M, 2) pairs of points, none twice.
+        links: (M, 2) pairs of points, without duplicates.
 
     Returns:
         The points of each path in order. A closed one ends on its first point.

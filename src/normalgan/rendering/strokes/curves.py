@@ -47,7 +47,7 @@ def smooth(path: Doubles, sigma: float) -> Doubles:
 def settle(path: Doubles, sigma: float, slack: float) -> Doubles:
     """Return a smoothed polyline whose points move by at most ``slack`` in x and in y.
 
-    For points known only to lie on a grid, which make stairs; sharp corners keep their place.
+    For points on a grid, which form stairs; sharp corners keep their place.
 
     Args:
         path: (P, 2).

@@ -16,12 +16,12 @@ _BATCH = 1_000_000  # pixels looked at at a time
 
 
 def rasterise(strokes: Sequence[Stroke], size: int) -> Floats:
-    """Return the ink of strokes laid one over the other, (``size``, ``size``) in [0, 1].
+    """Return the ink of overlaid strokes, (``size``, ``size``) in [0, 1].
 
     A pixel's coverage is that of an endless bar as wide as the line is there, at the pixel's distance and
-    slanted as the line: exact along straight lines. Ends are round. One stroke covers a pixel once, however
-    it winds; two strokes that cross darken each other, as pencil does: ``1 - (1 - a) (1 - b)``. Strokes are
-    clipped to the frame.
+    slanted as the line: exact along straight lines. Ends are round. One stroke covers a pixel once, even if
+    it crosses itself; two strokes that cross darken each other, as pencil does: ``1 - (1 - a) (1 - b)``.
+    Strokes are clipped to the frame.
 
     >>> line = Stroke.even(np.array([[-5.0, 2.0], [9.0, 2.0]]), width=1.0)
     >>> rasterise([line], 4)[:, 0].round(2).tolist()
@@ -48,7 +48,7 @@ class _Segments:
         change: how much of these is added up to the end.
         owner: number of the stroke.
         reach: pixels from the segment that may get ink.
-        side: side of a square of pixels that holds all of these, wherever the segment lies.
+        side: side of a square of pixels that holds all of these for any segment.
     """
 
     start: Doubles
@@ -141,7 +141,7 @@ def _covered(depth: Floats, slant: Doubles) -> Floats:
 
     Args:
         depth: (S, K, K) in pixels, negative on the other side.
-        slant: (S, 2) both parts of the direction, not negative; (1, 0) or (0, 1) are along the pixels.
+        slant: (S, 2) absolute components of the direction; (1, 0) or (0, 1) are along the pixels.
     """
     # Along the pixels the smaller part is 0, and the formula divides by it; nobody sees so little slant.
     wide, narrow = np.sort(np.maximum(slant, 0.02), axis=1).astype(np.float32).T[::-1, :, None, None]

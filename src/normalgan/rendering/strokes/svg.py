@@ -64,7 +64,7 @@ def _data(points: Doubles) -> str:
 
 
 def _number(value: float) -> str:
-    """Return a hundredth of a pixel, without the zeros that say nothing.
+    """Format a number with two decimals, without trailing zeros.
 
     >>> [_number(1.5), _number(2.0), _number(-0.001)]
     ['1.5', '2', '0']

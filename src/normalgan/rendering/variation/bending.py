@@ -1,7 +1,7 @@
 """Deformations of the whole: scaling, taper, twist and bend, each with its derivative.
 
-A. H. Barr, "Global and local deformations of solid primitives", SIGGRAPH 1984. A deformation takes points
-(V, 3) and returns where they go (V, 3) and its Jacobians there (V, 3, 3), ``J[i, j] = dx'_i / dx_j``.
+A. H. Barr, "Global and local deformations of solid primitives", SIGGRAPH 1984. A deformation maps points (V,
+3) to new positions (V, 3) and its Jacobians (V, 3, 3), ``J[i, j] = dx'_i / dx_j``.
 """
 
 from collections.abc import Callable
@@ -50,7 +50,7 @@ def twist(points: Doubles, rate: float) -> Deformed:
 
 
 def bend(points: Doubles, curvature: float, across: int) -> Deformed:
-    """Bend the first axis to an arc of a circle, towards another axis; lengths along the arc are kept.
+    """Bend the first axis to a circular arc, towards another axis; lengths along the arc are kept.
 
     Args:
         points: (V, 3).
@@ -73,7 +73,7 @@ def bend(points: Doubles, curvature: float, across: int) -> Deformed:
 
 
 def in_turn(points: Doubles, deformations: list[Deformation]) -> Deformed:
-    """Return where points go by several deformations one after the other, and the Jacobians of the whole."""
+    """Return the points moved by several deformations in sequence, and the Jacobians of the whole."""
     jacobian = np.broadcast_to(np.eye(3), (len(points), 3, 3))
     for deform in deformations:
         points, step = deform(points)
@@ -82,7 +82,7 @@ def in_turn(points: Doubles, deformations: list[Deformation]) -> Deformed:
 
 
 def together(points: Doubles, deformations: list[Deformation]) -> Deformed:
-    """Return where points go by several deformations at once, their shifts added, and the Jacobians."""
+    """Return the points moved by the sum of several deformations' shifts, and the Jacobians."""
     moved, jacobian = points.copy(), np.tile(np.eye(3), (len(points), 1, 1))
     for deform in deformations:
         alone, step = deform(points)

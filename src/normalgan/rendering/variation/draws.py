@@ -23,7 +23,7 @@ class VariationDraws:
         limbs: (2,) length and thickness.
         parts: (3,) growth of the parts.
         bumps: (12,) heights of the bumps.
-        part_places: (3,) shares of the surface at which the parts lie, in [0, 1].
+        part_places: (3,) positions of the parts, as shares of the surface in [0, 1].
         bump_places: (12,) the same of the bumps.
         widths: (15,) in [0, 1], of the parts, then of the bumps.
         lattice: (4, 4, 4, 3) normally distributed, cut off at ±2.
@@ -43,7 +43,7 @@ class VariationDraws:
 
 
 def draw(rng: np.random.Generator) -> VariationDraws:
-    """Return new draws: always as many numbers, so that no strength shifts the draw of another."""
+    """Return new draws: always equally many, so that no strength shifts another's."""
     return VariationDraws(
         scale=rng.uniform(-1, 1, 3),
         taper=float(rng.uniform(-1, 1)),

@@ -43,8 +43,8 @@ class Joint:
         centre: (3,) of the limb there.
         outward: (3,) unit direction of the limb there, towards its tip.
         band: half the length over which the turn sets in.
-        beyond: (V,) vertices between the joint and the tip, those of the joint included.
-        near: (V,) those of them that belong to the joint.
+        beyond: (V,) vertices between the joint and the tip, including the joint's.
+        near: (V,) vertices of the joint itself.
     """
 
     centre: Doubles
@@ -89,7 +89,7 @@ def find_joints(points: Doubles, faces: NDArray[np.integer], rng: np.random.Gene
         rng: draws where along their limbs the joints lie.
 
     Returns:
-        The joints; one that lies beyond another comes before it.
+        The joints; outer joints come before inner ones.
     """
     from scipy.sparse.csgraph import dijkstra  # half a second: only when a mesh is varied
 

@@ -15,7 +15,7 @@ def free_form(points: Doubles, low: Doubles, high: Doubles, pulls: Doubles) -> D
     """Move points as a lattice of control points about them is pulled.
 
     Tensor-product Bernstein polynomials of degree 3 (Sederberg and Parry, "Free-form deformation of solid
-    geometric models", SIGGRAPH 1986), added to the place of a point, so that without pulls nothing moves.
+    geometric models", SIGGRAPH 1986), added to a point's position, so that without pulls nothing moves.
 
     Args:
         points: (V, 3), of the last deformation.

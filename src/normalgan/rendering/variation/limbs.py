@@ -67,7 +67,7 @@ class Middle:
 
     Args:
         places: (P, 3) of the surface.
-        areas: (P,) of the surface that each stands for.
+        areas: (P,) area of the surface that each point represents.
         width: standard deviation of the Gaussian.
     """
 

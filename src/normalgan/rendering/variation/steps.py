@@ -1,4 +1,4 @@
-"""The deformations that make an individual of an object, one after the other."""
+"""The deformations that make a variant of an object, in order."""
 
 from functools import partial
 
@@ -43,7 +43,7 @@ class Object:
         self._cumulated = np.cumsum(areas) / areas.sum()
 
     def vertices_at(self, shares: Doubles) -> Indices:
-        """Return the vertices that lie at shares of the surface, counted through from 0 to 1."""
+        """Return the vertices at the given shares, from 0 to 1, of the accumulated surface."""
         return np.searchsorted(self._cumulated, shares).clip(0, len(self.points) - 1)
 
 

@@ -16,7 +16,7 @@ class Variation:
 
     Args:
         scale: independent lengthening or shortening along, up and sideways: 0.1 is up to a tenth.
-        taper: how much thicker the object becomes towards one end: 0.1 is up to a tenth at either end.
+        taper: how much thicker the object becomes towards one end: 0.1 changes each end by up to a tenth.
         bend: largest angle in degrees between the directions of the two ends, up or down; sideways it is this
             times ``asymmetry``.
         twist: largest angle in degrees between the two ends, about the long axis, times ``asymmetry``.

@@ -23,7 +23,7 @@ class Varied:
     Args:
         source: where the mesh is from.
         variation: how far individuals differ.
-        number: number of the individual, from 0; with the mesh's name it alone draws it.
+        number: number of the individual, from 0; the variant depends only on it and the mesh's name.
 
     Raises:
         InputError: if the number is negative.

@@ -1,4 +1,4 @@
-"""vary: another individual of a mesh, and its normals."""
+"""vary: a random variant of a mesh, and its normals."""
 
 from dataclasses import replace
 
@@ -20,14 +20,14 @@ LEAST_VOLUME = 0.1
 
 
 def vary(mesh: Mesh, variation: Variation, rng: np.random.Generator) -> Mesh:
-    """Return an individual of a mesh: another one, but of its kind.
+    """Return an individual of a mesh: a different individual of the same kind.
 
-    Normals are carried over exactly, by the inverse transpose of the deformation's Jacobian, so what was
-    a hard edge stays one. Where the deformation would turn the surface inside out, all strengths are
-    halved until it does not.
+    Normals are transformed exactly, by the inverse transpose of the deformation's Jacobian, so hard edges
+    stay hard. Where the deformation would turn the surface inside out, all strengths are halved until it does
+    not.
 
     Args:
-        mesh: the mesh; it is returned as it is if there is no strength.
+        mesh: the mesh; returned unchanged if all strengths are 0.
         variation: how far individuals differ.
         rng: draws the individual; strengths change the amount of the difference, not its kind.
     """

@@ -54,11 +54,11 @@ class _LayerChunk:
 
     Args:
         name: name of the layer.
-        groups: names of those that it lies in.
-        opacity: with that of its groups.
-        visible: whether it is shown, and no group.
-        opaque: whether no colour is transparent in it.
-        tileset: number of its tileset; None if it is not of tiles.
+        groups: names of the groups around it.
+        opacity: opacity, multiplied by its groups'.
+        visible: whether it is a visible layer and not a group.
+        opaque: whether it has no transparent colour.
+        tileset: number of its tileset; None if it has no tiles.
     """
 
     name: str
@@ -144,7 +144,7 @@ class AsepriteFile(LayeredFile):
             yield from self._cels_of(frame)
 
     def _cels_of(self, frame: int) -> list[Layer]:
-        """Return the cels of the visible layers in a frame, the lowest first."""
+        """Return the cels of the visible layers in a frame, bottom to top."""
         found = []
         for number, layer in enumerate(self._layers):
             if not layer.visible or number not in self._cels[frame]:

@@ -24,7 +24,7 @@ class Notes:
     def __init__(self) -> None:
         self._said: dict[str, list[str]] = {}
         self.partial = False
-        """Whether a layer is missing, and not only a part of how it is shown."""
+        """Whether a whole layer is missing, and not only an effect."""
 
     def leave_out(self, name: str, words: str, reason: str) -> None:
         """Note a layer that is missing: it is ``damaged``, has ``no_pixels``, or is ``foreign``."""
@@ -56,18 +56,19 @@ class Notes:
 
 @dataclass(eq=False)
 class Layer:
-    """A visible layer, or what it shows in one frame.
+    """A visible layer, or one frame of it.
 
     Args:
-        name: as the file has it.
-        groups: names of those that it lies in, the outermost first.
-        opacity: 0 to 255, with that of its groups; the image does not have it.
+        name: its name in the file.
+        groups: names of the groups around it, the outermost first.
+        opacity: 0 to 255, multiplied by its groups'; not applied to the image.
         left: column of its first column in the picture; may be negative.
         top: row of its first row in the picture.
         image: RGBA.
-        number: number of the layer, counted from the lowest; -1 if it is the order in which layers come.
-        frame: in which it shows this.
-        base: the layer that it is clipped to, by which the image is cut.
+        number: number of the layer, counted from the bottom; -1 numbers layers in the order in which they
+            come.
+        frame: the frame.
+        base: the layer that it is clipped to; the image is already cut.
     """
 
     name: str
@@ -86,7 +87,7 @@ class LayeredFile(ABC):
 
     Args:
         content: content of the file.
-        check_size: called with width and height before anything else is read; it may refuse the file.
+        check_size: called with width and height before anything else is read; may raise to refuse the file.
 
     Raises:
         UnreadableError: if it is broken, or of an unknown version.
@@ -95,12 +96,12 @@ class LayeredFile(ABC):
     def __init__(self, content: bytes, check_size: Callable[[int, int], None]) -> None:
         self.content = content
         self.notes = Notes()
-        """What is not shown as the file's program shows it, of what has been read so far."""
+        """Differences from the file's own program, in the parts read so far."""
         self.size = self._read_size()
         """(width, height) in pixels."""
         check_size(*self.size)
         self.durations = [0]
-        """How many milliseconds each frame is shown; one of 0 if the file does not move."""
+        """Duration of each frame in milliseconds; [0] for a still file."""
 
     def frames(self) -> "Iterator[tuple[Image, int]]":
         """Yield each frame with its duration in milliseconds."""
@@ -115,7 +116,7 @@ class LayeredFile(ABC):
         raise UnreadableError("has no tileset of its own; give the size of a tile, such as 16x16")
 
     def layers(self) -> Iterator[Layer]:
-        """Yield the visible layers, the lowest first, each cut to what is opaque in it.
+        """Yield the visible layers, bottom to top, each cropped to its opaque part.
 
         Layers of an animation come frame by frame. Empty layers are left out. A layer that cannot be shown is
         left out and noted.
@@ -142,7 +143,7 @@ class LayeredFile(ABC):
 
     @abstractmethod
     def composite(self) -> "Image":
-        """Return the composite, of an animation that of the first frame.
+        """Return the composite, or the first frame of an animation.
 
         Raises:
             UnreadableError: if it cannot be read.
@@ -154,11 +155,11 @@ class LayeredFile(ABC):
 
     @abstractmethod
     def _read_layers(self) -> Iterator[Layer]:
-        """Yield the visible layers, the lowest first, at their size in the file."""
+        """Yield the visible layers, bottom to top, at their size in the file."""
 
 
 def flattened(size: tuple[int, int], found: Iterable[Layer]) -> "Image":
-    """Return the composite of layers, given from the lowest up."""
+    """Return the composite of layers, given bottom to top."""
     from PIL import Image
 
     canvas = Image.new("RGBA", size)

@@ -58,7 +58,7 @@ class KritaFile(LayeredZip):
 
     @cached_property
     def _moment(self) -> int | None:
-        """The current time of an animated file; None for a still one."""
+        """The current time of an animated file; None for a still file."""
         times = {time for each in self._root.iter("layer") for time, _ in _keyframes(self.zip, each)}
         if len(times) < 2:
             return None
@@ -71,7 +71,7 @@ class KritaFile(LayeredZip):
     def _group(
         self, group: Any, path: tuple[str, ...], opacity: int, masks: "tuple[Image, ...]"
     ) -> Iterator[Layer]:
-        """Yield the layers of a group, the lowest first; ``masks`` are those of the groups above."""
+        """Yield the layers of a group, bottom to top; ``masks`` are those of the groups around it."""
         from PIL import ImageChops
 
         for each in reversed(group if group is not None else ()):
@@ -141,9 +141,8 @@ class KritaFile(LayeredZip):
     def _pixels(self, filename: str, at: tuple[int, int], bands: str) -> "Image":
         """Return the pixels in a file of tiles, at the size of the picture.
 
-        The format is that of Krita's ``KisTiledDataManager`` and ``KisTileCompressor2``: lines of text, and
-        then tiles, each with a line that says where it lies, and its bytes, one plane after the other, packed
-        by LZF.
+        The format is that of Krita's ``KisTiledDataManager`` and ``KisTileCompressor2``: lines of text, then
+        tiles. Each tile is a line with its position, and its bytes, plane by plane, compressed with LZF.
 
         Raises:
             ValueError: if it is broken, and so is `IndexError`.
@@ -220,7 +219,7 @@ def _unpacked(packed: bytes, count: int) -> bytes:
     r"""Return bytes decompressed from LZF.
 
     Raises:
-        ValueError: if they are not as many as ``count``.
+        ValueError: if their number is not ``count``.
 
     >>> _unpacked(b"\x01ab\x60\x01", 7)
     b'abababa'
@@ -244,5 +243,5 @@ def _unpacked(packed: bytes, count: int) -> bytes:
         once = bytes(out[len(out) - back : len(out) - back + length])
         out += (once * (length // len(once) + 1))[:length]
     if len(out) != count:
-        raise ValueError(f"a tile of it has {len(out)} bytes in place of {count}")
+        raise ValueError(f"a tile of it has {len(out)} bytes instead of {count}")
     return bytes(out)

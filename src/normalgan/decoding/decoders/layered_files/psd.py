@@ -51,7 +51,7 @@ class PsdFile(LayeredFile):
 
 
 def _group(psd: Any, group: Any, chain: tuple[Any, ...], opacity: int, notes: Notes) -> Iterator[Layer]:
-    """Yield the layers of a group; ``chain`` is the group and those that it lies in, the outermost first."""
+    """Yield the layers of a group; ``chain`` is the group and the groups around it, the outermost first."""
     base: Layer | None = None
     hidden = False
     for layer in group:
@@ -129,7 +129,7 @@ def _layer(psd: Any, layer: Any, chain: tuple[Any, ...], opacity: int, notes: No
 
 
 def _alone(psd: Any, layer: Any, chain: tuple[Any, ...], box: tuple[int, int, int, int]) -> "Image":
-    """Return a layer as RGBA with its effects, its masks and those of its groups, but without opacity."""
+    """Return a layer as RGBA with its effects, its own and its groups' masks, but without opacity."""
     import numpy as np
     from PIL import Image
     from psd_tools.composite import composite as render
