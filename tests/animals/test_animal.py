@@ -101,7 +101,7 @@ def test_what_is_not_known_is_said_with_the_nearest_that_is() -> None:
         Animal("horse", 0, "walking")
     with pytest.raises(InputError, match="seed of Animal is -1"):
         Animal("horse", -1)
-    with pytest.raises(InputError, match="at least one animal, not 0"):
+    with pytest.raises(InputError, match="number of animals is 0"):
         make_animals(0)
     with pytest.raises(
         InputError, match=r"no species or group named 'quadruped'\. Did you mean quadrupeds\?"

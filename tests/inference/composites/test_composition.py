@@ -87,7 +87,7 @@ def test_warnings_are_all_said_and_confidence_needs_all() -> None:
 
 
 def test_maps_of_two_sizes_are_refused() -> None:
-    with pytest.raises(ValueError, match="one size"):
+    with pytest.raises(ValueError, match="same size"):
         compose([part(UP, box(1, 3)), part(UP, np.ones((5, 5), np.float32))])
-    with pytest.raises(ValueError, match="one size"):
+    with pytest.raises(ValueError, match="same size"):
         compose([])
