@@ -107,5 +107,5 @@ def test_what_is_not_known_is_said_with_the_nearest_that_is() -> None:
         InputError, match=r"no species or group named 'quadruped'\. Did you mean quadrupeds\?"
     ):
         make_animals(1, species=["quadruped"])
-    with pytest.raises(InputError, match="at least one species; known groups: quadrupeds"):
+    with pytest.raises(InputError, match="no species was named; known groups: quadrupeds"):
         make_animals(1, species=[])
