@@ -59,5 +59,5 @@ def test_a_split_of_bad_meshes_alone_fails(bench: Bench, tmp_path: Path) -> None
         *("--data.meshes", f"[{bench.meshes}/ball.ply,{bench.meshes}/can.stl,{bad}]"),
         *("--data.split.file", few, "--data.cache", tmp_path / "cache"),
     )
-    outcome.refused("none of the 1 meshes for val can be used", str(bad), reason)
+    outcome.refused("the only mesh for val cannot be used", str(bad), reason)
     assert left_in(tmp_path) == ["few.json", "nan.off"]

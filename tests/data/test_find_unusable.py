@@ -13,7 +13,7 @@ SOURCES = [Octahedron("a"), Octahedron("b", flaw="has no faces"), Octahedron("c"
 def test_a_bad_mesh_is_told_apart_from_good_ones(tmp_path: Path) -> None:
     reasons = find_unusable(str(tmp_path), SOURCES)
     assert reasons == {"b": "b has no faces."}
-    assert leave_out(SOURCES, reasons, "train") == [SOURCES[0], SOURCES[2]]
+    assert leave_out(SOURCES, reasons, "train", "mesh") == [SOURCES[0], SOURCES[2]]
 
 
 class Legless(Octahedron):
@@ -43,7 +43,9 @@ def test_another_mesh_of_the_name_is_asked_for_anew(tmp_path: Path) -> None:
 
 
 def test_none_left_is_refused() -> None:
-    with pytest.raises(InputError, match="none of the 1 meshes for train can be used; the first: b is torn"):
-        leave_out([Octahedron("b")], {"b": "b is torn."}, "train")
-    with pytest.raises(InputError, match="none of the 0 meshes for train can be used"):
-        leave_out([], {}, "train")
+    with pytest.raises(InputError, match="the only mesh for train cannot be used: b is torn"):
+        leave_out([Octahedron("b")], {"b": "b is torn."}, "train", "mesh")
+    with pytest.raises(InputError, match="none of the 2 meshes for train can be used; the first: b is torn"):
+        leave_out([Octahedron("b"), Octahedron("c")], {"b": "b is torn.", "c": "c is flat."}, "train", "mesh")
+    with pytest.raises(InputError, match="there are no meshes for train"):
+        leave_out([], {}, "train", "mesh")

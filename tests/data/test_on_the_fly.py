@@ -83,7 +83,7 @@ def test_a_bad_mesh_is_left_out_before_training(meshes: Path, tmp_path: Path) ->
     hopeless = flying(folder, tmp_path / "cache", split=Split(file=str(tmp_path / "split.json")))
     with (
         pytest.warns(UserWarning, match="the mesh bad is left out"),
-        pytest.raises(InputError, match="none of the 1 meshes for train can be used; the first:"),
+        pytest.raises(InputError, match="the only mesh for train cannot be used:"),
     ):
         hopeless.prepare_data()
 

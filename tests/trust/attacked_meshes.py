@@ -277,7 +277,7 @@ GLTF: dict[str, Callable[[Tree], object]] = {
 
 REFUSED = {
     "stride of 0.gltf": "has elements of 12 bytes 0 bytes apart, in accessor 0",
-    "many numbers.gltf": "announces 3000000043 numbers, more than a mesh file can hold",
+    "many numbers.gltf": "declares 3000000043 numbers, more than a mesh file can hold",
     "many views.gltf": "refers to the same bytes again and again",
     "a part repeated.gltf": "places 200000000 vertices; reduce it to",
     "a pipe.gltf": "refers to 'pipe', which is not a file",

@@ -36,21 +36,21 @@ def elsewhere(uri: str) -> str:
 
 
 MESHES: dict[str, tuple[str | bytes, str]] = {
-    "vertices.off": (OFF.format(BILLION, 1, 2), "announces 1000000000 vertices or faces"),
-    "faces.off": (OFF.format(3, BILLION, 2), "announces 1000000000 vertices or faces"),
+    "vertices.off": (OFF.format(BILLION, 1, 2), "declares 1000000000 vertices or faces"),
+    "faces.off": (OFF.format(3, BILLION, 2), "declares 1000000000 vertices or faces"),
     "index.off": (OFF.format(3, 1, BILLION), "cannot be read as a mesh"),
     "vertices.ply": (
         PLY.format("ascii", BILLION, 1) + FACES.format(2),
-        "announces 1000000000 vertices or faces",
+        "declares 1000000000 vertices or faces",
     ),
     "faces.ply": (
         PLY.format("ascii", 3, BILLION) + FACES.format(2),
-        "announces 1000000000 vertices or faces",
+        "declares 1000000000 vertices or faces",
     ),
     "index.ply": (PLY.format("ascii", 3, 1) + FACES.format(BILLION), "refers to a vertex that is not there"),
     "binary.ply": (
         PLY.format("binary_little_endian", BILLION, 1).encode() + TRIANGLE,
-        "announces 1000000000 vertices or faces",
+        "declares 1000000000 vertices or faces",
     ),
     "index.obj": (f"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 {BILLION}\n", "cannot be read as a mesh"),
     "count.stl": (b"\0" * 80 + struct.pack("<I", BILLION) + b"\0" * 50, "holds no faces"),
@@ -61,10 +61,10 @@ MESHES: dict[str, tuple[str | bytes, str]] = {
     "network.gltf": (elsewhere("http://127.0.0.1:9/triangle.bin"), "does not lie in its folder"),
     "scheme.gltf": (elsewhere("file:///etc/passwd"), "does not lie in its folder"),
     "link.gltf": (elsewhere("zero.bin"), "which is not a file"),
-    "count.gltf": (gltf(accessors=[{**ACCESSOR, "count": BILLION}]), "announces 3000000000 numbers"),
+    "count.gltf": (gltf(accessors=[{**ACCESSOR, "count": BILLION}]), "declares 3000000000 numbers"),
     "zeros.gltf": (
         gltf(accessors=[{"componentType": 5126, "type": "VEC3", "count": BILLION}]),
-        "announces 3000000000 numbers",
+        "declares 3000000000 numbers",
     ),
     "stride.gltf": (
         gltf(bufferViews=[{"buffer": 0, "byteLength": 36, "byteStride": BILLION}]),

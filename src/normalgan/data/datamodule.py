@@ -243,7 +243,7 @@ class MeshDataModule(LightningDataModule):
             reasons = find_unusable(self.cache, self.sources["train"], self.storage.render_workers)
             for name, reason in reasons.items():
                 warnings.warn(f"the {self.recipe.noun} {name} is left out: {reason}", stacklevel=2)
-            leave_out(self.sources["train"], reasons, "train")
+            leave_out(self.sources["train"], reasons, "train", self.recipe.noun)
 
     def _later(self) -> list[str]:
         """Return the splits whose samples are made when they are first read.
@@ -308,7 +308,7 @@ class MeshDataModule(LightningDataModule):
         if not self.on_the_fly:
             return self._open("train")
         sources = self.sources["train"]
-        usable = leave_out(sources, find_unusable(self.cache, sources), "train")
+        usable = leave_out(sources, find_unusable(self.cache, sources), "train", self.recipe.noun)
         memory = self.storage.memory // max(self.workers, 1)
         return StreamDataset(usable, self.views_per_mesh["train"], self.recipe, memory)
 

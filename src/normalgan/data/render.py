@@ -19,7 +19,7 @@ from normalgan.data.jobs.tasks import (
 )
 from normalgan.data.jobs.workers import Workers
 from normalgan.data.recipe import Loadable, SampleRecipe
-from normalgan.data.splits import plural
+from normalgan.data.splits import none_usable, plural
 from normalgan.data.store.layout import Layout, Shard
 from normalgan.data.store.manifest import Manifest, dataset_key, fingerprints, views_by_split
 from normalgan.data.store.shards import ShardedSamples
@@ -109,7 +109,7 @@ def render_samples(
         for split in later:
             if split in manifest.splits:
                 _make_one(manifest.stores(folder)[split], make)
-    stores, reasons = manifest.finished(folder)
+    stores, reasons = manifest.finished(folder, recipe.noun)
     _warn(reasons, recipe.noun)
     return stores
 
@@ -146,7 +146,7 @@ def open_samples(
         for split, layout in manifest.splits.items()
         if split in later
     }
-    return manifest.finished(folder)[0] | lazy
+    return manifest.finished(folder, recipe.noun)[0] | lazy
 
 
 def _make_one(store: ShardedSamples, make: MakeShard) -> None:
@@ -207,21 +207,25 @@ def find_unusable(cache: str, sources: Sequence[Loadable], workers: int = 0) -> 
     return left_out
 
 
-def leave_out(sources: Sequence[Loadable], reasons: Mapping[str, str], split: str) -> list[Loadable]:
+def leave_out(
+    sources: Sequence[Loadable], reasons: Mapping[str, str], split: str, noun: str
+) -> list[Loadable]:
     """Return the meshes that can be used.
 
     Args:
         sources: the meshes.
         reasons: why some of them cannot be used, by name.
         split: name of their split.
+        noun: the word for a mesh in messages.
 
     Raises:
         InputError: if none is left.
     """
+    if not sources:
+        raise InputError(f"there are no {plural(noun)} for {split}; give at least one.")
     usable = [source for source in sources if source.name not in reasons]
     if not usable:
-        first = reasons[sources[0].name] if sources else "there is none."
-        raise InputError(f"none of the {len(sources)} meshes for {split} can be used; the first: {first}")
+        raise none_usable(len(sources), noun, split, reasons[sources[0].name])
     return usable
 
 
@@ -274,7 +278,7 @@ def _refuse_if_none_usable(pool: Pool, tasks: Sequence[MeshTask], split: str, no
         if reason is None:
             return
         first = first or reason
-    raise InputError(f"none of the {len(tasks)} {plural(noun)} for {split} can be used; the first: {first}")
+    raise none_usable(len(tasks), noun, split, first)
 
 
 def _pending_shards(pool: Pool, store: ShardedSamples, thorough: bool) -> list[Shard]:

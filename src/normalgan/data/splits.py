@@ -11,7 +11,7 @@ from normalgan.errors import InputError
 from normalgan.files.json_files import read_json
 from normalgan.files.shipped_configs import find_beside
 
-__all__ = ["SPLITS", "plural", "split_by_file", "split_by_fractions"]
+__all__ = ["SPLITS", "none_usable", "plural", "split_by_file", "split_by_fractions"]
 
 SPLITS = ("train", "val", "test")
 """The names of the splits, in the order in which fractions are given."""
@@ -127,6 +127,23 @@ def plural(noun: str) -> str:
     ('meshes', 'pairs')
     """
     return f"{noun}{'es' if noun.endswith(('s', 'sh', 'ch', 'x')) else 's'}"
+
+
+def none_usable(count: int, noun: str, split: str, reason: str) -> InputError:
+    """Return the error for a split of which nothing can be used.
+
+    Args:
+        count: how many were given, 1 or more.
+        noun: what they are, such as ``mesh``.
+        split: name of their split.
+        reason: why the first cannot be used.
+
+    >>> str(none_usable(1, "mesh", "val", "a.ply is empty."))
+    'the only mesh for val cannot be used: a.ply is empty.'
+    """
+    if count == 1:
+        return InputError(f"the only {noun} for {split} cannot be used: {reason}")
+    return InputError(f"none of the {count} {plural(noun)} for {split} can be used; the first: {reason}")
 
 
 def _refuse_twins(names: Sequence[str], noun: str) -> None:

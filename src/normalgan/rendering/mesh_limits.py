@@ -44,7 +44,7 @@ def check_limits(path: Path) -> None:
         path: an existing file in one of the formats of `SUFFIXES`.
 
     Raises:
-        InputError: if it is too large, announces more than it can hold, or refers to something outside its
+        InputError: if it is too large, declares more than it can hold, or refers to something outside its
             folder.
         ValueError, LookupError, TypeError, AttributeError, struct.error: if it is not of its format.
     """
@@ -109,7 +109,7 @@ def buffer_file(path: Path, uri: str) -> Path:
 
 
 def _check_header(path: Path, data: bytes) -> None:
-    """Refuse an OFF or PLY file that announces more elements than it has bytes."""
+    """Refuse an OFF or PLY file that declares more elements than it has bytes."""
     head = data[:HEADER]
     if path.suffix.lower() == ".off":
         found = re.search(rb"OFF\s+(\d+)\s+(\d+)", re.sub(rb"#[^\r\n]*", b"", head))
@@ -118,7 +118,7 @@ def _check_header(path: Path, data: bytes) -> None:
         counts = re.findall(rb"^element\s+\S+\s+(\d+)", head.partition(b"end_header")[0], re.MULTILINE)
     most = max((int(count) for count in counts), default=0)
     if most > len(data):
-        raise InputError(f"{path} announces {most} vertices or faces, more than it has bytes.")
+        raise InputError(f"{path} declares {most} vertices or faces, more than it has bytes.")
 
 
 def _check_views(path: Path, tree: dict[str, Any], held: int) -> None:
@@ -144,7 +144,7 @@ def _check_counts(path: Path, tree: dict[str, Any], held: int) -> None:
     unbacked = sum(n for n, entry in zip(numbers, accessors, strict=True) if "bufferView" not in entry)
     if sum(numbers) > max(FREE_NUMBERS, REPEATED * held) or unbacked > FREE_NUMBERS:
         many = min(sum(numbers), 10**15)  # a number of a thousand digits would fill the screen
-        raise InputError(f"{path} announces {many} numbers, more than a mesh file can hold.")
+        raise InputError(f"{path} declares {many} numbers, more than a mesh file can hold.")
     placed = Counter(node["mesh"] for node in nodes if "mesh" in node)
     parts, vertices = 0, 0
     for index, mesh in enumerate(tree.get("meshes", [])):

@@ -31,7 +31,7 @@ def read_off(data: bytes) -> Polygons:
         raise BrokenMeshError("it does not say how many vertices and faces it has") from None
     if not (count >= 0 and faces >= 0 and count + faces < len(lines)):
         raise BrokenMeshError(
-            f"it announces {count} vertices and {faces} faces in {len(lines) - 1} lines (is it truncated?)"
+            f"it declares {count} vertices and {faces} faces in {len(lines) - 1} lines (is it truncated?)"
         )
     given = [_face(words) for words in lines[count + 1 : count + faces + 1]]
     return polygons_of(parse_points([words[:3] for words in lines[1 : count + 1]]), given)
@@ -45,4 +45,4 @@ def _face(words: Sequence[str]) -> list[int]:
             return [int(word) for word in words[1 : count + 1]]
     except ValueError:
         raise BrokenMeshError(f"{' '.join(words)[:60]!r} is not a face") from None
-    raise BrokenMeshError(f"a face announces {str(count)[:20]} corners and lists {len(words) - 1}")
+    raise BrokenMeshError(f"a face declares {str(count)[:20]} corners and lists {len(words) - 1}")

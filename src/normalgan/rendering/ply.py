@@ -128,7 +128,7 @@ class _Text:
                 if each.length is not None:
                     length, at = _whole(row[at] if at < len(row) else ""), at + 1
                 if not 0 <= length <= len(row) - at:
-                    raise BrokenMeshError(f"a face announces {length} corners and lists {len(row) - at}")
+                    raise BrokenMeshError(f"a face declares {length} corners and lists {len(row) - at}")
                 if number == wanted:
                     faces.append([_whole(word) for word in row[at : at + length]])
                 at += length
@@ -222,7 +222,7 @@ class _Binary:
                 length, at = int(np.frombuffer(self._body, kind, 1, at)[0]), at + kind.itemsize
             at += length * np.dtype(each.kind).itemsize
             if length < 0 or at > len(self._body):
-                raise BrokenMeshError(f"an element announces {length} values, and it ends before")
+                raise BrokenMeshError(f"an element declares {length} values, and it ends before")
             lengths.append(length)
         return lengths
 

@@ -432,7 +432,7 @@ def test_a_bad_pair_is_left_out_and_named_and_alone_it_stops_the_run(
     alone = data(tmp_path, tmp_path / "other", split=Split(file=str(tmp_path / "split.json")), hints=True)
     with (
         pytest.warns(UserWarning, match=re.escape("does not name")),
-        pytest.raises(InputError, match=f"(?s)none of the 1 .*for train .*: .*{sentence}"),
+        pytest.raises(InputError, match=f"(?s)the only pair for train .*: .*{sentence}"),
     ):
         alone.prepare_data()
 

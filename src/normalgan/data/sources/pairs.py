@@ -11,7 +11,7 @@ from PIL import Image
 
 from normalgan.data.sources.base import DATA_SOURCES, PairSource, SplitSettings
 from normalgan.data.sources.pair_files import LAYOUTS, PairFiles, find_pairs
-from normalgan.data.splits import SPLITS
+from normalgan.data.splits import SPLITS, none_usable
 from normalgan.errors import InputError
 from normalgan.normals import Green
 from normalgan.ranges import check_ranges
@@ -71,9 +71,7 @@ class Pairs(PairSource):
         for part, usable in split.items():
             named = [name for name, of in parts.items() if of == part]
             if named and not usable:
-                raise InputError(
-                    f"none of the {len(named)} pairs for {part} can be used; the first: {flaws[named[0]]}."
-                )
+                raise none_usable(len(named), "pair", part, f"{flaws[named[0]]}.")
         _warn(left_out + list(flaws.values()))
         return split
 

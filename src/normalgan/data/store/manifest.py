@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from normalgan.data.recipe import Loadable, SampleRecipe, fingerprint
-from normalgan.data.splits import plural
+from normalgan.data.splits import none_usable, plural
 from normalgan.data.store.layout import Layout
 from normalgan.data.store.shards import ShardedSamples
 from normalgan.data.store.storage import Storage
@@ -42,8 +42,12 @@ class Manifest:
         """Return the samples by split, to be written."""
         return {split: ShardedSamples(folder.url, split, layout) for split, layout in self.splits.items()}
 
-    def finished(self, folder: Storage) -> tuple[dict[str, ShardedSamples], dict[str, str]]:
+    def finished(self, folder: Storage, noun: str) -> tuple[dict[str, ShardedSamples], dict[str, str]]:
         """Return the samples by split, to be read, and why a mesh could not be rendered, by name.
+
+        Args:
+            folder: where they are.
+            noun: the word for a mesh in messages.
 
         Raises:
             InputError: if of a split no mesh could be rendered.
@@ -53,10 +57,7 @@ class Manifest:
             failed = {mesh: why for part in store.failures().values() for mesh, why in part.items()}
             if set(failed) >= set(store.layout.meshes):
                 first = store.layout.meshes[0]
-                raise InputError(
-                    f"none of the {len(failed)} meshes for {split} could be rendered; the first: {first}: "
-                    f"{failed[first]}"
-                )
+                raise none_usable(len(failed), noun, split, f"{first}: {failed[first]}")
             stores[split] = ShardedSamples(folder.url, split, store.layout, failed)
             reasons.update(failed)
         return stores, reasons
