@@ -69,14 +69,15 @@ export class Arranging {
     const { editor } = this;
     const some = !isNothing(editor.selection);
     for (const id of ["select-remove", "select-flip", "select-flip-down", "select-turn"]) enable(id, some);
-    $("select-help").hidden = some; // there is no room for it
+    const help = $("select-help");
+    help.hidden = some; // there is no room for it
     const ink = hasInk(editor.selection);
     const room = editor.doc.layers.length < MOST_LAYERS;
     enable("select-copy", ink);
     enable("select-split", ink && room);
     this.target.disabled = !ink;
     $("select-lasso").setAttribute("aria-pressed", String(editor.lassoes));
-    $("select-help").textContent = editor.lassoes ? text.lassoHelp : text.selectHelp;
+    help.textContent = help.title = editor.lassoes ? text.lassoHelp : text.selectHelp;
     if (editor.tool !== "select" || editor.draft) return;
     const others = editor.doc.layers.filter((layer) => layer !== editor.layer).reverse();
     const options = [{ value: "", words: text.toLayer }, ...others.map(({ id, name }) => ({ value: String(id), words: name })), ...(room ? [{ value: "new", words: text.toNewLayer }] : [])];
