@@ -166,8 +166,10 @@ class DrawingRequest:
         if self.form is not None:
             normals = give_form(normals, mask, mask.astype(np.float32), read_form("the form", self.form))
         scale = normals.shape[1] / shape[1]
-        carved = False
-        for area in read_areas(self.areas):
+        areas = read_areas(self.areas)
+        if any(area.height is not None for area in areas):
+            normals = normals.copy()  # lines are carved in place, as there may be thousands
+        for area in areas:
             points = area.points * np.float32(scale)
             size = (normals.shape[0], normals.shape[1])
             if area.size is None:
@@ -181,9 +183,6 @@ class DrawingRequest:
                 width = area.size * scale
                 if area.height is not None:
                     widths = np.full(len(points), width) if area.widths is None else area.widths * scale
-                    # One copy for all lines, of which there may be thousands.
-                    normals = normals if carved else normals.copy()
-                    carved = True
                     carve(normals, mask, points, widths, area.height)
                     continue
                 cover = np.float32(area.strength) * stroke(size, points, width, area.soft)

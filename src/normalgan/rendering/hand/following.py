@@ -16,7 +16,7 @@ def follow(maps: Maps, distortion: Distortion) -> Maps:
     """Return the maps of an object after distorting its picture; depths stay.
 
     If point p of the picture moves to q, the height z(p) is found at q, and with J = dp/dq its gradient is
-    J^T dz/dp. So (nx, ny) is multiplied by J^T, nz stays, and the vector is scaled to length 1. Of the four
+    J^T dz/dp. So (nx, ny) becomes J^T (nx, ny), nz is unchanged, and the vector is normalized. Of the four
     pixels around a source, only those on the object and on the surface of the nearest one are interpolated,
     so that neither the background nor a farther part blends in. The depth is that of the nearest.
 

@@ -1,12 +1,11 @@
 /** Carving: lines that are cut into the object or stand out of it, as the server takes them. */
 
+import { MOST_POINTS } from "./simplify.js";
 import { boxOf, curveOf, sidesOf, widthAt } from "./strokes.js";
 
 /** @typedef {import("./strokes.js").Point} Point @typedef {import("./document.js").Line} Line */
 /** @typedef {import("./document.js").Area & {height?: number, widths?: number[]}} Asked height: of a line that is carved; widths: at its points */
 
-/** The server takes so many points in a piece of a line; a longer line is several pieces. */
-const MOST_POINTS = 4000;
 /** @type {WeakMap<object, Asked[]>} by the strokes of a layer */
 const known = new WeakMap();
 
@@ -18,7 +17,7 @@ export function areasOf({ areas, strokes }) {
   return [...areas, ...carved];
 }
 
-/** Returns a line in the pieces that were not erased later. @param {Line} line @param {import("./document.js").Stroke[]} later @returns {Asked[]} */
+/** Returns what was not erased later of a line, in pieces of at most `MOST_POINTS`. @param {Line} line @param {import("./document.js").Stroke[]} later @returns {Asked[]} */
 function piecesOf(line, later) {
   const around = boxOf(line, 0);
   const erasers = later.flatMap((stroke) => (stroke.kind === "eraser" && meet(boxOf(stroke, 0), around) ? sidesOf(stroke) : []))

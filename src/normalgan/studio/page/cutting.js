@@ -1,4 +1,4 @@
-/** Cutting: a worker that parts the pixels of a picture, beside the page, so that the hand never waits for it. */
+/** Cutting: a worker that splits a picture in two, so that the page stays responsive. */
 
 import { paperUnder } from "./inpainting.js";
 

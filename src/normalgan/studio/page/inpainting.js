@@ -1,4 +1,4 @@
-/** Inpainting: the paper under ink, also where it is photographed, toned or grainy. */
+/** Inpainting: the paper under ink, which may be photographed, toned or grainy. */
 
 /** Side in pixels of the blocks whose means tell the paper's tone: lines are narrower, shadows wider. */
 const BLOCK = 8;
@@ -14,11 +14,11 @@ const EDGE = 2;
 const AWAY = [12, 24, 48, 96];
 
 /**
- * Fills what is not known smoothly: a membrane that is held where it is known, from coarse to fine.
+ * Fills unknown pixels smoothly: solves Laplace's equation between the known ones, from coarse to fine.
  * @param {Float32Array} values red, green, blue of each pixel; in place
  * @param {Uint8Array} known @param {number} width @param {number} height
  */
-function stretch(values, known, width, height) {
+function fillSmoothly(values, known, width, height) {
   if (known.every(Boolean)) return;
   const [wide, high] = [(width + 1) >> 1, (height + 1) >> 1];
   const coarse = new Float32Array(3 * wide * high);
@@ -29,7 +29,7 @@ function stretch(values, known, width, height) {
     counts[to] += 1;
     for (let c = 0; c < 3; c++) coarse[3 * to + c] += (values[3 * i + c] - coarse[3 * to + c]) / counts[to];
   }
-  if (wide < width || high < height) stretch(coarse, counts, wide, high);
+  if (wide < width || high < height) fillSmoothly(coarse, counts, wide, high);
   for (let i = 0; i < known.length; i++) {
     if (!known[i]) for (let c = 0; c < 3; c++) values[3 * i + c] = between(coarse, wide, high, ((i % width) - 0.5) / 2, (Math.floor(i / width) - 0.5) / 2, c);
   }
@@ -77,7 +77,7 @@ function toneOf(data, isInk, width, height, paper) {
     counts.fill(1);
     for (let i = 0; i < means.length; i++) means[i] = paper[i % 3];
   }
-  stretch(means, counts, wide, high);
+  fillSmoothly(means, counts, wide, high);
   const tone = new Float32Array(3 * width * height);
   for (let i = 0; i < width * height; i++) {
     const [x, y] = [((i % width) + 0.5) / BLOCK - 0.5, (Math.floor(i / width) + 0.5) / BLOCK - 0.5];
@@ -86,12 +86,12 @@ function toneOf(data, isInk, width, height, paper) {
   return tone;
 }
 
-/** How far a pixel is from a colour. @param {Uint8ClampedArray} data @param {number} i @param {ArrayLike<number>} colour @param {number} at */
-const differs = (data, i, colour, at) =>
+/** Returns the largest difference of a channel between a pixel and a colour. @param {Uint8ClampedArray} data @param {number} i @param {ArrayLike<number>} colour @param {number} at */
+const distance = (data, i, colour, at) =>
   Math.max(Math.abs(data[4 * i] - colour[at]), Math.abs(data[4 * i + 1] - colour[at + 1]), Math.abs(data[4 * i + 2] - colour[at + 2]));
 
-/** Returns what is marked, and the pixels about it. @param {Uint8Array} marked @param {number} width @param {number} by */
-function grown(marked, width, by) {
+/** Returns what is marked and the pixels within a distance of it, along rows and columns. @param {Uint8Array} marked @param {number} width @param {number} by */
+function dilated(marked, width, by) {
   let out = marked;
   for (const [step, limit] of [[1, width], [width, Infinity]]) {
     const from = out;
@@ -108,22 +108,22 @@ function grown(marked, width, by) {
 }
 
 /**
- * Returns where ink is, and the paper as it is without it: where there is ink, with the tone of the paper about it and the
- * grain of the paper beside it.
+ * Returns where ink is, and the paper without it: under ink it has the tone of the paper around it and the grain of the paper
+ * beside it.
  * @param {Uint8ClampedArray} data RGBA, opaque @param {number} width @param {number} height
  * @param {number[]} paper the colour that most of it has
  * @returns {{isInk: Uint8Array, ground: Uint8ClampedArray}} ground: RGBA
  */
 export function paperUnder(data, width, height, paper) {
   const count = width * height;
-  const inkBy = (/** @type {(i: number) => boolean} */ tells) => grown(Uint8Array.from({ length: count }, (_, i) => Number(tells(i))), width, EDGE);
-  const rough = toneOf(data, inkBy((i) => differs(data, i, paper, 0) > WIDE), width, height, paper);
+  const inkBy = (/** @type {(i: number) => boolean} */ tells) => dilated(Uint8Array.from({ length: count }, (_, i) => Number(tells(i))), width, EDGE);
+  const rough = toneOf(data, inkBy((i) => distance(data, i, paper, 0) > WIDE), width, height, paper);
   const spread = new Uint32Array(256);
-  for (let i = 0; i < count; i++) spread[Math.round(Math.min(255, differs(data, i, rough, 3 * i)))] += 1;
+  for (let i = 0; i < count; i++) spread[Math.round(Math.min(255, distance(data, i, rough, 3 * i)))] += 1;
   let [half, seen] = [0, spread[0]];
   while (seen < count / 2) seen += spread[++half];
   const least = Math.max(LEAST, Math.min(MOST, GRAIN * half));
-  const isInk = inkBy((i) => differs(data, i, rough, 3 * i) > least);
+  const isInk = inkBy((i) => distance(data, i, rough, 3 * i) > least);
   const tone = toneOf(data, isInk, width, height, paper);
   const ground = data.slice();
   const inked = [...isInk.keys()].filter((i) => isInk[i]);

@@ -1,4 +1,4 @@
-/** Simplify: a way with fewer points, which goes as it did. */
+/** Simplify: a polyline of the same shape with fewer points. */
 
 /** @typedef {{x: number, y: number}} Point */
 
@@ -12,29 +12,29 @@ export function offLine(at, a, b) {
   return apart(at, { x: a.x + along * (b.x - a.x), y: a.y + along * (b.y - a.y) });
 }
 
-/** Returns the places of the corners in a way (Douglas and Peucker 1973), its ends among them. @param {Point[]} way @param {number} most @param {number} first @param {number} last @returns {number[]} */
-export function corners(way, most, first = 0, last = way.length - 1) {
+/** Returns the indices of a polyline's corners and ends (Douglas and Peucker 1973). @param {Point[]} line @param {number} most @param {number} first @param {number} last @returns {number[]} */
+export function corners(line, most, first = 0, last = line.length - 1) {
   let [farthest, off] = [-1, most];
   for (let i = first + 1; i < last; i++) {
-    const away = offLine(way[i], way[first], way[last]);
+    const away = offLine(line[i], line[first], line[last]);
     if (away > off) [farthest, off] = [i, away];
   }
-  return farthest < 0 ? [first, last] : [...corners(way, most, first, farthest), ...corners(way, most, farthest, last).slice(1)];
+  return farthest < 0 ? [first, last] : [...corners(line, most, first, farthest), ...corners(line, most, farthest, last).slice(1)];
 }
 
-/** Points of a region, a brush's stroke, a stroke of the mask or a lasso, as the server takes them. */
+/** The most points that the server takes in a region, a brush's or mask's stroke, or a piece of a carved line; a lasso has no more. */
 export const MOST_POINTS = 4000;
-/** The least pixels of the drawing by which a way may go elsewhere when points are left out. */
+/** How far the polyline may move at first when points are left out, in pixels of the drawing. */
 const LEAST_OFF = 0.25;
 
 /**
- * Makes room for more points where there are as many as can be: those are left out that change the way least.
- * @param {number[]} points x, y, x, y, …; the way in place
+ * Halves the points of a polyline that has reached the maximum, so that it can go on; its shape changes as little as possible.
+ * @param {number[]} points x, y, x, y, …; in place
  */
 export function makeRoom(points) {
   if (points.length < 2 * MOST_POINTS) return;
-  const way = Array.from({ length: points.length / 2 }, (_, i) => ({ x: points[2 * i], y: points[2 * i + 1] }));
-  let kept = way.map((_, i) => i);
-  for (let off = LEAST_OFF; kept.length > MOST_POINTS / 2; off *= 2) kept = corners(way, off);
-  points.splice(0, points.length, ...kept.flatMap((i) => [way[i].x, way[i].y]));
+  const line = Array.from({ length: points.length / 2 }, (_, i) => ({ x: points[2 * i], y: points[2 * i + 1] }));
+  let kept = line.map((_, i) => i);
+  for (let off = LEAST_OFF; kept.length > MOST_POINTS / 2; off *= 2) kept = corners(line, off);
+  points.splice(0, points.length, ...kept.flatMap((i) => [line[i].x, line[i].y]));
 }
