@@ -4,11 +4,13 @@ import json
 import re
 import zlib
 from pathlib import Path
+from types import GenericAlias
 
 import numpy as np
 import pytest
 
 from normalgan.animals import GROUPS, SPECIES, read_species
+from normalgan.animals import species as species_files
 from normalgan.animals.meshing import to_mesh
 from normalgan.animals.quadrupeds import Quadruped
 from normalgan.animals.species import FOLDER, PLANS, SHARED
@@ -54,6 +56,16 @@ def test_a_file_of_ones_own_grows_into_a_mesh(tmp_path: Path) -> None:
     assert okapi.fore.template.joints == horse.fore.template.joints
     mesh = to_mesh("okapi", okapi.grow("walk", np.random.default_rng(1)), 3_000)
     assert len(mesh.faces) > 1_000
+
+
+def test_an_array_is_known_by_its_annotation_whatever_numpy_makes_of_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Since numpy 2.5 the origin of `NDArray[...]` is an alias and not ``np.ndarray``."""
+    doubles = GenericAlias(type("NDArray", (), {}), (np.float64,))
+    monkeypatch.setattr(species_files, "Doubles", doubles)
+    assert species_files._value([0.5, 1], doubles, "torso.x").tolist() == [0.5, 1.0]
+    assert species_files._value([0.5, 1], doubles | None, "torso.x").tolist() == [0.5, 1.0]
 
 
 def test_what_individuals_share_cannot_be_changed_by_one() -> None:

@@ -18,6 +18,7 @@ from normalgan.animals.insects import INSECTS
 from normalgan.animals.objects import BLOBS
 from normalgan.animals.plan import GREATEST, BodyPlan
 from normalgan.animals.plush import PLUSH
+from normalgan.arrays import Doubles
 from normalgan.errors import InputError, brief, did_you_mean
 from normalgan.files.limits import read_bounded
 from normalgan.ranges import check_ranges
@@ -149,10 +150,10 @@ def _value(given: object, hint: Any, where: str) -> Any:
             known = ", ".join(sorted(mark))
             raise InputError(f"{where} is {_shown(value)}.{did_you_mean(value, mark)} Known: {known}.")
         return value  # a number's range is checked with the object that it is of
+    if hint == Doubles:  # by name: what an array's annotation is made of differs between versions of numpy
+        return _column(given, where)
     if get_origin(hint) is None:
         return _plain(given, hint, where) if hint in _WORDS else _record(given, hint, where)
-    if get_origin(hint) is np.ndarray:
-        return _column(given, where)
     if get_origin(hint) is tuple:
         return _tuple(given, get_args(hint), where)
     if get_origin(hint) is Mapping:
