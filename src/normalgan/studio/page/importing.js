@@ -83,6 +83,16 @@ export class Importing {
     return { ...picture, layers: layered ? () => importedLayers(file) : null };
   }
 
+  /** Returns a picture as a data URL, its first page or frame; null: it says why not. @param {File} file */
+  async pictureOf(file) {
+    try {
+      return urlOf(await this.read(file));
+    } catch (error) {
+      this.#failed(error, file.name);
+      return null;
+    }
+  }
+
   /** Puts what a file holds into the document; asks what is not said. @param {Found} first its first page or frame @param {Way} as @param {File} file */
   async put(first, as, file) {
     const found = await this.#chosen(first, as, file);
