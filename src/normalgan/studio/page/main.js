@@ -108,7 +108,7 @@ offerSamples((doc, name) => {
 });
 followHistory(editor, announce);
 followPaper(editor, importing);
-const nextForm = followForms(editor);
+const nextForm = followForms(editor, predictor, (map) => result.viewer.shaded(map, null));
 const brush = followBrushes(editor, (file) => importing.pictureOf(file), announce);
 const stepLayer = followLayers(editor, inks, announce);
 autosave.addEventListener("failed", (event) => status.fail(/** @type {CustomEvent} */ (event).detail));

@@ -167,10 +167,11 @@ export class Predictor extends EventTarget {
    * @param {number} longest longer side in pixels
    * @param {(request: import("./api.js").Request) => Promise<T>} send
    * @param {object} more further fields
-   * @param {import("./document.js").Doc} doc its pictures are decoded
+   * @param {import("./document.js").Doc} [doc] its pictures are decoded
+   * @param {string} [purpose] a request drops an older one of the same purpose
    * @returns {Promise<T>}
    */
-  async askAt(longest, send, more, doc = this.editor.doc) {
+  async askAt(longest, send, more, doc = this.editor.doc, purpose = "other") {
     const parts = drawnLayers(doc).map((layer) => {
       const { id, name, strokes, hints, mask, source, form } = layer;
       const { canvas, scale, pixels } = inkAt({ width: doc.width, height: doc.height, strokes }, longest);
@@ -191,7 +192,7 @@ export class Predictor extends EventTarget {
       return { fields, pixels: bytes };
     });
     // Apart from what the server keeps of the drawing at its own size.
-    return this.#send(send, parts, { ...more, tab: `${this.tab} other` });
+    return this.#send(send, parts, { ...more, tab: `${this.tab} ${purpose}` });
   }
 
   /** Returns what is sent of a layer: of its pixels those that have changed since. @param {Layer} layer @returns {Part} */
