@@ -3,7 +3,7 @@
 import json
 from html import escape
 
-from normalgan.inference.edits import MOST_PINS
+from normalgan.inference.edits import MOST_PINS, REACH
 from normalgan.inference.forms import KINDS as FORMS
 from normalgan.inference.structures import KINDS as STRUCTURES
 from normalgan.normals import LEAST_Z
@@ -52,7 +52,7 @@ LEAST_PERIOD, MOST_PERIOD = 1 / 16, 2**16
 
 
 def with_limits(page: str) -> str:
-    """Return the page with these limits, as JSON in an attribute of its root.
+    """Return the page with these limits, as JSON in an attribute of its root, and in its fields for sides.
 
     Raises:
         ValueError: if the page has no root to put them in.
@@ -71,11 +71,13 @@ def with_limits(page: str) -> str:
         "tile": TILE_SIDE,
         "periods": {"least": LEAST_PERIOD, "most": MOST_PERIOD},
         "leastZ": LEAST_Z,
+        "reach": REACH,
         "forms": FORMS,
         "kinds": STRUCTURES,
     }
     if page.count(_ROOT) != 1:
         raise ValueError(f"the page begins without {_ROOT}, where its limits go.")
+    page = page.replace("data-sides", f'min="{LEAST_SIDE}" max="{MOST_SIDE}"')
     return page.replace(_ROOT, f'<html lang="en" data-limits="{escape(json.dumps(limits))}">')
 
 

@@ -325,15 +325,14 @@ export function parseDocument(value) {
 /** Pixels of the pane between a point and its ring's knob at least: the point itself is taken hold of too. */
 const NEAREST_KNOB = 30;
 /** @typedef {{width: number, height: number}} Size */
-/** The farthest that a point has an effect, and how far if nothing is said, as shares of the drawing's longer side. */
+/** The farthest that a point has an effect, as a share of the drawing's longer side. */
 const MOST_REACH = 0.4;
-const USUAL_REACH = 0.05;
 
 /** @param {Size} doc @returns {number} pixels */
 export const mostReach = ({ width, height }) => MOST_REACH * Math.max(width, height);
 
 /** Returns how far a point has an effect, in pixels. @param {{reach?: number}} hint @param {Size} doc */
-export const reachOf = ({ reach }, { width, height }) => reach ?? USUAL_REACH * Math.max(width, height);
+export const reachOf = ({ reach }, { width, height }) => reach ?? LIMITS.reach * Math.max(width, height);
 
 /**
  * Returns where the ring about a point that shows its reach is taken hold of.

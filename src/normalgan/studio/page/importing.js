@@ -163,7 +163,7 @@ export class Importing {
       const doc = fresh ? { ...this.editor.doc, width, height } : this.editor.doc;
       const placed = within(doc, width, height)({ x: 0, y: 0, width, height });
       if (way === "traced") {
-        if (doc.pictures.length >= MOST_PICTURES) throw new Error(text.tooManyPictures);
+        if (doc.pictures.length >= MOST_PICTURES) throw new Error(say("tooManyPictures", { most: MOST_PICTURES }));
         this.editor.commit(named(withPictures(doc, [...doc.pictures, { picture: url, ...placed, opacity: TRACED, visible: true }])));
       } else {
         this.editor.commit(named(withStroke(doc, { kind: "picture", picture: await darkOnLight(url), ...placed })));

@@ -301,7 +301,7 @@ export const text = {
   visibleOf: "Show reference picture {number}",
   removeOf: "Delete reference picture {number}",
   choosePicture: "Choose a picture…",
-  tooManyPictures: "A drawing has at most 8 reference pictures. Delete one first.",
+  tooManyPictures: "A drawing has at most {most} reference pictures. Delete one first.",
 
   exportTitle: "Export",
   oneFile: "One file",

@@ -287,7 +287,7 @@ export const words = {
   visibleOf: "Referenzbild {number} zeigen",
   removeOf: "Referenzbild {number} löschen",
   choosePicture: "Bild wählen…",
-  tooManyPictures: "Eine Zeichnung hat höchstens 8 Referenzbilder. Lösche zuerst eines.",
+  tooManyPictures: "Eine Zeichnung hat höchstens {most} Referenzbilder. Lösche zuerst eines.",
   exportTitle: "Exportieren",
   oneFile: "Eine Datei",
   engines: "Engine",

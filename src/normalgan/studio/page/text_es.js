@@ -287,7 +287,7 @@ export const words = {
   visibleOf: "Mostrar la imagen de referencia {number}",
   removeOf: "Eliminar la imagen de referencia {number}",
   choosePicture: "Elegir una imagen…",
-  tooManyPictures: "Un dibujo tiene como máximo 8 imágenes de referencia. Elimina una antes.",
+  tooManyPictures: "Un dibujo tiene como máximo {most} imágenes de referencia. Elimina una antes.",
   exportTitle: "Exportar",
   oneFile: "Un archivo",
   engines: "Motor",

@@ -287,7 +287,7 @@ export const words = {
   visibleOf: "Afficher l'image de référence {number}",
   removeOf: "Supprimer l'image de référence {number}",
   choosePicture: "Choisir une image…",
-  tooManyPictures: "Un dessin a au plus 8 images de référence. Supprimez-en une d'abord.",
+  tooManyPictures: "Un dessin a au plus {most} images de référence. Supprimez-en une d'abord.",
   exportTitle: "Exporter",
   oneFile: "Un fichier",
   engines: "Moteur",

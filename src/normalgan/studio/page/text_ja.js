@@ -287,7 +287,7 @@ export const words = {
   visibleOf: "参考画像{number}を表示",
   removeOf: "参考画像{number}を削除",
   choosePicture: "画像を選ぶ…",
-  tooManyPictures: "参考画像は8枚までです。先に1枚削除してください。",
+  tooManyPictures: "参考画像は{most}枚までです。先に1枚削除してください。",
   exportTitle: "書き出し",
   oneFile: "1つのファイル",
   engines: "エンジン",

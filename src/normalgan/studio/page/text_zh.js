@@ -287,7 +287,7 @@ export const words = {
   visibleOf: "显示参考图 {number}",
   removeOf: "删除参考图 {number}",
   choosePicture: "选择图片…",
-  tooManyPictures: "一张绘图最多 8 张参考图。请先删除一张。",
+  tooManyPictures: "一张绘图最多 {most} 张参考图。请先删除一张。",
   exportTitle: "导出",
   oneFile: "单个文件",
   engines: "引擎",
