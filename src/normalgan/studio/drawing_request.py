@@ -187,7 +187,9 @@ class DrawingRequest:
                 for area in group:
                     normals = _edit_area(normals, mask, area, scale)
             else:
-                cover = np.max([_cover(area, mask, scale) for area in group], axis=0)
+                cover = np.zeros(mask.shape, np.float32)
+                for area in group:
+                    np.maximum(cover, _cover(area, mask, scale), out=cover)
                 normals = impress(normals, mask, cover, self._tile(structure), structure.scaled(scale))
         if not self.hints:
             return normals

@@ -58,7 +58,7 @@ export const text = {
   eraser: "Eraser",
   hint: "Points: set a direction",
   region: "Region: turn or shape what you circle",
-  brush: "Direction brush",
+  brush: "Brush: direction, smoothing, structure",
   brushSmooth: "Smooth: average the normals under the brush",
   brushStructure: "Structure brush: scales, fur, stone and the like",
   structureChoose: "Choose a structure",

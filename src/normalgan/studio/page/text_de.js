@@ -53,7 +53,7 @@ export const words = {
   eraser: "Radierer",
   hint: "Punkte: Richtung vorgeben",
   region: "Bereich: Umkreistes drehen oder formen",
-  brush: "Richtungspinsel",
+  brush: "Pinsel: Richtung, Glätten, Struktur",
   brushSmooth: "Glätten: die Normalen unter dem Pinsel mitteln",
   brushStructure: "Strukturpinsel: Schuppen, Fell, Stein und mehr",
   structureChoose: "Struktur wählen",

@@ -53,7 +53,7 @@ export const words = {
   eraser: "Borrador",
   hint: "Puntos: fijar una dirección",
   region: "Región: girar o dar forma a lo que rodeas",
-  brush: "Pincel de dirección",
+  brush: "Pincel: dirección, suavizado, estructura",
   brushSmooth: "Suavizar: promedia las normales bajo el pincel",
   brushStructure: "Pincel de estructura: escamas, pelo, piedra y más",
   structureChoose: "Elegir una estructura",

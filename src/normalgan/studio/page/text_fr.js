@@ -53,7 +53,7 @@ export const words = {
   eraser: "Gomme",
   hint: "Points : donner une direction",
   region: "Région : tourner ou former ce que vous entourez",
-  brush: "Pinceau de direction",
+  brush: "Pinceau : direction, lissage, structure",
   brushSmooth: "Lisser : moyenne les normales sous le pinceau",
   brushStructure: "Pinceau de structure : écailles, fourrure, pierre et autres",
   structureChoose: "Choisir une structure",

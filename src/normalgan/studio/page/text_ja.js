@@ -53,7 +53,7 @@ export const words = {
   eraser: "消しゴム",
   hint: "点：向きを決める",
   region: "範囲：囲んだ部分を回す・形を付ける",
-  brush: "向きブラシ",
+  brush: "ブラシ：向き、平滑、構造",
   brushSmooth: "なめらかに：ブラシの下の法線を平均します",
   brushStructure: "構造ブラシ：うろこ、毛、石など",
   structureChoose: "構造を選ぶ",
