@@ -157,6 +157,8 @@ def test_a_picture_becomes_a_structure_that_is_saved_with_the_drawing(studio: St
     ribbed = result(studio)
     across, upright = (np.abs(ribbed - bare)[..., channel].mean() for channel in (0, 1))
     assert across > 4 * upright  # upright ribs face left and right
+    kept = studio.wait_for_store(lambda kept: len(kept["doc"]["layers"][0]["areas"]) == 2)
+    assert len(kept["doc"]["structures"]) == 1  # of unsaved work too
     studio.save_as("ribs")
     saved = page.evaluate("fetch('/api/projects/ribs').then((answer) => answer.json())")
     assert len(saved["structures"]) == 1  # one for both strokes
