@@ -33,6 +33,7 @@ from normalgan.inference.reading.picture import Picture, read_picture
 from normalgan.inference.suggestion import suggest, uncertainty
 from normalgan.normals import Bits
 from normalgan.studio.drawing_request import DrawingRequest
+from normalgan.studio.limits import TILE_SIDE
 from normalgan.weights.shipped import SHIPPED
 from pens import blob, outline
 from web_folder import serve
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
 pytestmark = pytest.mark.slow  # downloads a package of npm
 ROOT = Path(__file__).parents[1]
 LARGEST = 40e6
+STROKE = {"points": [60, 100, 190, 40], "normal": [0.0, 0.0, 1.0], "size": 90, "soft": 0.2}
 SIDE = 512
 ASK = """async ([drawing, width, height, channels, more, path = "/api/predict"]) => {
   const pixels = Uint8Array.from(atob(drawing), (letter) => letter.charCodeAt(0));
@@ -228,6 +230,11 @@ def test_layers_are_composed_as_python_composes_them(studio: "Page") -> None:
             }
             for kind, bevel in [("round", 1), ("round", 0.4), ("flat", 0.3), ("hollow", 1)]
         ),
+        *(
+            {**STROKE, "structure": {"kind": "scales", "period": period, **more}}
+            for period, more in [(150, {}), (40, {"turn": 0.7, "x": 31.5, "y": 8.0, "flipped": True})]
+        ),
+        {**STROKE, "structure": {"kind": "own", "period": 60, "picture": "ribs"}},
     ],
     ids=[
         "region",
@@ -239,18 +246,30 @@ def test_layers_are_composed_as_python_composes_them(studio: "Page") -> None:
         "partly round",
         "flat",
         "hollow",
+        "structure",
+        "turned structure",
+        "structure of a picture",
     ],
 )
 def test_regions_and_the_direction_brush_turn_what_python_turns(studio: "Page", area: dict[str, Any]) -> None:
     grey = np.rint(255 * (1 - outline(blob()))).astype(np.uint8)
     predicted = of_strokes(grey)
-    edited = DrawingRequest(grey[..., None], [], None, [area]).edit(
+    ribs = np.rint(127.5 + 120 * np.sin(np.arange(TILE_SIDE) * 2 * np.pi * 4 / TILE_SIDE)).astype(np.uint8)
+    picture = cv2.imencode(".png", np.broadcast_to(ribs, (TILE_SIDE, TILE_SIDE)))[1].tobytes()
+    # Two strokes of one structure that cross are one.
+    areas = [area, *([{**area, "points": [100, 140, 160, 40]}] if "structure" in area else [])]
+    edited = DrawingRequest(grey[..., None], [], None, areas, structures={"ribs": picture}).edit(
         predicted.extended, predicted.mask, grey.shape
     )
     turned = np.abs(edited - predicted.extended).max(-1) > 0.1
     assert turned.sum() > 1500  # or it would be no test
-    found = decoded(studio.evaluate(ASK, [*encoded(as_rgba(grey)), {"areas": [area]}]), grey.shape)
+    more = {"areas": areas, "structures": {"ribs": base64.b64encode(picture).decode()}}
+    found = decoded(studio.evaluate(ASK, [*encoded(as_rgba(grey)), more]), grey.shape)
     assert_near(found, replace(predicted, extended=edited), share=0.98, degrees=2)
+    if "structure" in area:  # which is finer than what differs else
+        part = turned & predicted.mask & (found[..., 3] > 127)
+        wanted = replace(predicted, extended=edited, mask=part)
+        assert_near(found * part[..., None], wanted, share=0.98, degrees=3)
 
 
 @pytest.mark.parametrize("down", [False, True])

@@ -14,7 +14,15 @@ PROJECT = {
 }
 REQUEST = {
     "hints": [{"x": 9, "y": 7, "normal": [0, 0, 1]}],
-    "areas": [{"kind": "tilt", "points": [[1, 1], [9, 1], [9, 9]], "x": 0.1, "y": 0}],
+    "areas": [
+        {
+            "points": [1, 1, 9, 1, 9, 9],
+            "normal": [0, 0, 1],
+            "form": {"kind": "flat", "bevel": 0.2, "strength": 1},
+        },
+        {"points": [1, 1, 9, 9], "normal": [0, 0, 1], "size": 4, "structure": {"kind": "fur", "period": 9}},
+        {"points": [2, 5], "normal": [0, 0, 1], "size": 3, "height": -0.5, "widths": [2]},
+    ],
     "source": None,
 }
 

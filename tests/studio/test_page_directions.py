@@ -1,11 +1,16 @@
 """Directions given by hand on the studio's page: pins that hold, regions, the direction brush."""
 
+import json
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from studio_page import RADIUS, SIDE, Studio
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Request
 
 # A server and a browser take seconds to start; every test begins with a circle, painted.
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("ball")]
@@ -169,6 +174,7 @@ def test_a_layer_and_a_region_take_a_form_by_buttons_sliders_and_keys(studio: St
     page.keyboard.press("r")
     assert page.locator("#form-of").inner_text() == "Whole layer"
     with studio.repainting():
+        page.locator("#form-choose").click()
         page.locator("#form-round").click()
     for x, y in ((40, 0), (0, -40), (-30, 30)):
         wanted = direction(x / RADIUS, -y / RADIUS)
@@ -184,6 +190,7 @@ def test_a_layer_and_a_region_take_a_form_by_buttons_sliders_and_keys(studio: St
         studio.line((90, 90), (166, 90), (166, 166), (90, 166), (90, 92))
     assert page.locator("#form-of").inner_text() == "Region 1"
     with studio.repainting():
+        page.locator("#form-choose").click()
         page.locator("#form-hollow").click()
     assert studio.shown(MIDDLE - 25, MIDDLE)[0] > 0.3  # it slopes inwards
     page.locator("#form-soft").focus()
@@ -202,6 +209,34 @@ def test_a_layer_and_a_region_take_a_form_by_buttons_sliders_and_keys(studio: St
     page.locator("#history summary").click()
     page.locator("#history-list li").first.wait_for()
     assert page.locator("#history-list li").all_inner_texts().count("Form changed") == 5
+
+
+def test_forms_are_shown_as_pictures_which_are_made_when_their_card_opens(studio: Studio) -> None:
+    page = studio.page
+    tabs: list[str] = []
+
+    def note(request: "Request") -> None:
+        body = request.post_data_buffer or b""
+        if request.url.endswith("/api/predict"):
+            tabs.append(json.loads(body[4 : 4 + int.from_bytes(body[:4], "little")])["tab"])
+
+    page.on("request", note)
+    page.keyboard.press("r")
+    with studio.repainting():
+        studio.line((90, 90), (166, 90), (166, 166), (90, 166), (90, 92))
+    assert not any(tab.endswith(" form") for tab in tabs)
+    page.locator("#form-choose").click()
+    page.wait_for_function("() => document.querySelectorAll('#form-card canvas').length === 4")
+    assert sum(tab.endswith(" form") for tab in tabs) == 4  # and no export shares their tab
+    shown = page.evaluate(
+        "[...document.querySelectorAll('#form-card canvas')].map((each) => each.toDataURL())"
+    )
+    assert len(set(shown)) == 4
+    with studio.repainting():
+        page.locator("#form-hollow").click()
+    assert page.locator("#form-card").is_hidden()
+    assert page.locator("#form-choose").get_attribute("aria-label") == "Form: Hollow"
+    assert studio.shown(MIDDLE - 25, MIDDLE)[0] > 0.2
 
 
 def test_suggestions_go_with_what_they_lie_on(studio: Studio) -> None:

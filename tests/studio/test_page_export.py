@@ -29,6 +29,27 @@ def export(studio: Studio, path: Path, **fields: str) -> str:
     return waiting.value.suggested_filename
 
 
+def test_a_larger_export_has_the_structures_of_the_drawing(ball: Studio, tmp_path: Path) -> None:
+    page = ball.page
+    page.keyboard.press("Shift+W")
+    page.locator("#structure-period").fill("9")  # 384 pixels: the same details at both sizes
+    with ball.repainting():
+        ball.line((80, 110), (170, 140))
+    maps = []
+    for size in ("", "512"):
+        export(ball, tmp_path / "map.png", name="fox", what="map", format="png8", size=size)
+        page.locator("#export-dialog").wait_for(state="hidden")
+        maps.append(Image.open(tmp_path / "map.png").convert("RGB"))
+    assert [each.size for each in maps] == [(SIDE, SIDE), (2 * SIDE, 2 * SIDE)]
+    part = np.s_[100:150, 90:160, :2]
+    own, large = (
+        np.asarray(each.resize((SIDE, SIDE), Image.Resampling.BOX))[part].astype(int) for each in maps
+    )
+    assert np.abs(np.diff(own, axis=0)).max() > 20  # scales have edges
+    assert np.abs(own - large).mean() < 4
+    assert np.corrcoef(np.diff(own, axis=0).ravel(), np.diff(large, axis=0).ravel())[0, 1] > 0.9
+
+
 def test_a_larger_export_is_drawn_anew_and_not_enlarged(ball: Studio, tmp_path: Path) -> None:
     assert export(ball, tmp_path / "line.png", name="fox", what="lines", size="1024") == "fox_line.png"
     line = np.asarray(Image.open(tmp_path / "line.png"))[..., 3]

@@ -251,6 +251,7 @@ def test_beside_the_layers_every_control_has_its_room(
         page.keyboard.press("r")
         studio.size = 512, 512
         studio.circle(256, 256, 40)
+        page.locator("#form-choose").click()
         page.locator("#form-round").click()
         assert page.locator("#form-soft").is_visible()
         assert page.evaluate(cramped) == [], "a region with a form"

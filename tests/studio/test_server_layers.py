@@ -15,7 +15,7 @@ from studio_client import HEIGHT, WIDTH, Pixels, asking, b64, codes, png, servin
 
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.pipeline import finish
-from normalgan.studio.layers import MOST_LAYERS
+from normalgan.studio.limits import MOST_LAYERS
 from normalgan.studio.planes import CONTENT_TYPE
 
 

@@ -31,8 +31,9 @@ from normalgan.__main__ import main
 from normalgan.inference.heights.height import integrate
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.network.upsampling import Coarse, enlarge
+from normalgan.inference.structures import KINDS
 from normalgan.normals import decode
-from normalgan.studio.drawing_request import MOST_AREAS
+from normalgan.studio.limits import MOST_AREAS, TILE_SIDE
 from onnx_models import write_model
 
 SVG = b'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 30 20"><circle cx="9" cy="9" r="5"/></svg>'
@@ -316,6 +317,16 @@ def test_the_map_at_a_pin_is_the_pins_normal_and_areas_are_turned(model: Path, t
             {"areas": [{**stroke, "strength": 2}]},
             {"areas": [{**stroke, "soft": True}]},
             {"areas": [{**stroke, "smooths": 1}]},
+            {"areas": [{**stroke, "structure": "scales"}]},
+            {"areas": [{**stroke, "structure": {"kind": "glass", "period": 9}}]},
+            {"areas": [{**stroke, "structure": {"kind": "fur"}}]},
+            {"areas": [{**stroke, "structure": {"kind": "fur", "period": 1e-9}}]},
+            {"areas": [{**stroke, "structure": {"kind": "fur", "period": 9, "x": 1e9}}]},
+            {"areas": [{**stroke, "structure": {"kind": "fur", "period": 9}, "smooths": True}]},
+            {"areas": [{**area, "structure": {"kind": "fur", "period": 9}}]},
+            {"areas": [{**stroke, "structure": {"kind": "own", "period": 9, "picture": "a"}}]},
+            {"structures": [1]},
+            {"structures": {"a": 1}},
             {"areas": [{**stroke, "height": -2}]},
             {"areas": [{**stroke, "height": "deep"}]},
             {"areas": [{**stroke, "height": 1, "widths": [3]}]},
@@ -333,6 +344,39 @@ def test_the_map_at_a_pin_is_the_pins_normal_and_areas_are_turned(model: Path, t
         assert np.abs(one[78, 70] - bare[78, 70]).max() > 0.1
         far = [{**pins[0], "reach": -1}]
         assert "reach is -1" in client.post("/api/predict", json=asking(6, hints=far)).json()["error"]
+
+
+def test_a_stroke_gives_a_structure_that_is_built_in_or_a_picture(model: Path, tmp_path: Path) -> None:
+    stroke = {"points": [50, 60, 100, 60], "normal": [0, 0, 1], "size": 30, "soft": 0.2}
+    wave = 127.5 + 120 * np.sin(np.arange(TILE_SIDE) * 2 * np.pi * 4 / TILE_SIDE)
+    ribs = np.broadcast_to(wave, (TILE_SIDE, TILE_SIDE))
+    own = {"kind": "own", "period": 64, "picture": "ribs"}
+    numbers = count(1)
+    with serving(model, tmp_path) as client:
+
+        def near(*areas: dict[str, Any], **fields: Any) -> NDArray[np.float32]:
+            found = predicted(client, number=next(numbers), areas=list(areas), **fields)
+            return np.asarray(decode(found[50:70, 60:90, :3]))
+
+        bare = near()
+        for kind in KINDS:
+            given = near({**stroke, "structure": {"kind": kind, "period": 64}})
+            assert np.abs(given - bare).mean() > 0.04
+        one = {**stroke, "structure": {"kind": "stone", "period": 32}}
+        crossed = near(one, {**one, "points": [75, 40, 75, 80]})
+        assert np.abs(crossed - near(one)).max() < 0.05  # no steeper where strokes cross
+        parted = near(one, stroke | {"strength": 0}, one)
+        assert np.abs(parted - crossed).max() > 0.05
+        pictures = {"ribs": base64.b64encode(png(ribs.astype(np.uint8))).decode()}
+        ribbed = near({**stroke, "structure": own}, structures=pictures) - bare
+        assert np.abs(ribbed[..., 0]).mean() > 10 * np.abs(ribbed[..., 1]).mean()  # they run upright
+        turned = near({**stroke, "structure": {**own, "turn": np.pi / 2}}, structures=pictures) - bare
+        assert np.abs(turned[..., 1]).mean() > 10 * np.abs(turned[..., 0]).mean()
+        small = {"ribs": base64.b64encode(png(ribs[:64, :64].astype(np.uint8))).decode()}
+        fields = asking(next(numbers), areas=[{**stroke, "structure": own}], structures=small)
+        answer = client.post("/api/predict", json=fields)
+        assert answer.status_code == 400
+        assert "a structure is 64 × 64 pixels; it has 128 a side" in answer.json()["error"]
 
 
 def test_a_layer_and_a_region_take_a_form(model: Path, tmp_path: Path) -> None:

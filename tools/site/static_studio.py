@@ -17,8 +17,10 @@ from pathlib import Path
 
 from mkdocs.config.defaults import MkDocsConfig
 
+from normalgan.inference import structures
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.studio.exports import with_export_menu
+from normalgan.studio.limits import with_limits
 from normalgan.studio.page_files import markup
 
 ROOT = Path(__file__).parents[2]
@@ -107,7 +109,10 @@ def build(folder: Path, runtime: bytes) -> None:
             shutil.copy(path, page)
     for path in (*MODELS, CLAY):
         shutil.copy(path, page)
-    notes = {"line_widths": OnnxBackend(MODELS[0]).line_widths}  # a browser's runtime does not read them
+    for kind in structures.KINDS:
+        (page / structures.FILE.format(kind)).write_bytes(structures.tile_bytes(kind))
+    # A browser's runtime does not read the line widths.
+    notes = {"line_widths": OnnxBackend(MODELS[0]).line_widths, "structures": structures.KINDS}
     (page / "model.json").write_text(json.dumps(notes) + "\n", encoding="utf-8")
     with tarfile.open(fileobj=io.BytesIO(runtime)) as packed:
         for name in (*RUNTIME, BINARY):
@@ -129,7 +134,8 @@ def build(folder: Path, runtime: bytes) -> None:
     about = '<p id="about" class="quiet"></p>'
     assert main in text, "the page's script has another name"
     assert about in text, "the page's help has no line about itself"
-    text = markup(with_export_menu(text).replace(main, first + main).replace(about, _ABOUT + about), page)
+    text = with_limits(with_export_menu(text))
+    text = markup(text.replace(main, first + main).replace(about, _ABOUT + about), page)
     (folder / "index.html").write_text(text, encoding="utf-8")
     _write_service_worker(folder)
 

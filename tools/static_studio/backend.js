@@ -4,9 +4,9 @@
  */
 
 import { documents } from "./documents.js";
+import { LIMITS } from "./limits.js";
 import { encodePng, levelsOf, padEdge } from "./png.js";
 
-const MOST = 2048;
 /** What can be exported without Python, and its formats. */
 const EXPORTS = { map: ["png8", "png16"], lines: ["png"] };
 /** Layers whose pixels are kept. */
@@ -105,12 +105,12 @@ async function drawing(path, body, signal) {
   let at = 4 + length;
   // A drawing of one layer may be without a list of them.
   for (const layer of fields.layers ?? [{ ...fields, id: 0, name: "", bytes: body.length - at }]) {
-    const { id, name, bytes, hints = [], areas = [], mask_strokes: strokes = [], source = fields.source ?? null, form = null } = layer;
+    const { id, name, bytes, hints = [], areas = [], mask_strokes: strokes = [], source = fields.source ?? null, form = null, structures = {} } = layer;
     const planes = take(`${fields.tab} ${id}`, layer, fields.number, body.subarray(at, at + bytes));
     at += bytes;
     const ink = planes?.get("ink");
     if (!ink) return refused("send all of the drawing", 409);
-    layers.push({ name, ink, strokes, hints, areas, source, form });
+    layers.push({ name, ink, strokes, hints, areas, source, form, structures });
   }
   if (path === "/api/predict") {
     try {
@@ -156,7 +156,7 @@ async function picture(file) {
     URL.revokeObjectURL(image.src);
   }
   const given = [image.naturalWidth || 1024, image.naturalHeight || 1024];
-  const scale = Math.min(1, MOST / Math.max(...given));
+  const scale = Math.min(1, LIMITS.sides.most / Math.max(...given));
   const canvas = document.createElement("canvas");
   [canvas.width, canvas.height] = given.map((side) => Math.max(1, Math.round(side * scale)));
   canvas.getContext("2d")?.drawImage(image, 0, 0, canvas.width, canvas.height);
@@ -170,7 +170,7 @@ async function answer(path, { method = "GET", body, headers, signal }) {
     const stored = /^\/api\/(projects|autosave)(?:\/(.+))?$/.exec(path);
     if (stored) return await documents(stored[1], stored[2] && decodeURIComponent(stored[2]), method, new Headers(headers), String(body ?? ""));
     if (path === "/api/about") {
-      return json({ version: "in the browser", model: { name: "ours.onnx", size: await size, confidence: true }, limits: { side: MOST }, exports: EXPORTS });
+      return json({ version: "in the browser", model: { name: "ours.onnx", size: await size, confidence: true }, limits: { side: LIMITS.sides.most }, exports: EXPORTS });
     }
     if (path === "/api/open") return json(null);
     if (path === "/api/import" && body instanceof Blob) return await picture(body);

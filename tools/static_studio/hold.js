@@ -2,6 +2,7 @@
 
 import { feathered, giveForm } from "./bevel.js";
 import { blurred, boxOf, components, part, where } from "./raster.js";
+import { slopesAt } from "./structures.js";
 
 /** @typedef {import("./document.js").Hint} Hint @typedef {import("./carving.js").Asked} Area */
 /** @typedef {{normals: Float32Array, mask: Uint8Array, width: number, height: number}} Painted */
@@ -21,11 +22,49 @@ const AVERAGED = 0.25;
  * Holds a map to its form, to areas, in their order, then to pins, exactly; in place.
  * @param {Painted} map @param {Hint[]} hints @param {Area[]} areas @param {import("./document.js").Form | null} form
  * @param {number} scale pixels of the map for one of the drawing
+ * @param {Map<string, import("./structures.js").Tile>} tiles of structures, by picture or kind
  */
-export function hold(map, hints, areas, form, scale) {
+export function hold(map, hints, areas, form, scale, tiles) {
   if (form) giveForm(map, Float32Array.from(map.mask), form);
-  for (const area of areas) turnArea(map, area, scale);
+  for (let i = 0; i < areas.length; i++) {
+    const { structure } = areas[i];
+    if (!structure) {
+      turnArea(map, areas[i], scale);
+      continue;
+    }
+    // Strokes of one structure that follow one another are one: where they cross, it is no steeper.
+    const cover = strokeOf(map, areas[i], scale);
+    while (i + 1 < areas.length && isSame(areas[i + 1].structure, structure)) {
+      i += 1;
+      strokeOf(map, areas[i], scale).forEach((value, at) => { cover[at] = Math.max(cover[at], value); });
+    }
+    const tile = tiles.get(structure.picture ?? structure.kind);
+    if (!tile) throw new Error("a structure is missing");
+    impress(map, cover, slopesAt(tile, structure, scale));
+  }
   holdPins(map, hints, scale);
+}
+
+/** @typedef {import("./document.js").Structure} Structure */
+/** @param {Structure | undefined} one @param {Structure} other */
+const isSame = (one, other) => one !== undefined && ["kind", "picture", "period"].every((key) => one[/** @type {"kind"} */ (key)] === other[/** @type {"kind"} */ (key)]) &&
+  /** @type {const} */ (["turn", "x", "y", "flipped"]).every((key) => Number(one[key] ?? 0) === Number(other[key] ?? 0));
+
+/** Returns how much of each pixel a stroke covers, by its strength. @param {Painted} map @param {Area} area @param {number} scale */
+const strokeOf = ({ width, height }, { points, size = 1, strength = 1, soft = STROKE_FADES }, scale) =>
+  brushed(points.map((value) => value * scale), width, height, size * scale, soft).map((value) => value * strength);
+
+/**
+ * Lets a structure stand on the object's surface, as steep as it is covered.
+ * @param {Painted} map @param {Float32Array} cover @param {(x: number, y: number, out: number[]) => void} slopes
+ */
+function impress({ normals, mask, width }, cover, slopes) {
+  const slope = [0, 0];
+  for (let i = 0; i < cover.length; i++) {
+    if (cover[i] <= 1e-3 || !mask[i]) continue;
+    slopes((i % width) + 0.5, Math.floor(i / width) + 0.5, slope);
+    normals.set(reoriented(normals.subarray(3 * i, 3 * i + 3), [-slope[0] * cover[i], slope[1] * cover[i], 1]), 3 * i);
+  }
 }
 
 /**
@@ -54,7 +93,7 @@ export function byHand(strokes, width, height, scale, ink) {
 
 /** @param {Painted} map @param {Area} area @param {number} scale */
 function turnArea(map, area, scale) {
-  const { normal, size, form = null, smooths, strength = 1, soft = size ? STROKE_FADES : form ? 0 : FADES } = area;
+  const { normal, size, form = null, smooths, soft = form ? 0 : FADES } = area;
   const { normals, mask, width, height } = map;
   const points = area.points.map((value) => value * scale);
   if (size && area.height !== undefined) {
@@ -63,8 +102,7 @@ function turnArea(map, area, scale) {
     return;
   }
   /** @type {Float32Array} */
-  let cover = size ? brushed(points, width, height, size * scale, soft) : covered(points, width, height, SOFT * Math.max(width, height));
-  if (size) cover = cover.map((value) => value * strength);
+  let cover = size ? strokeOf(map, area, scale) : covered(points, width, height, SOFT * Math.max(width, height));
   if (size && smooths) {
     smooth(map, cover, size * scale);
     return;

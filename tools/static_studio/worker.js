@@ -5,6 +5,7 @@ import { expectedError, waysToSee } from "./context.js";
 import { finish, hintsOff, restored } from "./finish.js";
 import { byHand, hold } from "./hold.js";
 import { Unpaintable, prepare } from "./prepare.js";
+import { tileOf } from "./structures.js";
 import { doubt, suggest } from "./suggest.js";
 
 /** @typedef {{pixels: Uint8Array, width: number, height: number, channels: number}} Plane */
@@ -17,6 +18,7 @@ import { doubt, suggest } from "./suggest.js";
  * @property {import("./document.js").Area[]} areas
  * @property {import("./document.js").Source} source
  * @property {import("./document.js").Form | null} form
+ * @property {Record<string, string>} structures base64 of PNGs, by the names that areas give them
  */
 /**
  * @typedef {import("./findings.js").Finding} Finding
@@ -64,9 +66,11 @@ async function load() {
   });
   const notes = await fetch(new URL("model.json", import.meta.url));
   if (!notes.ok) throw new Error("the model cannot be fetched");
-  /** @type {{line_widths: [number, number]}} */
-  const { line_widths: widths } = await notes.json();
-  return { widths, size: await side };
+  /** @type {{line_widths: [number, number], structures: string[]}} */
+  const { line_widths: widths, structures } = await notes.json();
+  // The page works without a network once it is loaded; a stroke with a structure that did not come says so.
+  const [size] = await Promise.all([side, Promise.allSettled(structures.map((kind) => tileOf(kind)))]);
+  return { widths, size };
 }
 
 /** Runs a network, if its answer is still wanted. @param {string} name @param {import("./networks.js").Run["planes"]} planes @returns {Promise<Record<string, Float32Array>>} */
@@ -124,7 +128,7 @@ async function prepareLayer({ ink, source, hints }, longest, alone) {
 }
 
 /** @param {Layer} layer @param {import("./prepare.js").Prepared[]} ways to see it @param {string} key what that depends on @returns {Promise<Painted>} */
-async function paintLayer({ ink, strokes, hints, areas, form }, ways, key) {
+async function paintLayer({ ink, strokes, hints, areas, form, structures }, ways, key) {
   const { size } = await ready;
   return recalled(painted, key, async () => {
     const { width, height } = ways[0];
@@ -137,10 +141,17 @@ async function paintLayer({ ink, strokes, hints, areas, form }, ways, key) {
     const [{ lines, normal, confidence }] = ways.length > 1 ? byError(tried) : tried;
     const { normals, mask, covered, findings: said } = await finish(lines, normal, refiner, byHand(strokes, width, height, scale, lines.ink));
     const findings = [...said, ...hintsOff(hints.filter((hint) => hint.reach === undefined), scale, { mask, width, height })];
-    hold({ normals, mask, width, height }, hints, areas, form, scale);
+    hold({ normals, mask, width, height }, hints, areas, form, scale, await tilesOf(areas, structures));
     // Only few ask for it, and it is as large as the map.
     return { normals, mask, covered, width, height, findings, confidence: null, certainty: () => restored(confidence, lines, 1) };
   });
+}
+
+/** Returns the tiles of all structures, by picture or kind. @param {Layer["areas"]} areas @param {Layer["structures"]} structures */
+async function tilesOf(areas, structures) {
+  const used = areas.flatMap(({ structure }) => structure ?? []);
+  return new Map(await Promise.all(used.map(async ({ kind, picture }) =>
+    /** @type {const} */ ([picture ?? kind, await tileOf(kind, picture === undefined ? undefined : structures[picture])]))));
 }
 
 /** Returns what was tried, the least expected error first. @template {{lines: import("./prepare.js").Prepared, confidence: Float32Array}} T @param {T[]} tried */
@@ -170,7 +181,7 @@ async function paint({ layers, longest, what, count, changedOnly }) {
   const ways = waysToSee(parts.map(({ lines }) => lines), widths);
   const all = parts.length > 1 ? digest(new TextEncoder().encode(parts.map(({ key }) => key).join())) : 0;
   for (const [i, { layer, name, key }] of parts.entries()) {
-    const own = JSON.stringify([key, layer.strokes, layer.hints, layer.areas, layer.form]);
+    const own = JSON.stringify([key, layer.strokes, layer.hints, layer.areas, layer.form, Object.keys(layer.structures)]);
     const before = changedOnly ? [...painted.keys()].findLast((each) => each.startsWith(own)) : undefined;
     try {
       const found = await paintLayer(layer, ways[i], before ?? `${own} ${all}`);

@@ -17,14 +17,15 @@ from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
 
 from normalgan.errors import InputError
+from normalgan.inference import structures
 from normalgan.inference.outputs.lighting import CLAY_FILE
 from normalgan.studio.bodies import MOST_BYTES, check_type, read_body
 from normalgan.studio.document_routes import DocumentRoutes
 from normalgan.studio.document_store import DocumentStore
-from normalgan.studio.drawing_request import MOST_HINTS, MOST_SIDE
 from normalgan.studio.exports import with_export_menu
 from normalgan.studio.fields import take_choice
 from normalgan.studio.guard import Guard
+from normalgan.studio.limits import MOST_HINTS, MOST_SIDE, with_limits
 from normalgan.studio.opening import Opened
 from normalgan.studio.page_files import markup, version_of
 from normalgan.studio.pictures import import_layers, import_picture
@@ -89,9 +90,9 @@ def build_app(
 def _page_routes() -> tuple[str, list[BaseRoute]]:
     """Return the page's routes, and the prefix of its cacheable files."""
     mimetypes.add_type("text/javascript", ".js")  # some machines call it a plain text, which browsers refuse
-    kept = f"/page/{version_of([*PAGE.glob('*.*'), CLAY_FILE])}"
+    kept = f"/page/{version_of([*PAGE.glob('*.*'), CLAY_FILE, Path(structures.__file__)])}"
     text = (PAGE / "index.html").read_text(encoding="utf-8")
-    page = markup(with_export_menu(text), PAGE).replace('"/page/', f'"{kept}/')
+    page = markup(with_limits(with_export_menu(text)), PAGE).replace('"/page/', f'"{kept}/')
 
     async def index(_: Request) -> Response:
         return HTMLResponse(page)
@@ -99,8 +100,20 @@ def _page_routes() -> tuple[str, list[BaseRoute]]:
     async def clay(_: Request) -> Response:
         return FileResponse(CLAY_FILE)  # the viewer's lit view looks like the previews of `generate`
 
+    def structure(request: Request) -> Response:  # not async: it may be made first
+        kind = take_choice(dict(request.path_params), "kind", structures.KINDS)
+        return Response(structures.tile_bytes(kind), media_type="application/octet-stream")
+
     files = StaticFiles(directory=PAGE)
-    served = [route for at in (kept, "/page") for route in (Route(f"{at}/clay.json", clay), Mount(at, files))]
+    served = [
+        route
+        for at in (kept, "/page")
+        for route in (
+            Route(f"{at}/clay.json", clay),
+            Route(f"{at}/{structures.FILE.format('{kind}')}", structure),
+            Mount(at, files),
+        )
+    ]
     return f"{kept}/", [Route("/", index), *served]
 
 

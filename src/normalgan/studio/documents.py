@@ -1,8 +1,8 @@
 """Documents: check that a document is a project of the studio."""
 
 from normalgan.errors import InputError
-from normalgan.studio.drawing_request import LEAST_SIDE, MOST_SIDE
 from normalgan.studio.fields import Fields, parse_fields, take_integer
+from normalgan.studio.limits import LEAST_SIDE, MOST_SIDE
 
 __all__ = ["FORMAT", "VERSION", "check_document"]
 

@@ -3,8 +3,13 @@
 import hashlib
 import json
 import struct
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from itertools import groupby
+from math import isfinite
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import cv2
@@ -14,7 +19,6 @@ from numpy.typing import NDArray
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
 from normalgan.inference.edits import (
-    MOST_PINS,
     REACH,
     MaskStroke,
     brush,
@@ -30,42 +34,47 @@ from normalgan.inference.forms import KINDS, Form, feather, give_form
 from normalgan.inference.mask.masks import MODEL, OUTLINE, MaskOrSource, mask_of
 from normalgan.inference.reading.hint_files import Hints, parse_hints
 from normalgan.inference.reading.picture import Picture, read_picture
+from normalgan.inference.structures import KINDS as STRUCTURES
+from normalgan.inference.structures import Placement, Tile, impress, read_tile
 from normalgan.normals import LEAST_Z
 from normalgan.studio.fields import Fields, take_bytes, take_choice
+from normalgan.studio.limits import (
+    LEAST_PERIOD,
+    LEAST_SIDE,
+    MOST_AREAS,
+    MOST_CARVED,
+    MOST_HINTS,
+    MOST_MASK_STROKES,
+    MOST_PERIOD,
+    MOST_POINTS,
+    MOST_SIDE,
+    MOST_STRUCTURES,
+    TILE_SIDE,
+)
 
 __all__ = [
-    "LEAST_SIDE",
-    "MOST_AREAS",
-    "MOST_CARVED",
-    "MOST_HINTS",
-    "MOST_MASK_STROKES",
-    "MOST_POINTS",
-    "MOST_SIDE",
     "Area",
     "DrawingRequest",
+    "Structure",
     "check_sides",
     "read_areas",
     "read_form",
     "read_png",
+    "read_structure",
     "take_drawing",
     "to_picture",
 ]
 
-LEAST_SIDE, MOST_SIDE = 16, 2048
-"""Least and greatest side of a drawing in pixels."""
-MOST_HINTS = MOST_PINS
-MOST_AREAS = 200
-MOST_CARVED = 20_000
-"""Pieces of engraved and embossed lines: an eraser makes many of one."""
-MOST_MASK_STROKES = 500
-MOST_POINTS = 4000
-"""Of an area."""
 _SOFT = 0.01
 """Width of the edge of an area that does not fade out, as a share of the map's longer side."""
 _FADES = 0.5
 """The share of its depth in which an area without a form fades out, unless it says how far."""
 _BRUSH_FADES = 0.6
 """The share of its radius in which a stroke of the brush fades out, unless it says how far."""
+_OWN = "own"
+"""Kind of a structure that is a picture."""
+_FARTHEST = 1e6
+"""Pixels, or radians, of where a structure's tiles begin: none is seen farther off."""
 _INKED = 0.35
 """How dark a line is at least that parts one area from another."""
 _PNG = b"\x89PNG\r\n\x1a\n"
@@ -83,6 +92,7 @@ class DrawingRequest:
         areas: list of what is turned as a whole or brushed, as `read_areas` takes it.
         mask_strokes: list of strokes that add to the object or cut from it, as `read_mask` takes them.
         form: of the whole drawing, as `read_form` takes it; None leaves it as predicted.
+        structures: PNG of each picture that is a structure, white is high, by the name that areas give it.
     """
 
     picture: bytes | NDArray[np.uint8]
@@ -91,6 +101,7 @@ class DrawingRequest:
     areas: Any = ()
     mask_strokes: Any = ()
     form: Any = None
+    structures: Mapping[str, bytes] = field(default_factory=lambda: MappingProxyType({}))
 
     @property
     def shape(self) -> tuple[int, ...] | None:
@@ -105,10 +116,11 @@ class DrawingRequest:
     def digest(self) -> bytes:
         """Return a hash of the drawing."""
         by_hand = json.dumps([self.hints, self.areas, self.form]).encode()
-        return hashlib.sha256(self.lines_digest() + by_hand).digest()
+        own = b"".join(name.encode() + content for name, content in self.structures.items())
+        return hashlib.sha256(self.lines_digest() + hashlib.sha256(by_hand).digest() + own).digest()
 
     def lines_digest(self) -> bytes:
-        """Return a hash of the drawing without its hints, areas and form."""
+        """Return a hash of the drawing without its hints, areas, form and structures."""
         whole = hashlib.sha256()
         if isinstance(self.picture, bytes):
             parts: tuple[bytes | memoryview, ...] = (b"PNG", self.picture)
@@ -169,27 +181,16 @@ class DrawingRequest:
         areas = read_areas(self.areas)
         if any(area.height is not None for area in areas):
             normals = normals.copy()  # lines are carved in place, as there may be thousands
-        for area in areas:
-            points = area.points * np.float32(scale)
-            size = (normals.shape[0], normals.shape[1])
-            if area.size is None:
-                cover = polygon(size, points, _SOFT * max(size))
-                if area.soft:
-                    cover = feather(cover, area.soft)
-                if area.form is not None:
-                    normals = give_form(normals, mask, cover, area.form)
-                normals = tilt(normals, mask, cover, area.normal)
+        # Strokes of one structure that follow one another are one: where they cross, it is no steeper.
+        for structure, group in groupby(areas, key=lambda area: area.structure):
+            if structure is None:
+                for area in group:
+                    normals = _edit_area(normals, mask, area, scale)
             else:
-                width = area.size * scale
-                if area.height is not None:
-                    widths = np.full(len(points), width) if area.widths is None else area.widths * scale
-                    carve(normals, mask, points, widths, area.height)
-                    continue
-                cover = np.float32(area.strength) * stroke(size, points, width, area.soft)
-                if area.smooths:
-                    normals = smooth(normals, mask, cover, width)
-                else:
-                    normals = brush(normals, cover, area.normal)
+                cover = np.zeros(mask.shape, np.float32)
+                for area in group:
+                    np.maximum(cover, _cover(area, mask, scale), out=cover)
+                normals = impress(normals, mask, cover, self._tile(structure), structure.scaled(scale))
         if not self.hints:
             return normals
         hints = parse_hints(self.hints, "the request", shape)
@@ -198,6 +199,13 @@ class DrawingRequest:
         return enforce_pins(
             normals, hints.points * np.float32(scale), hints.normals, reaches * np.float32(scale)
         )
+
+    def _tile(self, structure: "Structure") -> Tile:
+        if structure.picture is None:
+            return read_tile(take_choice({"kind": structure.kind}, "kind", STRUCTURES))
+        if structure.picture not in self.structures:
+            raise InputError(f"there is no picture {structure.picture[:40]!r} among the structures.")
+        return _tile_of(self.structures[structure.picture])
 
     def read_hints(self, shape: tuple[int, int]) -> Hints | None:
         """Return the hints for the model, in pixels of the drawing (H, W); None if there are none.
@@ -226,6 +234,7 @@ class Area:
         smooths: whether the brush averages what is under it, and gives it no direction.
         height: of a line that stands out, or below 0 is cut in, -1 to 1; None for a brush.
         widths: (K,), of such a line at its points; None is size.
+        structure: what the brush gives in place of a direction.
     """
 
     points: Floats
@@ -237,14 +246,61 @@ class Area:
     smooths: bool
     height: float | None
     widths: Floats | None
+    structure: "Structure | None"
+
+
+@dataclass(frozen=True)
+class Structure:
+    """A structure of the brush.
+
+    Args:
+        kind: built in, as `normalgan.inference.structures.KINDS`; "own" is a picture.
+        placement: of its tiles, in pixels of the drawing.
+        picture: which one of the drawing's structures it is; None is a built-in structure.
+    """
+
+    kind: str
+    placement: Placement
+    picture: str | None
+
+    def scaled(self, scale: float) -> Placement:
+        """Return where its tiles lie on a map, of which ``scale`` pixels are one of the drawing."""
+        place = self.placement
+        return Placement(place.period * scale, place.turn, place.x * scale, place.y * scale, place.flipped)
+
+
+def _edit_area(normals: Floats, mask: NDArray[np.bool_], area: Area, scale: float) -> Floats:
+    """Return a map edited by an area that is no structure; a carved line edits it in place."""
+    if area.height is not None and area.size is not None:
+        widths = np.full(len(area.points), area.size, np.float32) if area.widths is None else area.widths
+        carve(normals, mask, area.points * np.float32(scale), widths * np.float32(scale), area.height)
+        return normals
+    cover = _cover(area, mask, scale)
+    if area.size is None:
+        if area.form is not None:
+            normals = give_form(normals, mask, cover, area.form)
+        return tilt(normals, mask, cover, area.normal)
+    if area.smooths:
+        return smooth(normals, mask, cover, area.size * scale)
+    return brush(normals, cover, area.normal)
+
+
+def _cover(area: Area, mask: NDArray[np.bool_], scale: float) -> Floats:
+    """Return how much an area covers of each pixel of a map (H, W), by its strength."""
+    size, points = (mask.shape[0], mask.shape[1]), area.points * np.float32(scale)
+    if area.size is not None:
+        return np.float32(area.strength) * stroke(size, points, area.size * scale, area.soft)
+    cover = polygon(size, points, _SOFT * max(size))
+    return feather(cover, area.soft) if area.soft else cover
 
 
 def read_areas(given: Any) -> list[Area]:
     """Return areas: ``points`` (x, y, x, y, …), ``normal``, and ``size`` if it is a stroke of the brush.
 
     A polygon may have a ``form``, as `read_form` takes it, and ``soft``, 0 to 1. A stroke may have ``soft``
-    and ``strength``, 0 to 1, and ``smooths``, true if it averages the normals under it. With ``height``, -1
-    to 1, it is a line that is carved, with ``widths`` at its points.
+    and ``strength``, 0 to 1, and ``smooths``, true if it averages the normals under it, or a ``structure``,
+    as `read_structure` takes it. With ``height``, -1 to 1, it is a line that is carved, with ``widths`` at
+    its points.
 
     Raises:
         InputError: if one is invalid.
@@ -291,9 +347,48 @@ def read_areas(given: Any) -> list[Area]:
                 f"{json.dumps(each.get('widths'))[:40]}; a height is -1 to 1, and each width is above 0, one "
                 f"for each point."
             ) from None
+        given_structure = each.get("structure")
+        structure = None
+        if given_structure is not None:
+            structure = read_structure(f"the structure of area {number}", given_structure)
+            if size is None or smooths or height is not None:
+                raise InputError(f"area {number} has a structure; only a plain stroke, with a size, has one.")
         direction = normal / np.float32(length)
-        areas.append(Area(inside, direction, size, form, soft, strength, smooths, height, widths))
+        areas.append(Area(inside, direction, size, form, soft, strength, smooths, height, widths, structure))
     return areas
+
+
+def read_structure(name: str, given: Any) -> Structure:
+    """Return a structure: ``kind``, ``period``, and maybe ``turn``, ``x``, ``y``, ``flipped``, ``picture``.
+
+    Raises:
+        InputError: if it is not one.
+    """
+    if isinstance(given, dict) and set(given) <= {"kind", "period", "turn", "x", "y", "flipped", "picture"}:
+        kind, picture, flipped = given.get("kind"), given.get("picture"), given.get("flipped", False)
+        period, turn, x, y = numbers = [given.get(each, 0) for each in ("period", "turn", "x", "y")]
+        fits = all(_is_number(each) and abs(each) <= _FARTHEST for each in numbers)
+        fits = fits and LEAST_PERIOD <= period <= MOST_PERIOD
+        named = isinstance(picture, str) if kind == _OWN else picture is None and kind in STRUCTURES
+        if fits and named and isinstance(kind, str) and isinstance(flipped, bool):
+            return Structure(kind, Placement(period, turn, x, y, flipped), picture)
+    raise InputError(
+        f"{name} is {json.dumps(given)[:80]}; its kind is one of {', '.join(STRUCTURES)}, or {_OWN} with the "
+        f"name of its picture, its period {LEAST_PERIOD:g} to {MOST_PERIOD}; turn, x and y are numbers."
+    )
+
+
+@lru_cache(maxsize=2 * MOST_STRUCTURES)
+def _tile_of(content: bytes) -> Tile:
+    """Return the structure in a PNG, white is high."""
+    if content[:8] == _PNG and len(content) >= 33:
+        sides = struct.unpack(">II", content[16:24])
+        if sides != (TILE_SIDE, TILE_SIDE):
+            raise InputError(f"a structure is {sides[0]} × {sides[1]} pixels; it has {TILE_SIDE} a side.")
+    heights = read_png("structure", content).colour.mean(-1)
+    # Its 256 levels would be steps.
+    wide = np.pad(heights, 2, mode="wrap")
+    return Tile.of(np.asarray(cv2.GaussianBlur(wide, (5, 5), 0)[2:-2, 2:-2], np.float32))
 
 
 def read_form(name: str, given: Any) -> Form:
@@ -312,8 +407,12 @@ def read_form(name: str, given: Any) -> Form:
     )
 
 
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
+
+
 def _is_share(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and 0 <= value <= 1
+    return _is_number(value) and 0 <= value <= 1
 
 
 def _read_mask_stroke(number: int, given: Any) -> MaskStroke:
@@ -368,6 +467,11 @@ def take_drawing(fields: Fields, picture: NDArray[np.uint8] | None = None) -> Dr
     strokes = fields.get("mask_strokes", [])
     if not isinstance(strokes, list) or len(strokes) > MOST_MASK_STROKES:
         raise InputError(f"mask_strokes must be a list of at most {MOST_MASK_STROKES}.")
+    structures = fields.get("structures", {})
+    if not isinstance(structures, dict) or len(structures) > MOST_STRUCTURES:
+        raise InputError(
+            f"structures must be an object of at most {MOST_STRUCTURES} pictures by their names."
+        )
     source = take_choice(fields, "source", (None, OUTLINE, MODEL))
     return DrawingRequest(
         take_bytes(fields, "picture") if picture is None else picture,
@@ -376,6 +480,7 @@ def take_drawing(fields: Fields, picture: NDArray[np.uint8] | None = None) -> Dr
         areas,
         strokes,
         fields.get("form"),
+        {name: take_bytes(structures, name) for name in structures},
     )
 
 

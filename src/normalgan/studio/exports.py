@@ -25,8 +25,9 @@ from normalgan.inference.outputs import (
 )
 from normalgan.inference.outputs.engines import CONVENTIONS, Engine
 from normalgan.normals import Bits
-from normalgan.studio.drawing_request import LEAST_SIDE, MOST_SIDE, read_png
+from normalgan.studio.drawing_request import read_png
 from normalgan.studio.fields import Fields, take_bytes, take_choice, take_integer, take_text
+from normalgan.studio.limits import LEAST_SIDE, MOST_SIDE
 from normalgan.studio.names import LONGEST, check_name
 
 __all__ = [

@@ -10,14 +10,12 @@ from normalgan.inference.normal_map import NormalMap
 from normalgan.studio.bodies import MOST_BYTES
 from normalgan.studio.drawing_request import DrawingRequest, take_drawing
 from normalgan.studio.fields import Fields, take_integer, take_text
+from normalgan.studio.limits import LONGEST_NAME, MOST_LAYERS
 from normalgan.studio.planes import KeptPlanes
 from normalgan.studio.refusals import RefusedError
 
-__all__ = ["LONGEST_NAME", "MOST_LAYERS", "Layer", "predict_layers", "take_layers"]
+__all__ = ["Layer", "predict_layers", "take_layers"]
 
-MOST_LAYERS = 16
-LONGEST_NAME = 80
-"""Characters of a layer's name."""
 _LARGEST = 2**31
 
 

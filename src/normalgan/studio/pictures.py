@@ -15,8 +15,8 @@ from normalgan.inference.composites.animation import PAGES, count_parts, moving_
 from normalgan.inference.composites.layers import is_plain, layered_kind, read_layers
 from normalgan.inference.reading.drawings import LARGEST, SMALLEST
 from normalgan.inference.reading.picture import Picture, fitted, read_picture, to_picture
-from normalgan.studio.drawing_request import MOST_SIDE, check_sides
-from normalgan.studio.layers import LONGEST_NAME, MOST_LAYERS
+from normalgan.studio.drawing_request import check_sides
+from normalgan.studio.limits import LONGEST_NAME, MOST_LAYERS, MOST_SIDE
 
 __all__ = ["Imported", "import_layers", "import_picture"]
 

@@ -21,10 +21,10 @@ from normalgan.inference.reading.hint_files import parse_hints
 from normalgan.inference.suggestion import suggest, uncertainty
 from normalgan.normals import pixels_of
 from normalgan.studio.bodies import check_type, read_body, wait_disconnect
-from normalgan.studio.drawing_request import LEAST_SIDE, MOST_SIDE
 from normalgan.studio.exports import read_export_request
 from normalgan.studio.fields import LARGEST, Fields, parse_fields, take_choice, take_integer, take_text
 from normalgan.studio.layers import Layer, predict_layers, take_layers
+from normalgan.studio.limits import LEAST_SIDE, MOST_SIDE
 from normalgan.studio.planes import CONTENT_TYPE, KeptPlanes, split_body
 from normalgan.studio.predictor import Predictor
 from normalgan.studio.refusals import RefusedError

@@ -1,6 +1,6 @@
 /** Arranging: what is selected is flipped, turned, duplicated, copied, pasted, nudged and brought to another layer. */
 
-import { LISTS, MOST_LAYERS, activeLayer, changedLayer, hasRoom, newDocument, parseDocument, picturesOf, withActive, withNewLayer } from "./document.js";
+import { LISTS, MOST_LAYERS, activeLayer, changedLayer, hasRoom, newDocument, parseDocument, picturesOf, structuresOf, withActive, withNewLayer, withStructures } from "./document.js";
 import { $, enable, make } from "./dom.js";
 import { aboutPoint, alongWith, movedParts } from "./moving.js";
 import { decodeAll } from "./pictures.js";
@@ -177,7 +177,8 @@ export class Arranging {
     const { width, height } = editor.doc;
     const { doc: from, selection } = withCuts(editor.doc, editor.selection);
     const layer = activeLayer(from);
-    const doc = { ...withActive(newDocument(width, height), partsOf(layer, selection, true)), settings: { name: NAME } };
+    const parts = partsOf(layer, selection, true);
+    const doc = { ...withActive(newDocument(width, height), parts), structures: structuresOf(from, parts.areas), settings: { name: NAME } };
     try {
       await write(JSON.stringify(doc));
     } catch (error) {
@@ -206,7 +207,7 @@ export class Arranging {
     const { editor } = this;
     const parts = activeLayer(doc);
     const there = editor.layer.strokes.some((stroke) => JSON.stringify(stroke) === JSON.stringify(parts.strokes[0]));
-    this.#put(there ? beside(parts, BESIDE, editor.doc) : parts);
+    this.#put(there ? beside(parts, BESIDE, editor.doc) : parts, doc.structures);
   }
 
   /** Whether copying and pasting is about the drawing, and not about a field. @param {Event} event */
@@ -214,16 +215,17 @@ export class Arranging {
     return !document.querySelector("dialog[open]") && !(target instanceof Element && target.closest("input, textarea"));
   }
 
-  /** Puts parts onto the layer that is worked on, and selects them. @param {Parts} parts */
-  #put(parts) {
+  /** Puts parts onto the layer that is worked on, and selects them. @param {Parts} parts @param {import("./document.js").OwnStructure[]} [structures] that they have */
+  #put(parts, structures = []) {
     const { editor } = this;
     const layer = withParts(editor.layer, parts);
-    if (!layer) {
+    const doc = withStructures(editor.doc, structures);
+    if (!layer || !doc) {
       this.announce(text.noRoom, "warning");
       return;
     }
     editor.set({ tool: "select" });
-    editor.commit(withActive(editor.doc, layer));
+    editor.commit(withActive(doc, layer));
     this.#choose(layer, parts);
   }
 

@@ -1,5 +1,6 @@
 /** What is drawn, as values that never change: each edit makes a new document, so that undo is a list. */
 
+import { LIMITS } from "./limits.js";
 import { say, text } from "./text.js";
 
 /**
@@ -16,10 +17,14 @@ import { say, text } from "./text.js";
  *   reach: how far it has an effect
  * @typedef {{kind: "round" | "flat" | "hollow", bevel: number, strength: number}} Form bevel: how far the curve or the
  *   bevel reaches inwards, as a share of the part's depth; strength: how far it replaces what is predicted; both to 1
+ * @typedef {{kind: string, period: number, turn?: number, x?: number, y?: number, flipped?: boolean, picture?: string}} Structure
+ *   kind: one that is built in, or "own"; period: side of its tiles; turn: of them about x, y, clockwise, in radians; flipped: from
+ *   left to right before that; picture: which of the document's structures is its own
  * @typedef {{points: number[], normal: Normal, size?: number, form?: Form | null, soft?: number, strength?: number,
- *   smooths?: boolean}} Area x, y, x, y, … of a polygon that is turned as a whole, or of a stroke of that width that is
- *   brushed with a direction, or that smooths what is under it; form is a polygon's, strength a stroke's; soft: the share of
- *   a polygon's depth, or of a brush's radius, in which it fades out
+ *   smooths?: boolean, structure?: Structure}} Area x, y, x, y, … of a polygon that is turned as a whole, or of a stroke of that
+ *   width that is brushed with a direction, that smooths what is under it, or that gives it a structure; form is a polygon's,
+ *   strength a stroke's; soft: the share of a polygon's depth, or of a brush's radius, in which it fades out
+ * @typedef {{id: string, picture: string}} OwnStructure a grey tile as a data URL, white is high; id: a hash of it
  * @typedef {{adds: boolean, size: number, points: number[], fills?: boolean}} MaskStroke x, y, x, y, … where the object is
  *   added to or cut from; fills: a click, for all of the area between lines about it
  * @typedef {{id: number, name: string, visible: boolean, strokes: Stroke[], hints: Hint[], areas: Area[],
@@ -28,22 +33,17 @@ import { say, text } from "./text.js";
  * @typedef {Omit<Placed, "kind"> & {opacity: number, visible: boolean}} Picture to trace or to look at
  * @typedef {{name: string, file: string}} Settings name: the project's, or ""; file: the name of the file that it began with, without its ending, or ""
  * @typedef {{format: string, version: number, width: number, height: number, layers: Layer[], active: number,
- *   pictures: Picture[], settings: Settings}} Doc layers: the hindmost first, at least one; active: id of the one that is
+ *   pictures: Picture[], structures: OwnStructure[], settings: Settings}} Doc layers: the hindmost first, at least one; active: id of the one that is
  *   worked on
  */
 
 export const FORMAT = "normalgan-studio";
 export const VERSION = 5;
-export const SIDES = { least: 16, most: 2048 };
+export const { sides: SIDES, strokes: MOST_STROKES, hints: MOST_HINTS, areas: MOST_AREAS, maskStrokes: MOST_MASK_STROKES, layers: MOST_LAYERS, pictures: MOST_PICTURES, name: LONGEST_NAME } = LIMITS;
+/** Kind of a structure that is a picture. */
+export const OWN = "own";
 /** From this version on a drawing has layers, and each has its own source. */
 const [LAYERED, SOURCED] = [4, 5];
-export const MOST_STROKES = 20000;
-export const MOST_HINTS = 200;
-export const MOST_AREAS = 200;
-export const MOST_MASK_STROKES = 500;
-export const MOST_LAYERS = 16;
-export const MOST_PICTURES = 8;
-export const LONGEST_NAME = 80;
 
 /** @param {number} id @param {string} name @returns {Layer} */
 const newLayer = (id, name) => ({ id, name, visible: true, strokes: [], hints: [], areas: [], mask: [], source: null, form: null });
@@ -59,7 +59,7 @@ const usualName = (number) => say("layerNumber", { number });
  */
 export function newDocument(width, height) {
   const settings = { name: "", file: "" };
-  return { format: FORMAT, version: VERSION, width, height, layers: [newLayer(1, usualName(1))], active: 1, pictures: [], settings };
+  return { format: FORMAT, version: VERSION, width, height, layers: [newLayer(1, usualName(1))], active: 1, pictures: [], structures: [], settings };
 }
 
 /** @param {Doc} doc @returns {boolean} */
@@ -149,6 +149,27 @@ export const withoutHint = (doc, index) => withActive(doc, { hints: activeLayer(
 /** @param {Doc} doc @param {Area} area @returns {Doc} */
 export const withArea = (doc, area) => withActive(doc, { areas: [...activeLayer(doc).areas, area] });
 
+/**
+ * Adds pictures that are structures; those that no stroke has go, if there is no room for all.
+ * @param {Doc} doc @param {OwnStructure[]} more
+ * @returns {Doc | null} null: there is no room
+ */
+export function withStructures(doc, more) {
+  const fresh = more.filter(({ id }) => !doc.structures.some((each) => each.id === id));
+  if (!fresh.length) return doc;
+  const all = [...doc.structures, ...fresh];
+  if (all.length <= LIMITS.structures) return { ...doc, structures: all };
+  const used = new Set(doc.layers.flatMap(({ areas }) => areas.map(({ structure }) => structure?.picture)));
+  const structures = all.filter((each) => used.has(each.id) || fresh.includes(each));
+  return structures.length <= LIMITS.structures ? { ...doc, structures } : null;
+}
+
+/** Returns the pictures that areas have as structures. @param {Doc} doc @param {Area[]} areas */
+export function structuresOf({ structures }, areas) {
+  const used = new Set(areas.map(({ structure }) => structure?.picture));
+  return structures.filter(({ id }) => used.has(id));
+}
+
 /** @param {Doc} doc @param {number} index @param {Partial<Area>} change @returns {Doc} */
 export function changedArea(doc, index, change) {
   return withActive(doc, { areas: activeLayer(doc).areas.map((area, i) => (i === index ? { ...area, ...change } : area)) });
@@ -171,6 +192,9 @@ export function anchorOf({ points, size }) {
 
 /** @param {Doc} doc @param {Picture[]} pictures @returns {Doc} */
 export const withPictures = (doc, pictures) => ({ ...doc, pictures });
+
+/** Returns a length in the range of a structure's periods. @param {number} period */
+export const possiblePeriod = (period) => Math.max(LIMITS.periods.least, Math.min(LIMITS.periods.most, period));
 
 /** @param {Doc} doc @param {Partial<Settings>} settings @returns {Doc} */
 export const withSettings = (doc, settings) => ({ ...doc, settings: { ...doc.settings, ...settings } });
@@ -207,11 +231,9 @@ const isLine = (value) =>
   value.points.length >= 3 && value.points.length % 3 === 0 && value.points.every(isNumber) &&
   (value.colour === undefined || /^#[0-9a-f]{6}$/.test(value.colour)) && (value.mirror === undefined || isNumber(value.mirror)) &&
   (value.carve === undefined || (isNumber(value.carve) && Math.abs(value.carve) <= 1));
-/** Below this z a normal looks away from the viewer; above it may be rounded. */
-const LEAST_Z = -0.02;
 /** @param {any} value */
 const isNormal = (value) =>
-  Array.isArray(value) && value.length === 3 && value.every(isNumber) && Math.abs(Math.hypot(...value) - 1) < 0.05 && value[2] >= LEAST_Z;
+  Array.isArray(value) && value.length === 3 && value.every(isNumber) && Math.abs(Math.hypot(...value) - 1) < 0.05 && value[2] >= LIMITS.leastZ;
 /** @type {Check} */
 const isHint = (value) =>
   isNumber(value.x) && isNumber(value.y) && isNormal(value.normal) && (value.reach === undefined || isNumber(value.reach));
@@ -220,12 +242,19 @@ const isShare = (value) => isNumber(value) && value >= 0 && value <= 1;
 /** @type {Check} */
 const isForm = (value) =>
   value === null || value === undefined ||
-  (["round", "flat", "hollow"].includes(value.kind) && isShare(value.bevel) && value.bevel > 0 && isShare(value.strength));
+  (LIMITS.forms.includes(value.kind) && isShare(value.bevel) && value.bevel > 0 && isShare(value.strength));
+/** @type {Check} */
+const isStructure = (value) =>
+  value === undefined ||
+  ((value?.kind === OWN ? typeof value.picture === "string" : LIMITS.kinds.includes(value?.kind) && value.picture === undefined) &&
+    isNumber(value.period) && value.period >= LIMITS.periods.least && value.period <= LIMITS.periods.most && [value.turn ?? 0, value.x ?? 0, value.y ?? 0].every(isNumber) && [undefined, true, false].includes(value.flipped));
+/** @type {Check} */
+const isOwnStructure = (value) => typeof value.id === "string" && String(value.picture).startsWith("data:image/png;base64,");
 /** @type {Check} */
 const isArea = (value) =>
   Array.isArray(value.points) && value.points.length >= (value.size === undefined ? 6 : 2) &&
   value.points.length % 2 === 0 && value.points.every(isNumber) && isNormal(value.normal) &&
-  (value.size === undefined || (isNumber(value.size) && value.size > 0)) && isForm(value.form) && [value.soft, value.strength].every((each) => each === undefined || isShare(each)) && [undefined, true, false].includes(value.smooths);
+  (value.size === undefined || (isNumber(value.size) && value.size > 0)) && isForm(value.form) && [value.soft, value.strength].every((each) => each === undefined || isShare(each)) && [undefined, true, false].includes(value.smooths) && isStructure(value.structure);
 /** @type {Check} */
 const isMaskStroke = (value) =>
   typeof value.adds === "boolean" && [undefined, true].includes(value.fills) && isNumber(value.size) && value.size > 0 && Array.isArray(value.points) &&
@@ -282,28 +311,28 @@ export function parseDocument(value) {
   if (!given || given.format !== FORMAT) throw new Error(text.notProject);
   if (given.version > VERSION) throw new Error(text.newerProject);
   const doc = /** @type {Doc} */ (upgraded(given));
-  const { width, height, layers, active, pictures } = doc;
-  const whole = isSide(width) && isSide(height) && isList(layers, isLayer, MOST_LAYERS) && isList(pictures, isPicture, MOST_PICTURES) &&
+  const { width, height, layers, active, pictures, structures = [] } = doc; // older drawings have no structures
+  const whole = isSide(width) && isSide(height) && isList(layers, isLayer, MOST_LAYERS) && isList(pictures, isPicture, MOST_PICTURES) && isList(structures, isOwnStructure, LIMITS.structures) &&
+    layers.every(({ areas }) => areas.every(({ structure }) => structure?.picture === undefined || structures.some(({ id }) => id === structure.picture))) &&
     new Set(layers.map(({ id }) => id)).size === layers.length && layers.some(({ id }) => id === active);
   if (!whole) throw new Error(wrongNormal(layers) || text.notProject);
   const settings = { name: String(doc.settings?.name ?? ""), file: String(doc.settings?.file ?? "") };
   // Drawings from before there were forms have none.
   const formed = layers.map((layer) => (layer.form === undefined ? { ...layer, form: null } : layer));
-  return { format: FORMAT, version: VERSION, width, height, layers: formed, active, pictures, settings };
+  return { format: FORMAT, version: VERSION, width, height, layers: formed, active, pictures, structures, settings };
 }
 
 /** Pixels of the pane between a point and its ring's knob at least: the point itself is taken hold of too. */
 const NEAREST_KNOB = 30;
 /** @typedef {{width: number, height: number}} Size */
-/** The farthest that a point has an effect, and how far if nothing is said, as shares of the drawing's longer side. */
+/** The farthest that a point has an effect, as a share of the drawing's longer side. */
 const MOST_REACH = 0.4;
-const USUAL_REACH = 0.05;
 
 /** @param {Size} doc @returns {number} pixels */
 export const mostReach = ({ width, height }) => MOST_REACH * Math.max(width, height);
 
 /** Returns how far a point has an effect, in pixels. @param {{reach?: number}} hint @param {Size} doc */
-export const reachOf = ({ reach }, { width, height }) => reach ?? USUAL_REACH * Math.max(width, height);
+export const reachOf = ({ reach }, { width, height }) => reach ?? LIMITS.reach * Math.max(width, height);
 
 /**
  * Returns where the ring about a point that shows its reach is taken hold of.

@@ -2,6 +2,7 @@
 
 import { activeLayer, hasRoom, newDocument } from "./document.js";
 import { History } from "./history.js";
+import { LIMITS } from "./limits.js";
 
 /** @typedef {import("./document.js").Doc} Doc */
 
@@ -37,8 +38,12 @@ export class Editor extends EventTarget {
     this.maskStroke = null;
     /** @type {import("./document.js").Normal | null} what the brush paints; null takes what is under it */
     this.direction = null;
-    /** How far the brush fades out and how much it works, as shares; and whether it smooths, and gives no direction. */
-    this.brush = { soft: 0.6, strength: 1, smooths: false };
+    /** How far the brush fades out and how much it works, as shares; and what it does: turns, smooths or gives a structure. */
+    this.brush = { soft: 0.6, strength: 1, works: /** @type {"direction" | "smooth" | "structure"} */ ("direction") };
+    /** What the brush gives if that is a structure. @type {import("./document.js").Structure} */
+    this.structure = { kind: LIMITS.kinds[0], period: 96 };
+    /** @type {import("./document.js").OwnStructure | null} the picture that was chosen last as a structure: no stroke may have it yet */
+    this.ownStructure = null;
     /** Whether the pen's lines are cut into the object (-1), stand out of it (1) or only are drawn; and how far, as a share. */
     this.carves = /** @type {-1 | 0 | 1} */ (0);
     this.carveHeight = 0.5;

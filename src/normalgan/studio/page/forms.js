@@ -1,13 +1,22 @@
 /** Forms: makes the chosen region, or else the layer that is worked on, round, flat or hollow. */
 
-import { changedArea, withActive } from "./document.js";
-import { $, field } from "./dom.js";
-import { say, text } from "./text.js";
+import { predict } from "./api.js";
+import { clear, context2d } from "./canvas.js";
+import { changedArea, drawnLayers, withActive } from "./document.js";
+import { $, field, label, make } from "./dom.js";
+import { icon } from "./icons.js";
+import { followPicker } from "./sheets.js";
+import { say, text, wordsOf } from "./text.js";
 
 /** @typedef {import("./document.js").Form} Form */
 
 /** @type {("none" | Form["kind"])[]} */
 const KINDS = ["none", "round", "flat", "hollow"];
+const NAMES = { none: "formNone", round: "formRound", flat: "formFlat", hollow: "formHollow" };
+/** Pixels of a form's preview a side, and of the map that is asked for it at the most. */
+const [SIDE, MOST] = [96, 512];
+/** How much of the part lies around it in its preview. */
+const AROUND = 0.15;
 /** How wide a form's bevel is at first. @type {Record<Form["kind"], number>} */
 const BEVELS = { round: 1, flat: 0.2, hollow: 1 };
 /** How soft the edge is that says nothing else, of a region as predicted and of one with a form. */
@@ -16,9 +25,11 @@ const SOFT = { none: 0.5, formed: 0 };
 /**
  * Wires the form's buttons and sliders.
  * @param {import("./editor.js").Editor} editor
+ * @param {import("./predictor.js").Predictor} predictor
+ * @param {(map: import("./viewer.js").Picture) => Uint8ClampedArray<ArrayBuffer>} shaded returns a map as it is seen in the light
  * @returns {() => void} takes the next form
  */
-export function followForms(editor) {
+export function followForms(editor, predictor, shaded) {
   const [bevel, strength, soft] = ["form-bevel", "form-strength", "form-soft"].map(field);
   /** The chosen region; undefined is the whole layer. */
   const region = () => {
@@ -37,9 +48,36 @@ export function followForms(editor) {
     if (ended) editor.commit(doc, slider && `${slider} ${editor.area}`);
     else editor.preview(doc);
   };
+  /** @param {"none" | Form["kind"]} kind @returns {Form | null} */
+  const formOf = (kind) => (kind === "none" ? null : { strength: 1, ...formNow(), kind, bevel: BEVELS[kind] });
   /** @param {"none" | Form["kind"]} kind */
-  const take = (kind) =>
-    change({ form: kind === "none" ? null : { strength: 1, ...formNow(), kind, bevel: BEVELS[kind] } }, true);
+  const take = (kind) => change({ form: formOf(kind) }, true);
+
+  let looks = 0;
+  /** Shows what each form would make of the part; until then, and where nothing is drawn, icons stand for it. */
+  const preview = async () => {
+    const look = ++looks;
+    const { doc, layer } = editor;
+    for (const kind of KINDS) $(`form-${kind}`).querySelector("canvas")?.remove();
+    if (!drawnLayers(doc).includes(layer)) return;
+    const alone = { ...doc, layers: [layer] };
+    const area = region();
+    const box = area && boxOf(area.points);
+    const longest = Math.max(doc.width, doc.height);
+    const size = box ? Math.min(MOST, longest, Math.round((SIDE * longest) / Math.max(1, box.width, box.height))) : 2 * SIDE;
+    for (const kind of KINDS) {
+      const form = (formNow()?.kind ?? "none") === kind ? formNow() : formOf(kind);
+      const formed = area ? changedArea(alone, editor.area, { form }) : withActive(alone, { form });
+      const map = await predictor.askAt(Math.max(2 * SIDE, size), (request) => predict(request), {}, formed, "form");
+      // Another part was chosen, or the card was opened again.
+      if (look !== looks || editor.layer !== layer || !map) return;
+      const canvas = make("canvas", { width: SIDE, height: SIDE, "aria-hidden": "true" });
+      drawPart(canvas, map, shaded(map), box && scaledBox(box, map.width / doc.width));
+      $(`form-${kind}`).prepend(canvas);
+    }
+  };
+  // What keeps a map from coming is said where the map itself is; a form can be chosen by its icon.
+  followPicker("form-choose", () => { preview().catch(() => {}); });
 
   for (const kind of KINDS) $(`form-${kind}`).addEventListener("click", () => take(kind));
   for (const [event, ended] of /** @type {const} */ ([["input", false], ["change", true]])) {
@@ -55,7 +93,10 @@ export function followForms(editor) {
   const show = () => {
     const [area, form] = [region(), formNow()];
     $("form-of").textContent = area ? say("formRegion", { number: editor.area + 1 }) : text.formLayer;
-    for (const kind of KINDS) $(`form-${kind}`).setAttribute("aria-pressed", String(kind === (form?.kind ?? "none")));
+    const now = form?.kind ?? "none";
+    for (const kind of KINDS) $(`form-${kind}`).setAttribute("aria-pressed", String(kind === now));
+    $("form-choose").replaceChildren(icon(now), make("span", { text: wordsOf(NAMES[now]) }));
+    label($("form-choose"), `${text.form}: ${wordsOf(NAMES[now])}`);
     $("form-bevel-label").hidden = $("form-strength-label").hidden = !form;
     $("form-soft-label").hidden = !area;
     $("region-help").hidden = form !== null || area !== undefined;
@@ -70,4 +111,41 @@ export function followForms(editor) {
     editor.set({ tool: "region" });
     take(KINDS[(KINDS.indexOf(formNow()?.kind ?? "none") + 1) % KINDS.length]);
   };
+}
+
+/** @typedef {{x: number, y: number, width: number, height: number}} Box */
+/** @param {number[]} points x, y, x, y, … @returns {Box} */
+function boxOf(points) {
+  let [left, top, right, bottom] = [Infinity, Infinity, -Infinity, -Infinity];
+  for (let i = 0; i < points.length; i += 2) {
+    [left, right] = [Math.min(left, points[i]), Math.max(right, points[i])];
+    [top, bottom] = [Math.min(top, points[i + 1]), Math.max(bottom, points[i + 1])];
+  }
+  return { x: left, y: top, width: right - left, height: bottom - top };
+}
+
+/** @param {Box} box @param {number} scale @returns {Box} */
+const scaledBox = ({ x, y, width, height }, scale) => ({ x: x * scale, y: y * scale, width: width * scale, height: height * scale });
+
+/** Returns what the object covers. @param {import("./viewer.js").Picture} map @returns {Box} */
+function objectOf({ rgba, width, height }) {
+  /** @type {number[]} */
+  const points = [];
+  for (let i = 0; i < width * height; i++) if (rgba[4 * i + 3] > 127) points.push(i % width, Math.floor(i / width));
+  return points.length ? boxOf(points) : { x: 0, y: 0, width, height };
+}
+
+/**
+ * Draws a part of a map that was shaded, with some of what is around it.
+ * @param {HTMLCanvasElement} canvas @param {import("./viewer.js").Picture} map @param {Uint8ClampedArray<ArrayBuffer>} pixels @param {Box} [part] undefined is the object
+ */
+function drawPart(canvas, map, pixels, part = objectOf(map)) {
+  const whole = document.createElement("canvas");
+  [whole.width, whole.height] = [map.width, map.height];
+  context2d(whole).putImageData(new ImageData(pixels, map.width), 0, 0);
+  const side = (1 + 2 * AROUND) * Math.max(part.width, part.height, 1);
+  const context = context2d(canvas);
+  clear(context);
+  context.imageSmoothingQuality = "high";
+  context.drawImage(whole, part.x + (part.width - side) / 2, part.y + (part.height - side) / 2, side, side, 0, 0, canvas.width, canvas.height);
 }

@@ -48,10 +48,11 @@ export function nameOf(before, after) {
     if (list === "strokes" && to.length > from.length && !from.every((each, i) => each === to[i])) return changed;
     if (to.length > from.length) {
       const last = list === "strokes" ? now.strokes[now.strokes.length - 1].kind : "";
+      if (list === "areas" && now.areas.at(-1)?.structure) return text.stepStructure;
       if (list === "areas" && now.areas.at(-1)?.size) return text.stepBrush;
       return last === "eraser" ? text.stepErased : last === "picture" ? text.stepImported : added;
     }
-    if (list === "areas" && now.areas.some((area, i) => area.size && (area.soft !== old.areas[i]?.soft || area.strength !== old.areas[i]?.strength))) return to.length < from.length ? removed : text.stepBrushChanged;
+    if (list === "areas" && now.areas.some((area, i) => area.size && (area.soft !== old.areas[i]?.soft || area.strength !== old.areas[i]?.strength || area.structure !== old.areas[i]?.structure))) return to.length < from.length ? removed : text.stepBrushChanged;
     if (list === "areas" && now.areas.some((area, i) => area.form !== old.areas[i]?.form || area.soft !== old.areas[i]?.soft)) return text.stepForm;
     return to.length < from.length || (list === "strokes" && from.some((each, i) => isCut(each, now.strokes[i]))) ? removed : changed;
   }

@@ -83,6 +83,16 @@ export class Importing {
     return { ...picture, layers: layered ? () => importedLayers(file) : null };
   }
 
+  /** Returns a picture as a data URL, its first page or frame; null: it says why not. @param {File} file */
+  async pictureOf(file) {
+    try {
+      return urlOf(await this.read(file));
+    } catch (error) {
+      this.#failed(error, file.name);
+      return null;
+    }
+  }
+
   /** Puts what a file holds into the document; asks what is not said. @param {Found} first its first page or frame @param {Way} as @param {File} file */
   async put(first, as, file) {
     const found = await this.#chosen(first, as, file);
@@ -153,7 +163,7 @@ export class Importing {
       const doc = fresh ? { ...this.editor.doc, width, height } : this.editor.doc;
       const placed = within(doc, width, height)({ x: 0, y: 0, width, height });
       if (way === "traced") {
-        if (doc.pictures.length >= MOST_PICTURES) throw new Error(text.tooManyPictures);
+        if (doc.pictures.length >= MOST_PICTURES) throw new Error(say("tooManyPictures", { most: MOST_PICTURES }));
         this.editor.commit(named(withPictures(doc, [...doc.pictures, { picture: url, ...placed, opacity: TRACED, visible: true }])));
       } else {
         this.editor.commit(named(withStroke(doc, { kind: "picture", picture: await darkOnLight(url), ...placed })));

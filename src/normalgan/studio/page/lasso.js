@@ -102,42 +102,80 @@ function cutOf(stroke, erasers, lasso) {
   const image = decoded(stroke.picture);
   const { width, height } = image;
   const back = matrixOf(stroke, width, height).inverse();
+  const edges = lasso.map((points) => Array.from({ length: points.length / 2 }, (_, i) => back.transformPoint({ x: points[2 * i], y: points[2 * i + 1] })));
+  const box = pixelsAround(edges.flat(), width, height);
+  if (box.left >= box.right || box.top >= box.bottom) return null;
   const { context } = canvasOf(width, height);
   context.drawImage(image, 0, 0);
-  const edges = lasso.map((points) => Array.from({ length: points.length / 2 }, (_, i) => back.transformPoint({ x: points[2 * i], y: points[2 * i + 1] })));
-  const [xs, ys] = [edges.flat().map(({ x }) => x), edges.flat().map(({ y }) => y)];
-  const bounds = (/** @type {number[]} */ values, /** @type {number} */ side) =>
-    [values.reduce((a, b) => Math.min(a, b)) - 1, values.reduce((a, b) => Math.max(a, b)) + 1].map((value) => Math.max(0, Math.min(side, Math.round(value))));
-  const [[left, right], [top, bottom]] = [bounds(xs, width), bounds(ys, height)];
-  if (left >= right || top >= bottom) return null;
   const paper = stroke.paper || hasHoles(stroke.picture) ? null : paperAlong(context, edges);
+  erase(context, back, erasers, paper);
+  const { data } = context.getImageData(0, 0, width, height);
+  const inside = pixelsIn(lasso, back, box);
+  const { found, outside } = drawnIn(data, width, { inside, box }, paper);
+  if (!found) return null;
+  if (!outside) return "whole";
+  const placed = (/** @type {Rect} */ rect) => placeOf(stroke, rect, width, height);
+  const cut = { box: extentOf({ ...stroke, ...placed(found) }), parts: /** @type {Cut["parts"]} */ (null), ready: Promise.resolve() };
+  cut.ready = asked({ pixels: data, width, inside, box, paper }).then(async ({ rest, piece, rect }) => {
+    if (rect) for (const url of await decodeAll([rest, piece])) unused.add(url);
+    const place = rect ? placed(rect) : { x: 0, y: 0, width: 0, height: 0 };
+    cut.parts = { rest: { ...stroke, picture: rest }, piece: { ...stroke, ...place, picture: piece, ...(paper && { paper: true }) } };
+    if (rect) cut.box = extentOf(cut.parts.piece);
+  });
+  return cut;
+}
+
+/** Returns the pixels of a picture around points, and one beyond. @param {Point[]} points @param {number} width @param {number} height @returns {Rect} */
+function pixelsAround(points, width, height) {
+  const rect = { left: Infinity, top: Infinity, right: -Infinity, bottom: -Infinity };
+  for (const { x, y } of points) {
+    [rect.left, rect.right] = [Math.min(rect.left, x), Math.max(rect.right, x)];
+    [rect.top, rect.bottom] = [Math.min(rect.top, y), Math.max(rect.bottom, y)];
+  }
+  const within = (/** @type {number} */ value, /** @type {number} */ side) => Math.max(0, Math.min(side, Math.round(value)));
+  return { left: within(rect.left - 1, width), top: within(rect.top - 1, height), right: within(rect.right + 1, width), bottom: within(rect.bottom + 1, height) };
+}
+
+/**
+ * Erases a picture, and puts its paper where it was erased.
+ * @param {CanvasRenderingContext2D} context the picture @param {DOMMatrix} back from the drawing to it @param {Stroke[]} erasers @param {number[] | null} paper
+ */
+function erase(context, back, erasers, paper) {
   context.setTransform(back);
   for (const eraser of erasers) drawStroke(context, eraser, decoded);
   context.resetTransform();
-  if (paper) {
-    context.globalCompositeOperation = "destination-over";
-    context.fillStyle = `rgb(${paper.join(" ")})`;
-    context.fillRect(0, 0, width, height);
-  }
-  const wide = right - left;
-  const around = canvasOf(wide, bottom - top).context;
-  around.setTransform(new DOMMatrix().translate(-left, -top).multiply(back));
-  for (const points of lasso) around.fill(pathOf(points));
-  const { data: filled } = around.getImageData(0, 0, wide, bottom - top);
-  const isIn = new Uint8Array(filled.length / 4);
-  for (let i = 0; i < isIn.length; i++) isIn[i] = filled[4 * i + 3] >> 7;
+  if (!paper) return;
+  context.globalCompositeOperation = "destination-over";
+  context.fillStyle = `rgb(${paper.join(" ")})`;
+  context.fillRect(0, 0, context.canvas.width, context.canvas.height);
+}
 
-  const { data } = context.getImageData(0, 0, width, height);
+/** Returns which pixels of a box in a picture lie in a lasso, 1 and 0. @param {Lasso} lasso @param {DOMMatrix} back from the drawing to the picture @param {Rect} box */
+function pixelsIn(lasso, back, { left, top, right, bottom }) {
+  const { context } = canvasOf(right - left, bottom - top);
+  context.setTransform(new DOMMatrix().translate(-left, -top).multiply(back));
+  for (const points of lasso) context.fill(pathOf(points));
+  const { data } = context.getImageData(0, 0, right - left, bottom - top);
+  const inside = new Uint8Array(data.length / 4);
+  for (let i = 0; i < inside.length; i++) inside[i] = data[4 * i + 3] >> 7;
+  return inside;
+}
+
+/**
+ * Returns what of a picture is drawn inside of a lasso, null for nothing, and whether anything is drawn outside.
+ * @param {Uint8ClampedArray} data of the picture @param {number} width @param {{inside: Uint8Array, box: Rect}} lasso which pixels of the box are inside
+ * @param {number[] | null} paper
+ * @returns {{found: Rect | null, outside: boolean}}
+ */
+function drawnIn(data, width, { inside, box: { left, top, right, bottom } }, paper) {
+  const height = data.length / 4 / width;
   const found = { left: width, top: height, right: 0, bottom: 0 };
   let outside = false;
-  for (let y = 0, i = 0; y < height; y++) {
+  for (let y = 0; y < height; y++) {
     const crossed = y >= top && y < bottom;
-    if (!crossed && outside) {
-      i += width;
-      continue;
-    }
-    for (let x = 0; x < width; x++, i++) {
-      const within = crossed && x >= left && x < right && isIn[(y - top) * wide + x - left];
+    if (!crossed && outside) continue; // nothing more can be learned there
+    for (let x = 0, i = y * width; x < width; x++, i++) {
+      const within = crossed && x >= left && x < right && inside[(y - top) * (right - left) + x - left];
       if ((!within && outside) || opacityOf(data, 4 * i, paper) <= DRAWN) continue;
       if (!within) {
         outside = true;
@@ -149,17 +187,7 @@ function cutOf(stroke, erasers, lasso) {
       found.bottom = y + 1;
     }
   }
-  if (!found.right) return null;
-  if (!outside) return "whole";
-  const placed = (/** @type {Rect} */ rect) => placeOf(stroke, rect, width, height);
-  const cut = { box: extentOf({ ...stroke, ...placed(found) }), parts: /** @type {Cut["parts"]} */ (null), ready: Promise.resolve() };
-  cut.ready = asked({ pixels: data, width, inside: isIn, box: { left, top, right, bottom }, paper }).then(async ({ rest, piece, rect }) => {
-    if (rect) for (const url of await decodeAll([rest, piece])) unused.add(url);
-    const place = rect ? placed(rect) : { x: 0, y: 0, width: 0, height: 0 };
-    cut.parts = { rest: { ...stroke, picture: rest }, piece: { ...stroke, ...place, picture: piece, ...(paper && { paper: true }) } };
-    if (rect) cut.box = extentOf(cut.parts.piece);
-  });
-  return cut;
+  return { found: found.right ? found : null, outside };
 }
 
 /** Has a worker part the pixels of a picture. @param {Omit<import("./cutting.js").Wish, "id">} wish @returns {Promise<import("./cutting.js").Answer>} */

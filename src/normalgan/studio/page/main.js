@@ -108,8 +108,8 @@ offerSamples((doc, name) => {
 });
 followHistory(editor, announce);
 followPaper(editor, importing);
-const nextForm = followForms(editor);
-const brush = followBrushes(editor);
+const nextForm = followForms(editor, predictor, (map) => result.viewer.shaded(map, null));
+const brush = followBrushes(editor, (file) => importing.pictureOf(file), announce);
 const stepLayer = followLayers(editor, inks, announce);
 autosave.addEventListener("failed", (event) => status.fail(/** @type {CustomEvent} */ (event).detail));
 
@@ -201,7 +201,7 @@ followKeys({
   x: () => editor.set(editor.fills ? { fills: false } : { adds: !editor.adds }),
   a: () => editor.set({ tool: "mask", fills: true }),
   z: () => turnCarving(editor),
-  w: () => (editor.tool === "brush" ? brush.turnOver() : editor.set({ tool: "brush", area: -1, brush: { ...editor.brush, smooths: true } })),
+  w: () => brush.turnTo("smooth"), "shift+w": () => brush.turnTo("structure"), "shift+g": () => brush.next(),
   u: () => brush.change("soft", 1), "shift+u": () => brush.change("soft", -1),
   i: () => brush.change("strength", 1), "shift+i": () => brush.change("strength", -1),
   q: () => editor.set({ tool: "select", lassoes: editor.tool !== "select" || !editor.lassoes }), j: () => arranging.toLayer("new"),

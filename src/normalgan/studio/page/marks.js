@@ -98,8 +98,12 @@ export function drawAreas(context, camera, editor) {
     }
     [context.lineJoin, context.lineCap] = ["round", "round"];
     if (area.size) {
-      // Its tint would hide what is judged while its ball is turned.
+      // Its tint would hide what is judged while its ball is turned; a structure is seen itself.
       if (chosen && editor.draft) continue;
+      if (area.structure) {
+        drawMark(context, camera, anchorOf(area), area.normal, chosen);
+        continue;
+      }
       context.lineWidth = area.size * camera.scale;
       context.globalAlpha = chosen ? 0.3 : 0.15;
       context.strokeStyle = ACCENT;

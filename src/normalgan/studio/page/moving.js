@@ -1,5 +1,6 @@
 /** Moving: strokes, pictures and whole documents made larger or smaller and put elsewhere. */
 
+import { possiblePeriod } from "./document.js";
 import { sidesOf } from "./strokes.js";
 
 /**
@@ -83,7 +84,17 @@ function movedHint(hint, move, { width, height }) {
 }
 
 /** @param {import("./document.js").Area} area @param {Move} move @returns {import("./document.js").Area} */
-const movedArea = (area, move) => ({ ...area, points: moved(area.points, 2, move), normal: movedNormal(area.normal, move), ...(area.size && { size: area.size * move.scale }) });
+const movedArea = (area, move) => ({
+  ...area, points: moved(area.points, 2, move), normal: movedNormal(area.normal, move), ...(area.size && { size: area.size * move.scale }),
+  ...(area.structure && { structure: movedStructure(area.structure, move) }),
+});
+
+/** The tiles stay where they are on the surface. @param {import("./document.js").Structure} structure @param {Move} move @returns {import("./document.js").Structure} */
+function movedStructure(structure, move) {
+  const { scale, angle = 0, flipped = false } = move;
+  const { x, y } = placeBy(move)({ x: structure.x ?? 0, y: structure.y ?? 0 });
+  return { ...structure, x, y, period: possiblePeriod(structure.period * scale), turn: (flipped ? -1 : 1) * (structure.turn ?? 0) + angle, flipped: flipped !== (structure.flipped ?? false) };
+}
 
 /** @param {import("./document.js").MaskStroke} stroke @param {Move} move @returns {import("./document.js").MaskStroke} */
 const movedMask = (stroke, move) => ({ ...stroke, points: moved(stroke.points, 2, move), size: stroke.size * move.scale });

@@ -155,21 +155,21 @@ export class Points {
 
   /**
    * Returns the chosen point or area: where it is, its direction, and what it is called.
-   * @returns {{x: number, y: number, normal: import("./document.js").Normal, reach?: number, smooths?: boolean, ball: "ball" | "areaBall", number: number} | undefined}
+   * @returns {{x: number, y: number, normal: import("./document.js").Normal, reach?: number, smooths?: boolean, structure?: import("./document.js").Structure, ball: "ball" | "areaBall", number: number} | undefined}
    */
   #chosen() {
     const { editor } = this;
     const hint = editor.layer.hints[editor.chosen];
     if (hint) return { ...hint, ball: "ball", number: editor.chosen + 1 };
     const area = editor.layer.areas[editor.area];
-    return area && { ...anchorOf(area), normal: area.normal, smooths: area.smooths, ball: "areaBall", number: editor.area + 1 };
+    return area && { ...anchorOf(area), normal: area.normal, smooths: area.smooths, structure: area.structure, ball: "areaBall", number: editor.area + 1 };
   }
 
   #show() {
     const { editor } = this;
     const { hints, areas } = editor.layer;
     const chips = hints.map((hint, i) => this.#chip("hintName", i, hint.normal, i === editor.chosen, () => this.choose(i)));
-    chips.push(...areas.map((area, i) => this.#chip(area.smooths ? "smoothName" : "areaName", i, area.normal, i === editor.area, () => {
+    chips.push(...areas.map((area, i) => this.#chip(area.structure ? "structureName" : area.smooths ? "smoothName" : "areaName", i, area.normal, i === editor.area, () => {
       editor.set({ area: i });
       $("ball").focus();
     })));
@@ -187,12 +187,14 @@ export class Points {
     if (focused >= 0) [...chips, ...offers].at(Math.min(focused, chips.length + offers.length - 1))?.focus();
     $("hints-empty").hidden = chips.length + offers.length > 0;
     const chosen = this.#chosen();
-    this.popover.hidden = !chosen || !["hint", "region", "brush"].includes(editor.tool);
+    // There is no ball to a structure, and the brush's own sliders are at hand: the card would only be in its way.
+    this.popover.hidden = !chosen || !["hint", "region", "brush"].includes(editor.tool) || (editor.tool === "brush" && chosen.structure !== undefined);
     if (!chosen) return;
     const words = { number: chosen.number, direction: inWords(chosen.normal) };
     label($("ball"), say(chosen.ball, words));
-    $("ball").hidden = chosen.smooths === true;
-    $("point-words").textContent = chosen.smooths ? say("smoothName", { number: chosen.number }) : words.direction;
+    const name = chosen.structure ? "structureName" : chosen.smooths ? "smoothName" : null;
+    $("ball").hidden = name !== null;
+    $("point-words").textContent = name ? say(name, { number: chosen.number }) : words.direction;
     $("point-reach-label").hidden = editor.chosen < 0;
     this.slider.value = String(Math.round(100 * Math.sqrt(reachOf(chosen, editor.doc) / mostReach(editor.doc))));
     if (!this.popover.hidden) this.ball.show(chosen.normal);
@@ -200,7 +202,7 @@ export class Points {
   }
 
   /**
-   * @param {"hintName" | "areaName" | "smoothName"} name @param {number} index @param {import("./document.js").Normal} normal
+   * @param {"hintName" | "areaName" | "smoothName" | "structureName"} name @param {number} index @param {import("./document.js").Normal} normal
    * @param {boolean} chosen @param {() => void} choose
    */
   #chip(name, index, normal, chosen, choose) {

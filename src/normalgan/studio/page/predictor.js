@@ -2,7 +2,7 @@
 
 import { Away, Lacking, Refused, doubt, height, predict } from "./api.js";
 import { areasOf } from "./carving.js";
-import { drawnLayers, paintsAlike } from "./document.js";
+import { drawnLayers, paintsAlike, possiblePeriod, structuresOf } from "./document.js";
 import { inkAt } from "./ink.js";
 
 /** @typedef {{rgba: Uint8Array, width: number, height: number, findings: import("./findings.js").Finding[]}} Painted */
@@ -11,7 +11,7 @@ import { inkAt } from "./ink.js";
 /**
  * @typedef {{id: number, name: string, base: number | null, bytes: number, planes: {name: string, width: number,
  *   height: number, channels: 1 | 4, box: number[]}[], hints: object[], areas: object[], mask_strokes: object[],
- *   form: object | null, source: import("./document.js").Source}} Fields
+ *   form: object | null, source: import("./document.js").Source, structures: Record<string, string>}} Fields
  * @typedef {{fields: Fields, pixels: Uint8Array}} Part of a request: a layer
  */
 
@@ -33,6 +33,13 @@ const BEHIND = 409;
 
 /** @param {unknown} error */
 const isBrokenOff = (error) => error instanceof Error && error.name === "AbortError";
+
+/** Returns what a layer's areas have as structures, as the server takes it. @param {import("./document.js").Doc} doc @param {Layer} layer @returns {Record<string, string>} */
+const sentStructures = (doc, { areas }) => Object.fromEntries(structuresOf(doc, areas).map(({ id, picture }) => [id, picture.split(",")[1]]));
+
+/** @param {import("./document.js").Structure} structure @param {number} scale */
+const scaledStructure = (structure, scale) =>
+  ({ ...structure, period: possiblePeriod(structure.period * scale), x: (structure.x ?? 0) * scale, y: (structure.y ?? 0) * scale });
 
 /** Events: `painting`, `painted` (detail: ms, whole), `raising`, `height`, `doubt`, `empty`, `failed` (detail: the error). */
 export class Predictor extends EventTarget {
@@ -160,10 +167,11 @@ export class Predictor extends EventTarget {
    * @param {number} longest longer side in pixels
    * @param {(request: import("./api.js").Request) => Promise<T>} send
    * @param {object} more further fields
-   * @param {import("./document.js").Doc} doc its pictures are decoded
+   * @param {import("./document.js").Doc} [doc] its pictures are decoded
+   * @param {string} [purpose] a request drops an older one of the same purpose
    * @returns {Promise<T>}
    */
-  async askAt(longest, send, more, doc = this.editor.doc) {
+  async askAt(longest, send, more, doc = this.editor.doc, purpose = "other") {
     const parts = drawnLayers(doc).map((layer) => {
       const { id, name, strokes, hints, mask, source, form } = layer;
       const { canvas, scale, pixels } = inkAt({ width: doc.width, height: doc.height, strokes }, longest);
@@ -172,18 +180,19 @@ export class Predictor extends EventTarget {
       /** @param {number[]} points */
       const scaled = (points) => points.map((value) => value * scale);
       const fields = {
-        id, name, source, form, base: null, bytes: bytes.length,
+        id, name, source, form, structures: sentStructures(doc, layer), base: null, bytes: bytes.length,
         planes: [{ name: "ink", width, height, channels, box: [0, 0, width, height] }],
         hints: hints.map((hint) => ({ ...hint, x: hint.x * scale, y: hint.y * scale, ...(hint.reach !== undefined && { reach: hint.reach * scale }) })),
         areas: areasOf(layer).map((area) => ({
           ...area, points: scaled(area.points), ...(area.size && { size: area.size * scale }), ...(area.widths && { widths: scaled(area.widths) }),
+          ...(area.structure && { structure: scaledStructure(area.structure, scale) }),
         })),
         mask_strokes: mask.map((stroke) => ({ ...stroke, points: scaled(stroke.points), size: stroke.size * scale })),
       };
       return { fields, pixels: bytes };
     });
     // Apart from what the server keeps of the drawing at its own size.
-    return this.#send(send, parts, { ...more, tab: `${this.tab} other` });
+    return this.#send(send, parts, { ...more, tab: `${this.tab} ${purpose}` });
   }
 
   /** Returns what is sent of a layer: of its pixels those that have changed since. @param {Layer} layer @returns {Part} */
@@ -197,7 +206,7 @@ export class Predictor extends EventTarget {
     if (before && before.channels !== channels) ({ channels, box, bytes } = ink.pixels(true));
     const base = before?.channels === channels ? before.number : null;
     const planes = [{ name: "ink", width, height, channels, box }];
-    return { fields: { id, name, source, form, base, bytes: bytes.length, planes, hints, areas: areasOf(layer), mask_strokes: mask }, pixels: bytes };
+    return { fields: { id, name, source, form, structures: sentStructures(this.editor.doc, layer), base, bytes: bytes.length, planes, hints, areas: areasOf(layer), mask_strokes: mask }, pixels: bytes };
   }
 
   /**

@@ -2,13 +2,17 @@
 
 import { $ } from "./dom.js";
 
-/** @param {string} name of the button, which names the sheet that it opens */
-function followSheet(name) {
+/**
+ * @param {string} name of the button, which names the sheet that it opens
+ * @param {() => void} [onOpen]
+ */
+function followSheet(name, onOpen) {
   const button = $(name);
   const sheet = $(button.getAttribute("aria-controls") ?? "");
   const show = (/** @type {boolean} */ open) => {
     sheet.classList.toggle("open", open);
     button.setAttribute("aria-expanded", String(open));
+    if (open) onOpen?.();
   };
   const isOpen = () => sheet.classList.contains("open");
   button.addEventListener("click", () => show(!isOpen()));
@@ -29,4 +33,35 @@ function followSheet(name) {
 /** Lets the buttons of the header, of the tools and of the result open their sheets. */
 export function followSheets() {
   for (const name of ["menu-toggle", "tools-toggle", "looks-toggle"]) followSheet(name);
+}
+
+/** Pixels between a card and its button, and the window's edge. */
+const GAP = 8;
+
+/**
+ * Lets a button open a card of pictures to choose from, beside it.
+ * @param {string} name of the button
+ * @param {() => void} fill makes what is in the card, each time when it opens
+ */
+export function followPicker(name, fill) {
+  const button = $(name);
+  const card = $(button.getAttribute("aria-controls") ?? "");
+  const choices = () => /** @type {HTMLButtonElement[]} */ ([...card.querySelectorAll("button:not(:disabled)")]);
+  followSheet(name, () => {
+    fill();
+    const { left, top, bottom } = button.getBoundingClientRect();
+    const below = bottom + GAP + card.offsetHeight <= innerHeight;
+    card.style.left = `${Math.max(GAP, Math.min(left, innerWidth - card.offsetWidth - GAP))}px`;
+    card.style.top = `${Math.max(GAP, below ? bottom + GAP : Math.min(top - GAP, innerHeight - GAP) - card.offsetHeight)}px`;
+    (choices().find((each) => each.getAttribute("aria-pressed") === "true") ?? choices()[0]).focus();
+  });
+  card.addEventListener("keydown", (event) => {
+    const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
+    if (!step) return;
+    event.preventDefault();
+    const all = choices();
+    all[(all.indexOf(/** @type {HTMLButtonElement} */ (document.activeElement)) + step + all.length) % all.length].focus();
+  });
+  // Whoever used keys goes on where the card was opened.
+  card.addEventListener("click", () => button.focus());
 }

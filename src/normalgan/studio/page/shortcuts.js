@@ -17,7 +17,7 @@ export const SHOWN = [
   ["Y  Z", "keySymmetry"],
   ["X  A", "keyMask"],
   ["G", "keyForm"],
-  ["W  U  I", "keyBrush"],
+  ["W  Shift+W  Shift+G  U  I", "keyBrush"],
   [",  .", "keyTurn"],
   ["PgUp  PgDn", "keyLayer"],
   ["N  Shift+N", "keyHint"],

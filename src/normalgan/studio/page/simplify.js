@@ -1,5 +1,7 @@
 /** Simplify: a polyline of the same shape with fewer points. */
 
+import { LIMITS } from "./limits.js";
+
 /** @typedef {{x: number, y: number}} Point */
 
 /** @param {Point} a @param {Point} b */
@@ -23,7 +25,7 @@ export function corners(line, most, first = 0, last = line.length - 1) {
 }
 
 /** The most points that the server takes in a region, a brush's or mask's stroke, or a piece of a carved line; a lasso has no more. */
-export const MOST_POINTS = 4000;
+export const { points: MOST_POINTS } = LIMITS;
 /** How far the polyline may move at first when points are left out, in pixels of the drawing. */
 const LEAST_OFF = 0.25;
 

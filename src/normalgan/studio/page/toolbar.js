@@ -3,10 +3,13 @@
 import { withActive } from "./document.js";
 import { $, enable, field, label } from "./dom.js";
 import { icon } from "./icons.js";
+import { LIMITS } from "./limits.js";
 import { recalled, remember } from "./settings.js";
 import { say, text } from "./text.js";
 
 const TOOLS = ["pen", "eraser", "select", "hint", "region", "brush", "mask", "light", "hand"];
+/** Sides of a structure's tiles that can be chosen, in pixels of the drawing. */
+export const PERIODS = [16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512];
 const WIDTHS = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96];
 
 /** @type {("straight" | "symmetry")[]} */
@@ -14,7 +17,8 @@ const SWITCHES = ["straight", "symmetry"];
 const KEY = "normalgan-brushes";
 
 /** Keeps how lines are drawn for the next time. @param {import("./editor.js").Editor} editor */
-const keepBrushes = ({ widths, smoothing, colour, brush }) => remember(KEY, { widths, smoothing, colour, brush });
+const keepBrushes = ({ widths, smoothing, colour, brush, structure }) =>
+  remember(KEY, { widths, smoothing, colour, brush, ...(!structure.picture && { structure }) });
 
 /** Takes what was kept, as far as it makes sense. @param {import("./editor.js").Editor} editor */
 function recallBrushes(editor) {
@@ -23,8 +27,11 @@ function recallBrushes(editor) {
   const smoothing = before.smoothing >= 0 && before.smoothing <= 1 ? before.smoothing : editor.smoothing;
   const colour = /^#[0-9a-f]{6}$/.test(before.colour) ? before.colour : editor.colour;
   const share = (/** @type {"soft" | "strength"} */ part) => (before.brush?.[part] >= 0 && before.brush[part] <= 1 ? Number(before.brush[part]) : editor.brush[part]);
-  const brush = { soft: share("soft"), strength: share("strength"), smooths: before.brush?.smooths === true };
-  editor.set({ widths, smoothing, colour, brush });
+  const works = ["smooth", "structure"].includes(before.brush?.works) ? before.brush.works : editor.brush.works;
+  const brush = { soft: share("soft"), strength: share("strength"), works };
+  const { kind, period, turn } = before.structure ?? {};
+  const structure = LIMITS.kinds.includes(kind) && PERIODS.includes(period) ? { kind, period, ...(Number.isFinite(turn) && { turn }) } : editor.structure;
+  editor.set({ widths, smoothing, colour, brush, structure });
 }
 
 /**

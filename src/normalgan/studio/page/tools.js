@@ -1,7 +1,8 @@
 /** Tools: what a gesture does, whether it comes from a pointer or from the keyboard. */
 
 import { Areas, layerAt } from "./areas.js";
-import { MOST_AREAS, MOST_HINTS, MOST_MASK_STROKES, MOST_STROKES, activeLayer, anchorOf, changedHint, knobOf, mostReach, withArea, withHint, withMaskStroke, withStroke } from "./document.js";
+import { MOST_AREAS, MOST_HINTS, MOST_MASK_STROKES, MOST_STROKES, activeLayer, anchorOf, changedHint, knobOf, mostReach, withArea, withHint, withMaskStroke, withStroke, withStructures } from "./document.js";
+import { LIMITS } from "./limits.js";
 import { nearest } from "./marks.js";
 import { meanNormal, normalAt } from "./normal.js";
 import { quickShape } from "./quick_shape.js";
@@ -307,7 +308,7 @@ export class HintTool {
   }
 }
 
-/** Region and brush: what is circled is turned as a whole, what is brushed gets a direction, which the ball tells, or is smoothed. */
+/** Region and brush: what is circled is turned as a whole, what is brushed gets a direction, which the ball tells, is smoothed, or gets a structure. */
 export class AreaTool {
   /**
    * @param {import("./editor.js").Editor} editor
@@ -362,10 +363,20 @@ export class AreaTool {
     if (!points || (!size && points.length < 6)) return;
     const { editor } = this;
     const { doc, layer } = editor;
-    const { smooths, ...brush } = editor.brush;
-    if (size && smooths) {
+    const { works, ...brush } = editor.brush;
+    if (size && works === "smooth") {
       // There is nothing to be turned: the next stroke may follow at once.
-      editor.commit(withArea(doc, { points, normal: [0, 0, 1], size, ...brush, smooths }));
+      editor.commit(withArea(doc, { points, normal: [0, 0, 1], size, ...brush, smooths: true }));
+      return;
+    }
+    if (size && works === "structure") {
+      const { structure, ownStructure: own } = editor;
+      const whole = withStructures(doc, structure.picture === own?.id && own ? [own] : []);
+      if (!whole) {
+        this.announce(say("tooManyStructures", { most: LIMITS.structures }), "warning");
+        return;
+      }
+      editor.commit(withArea(whole, { points, normal: [0, 0, 1], size, ...brush, structure }));
       return;
     }
     const normal = size

@@ -1,0 +1,84 @@
+"""Limits of a drawing: checked by the server, and handed to the page, which has no numbers of its own."""
+
+import json
+from html import escape
+
+from normalgan.inference.edits import MOST_PINS, REACH
+from normalgan.inference.forms import KINDS as FORMS
+from normalgan.inference.structures import KINDS as STRUCTURES
+from normalgan.normals import LEAST_Z
+
+__all__ = [
+    "LEAST_PERIOD",
+    "LEAST_SIDE",
+    "LONGEST_NAME",
+    "MOST_AREAS",
+    "MOST_CARVED",
+    "MOST_HINTS",
+    "MOST_LAYERS",
+    "MOST_MASK_STROKES",
+    "MOST_PERIOD",
+    "MOST_PICTURES",
+    "MOST_POINTS",
+    "MOST_SIDE",
+    "MOST_STROKES",
+    "MOST_STRUCTURES",
+    "TILE_SIDE",
+    "with_limits",
+]
+
+LEAST_SIDE, MOST_SIDE = 16, 2048
+"""Least and greatest side of a drawing in pixels."""
+MOST_LAYERS = 16
+LONGEST_NAME = 80
+"""Characters of a layer's name."""
+MOST_STROKES = 20_000
+"""Lines and pictures of a layer; only the page has them."""
+MOST_CARVED = 20_000
+"""Pieces of engraved and embossed lines: an eraser makes many of one."""
+MOST_HINTS = MOST_PINS
+MOST_AREAS = 200
+MOST_MASK_STROKES = 500
+MOST_POINTS = 4000
+"""Of an area."""
+MOST_PICTURES = 8
+"""To trace; only the page has them."""
+MOST_STRUCTURES = 8
+"""Pictures of a drawing that are structures."""
+TILE_SIDE = 128
+"""Side in pixels of such a picture."""
+LEAST_PERIOD, MOST_PERIOD = 1 / 16, 2**16
+"""Least and greatest side in pixels of a structure's tiles on a drawing."""
+
+
+def with_limits(page: str) -> str:
+    """Return the page with these limits, as JSON in an attribute of its root, and in its fields for sides.
+
+    Raises:
+        ValueError: if the page has no root to put them in.
+    """
+    limits = {
+        "sides": {"least": LEAST_SIDE, "most": MOST_SIDE},
+        "layers": MOST_LAYERS,
+        "name": LONGEST_NAME,
+        "strokes": MOST_STROKES,
+        "hints": MOST_HINTS,
+        "areas": MOST_AREAS,
+        "maskStrokes": MOST_MASK_STROKES,
+        "points": MOST_POINTS,
+        "pictures": MOST_PICTURES,
+        "structures": MOST_STRUCTURES,
+        "tile": TILE_SIDE,
+        "periods": {"least": LEAST_PERIOD, "most": MOST_PERIOD},
+        "leastZ": LEAST_Z,
+        "reach": REACH,
+        "forms": FORMS,
+        "kinds": STRUCTURES,
+    }
+    if page.count(_ROOT) != 1:
+        raise ValueError(f"the page begins without {_ROOT}, where its limits go.")
+    page = page.replace("data-sides", f'min="{LEAST_SIDE}" max="{MOST_SIDE}"')
+    return page.replace(_ROOT, f'<html lang="en" data-limits="{escape(json.dumps(limits))}">')
+
+
+_ROOT = '<html lang="en">'
