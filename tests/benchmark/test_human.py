@@ -127,7 +127,7 @@ def test_the_unit_of_a_mesh_does_not_matter(tmp_path: Path, scale: float) -> Non
         (np.array([[1, 0.2, 0], [0, 1, 0], [0, 0, 1.0]]) @ perspective(), "skewed"),
         (np.diag([2.0, 1.0, 1.0]) @ orthographic(), "stretched"),
         (perspective(distance=1.0), "stands within the mesh"),
-        (np.zeros((3, 4)), "not a matrix of finite numbers"),
+        (np.zeros((3, 4)), "must hold finite numbers"),
     ],
 )
 def test_what_is_no_camera_is_refused(tmp_path: Path, matrix: Doubles, message: str) -> None:

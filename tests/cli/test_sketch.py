@@ -110,7 +110,7 @@ def test_it_loads_neither_torch_nor_lightning() -> None:
     ("arguments", "sentence"),
     [
         (["hors"], "hors is neither a mesh file (.glb, .gltf, .obj, .off, .ply, .stl) nor an embedded"),
-        (["hors"], "Did you mean horse?"),
+        (["hrose"], "Did you mean horse?"),
         (["none.obj"], "none.obj is not a file, a folder or a pattern"),
         (["horse", "-o", "a.jpg"], "the drawing a.jpg must be a .svg or a .png."),
         (["horse", "--normal", "n.tif"], "the normal map n.tif must be a .png."),

@@ -289,8 +289,8 @@ def _read(options: Namespace) -> tuple[Plan, Scale]:
     plans = [path for path in files if is_plan(path)]
     if len(plans) != 1:
         raise InputError(
-            f"benchmark takes one plan, a --config file with rows, but was given {len(plans)}; "
-            "such as configs/benchmark/fourlegs.yaml."
+            f"benchmark takes one plan, a --config file with rows such as configs/benchmark/fourlegs.yaml, "
+            f"but was given {len(plans)}."
         )
     seconds = read_budget(options.budget) if options.budget else None
     overlays = [path for path in files if path not in plans]

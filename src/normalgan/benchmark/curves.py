@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 
 from normalgan.arrays import Doubles
 from normalgan.benchmark.plan import Plan
-from normalgan.benchmark.table import Results
-from normalgan.benchmark.training import Result
+from normalgan.benchmark.training import Result, Results
 from normalgan.metrics.calibration import BIN
 
 __all__ = [

@@ -3,7 +3,7 @@
 import json
 import subprocess
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
@@ -17,6 +17,7 @@ from normalgan.files.writing import write_bytes
 
 __all__ = [
     "Result",
+    "Results",
     "State",
     "fit",
     "measured_checkpoint",
@@ -28,6 +29,8 @@ __all__ = [
 
 Result = dict[str, Any]
 """What a run ends with; see `normalgan.benchmark.evaluation`."""
+Results = Mapping[str, Sequence[Result]]
+"""The results of each row, one for each seed, by the name of the row."""
 
 State = Literal["new", "begun", "trained", "done"]
 

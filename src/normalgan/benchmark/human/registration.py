@@ -61,7 +61,9 @@ def camera_of(projection: Doubles, placed: PlacedMesh, side: int) -> Camera:
     """
     matrix = projection @ placed.to_file
     if not np.isfinite(matrix).all() or np.linalg.norm(matrix[:, :3]) == 0:
-        raise InputError("its projection is not a matrix of finite numbers that shows anything.")
+        raise InputError(
+            "its projection must hold finite numbers, and its first three columns must not all be 0."
+        )
     perspective = np.linalg.norm(matrix[2, :3]) > 1e-9 * np.linalg.norm(matrix[:2, :3])
     return _perspective(matrix, placed, side) if perspective else _orthographic(matrix, placed, side)
 
