@@ -68,7 +68,7 @@ class LosingClient:
 def run(client: LosingClient) -> list[tuple[int, Any]]:
     pool = Cluster("tcp://cluster:8786")
     pool._client = client
-    pool._look()
+    pool._update_workers()
     return list(pool.run(hash, [7]))
 
 
@@ -95,6 +95,6 @@ def test_a_connection_that_stays_broken_is_told(monkeypatch: pytest.MonkeyPatch)
     with pytest.raises(RunError, match=told):
         run(LosingClient(["cancelled"], looks=3, then="closed"))
     monkeypatch.setattr(cluster, "TIMEOUT", 0.0)
-    monkeypatch.setattr(cluster, "_LOOK", 0.1)
+    monkeypatch.setattr(cluster, "_CHECK_INTERVAL", 0.1)
     with pytest.raises(RunError, match=told):
         run(LosingClient(["cancelled"], looks=10**9))
