@@ -140,4 +140,4 @@ def cost_cells() -> dict[str, Cell]:
 
 def _speed(runs: Sequence[Result]) -> str:
     speed = mean(run["cost"]["images_per_second"] for run in runs)
-    return f"{speed:.1f}" if speed else "–"  # another program's maps have none
+    return f"{speed:.1f}" if speed else "–"  # maps of another program have none

@@ -185,7 +185,7 @@ def _introduction(
     lines = [f"# {plan.name}, scale {scale.name}", ""]
     if scale.seconds:
         lines.append(f"{scale.seconds:g} seconds a run.")
-    elif any(run["images"] for run in _runs(results)):  # a saved model does not tell
+    elif any(run["images"] for run in _runs(results)):  # a saved model does not know
         lines.append(f"{plan.images} images a generator.")
     if scale.changed:
         lines.append("With " + ", ".join(f"{name}={value}" for name, value in scale.changed.items()) + ".")

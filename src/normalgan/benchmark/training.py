@@ -101,7 +101,7 @@ def run_all(
             write_json(run.folder / "result.json", {**result, "hash": run.hash, "evaluation": evaluation})
         except InputError as error:
             failures.append(f"{run.title} failed: {error}")
-        except Exception as error:  # the other runs go on, whatever befell this one
+        except Exception as error:  # the other runs go on, whatever is raised here
             failures.append(f"{run.title} failed: {type(error).__name__}: {brief(error)}")
         else:
             report()

@@ -305,7 +305,7 @@ class _Batch:
             for each in sorted(now - printed):
                 print(f"normalgan: {one_line(each)}", file=sys.stderr, flush=True)
             printed = now
-            # The map of a drawing that was there, and is deleted or renamed by now, is still no drawing.
+            # The map of a drawing that was deleted or renamed is not a drawing either.
             known |= set(jobs)
             kept = set(without_companions(sorted(known), companions_of(self._outputs.ending)))
             jobs = {path: job for path, job in jobs.items() if path in kept}

@@ -54,7 +54,7 @@ class NormalMapWriter(BasePredictionWriter):
         """
         if stage != "predict":
             return
-        # Another one's module has no refiner.
+        # A module of another author has no refiner.
         refined = isinstance(pl_module, NormalGAN) and pl_module.refined
         self._upsample = upsampler(refined=refined, threads=torch.get_num_threads())
         drawings = _data_of(trainer).drawings
@@ -63,7 +63,7 @@ class NormalMapWriter(BasePredictionWriter):
         self._failed, self._total = 0, len(jobs) + len(drawings.unusable)
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
-            # Only an attempt tells: permissions do not say that a disk is full or mounted read-only.
+            # Only a try tells: permissions do not show that a disk is full or mounted read-only.
             with TemporaryFile(dir=self.folder) as probe:
                 probe.write(b"0")
         except OSError as error:

@@ -150,7 +150,7 @@ class NormalGANCLI(LightningCLI):
         checkpoints = Path(checkpoint_folder(config["trainer"]["default_root_dir"]))
         check_trainer(config["trainer"])
         if command in {"predict", "render"}:
-            config["trainer"]["logger"] = False  # it has nothing to log, but would leave its files
+            config["trainer"]["logger"] = False  # it would leave files without anything logged
         if command == "test":
             config["verbose"] = False  # Lightning's own list of figures would bury our table
         if command in {"fit", "test"}:
@@ -226,7 +226,9 @@ def run(arguments: list[str]) -> int:
     arguments, section = asked_for(arguments)
     safe = SAFE_CONFIG in arguments
     arguments = _check_configs([argument for argument in arguments if argument != SAFE_CONFIG])
-    arguments = [with_environment(each) for each in arguments]  # quoted, a shell leaves them as they are
+    arguments = [
+        with_environment(each) for each in arguments
+    ]  # a shell does not expand variables in single quotes
     with _reading_settings(safe) as held:
         held.enter_context(help_of(section if section in SECTIONS else None))
         try:
@@ -272,7 +274,7 @@ def _reading_settings(safe: bool = False) -> Iterator[ExitStack]:
     with warnings.catch_warnings(), ExitStack() as held:
         filter_warnings()
         load_plugins()
-        # Lightning lets jsonargparse read any URL, data: and http: too, that stands where settings may.
+        # Lightning lets jsonargparse read any URL, data: and http: too, in place of settings.
         set_parsing_settings(config_read_mode_fsspec_enabled=False)
         if safe:
             allow_known_classes_only(held)

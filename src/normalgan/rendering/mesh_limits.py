@@ -143,7 +143,7 @@ def _check_counts(path: Path, tree: dict[str, Any], held: int) -> None:
     numbers = [entry["count"] * WIDTHS[entry["type"]] for entry in accessors]
     unbacked = sum(n for n, entry in zip(numbers, accessors, strict=True) if "bufferView" not in entry)
     if sum(numbers) > max(FREE_NUMBERS, REPEATED * held) or unbacked > FREE_NUMBERS:
-        many = min(sum(numbers), 10**15)  # a number of a thousand digits would fill the screen
+        many = min(sum(numbers), 10**15)  # a number may have a thousand digits
         raise InputError(f"{path} declares {many} numbers, more than a mesh file can hold.")
     placed = Counter(node["mesh"] for node in nodes if "mesh" in node)
     parts, vertices = 0, 0

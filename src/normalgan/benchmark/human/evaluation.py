@@ -38,7 +38,7 @@ _LARGEST_SIDE = 4096
 _APART = 0.1
 """Boxes of a drawing and of its object that share less are of another sheet or camera."""
 _CPU = torch.device("cpu")
-_placed = lru_cache(maxsize=4)(read_placed_mesh)  # drawings of one mesh follow one another
+_placed = lru_cache(maxsize=4)(read_placed_mesh)  # drawings of a mesh come in a row
 
 
 @dataclass

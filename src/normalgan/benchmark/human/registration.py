@@ -70,7 +70,7 @@ def camera_of(projection: Doubles, placed: PlacedMesh, side: int) -> Camera:
 
 def _perspective(matrix: Doubles, placed: PlacedMesh, side: int) -> Camera:
     vertices = placed.mesh.vertices.astype(np.float64)
-    if matrix[2, 3] < 0:  # the mesh's centre is the origin, and lies before the eye
+    if matrix[2, 3] < 0:  # the mesh's centre is the origin, in front of the eye
         matrix = -matrix
     determinant = float(np.linalg.det(matrix[:, :3]))
     if determinant <= 0:

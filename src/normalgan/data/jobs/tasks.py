@@ -113,7 +113,7 @@ class CheckTask:
     numbers: tuple[int, ...]
 
 
-# The mesh used last, with its name and fingerprint: the views of one follow one another. It belongs to the
+# The mesh used last, with its name and fingerprint, as its views are rendered in a row. It belongs to the
 # process.
 _last: tuple[tuple[str, str], Any] | None = None
 
@@ -158,7 +158,7 @@ def _render(task: ShardTask) -> tuple[list[Sample], dict[str, str], dict[str, st
                 sample = task.recipe.render(_load(task.sources[name]), view)
             except ChangedMeshError:
                 raise
-            except Exception as error:  # whatever a mesh brings about in a renderer or style
+            except Exception as error:  # a renderer or style may raise anything
                 failed[name] = error_text(error)
                 if not isinstance(error, InputError):
                     traces[name] = "".join(traceback.format_exception(error))
@@ -239,7 +239,7 @@ def _load(task: MeshTask) -> Any:
     return _last[1]
 
 
-_passed: set[str] = set()  # checks that this process has passed: they cost time, and nothing changes
+_passed: set[str] = set()  # checks that this process has passed, which take time
 
 
 def _once(what: str, check: Callable[[], None]) -> None:
