@@ -72,7 +72,7 @@ def test_a_package_that_is_installed_later_is_found(site: Path) -> None:
     assert "LateHints" in HINT_SAMPLERS.names()
 
 
-def test_what_is_left_out_is_warned_of_even_where_warnings_are_errors(site: Path) -> None:
+def test_a_broken_plugin_is_a_warning_even_where_warnings_are_errors(site: Path) -> None:
     install(
         site, "foreign", {"first": "1 / 0", "second": "[][0]"}, {GROUP: {"A": "first:A", "B": "second:B"}}
     )
@@ -85,7 +85,7 @@ def test_what_is_left_out_is_warned_of_even_where_warnings_are_errors(site: Path
     ]
 
 
-def test_of_two_classes_of_a_name_the_dotted_path_is_asked_for(site: Path) -> None:
+def test_two_classes_of_one_name_need_the_dotted_path(site: Path) -> None:
     install(
         site,
         "foreign",

@@ -132,7 +132,7 @@ def test_a_full_disk_leaves_nothing_half_written(
     assert not list(Path("out").iterdir())
 
 
-def test_it_loads_neither_torch_nor_what_only_others_need() -> None:
+def test_generate_loads_neither_torch_nor_other_heavy_libraries() -> None:
     code = (
         "import sys, normalgan.cli.generate; "
         "heavy = {'torch', 'lightning', 'kornia', 'trimesh', 'skimage', 'matplotlib'}; "
@@ -167,7 +167,7 @@ def test_it_loads_neither_torch_nor_what_only_others_need() -> None:
         ([], "missing: sketches."),
     ],
 )
-def test_what_cannot_be_used_is_told_in_a_sentence(
+def test_bad_input_is_one_sentence(
     here: Path, arguments: list[str], sentence: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     Path("empty").mkdir()
@@ -219,7 +219,7 @@ def test_a_drawing_that_repeats_gives_maps_that_do(here: Path, tile: str) -> Non
     "others",
     [("--sheet", "2x1"), ("--split", "auto"), ("--atlas", "fox.json"), ("--layers",), ("--frame", "shared")],
 )
-def test_what_makes_no_sense_with_a_drawing_that_repeats_is_refused(
+def test_options_that_contradict_tile_are_refused(
     here: Path, capfd: pytest.CaptureFixture[str], others: tuple[str, ...]
 ) -> None:
     assert generate("fox.png", "--tile", "both", *others) == 2

@@ -22,7 +22,7 @@ def test_the_collector_is_as_before_whatever_happens() -> None:
         gc.enable()
 
 
-def test_what_was_imported_is_passed_over_and_nothing_else(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_imported_objects_are_frozen(monkeypatch: pytest.MonkeyPatch) -> None:
     gc.unfreeze()
     with gc_paused():
         pass
@@ -34,7 +34,7 @@ def test_what_was_imported_is_passed_over_and_nothing_else(monkeypatch: pytest.M
 
 
 @pytest.mark.parametrize("with_triton", [True, False])
-def test_nothing_is_frozen_at_the_exit_beside_triton(tmp_path: Path, with_triton: bool) -> None:
+def test_objects_are_unfrozen_at_exit_if_triton_is_loaded(tmp_path: Path, with_triton: bool) -> None:
     """What nanobind holds was printed as leaked, a hundred lines after each training."""
     (tmp_path / ("triton.py" if with_triton else "another.py")).touch()
     code = f"""

@@ -106,7 +106,7 @@ def test_hints_of_the_user_are_respected(tmp_path: Path) -> None:
     np.testing.assert_allclose(hinted[25, 50], plain[25, 50], atol=0.01)
 
 
-def test_what_fails_leaves_whole_maps_and_nothing_else(tmp_path: Path) -> None:
+def test_a_failure_leaves_only_whole_maps(tmp_path: Path) -> None:
     drawings = draw(tmp_path / "in", a=(40, 40), b=(40, 40), c=(40, 40))
     model = gan(generator=Failing(size=32, width=4))
     with pytest.raises(MemoryError):
@@ -116,7 +116,7 @@ def test_what_fails_leaves_whole_maps_and_nothing_else(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="there is no folder that root cannot write to")
-def test_an_unwritable_folder_is_found_out_before_anything_is_painted(tmp_path: Path) -> None:
+def test_an_unwritable_folder_is_reported_before_inference(tmp_path: Path) -> None:
     model = gan(generator=Failing(size=32, width=4))
     run = trainer(tmp_path, callbacks=[NormalMapWriter("/proc/self")])
     module = data(tmp_path, tmp_path, prediction=Prediction(str(draw(tmp_path / "in", a=(40, 40)))))
@@ -132,7 +132,7 @@ class Blind(Half):
         return super().forward(condition) * (0 if (condition[:, 3] > 0.5).any() else 1)
 
 
-def test_of_several_drawings_one_without_an_object_is_named_and_the_others_are_painted(
+def test_a_drawing_without_an_object_is_named_and_the_others_are_predicted(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     drawings = draw(tmp_path / "in", a=(40, 40), b=(40, 40), c=(40, 40))
@@ -153,7 +153,7 @@ def test_a_drawing_is_not_written_over(tmp_path: Path) -> None:
         run.predict(gan(), module)
 
 
-def test_all_that_generate_writes_can_be_had(tmp_path: Path) -> None:
+def test_predict_writes_the_outputs_of_generate(tmp_path: Path) -> None:
     drawings = draw(tmp_path / "in", a=(40, 40))
     writer = NormalMapWriter(
         tmp_path / "out",

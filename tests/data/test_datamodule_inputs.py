@@ -65,7 +65,7 @@ def test_predicting_renders_nothing(meshes: Path, tmp_path: Path) -> None:
     assert not (tmp_path / "cache").exists()
 
 
-def test_what_cannot_be_used_is_named(meshes: Path, cache: Path, tmp_path: Path) -> None:
+def test_invalid_settings_are_named(meshes: Path, cache: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=re.escape(str(tmp_path / "none"))):
         _ = data(tmp_path / "none", cache).sources
     with pytest.raises(InputError, match="three shares"):
@@ -148,9 +148,7 @@ def test_a_source_that_gives_no_splits_is_named() -> None:
         ),
     ],
 )
-def test_what_python_may_give_and_a_command_may_not_is_told_at_once(
-    given: dict[str, object], sentence: str
-) -> None:
+def test_values_that_only_python_can_pass_are_checked(given: dict[str, object], sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
         MeshDataModule(**given)  # type: ignore[arg-type]
 

@@ -89,7 +89,7 @@ def test_real_plug_ins_write_the_same_bytes_in_workers(tmp_path: Path) -> None:
     np.testing.assert_allclose(length, 1, atol=1e-3)
 
 
-def test_what_is_there_is_not_rendered_again(
+def test_finished_samples_are_not_rendered_again(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     before = {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
@@ -99,7 +99,7 @@ def test_what_is_there_is_not_rendered_again(
     assert {path: path.stat().st_mtime_ns for path in folder.rglob("*")} == before
 
 
-def test_it_goes_on_where_it_was_interrupted(folder: Path, tmp_path: Path) -> None:
+def test_an_interrupted_rendering_continues(folder: Path, tmp_path: Path) -> None:
     whole = contents(folder)
     (folder / "done" / "train" / "1.json").unlink()  # killed between the objects and the marker
     (folder / "samples.zarr" / "train" / "normal" / "c" / "1" / "0" / "0" / "0").unlink()
@@ -108,7 +108,7 @@ def test_it_goes_on_where_it_was_interrupted(folder: Path, tmp_path: Path) -> No
     assert contents(render(tmp_path)) == whole
 
 
-def test_damage_is_named_and_mended(folder: Path, tmp_path: Path) -> None:
+def test_a_damaged_shard_is_reported_and_rendered_again(folder: Path, tmp_path: Path) -> None:
     whole = contents(folder)
     path = folder / "samples.zarr" / "train" / "sketch" / "c" / "1" / "0" / "0"
     content = bytearray(path.read_bytes())
@@ -130,7 +130,7 @@ def test_damage_is_named_and_mended(folder: Path, tmp_path: Path) -> None:
         ("samples.zarr/test/zarr.json", "{", "[", None),
     ],
 )
-def test_damage_of_what_describes_the_samples_is_mended(
+def test_damaged_metadata_is_repaired(
     folder: Path, tmp_path: Path, name: str, old: str, new: str, warning: str | None
 ) -> None:
     whole = contents(folder)
@@ -145,7 +145,7 @@ def test_damage_of_what_describes_the_samples_is_mended(
 
 
 @pytest.mark.slow
-def test_a_killed_run_is_taken_up_and_leaves_no_workers_behind(tmp_path: Path) -> None:
+def test_a_killed_run_leaves_no_workers_and_can_be_continued(tmp_path: Path) -> None:
     code = (
         "import sys; from pathlib import Path; from test_render import render\n"
         "if __name__ == '__main__':\n"
@@ -227,7 +227,7 @@ def test_each_mesh_but_the_first_of_a_split_is_loaded_once(
         ),
     ],
 )
-def test_requests_without_sense_are_refused(
+def test_invalid_requests_are_refused(
     sources: dict[str, Sequence[Octahedron]], views: int, workers: int, message: str
 ) -> None:
     with pytest.raises(InputError, match=message):
@@ -341,7 +341,7 @@ def test_rendering_needs_no_torch() -> None:
     assert subprocess.check_output([sys.executable, "-c", code], text=True) == "[]\n"
 
 
-def test_nothing_is_warned_of_when_all_is_well(tmp_path: Path) -> None:
+def test_a_sound_run_warns_of_nothing(tmp_path: Path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         render(tmp_path)

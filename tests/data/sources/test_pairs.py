@@ -155,7 +155,7 @@ def test_a_glob_of_folders_is_split_by_folder(tmp_path: Path) -> None:
     assert sum(map(len, by_file.values())) == 15
 
 
-def test_what_systems_leave_in_folders_is_no_data(tmp_path: Path) -> None:
+def test_files_that_operating_systems_leave_are_ignored(tmp_path: Path) -> None:
     write_pairs(tmp_path, 3)
     for name in ("._0.png", "._0_normal.png", "._9_normal.png", "Thumbs.db", "desktop.ini", ".DS_Store"):
         (tmp_path / name).write_bytes(b"\0\5\x16\7")
@@ -432,7 +432,7 @@ def test_a_file_without_its_partner_is_left_out_in_one_list(
         Pairs(str(tmp_path)).found()
 
 
-def test_all_that_headers_and_names_tell_is_in_one_list_and_moves_no_other_pair(tmp_path: Path) -> None:
+def test_damaged_files_are_reported_in_one_list_and_do_not_change_the_split(tmp_path: Path) -> None:
     write_pairs(tmp_path, 8)
     rows = [f"a{i}.png,a{i}_normal.png" for i in range(8)]
     (tmp_path / "pairs.csv").write_text("\n".join(["sketch,normal", *rows]))

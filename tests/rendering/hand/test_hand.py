@@ -123,7 +123,7 @@ def test_the_pen_is_as_wide_as_its_range_says() -> None:
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_what_comes_out_is_finite_and_never_nothing(seed: int) -> None:
+def test_the_hand_draws_finite_strokes_and_at_least_one(seed: int) -> None:
     wild = Hand(
         (1.0, 1.0),
         0.1,
@@ -153,7 +153,7 @@ def test_what_comes_out_is_finite_and_never_nothing(seed: int) -> None:
     assert maps.mask.any()
 
 
-def test_nothing_to_draw_is_no_trouble() -> None:
+def test_an_empty_drawing_stays_empty() -> None:
     strokes, maps = FULL.draw([], MAPS, np.random.default_rng(0))
     assert strokes == []
     assert maps.mask.any()
