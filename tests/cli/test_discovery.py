@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 from normalgan.__main__ import main
-from normalgan.cli.discovery import misplaced
 from normalgan.hints import HINT_SAMPLERS, HintSampler, UniformHints
 from plugin_packages import install
 
@@ -141,10 +140,6 @@ def test_the_command_tells_names_summaries_packages_and_reasons(
         "summary": "Give dots.",
     }
     assert [each["name"] for each in listed["left_out"]] == ["Bad", "Lost"]
-
-
-def test_a_group_that_is_none_is_told() -> None:
-    assert misplaced() == []
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from PIL import Image, ImageDraw
 
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.recipe import Loadable
-from normalgan.data.settings import EmbeddedAnimals, Prediction, Split, Storage
+from normalgan.data.settings import EmbeddedAnimals, Prediction, Split
 from normalgan.data.sources import DataSource, SplitSettings
 from normalgan.errors import InputError
 from normalgan.normals import encode
@@ -87,26 +87,6 @@ def test_animals_are_the_default() -> None:
     assert {s.fingerprint() for s in module.sources["train"]}.isdisjoint(
         s.fingerprint() for s in other.sources["train"]
     )
-
-
-@pytest.mark.slow
-def test_animals_are_rendered(tmp_path: Path) -> None:
-    module = MeshDataModule(
-        animals=EmbeddedAnimals(3),
-        split=Split((0.4, 0.3, 0.3)),
-        lines=OccludingContours(),
-        size=32,
-        train_views=2,
-        val_views=1,
-        test_views=1,
-        cache=str(tmp_path),
-        storage=Storage(render_workers=0),
-    )
-    module.prepare_data()
-    for i in range(2):
-        item = module.train_dataset[i]
-        assert 0.05 < float(item["mask"].float().mean()) < 0.8
-        assert 0.01 < float(item["sketch"].float().mean()) / 255 < 0.5
 
 
 @pytest.mark.parametrize("split", ["val", "test"])
