@@ -1,5 +1,4 @@
 import math
-import os
 from fractions import Fraction
 from pathlib import Path
 
@@ -113,21 +112,6 @@ def test_flat_is_painted_off_the_object_alone() -> None:
     mask = np.array([[True, False]])
     painted = normals.paint_flat(np.array([[[1.0, 0, 0], [0, 0, 0]]], np.float32), mask)
     assert painted.tolist() == [[[1, 0, 0], [0, 0, 1]]]
-
-
-def test_a_failed_write_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    normals.write_png(tmp_path / "map.png", hemisphere())
-    before = (tmp_path / "map.png").read_bytes()
-
-    def full(file: int) -> None:
-        os.truncate(file, 100)
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("normalgan.files.writing.os.fsync", full)
-    with pytest.raises(OSError, match=r"No space left.*map\.png"):
-        normals.write_png(tmp_path / "map.png", -hemisphere())
-    assert (tmp_path / "map.png").read_bytes() == before
-    assert len(list(tmp_path.iterdir())) == 1
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,3 @@
-import sys
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -92,18 +91,6 @@ def test_a_sheet_seen_edge_on_is_no_drawing(tmp_path: Path, capsys: pytest.Captu
     assert f"finds no lines in {sheet} at azimuth 30 and elevation 0: there it" in capsys.readouterr().err
     assert not out.exists()
     assert main([*view, "40"]) == 0
-
-
-def test_sketch_loads_neither_torch_nor_lightning() -> None:
-    # Nor, before there is a stroke to write as SVG, what takes half as long to load as all the rest.
-    import subprocess
-
-    code = (
-        "import sys, normalgan.cli.sketch; "
-        "print({'torch', 'lightning', 'kornia', 'scipy.signal'} & set(sys.modules))"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout == "set()\n"
 
 
 @pytest.mark.parametrize(

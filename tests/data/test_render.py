@@ -10,7 +10,6 @@ import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
 import pytest
 from toys import BallRenderer, Counted, Octahedron, assert_same, contents, recipe, surroundings
 
@@ -22,7 +21,7 @@ from normalgan.data.store.layout import Layout
 from normalgan.data.store.manifest import dataset_key, fingerprints
 from normalgan.data.store.shards import ShardedSamples
 from normalgan.errors import InputError
-from normalgan.rendering import EmbreeRenderer, Views
+from normalgan.rendering import Views
 from normalgan.rendering.lines.occluding import OccludingContours
 from normalgan.rendering.samples import Recipe
 
@@ -73,20 +72,6 @@ def test_workers_write_the_same_bytes_as_this_process(rendered: Path, tmp_path: 
     assert alone.name == together.name
     assert contents(alone) == contents(together)
     assert len(contents(alone)) == 1 + 1 + 2 * 4 + 3 * 4  # manifest, groups and arrays, objects and markers
-
-
-@pytest.mark.slow
-def test_real_plug_ins_write_the_same_bytes_in_workers(tmp_path: Path) -> None:
-    real = Recipe(Views(), EmbreeRenderer(), OccludingContours(), 32)
-    sources = {"train": [Octahedron("a")], "test": [Octahedron("b", 0.3)]}
-    for workers in (0, 1):
-        render_samples(str(tmp_path / str(workers)), sources, 4, real, workers, progress=False)
-    assert contents(tmp_path / "0") == contents(tmp_path / "1")
-    sample = open_samples(str(tmp_path / "0"), sources, 4, real)["test"].read(0)
-    length = np.linalg.norm(sample.normal[sample.mask].astype(float), axis=-1)
-    assert sample.mask.any()
-    assert sample.sketch.any()
-    np.testing.assert_allclose(length, 1, atol=1e-3)
 
 
 def test_finished_samples_are_not_rendered_again(
@@ -331,14 +316,6 @@ def test_workers_are_other_processes_with_one_thread_and_without_torch() -> None
     assert (threads, torch) == ("1", False)
     assert pid != os.getpid()
     assert os.environ.get("OMP_NUM_THREADS") == outside
-
-
-def test_rendering_needs_no_torch() -> None:
-    code = (
-        "import sys, normalgan.data.render, normalgan.data.splits\n"
-        "print([name for name in ('torch', 'lightning', 'kornia') if name in sys.modules])"
-    )
-    assert subprocess.check_output([sys.executable, "-c", code], text=True) == "[]\n"
 
 
 def test_a_sound_run_warns_of_nothing(tmp_path: Path) -> None:

@@ -65,8 +65,7 @@ _SEEDS_NOTES = (
     "the ones to quote of methods: an interval that covers 0 shows no difference between them."
 )
 
-Lines = list[str]
-Columns = Mapping[str, Cell]
+_Columns = Mapping[str, Cell]
 """The columns of a table: what fills the cells, by heading."""
 
 
@@ -101,7 +100,7 @@ def markdown(
     return "\n".join(line for section in sections for line in section) + "\n"
 
 
-def markdown_table(headings: Sequence[str], rows: Iterable[Sequence[str]], names: int = 1) -> Lines:
+def markdown_table(headings: Sequence[str], rows: Iterable[Sequence[str]], names: int = 1) -> list[str]:
     r"""Return the lines of a table whose numbers are aligned to the right.
 
     Args:
@@ -152,7 +151,7 @@ def mesh_table(result: Result, hints: int) -> str:
     return "\n".join(["## By mesh", "", *markdown_table(["mesh", *headings], rows)]) + "\n"
 
 
-def interval_table(plan: Plan, results: Results) -> Lines:
+def interval_table(plan: Plan, results: Results) -> list[str]:
     """Return the lines of table 3: mean errors, and differences from the reference, over the test meshes.
 
     If a row has two seeds or more, table 4 follows: the differences over the test meshes and the seeds.
@@ -181,7 +180,7 @@ def interval_table(plan: Plan, results: Results) -> Lines:
 
 def _introduction(
     plan: Plan, scale: Scale, results: Results, specification: Mapping[str, str | int] | None
-) -> Lines:
+) -> list[str]:
     lines = [f"# {plan.name}, scale {scale.name}", ""]
     if scale.seconds:
         lines.append(f"{scale.seconds:g} seconds a run.")
@@ -203,7 +202,7 @@ def _introduction(
     return lines
 
 
-def _accuracy(plan: Plan, results: Results, title: str, given: str) -> Lines:
+def _accuracy(plan: Plan, results: Results, title: str, given: str) -> list[str]:
     columns: dict[str, Cell] = {}
     if given == OWN:
         columns["hints"] = lambda runs: spread_of([run["figures"][OWN]["hints"] for run in runs], 1)
@@ -214,7 +213,7 @@ def _accuracy(plan: Plan, results: Results, title: str, given: str) -> Lines:
     return _section(title, plan, results, columns)
 
 
-def _ranking(plan: Plan, results: Results, given: str) -> Lines:
+def _ranking(plan: Plan, results: Results, given: str) -> list[str]:
     """Return the ranking with some hints; nothing if no row has its figures."""
     ranked = []
     for row in plan.rows:
@@ -235,12 +234,12 @@ def _ranking(plan: Plan, results: Results, given: str) -> Lines:
     return ["", f"## Ranking, {_hints(given)}", "", *table, "", _RANKING_NOTES]
 
 
-def _relief(plan: Plan, results: Results, given: str) -> Lines:
+def _relief(plan: Plan, results: Results, given: str) -> list[str]:
     columns = {heading: figure_cell(given, name) for name, heading in RELIEF.items()}
     return _section(f"Relief, rim, mask and confidence: {_hints(given)}", plan, results, columns)
 
 
-def _distances(plan: Plan, results: Results, given: str) -> Lines:
+def _distances(plan: Plan, results: Results, given: str) -> list[str]:
     """Return the errors by distance from the contour, outermost first; nothing if they were not measured."""
     profiles = [run.get("distance", {}).get(given, {}).get("170ths", ()) for run in _runs(results)]
     edges = {one["from"]: one["to"] for profile in profiles for one in profile}
@@ -252,7 +251,7 @@ def _distances(plan: Plan, results: Results, given: str) -> Lines:
     return _section(title, plan, results, columns) if columns else []
 
 
-def _further(plan: Plan, results: Results) -> Iterator[tuple[str, Columns]]:
+def _further(plan: Plan, results: Results) -> Iterator[tuple[str, _Columns]]:
     """Yield the title and columns of the tables that only some plans ask for."""
     for count in plan.placement_counts:
         yield (
@@ -285,12 +284,12 @@ def _further(plan: Plan, results: Results) -> Iterator[tuple[str, Columns]]:
         yield title, {"first": share_cell(0), "last": share_cell(-1)}
 
 
-def _hint_counts(plan: Plan, results: Results) -> Lines:
+def _hint_counts(plan: Plan, results: Results) -> list[str]:
     columns = {str(count): figure_cell(str(count), "angular_mean") for count in plan.counts}
     return _section("Mean angular error by the number of hints", plan, results, columns)
 
 
-def _section(title: str, plan: Plan, results: Results, columns: Columns, notes: str = "") -> Lines:
+def _section(title: str, plan: Plan, results: Results, columns: _Columns, notes: str = "") -> list[str]:
     """Return a section with a table that has a row for each method, under the headings of their groups."""
     rows = []
     group = None

@@ -208,19 +208,3 @@ def test_a_store_that_a_worker_does_not_see_is_named(tmp_path: Path) -> None:
         render_shard(task)
     ShardedSamples(str(tmp_path), "train", Layout(("a",), 2, 16)).create()
     assert render_shard(task) == {}
-
-
-def test_no_two_tasks_share_a_key(pair: DaskCluster, monkeypatch: pytest.MonkeyPatch) -> None:
-    # The scheduler answers for a key it knows with what came of it before, were it the death of a worker.
-    keys = []
-    submit = Client.submit
-
-    def note(client: Client, *call: Any, key: str, **how: Any) -> Any:
-        keys.append(key)
-        return submit(client, *call, key=key, **how)
-
-    monkeypatch.setattr(Client, "submit", note)
-    with Cluster(pair.address) as pool:
-        for _ in range(3):
-            assert list(pool.run(abs, [-1])) == [(-1, 1)]
-    assert len(set(keys)) == len(keys) == 3
