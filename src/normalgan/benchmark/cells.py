@@ -7,6 +7,7 @@ from statistics import mean, stdev
 from normalgan.benchmark.intervals import Interval
 from normalgan.benchmark.training import Result
 from normalgan.gan import SHARE
+from normalgan.metrics.base import unit_of
 
 __all__ = [
     "Cell",
@@ -78,11 +79,9 @@ def figure_cell(given: str, name: str, unit: str | None = None) -> Cell:
     Args:
         given: the hints, ``15`` or ``own``.
         name: name of the figure, such as ``angular_mean``: angles in degrees, shares in per cent.
-        unit: unit of a metric from a plug-in, ``%`` for a share; None derives it from the name.
+        unit: unit of a metric from a plug-in, ``%`` for a share; None for our own figures.
     """
-    if unit is None:
-        angle = name.startswith(("angular", "calibration"))
-        unit = "%" if name.startswith("below") else "°" if angle else ""
+    unit = unit_of(name) if unit is None else unit
 
     def cell(runs: Sequence[Result]) -> str:
         values = [run["figures"].get(given, {}).get(name) for run in runs]

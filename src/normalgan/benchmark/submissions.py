@@ -28,7 +28,7 @@ __all__ = ["SUBMISSION", "Submission", "read_submission", "write_inputs"]
 
 SUBMISSION = "submission.json"
 _SILENT = 0.05
-"""A vector shorter than this is the background's grey, of 8 bits or 16, and says nothing."""
+"""A shorter vector is the grey of the background, in 8 or 16 bits."""
 _THERE, _ABSENT = 1.0, 0.25
 """Lengths of vectors where a submission says that there is an object, and where that there is none."""
 

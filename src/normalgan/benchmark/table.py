@@ -209,7 +209,7 @@ def _accuracy(plan: Plan, results: Results, title: str, given: str) -> list[str]
     columns |= {heading: figure_cell(given, name) for name, heading in FIGURES.items()}
     for metric in more_metrics(plan.metrics):
         columns[metric.label or metric.figure] = figure_cell(given, metric.figure, metric.unit)
-    columns |= {"coverage": figure_cell(given, "coverage", "%"), "mask IoU": figure_cell(given, "mask_iou")}
+    columns |= {"coverage": figure_cell(given, "coverage"), "mask IoU": figure_cell(given, "mask_iou")}
     return _section(title, plan, results, columns)
 
 
@@ -223,10 +223,9 @@ def _ranking(plan: Plan, results: Results, given: str) -> list[str]:
             ranked.append((mean(scores), row, scores))
     if not ranked:
         return []
-    columns = (("angular_mean", None), ("coverage", "%"), ("mask_iou", None))
     rows = [
         [str(place), row.label, spread_of(scores, 2, "°")]
-        + [figure_cell(given, name, unit)(results[row.name]) for name, unit in columns]
+        + [figure_cell(given, name)(results[row.name]) for name in ("angular_mean", "coverage", "mask_iou")]
         for place, (_, row, scores) in enumerate(sorted(ranked, key=lambda one: one[0]), 1)
     ]
     headings = ["rank", "method", "ranked by", "error", "coverage", "mask IoU"]

@@ -28,7 +28,7 @@ __all__ = [
 ]
 
 Result = dict[str, Any]
-"""What a run ends with; see `normalgan.benchmark.evaluation`."""
+"""The result of a run; see `normalgan.benchmark.evaluation`."""
 Results = Mapping[str, Sequence[Result]]
 """The results of each row, one for each seed, by the name of the row."""
 

@@ -1,4 +1,4 @@
-"""Configuration files: looked at before the parser reads them."""
+"""Configuration files: checked before the parser reads them."""
 
 import os
 import re
@@ -18,7 +18,7 @@ _VARIABLE = re.compile(r"\$\{([^{}]*)\}")
 
 
 def check_config(path: str | Path, sections: Collection[str] = ()) -> None:
-    """Look at a configuration file.
+    """Check a configuration file.
 
     Args:
         path: the file.

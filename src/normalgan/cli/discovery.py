@@ -104,7 +104,7 @@ _SAFE = {
     "normalgan.gan": "_rmsprop",
     "normalgan.optimizers": "MuonRAdam",
 }
-"""What a stranger's configuration may name beside plug-ins: none takes a function or a path to write to."""
+"""Further classes that a safe configuration may name: none takes a function or a path to write to."""
 
 
 def safe_imports() -> list[str]:

@@ -1,4 +1,4 @@
-"""Settings that are overruled: given for a model that keeps the settings of its training."""
+"""Settings that are ignored, because a model keeps those of its training."""
 
 import importlib
 import inspect

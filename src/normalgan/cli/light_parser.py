@@ -1,4 +1,4 @@
-"""LightParser: for the commands that need no Lightning; it answers mistakes as those do that train."""
+"""LightParser: the parser of commands without Lightning, with the same error messages as `Parser`."""
 
 import argparse
 from collections.abc import Mapping

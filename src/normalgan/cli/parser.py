@@ -1,4 +1,4 @@
-"""Parser: Lightning's, with an answer to mistakes that people can use."""
+"""Parser: Lightning's, with error messages for people."""
 
 import re
 from argparse import HelpFormatter

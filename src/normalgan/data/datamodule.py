@@ -44,7 +44,7 @@ __all__ = ["MeshDataModule"]
 
 _PER_SHARD = 32
 _PAIRS_PER_SHARD = 8
-"""Whoever asks for a pair waits for its whole shard."""
+"""Small, because reading one pair makes its whole shard."""
 
 
 class MeshDataModule(LightningDataModule):

@@ -28,7 +28,7 @@ __all__ = [
 HEADER = 2**16
 """Bytes of a file in which it has to say what it holds."""
 FREE_NUMBERS = 2**22
-"""Numbers that a glTF's accessors may announce whatever its size; more need their bytes in the file."""
+"""Numbers that the accessors of a glTF may declare whatever its size; more need their bytes in the file."""
 FREE_VERTICES = 2**18
 """The same of vertices in a scene, those of a repeated part counted each time."""
 MOST_PARTS = 5_000

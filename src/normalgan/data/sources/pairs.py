@@ -19,7 +19,7 @@ from normalgan.ranges import check_ranges
 __all__ = ["Pairs"]
 
 _SHOWN = 20
-"""As many of what was left out are listed in a warning."""
+"""The most files that a warning lists."""
 _HEADERS = ("PNG", "JPEG", "BMP", "TIFF", "GIF")
 """Formats whose headers Pillow reads in Python alone; others are opened by the decoding process alone."""
 _WITH_HEADER = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".gif"}
