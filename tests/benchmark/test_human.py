@@ -78,7 +78,7 @@ def draw(path: Path, points: list[list[float]], shape: tuple[int, int] = (SIDE, 
 def write_ball_map(path: Path, side: int) -> None:
     """Write the normal map of the ball of `orthographic`."""
     known = truth(np.ones((side, side, 1)), None)
-    normals.write_png(path, np.where(known.mask[..., None], known.normal, 0))
+    path.write_bytes(normals.encode_png(np.where(known.mask[..., None], known.normal, 0)))
 
 
 def write_drawings(folder: Path, **more: Any) -> None:

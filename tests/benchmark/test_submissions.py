@@ -11,7 +11,7 @@ import torch
 
 from needs import SHARED_MESHES
 from normalgan.batch import Batch
-from normalgan.benchmark import command
+from normalgan.benchmark import actions, command
 from normalgan.benchmark.hints import hint_points
 from normalgan.benchmark.measure import HintTests, measure
 from normalgan.benchmark.methods import Method
@@ -208,8 +208,8 @@ def test_the_packages_own_specification_is_found_where_there_is_no_clone(
 ) -> None:
     found: list[bool] = []
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(command, "check", lambda plan, scale, path: found.append(path.is_file()))
-    monkeypatch.setattr(command, "write_test_inputs", lambda plan, scale, folder: 0)
+    monkeypatch.setattr(actions, "check", lambda plan, scale, path: found.append(path.is_file()))
+    monkeypatch.setattr(actions, "write_test_inputs", lambda plan, scale, folder: 0)
     named = ["--config", "configs/benchmark/people.yaml", "--spec", "configs/benchmark/v3.json"]
     assert command.run([*named, "--inputs", "inputs"]) == 0
     assert found == [True]
