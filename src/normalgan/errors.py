@@ -2,14 +2,20 @@
 
 import difflib
 import errno
+import sys
+import traceback
 from collections.abc import Iterable
+from typing import NamedTuple
 
 __all__ = [
     "InputError",
+    "Place",
     "RunError",
     "brief",
     "did_you_mean",
     "one_line",
+    "tell",
+    "third_party_place",
     "unwritable",
     "wants_memory",
     "with_subject",
@@ -61,6 +67,32 @@ def one_line(text: str) -> str:
     'the mesh \\x1b[2Jhorse is missing'
     """
     return "".join(c if c.isprintable() else repr(c)[1:-1] for c in " ".join(text.split()))
+
+
+def tell(message: object) -> None:
+    """Print a message on the error stream, in one line after the program's name."""
+    print(f"normalgan: {one_line(str(message))}", file=sys.stderr, flush=True)
+
+
+class Place(NamedTuple):
+    """A place in the code: a method such as ``Dots.sample``, its file, and the line."""
+
+    method: str
+    file: str
+    line: int
+
+
+def third_party_place(error: BaseException) -> Place | None:
+    """Return where a third-party class derived from ours raised an error; None if none did."""
+    found: Place | None = None
+    for frame, line in traceback.walk_tb(error.__traceback__):
+        owner, file = type(frame.f_locals.get("self")), frame.f_code.co_filename
+        ours = [base.__module__.partition(".")[0] == "normalgan" for base in owner.__mro__]
+        if not ours[0] and any(ours):
+            found = Place(f"{owner.__name__}.{frame.f_code.co_name}", file, line)
+        elif found is not None and file == found.file:
+            found = found._replace(line=line)
+    return found
 
 
 def brief(error: BaseException) -> str:

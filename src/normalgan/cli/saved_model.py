@@ -1,13 +1,12 @@
 """SavedModel: the model in the file that ``--ckpt_path`` names, with the settings it was trained with."""
 
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from normalgan.callbacks.checkpoints import check_size, check_sizes, checkpoint_folder, named_checkpoint
-from normalgan.errors import InputError
+from normalgan.errors import InputError, tell
 from normalgan.weights.checkpoint import Checkpoint, read_checkpoint
 from normalgan.weights.file import SUFFIXES, Weights, find_weights, read_weights
 from normalgan.weights.shipped import SHIPPED, SHIPPED_NAME
@@ -53,10 +52,7 @@ def announce(model: SavedModel, command: str) -> None:
     if model.weights is not None and model.path.suffix.lower() in SUFFIXES:
         whose = "that come with the package" if model.path == SHIPPED else f"in {model.path}"
         notes = model.weights.notes
-        print(
-            f"normalgan: {command} uses the weights {whose}: {notes.generator.name}, {notes.size} pixels.",
-            file=sys.stderr,
-        )
+        tell(f"{command} uses the weights {whose}: {notes.generator.name}, {notes.size} pixels.")
 
 
 def find_model(command: str, name: str | None, root: str | None) -> Path | None:
