@@ -1,5 +1,4 @@
 from abc import ABC, abstractmethod
-from importlib.metadata import EntryPoint
 
 import pytest
 
@@ -42,16 +41,3 @@ def test_answers_a_typo(registry: Registry[Shape]) -> None:
     registry.register(Square)
     assert registry.explain_unknown("Sqare") == "no Shape named 'Sqare'. Did you mean Square? Known: Square."
     assert registry.explain_unknown("Hexagon") == "no Shape named 'Hexagon'. Known: Square."
-
-
-def test_entry_points_register_and_broken_ones_are_left_out(
-    registry: Registry[Shape], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    entries = [
-        EntryPoint("bad", "no_such_module:Circle", "normalgan.shapes"),
-        EntryPoint("good", f"{__name__}:Square", "normalgan.shapes"),
-    ]
-    monkeypatch.setattr("normalgan.registry.offered", lambda group: entries)
-    with pytest.warns(UserWarning, match="'bad' .* is left out: ModuleNotFoundError"):
-        registry.load_entry_points()
-    assert registry.names() == ["Square"]

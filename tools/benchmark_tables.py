@@ -13,9 +13,9 @@ from pathlib import Path
 from statistics import fmean
 from typing import Any
 
+from normalgan.benchmark.cells import figure_cell, interval_cell, spread_of
 from normalgan.benchmark.intervals import total_interval
 from normalgan.benchmark.measure import OWN
-from normalgan.benchmark.table import figure_cell, interval_cell, spread_of
 from normalgan.files.writing import write_bytes
 
 ROOT = Path(__file__).parents[1]

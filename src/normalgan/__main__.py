@@ -13,7 +13,7 @@ import normalgan
 from normalgan.cli.commands import COMMANDS, OTHERS, USAGE
 from normalgan.cli.late_imports import gc_paused
 from normalgan.cli.training_help import asked_for, overview
-from normalgan.errors import InputError, RunError, brief, did_you_mean, one_line, wants_memory
+from normalgan.errors import InputError, RunError, brief, did_you_mean, tell, third_party_place, wants_memory
 
 TRAINING_LIBRARIES = (
     *(
@@ -73,8 +73,10 @@ def main(arguments: list[str] | None = None) -> int:
             raise
         if known := _known(error, arguments[0]):
             return _fail(*known)
+        place = third_party_place(error)
+        where = f" in {place.method}" if place else ""
         return _fail(
-            f"failed while running: {type(error).__name__}: {brief(error)}{_culprit(error)} "
+            f"failed while running: {type(error).__name__}: {brief(error)}{where} "
             "(set NORMALGAN_TRACEBACK=1 to see where).",
             1,
         )
@@ -83,18 +85,6 @@ def main(arguments: list[str] | None = None) -> int:
 def _unknown(command: str) -> str:
     hint = did_you_mean(command, COMMANDS)
     return f"no command named {command!r}.{hint} The commands are {', '.join(COMMANDS)}."
-
-
-def _culprit(error: Exception) -> str:
-    """Return which method of a third-party class raised an error, if one did: a bug there is for them."""
-    found, trace = "", error.__traceback__
-    while trace is not None:
-        owner = type(trace.tb_frame.f_locals.get("self"))
-        ours = [base.__module__.partition(".")[0] == "normalgan" for base in owner.__mro__]
-        if not ours[0] and any(ours):
-            found = f" in {owner.__name__}.{trace.tb_frame.f_code.co_name}"
-        trace = trace.tb_next
-    return found
 
 
 def _known(error: Exception, command: str) -> tuple[str, int] | None:
@@ -119,7 +109,7 @@ def _explain(error: OSError) -> str:
 
 
 def _fail(sentence: str, code: int) -> int:
-    print(f"normalgan: {one_line(sentence)}", file=sys.stderr)
+    tell(sentence)
     return code
 
 

@@ -2,14 +2,20 @@
 
 import difflib
 import errno
+import sys
+import traceback
 from collections.abc import Iterable
+from typing import NamedTuple
 
 __all__ = [
     "InputError",
+    "Place",
     "RunError",
     "brief",
     "did_you_mean",
     "one_line",
+    "tell",
+    "third_party_place",
     "unwritable",
     "wants_memory",
     "with_subject",
@@ -63,6 +69,32 @@ def one_line(text: str) -> str:
     return "".join(c if c.isprintable() else repr(c)[1:-1] for c in " ".join(text.split()))
 
 
+def tell(message: object) -> None:
+    """Print a message on the error stream, in one line after the program's name."""
+    print(f"normalgan: {one_line(str(message))}", file=sys.stderr, flush=True)
+
+
+class Place(NamedTuple):
+    """A place in the code: a method such as ``Dots.sample``, its file, and the line."""
+
+    method: str
+    file: str
+    line: int
+
+
+def third_party_place(error: BaseException) -> Place | None:
+    """Return where a third-party class derived from ours raised an error; None if none did."""
+    found: Place | None = None
+    for frame, line in traceback.walk_tb(error.__traceback__):
+        owner, file = type(frame.f_locals.get("self")), frame.f_code.co_filename
+        ours = [base.__module__.partition(".")[0] == "normalgan" for base in owner.__mro__]
+        if not ours[0] and any(ours):
+            found = Place(f"{owner.__name__}.{frame.f_code.co_name}", file, line)
+        elif found is not None and file == found.file:
+            found = found._replace(line=line)
+    return found
+
+
 def brief(error: BaseException) -> str:
     r"""Return the first line of an error's text, or its type's name if it has none.
 
@@ -83,8 +115,27 @@ def did_you_mean(given: str, known: Iterable[str], cutoff: float = 0.6) -> str:
         known: the known names.
         cutoff: share of letters that must agree.
 
-    >>> did_you_mean("widht", ["depth", "width"])
-    ' Did you mean width?'
+    >>> did_you_mean("hrose", ["house", "horse"])
+    ' Did you mean horse?'
     """
-    near = difflib.get_close_matches(given, list(known), n=1, cutoff=cutoff)
-    return f" Did you mean {near[0]}?" if near else ""
+    near = difflib.get_close_matches(given, list(known), cutoff=cutoff)
+    return f" Did you mean {min(near, key=lambda name: _typos(given, name))}?" if near else ""
+
+
+def _typos(given: str, meant: str) -> int:
+    """Return how many letters must be inserted, deleted, replaced or swapped with their neighbour.
+
+    difflib does not count swaps: to it, "hrose" is as near to "house" as to "horse".
+
+    >>> _typos("hrose", "horse"), _typos("hrose", "house")
+    (1, 2)
+    """
+    rows = [list(range(len(meant) + 1))]
+    for i, letter in enumerate(given):
+        row = [i + 1]
+        for j, other in enumerate(meant):
+            row.append(min(rows[i][j] + (letter != other), rows[i][j + 1] + 1, row[j] + 1))
+            if i and j and (letter, given[i - 1]) == (meant[j - 1], other):
+                row[-1] = min(row[-1], rows[i - 1][j - 1] + 1)
+        rows.append(row)
+    return rows[-1][-1]

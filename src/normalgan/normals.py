@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from normalgan.arrays import Floats
 from normalgan.errors import InputError, brief
 from normalgan.files.limits import read_bounded, refuse_pointer
-from normalgan.files.writing import write_bytes
 
 __all__ = [
     "LEAST_Z",
@@ -39,7 +38,6 @@ __all__ = [
     "read_png",
     "strips",
     "vectors",
-    "write_png",
 ]
 
 Bits = Literal[8, 16]
@@ -179,17 +177,6 @@ def pad_edge(pixels: NDArray[Any], there: NDArray[np.bool_], reach: int) -> None
     around = ~own & (away <= reach)
     row, column = place[nearest[around]].T
     inside[around, :3] = inside[row, column, :3]
-
-
-def write_png(path: str | Path, normals: NDArray[np.floating], bits: Bits = 8) -> None:
-    """Write a normal map (H, W, 3) as an RGB PNG of 8 or 16 bits a channel.
-
-    It is written under a temporary name first, so that no half-written file is left.
-
-    Raises:
-        OSError: if it cannot be written.
-    """
-    write_bytes(path, encode_png(normals, bits))
 
 
 def encode_png(

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from normalgan.errors import one_line
+from normalgan.errors import tell
 
 __all__ = ["INFO_NOT_SAID", "NOT_SAID", "filter_warnings", "quiet_loggers"]
 
@@ -47,7 +47,10 @@ class _InfoHandler(logging.Handler):
         text = record.getMessage().strip("\n")
         if record.levelno <= logging.INFO and (not text.strip() or INFO_NOT_SAID.search(text.strip())):
             return
-        print(text if "\n" in text else f"normalgan: {one_line(text)}", file=sys.stderr)
+        if "\n" in text:
+            print(text, file=sys.stderr)
+        else:
+            tell(text)
 
 
 _HANDLER = _InfoHandler()
@@ -67,7 +70,7 @@ def filter_warnings() -> None:
 
 
 def _show(message: Warning | str, *_: Any, **__: Any) -> None:
-    print(f"normalgan: warning: {one_line(str(message))}", file=sys.stderr)
+    tell(f"warning: {message}")
 
 
 @contextmanager

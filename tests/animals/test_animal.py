@@ -1,16 +1,10 @@
 import numpy as np
 import pytest
-import trimesh
 from sound import coarse
 
-from normalgan.animals import GROUPS, SPECIES, Animal, make_animals
+from normalgan.animals import GROUPS, Animal, make_animals
 from normalgan.animals.quadrupeds_poses import POSTURES
 from normalgan.errors import InputError
-from normalgan.rendering.mesh import Mesh
-
-
-def solid(mesh: Mesh) -> trimesh.Trimesh:
-    return trimesh.Trimesh(mesh.vertices, mesh.faces, process=False)
 
 
 def test_the_head_is_at_plus_x_and_the_feet_are_down() -> None:
@@ -23,31 +17,11 @@ def test_the_head_is_at_plus_x_and_the_feet_are_down() -> None:
         assert np.ptp(side[:, 0]) > 0.3
 
 
-def test_standing_feet_share_the_ground() -> None:
-    mesh = coarse("horse", 4, "walk")
-    low = mesh.vertices[mesh.vertices[:, 1] < mesh.vertices[:, 1].min() + 0.01]
-    hoofs = len(np.unique(np.round(low[:, [0, 2]] / 0.15), axis=0))
-    assert hoofs >= 2
-
-
-def test_a_grazing_horse_is_lower_than_a_standing_one() -> None:
-    def tallness(pose: str) -> float:
-        extent = np.ptp(coarse("horse", 4, pose).vertices, axis=0)
-        return float(extent[1] / extent[0])
-
-    assert tallness("graze") < 0.9 * tallness("stand")
-
-
 def test_the_same_animal_is_the_same_to_the_byte() -> None:
     first, second = Animal("stag", 11).load(), Animal("stag", 11).load()
     assert first.vertices.tobytes() == second.vertices.tobytes()
     assert first.faces.tobytes() == second.faces.tobytes()
     assert first.normals.tobytes() == second.normals.tobytes()
-
-
-def test_two_seeds_differ_in_shape_not_only_in_pose() -> None:
-    one, other = (solid(coarse("pig", seed, "stand")) for seed in (1, 2))
-    assert abs(one.volume - other.volume) > 0.002 * one.volume
 
 
 def test_fingerprint_and_name_follow_species_seed_and_pose() -> None:
@@ -87,11 +61,6 @@ def test_a_herd_takes_species_and_groups_in_rotation_and_each_once() -> None:
     assert mixed[0].species == "horse"
     assert len({animal.species for animal in mixed}) == 15
     assert make_animals(15) == make_animals(15, species=["quadrupeds"])
-
-
-def test_names_of_groups_and_species_are_told_apart() -> None:
-    assert sum(len(members) for members in GROUPS.values()) == len(SPECIES)
-    assert not set(GROUPS) & set(SPECIES)
 
 
 def test_what_is_not_known_is_said_with_the_nearest_that_is() -> None:

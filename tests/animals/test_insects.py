@@ -1,21 +1,8 @@
 import numpy as np
 import pytest
-from sound import coarse
 
 from normalgan.animals.insects import LegRow, legs, wing
 from normalgan.animals.shapes import Plate, Sweep
-
-
-@pytest.mark.parametrize(("species", "count"), [("ant", 6), ("spider", 8)])
-def test_a_standing_body_is_on_as_many_feet_as_it_should(species: str, count: int) -> None:
-    vertices = coarse(species, 2, "stand").vertices
-    low = vertices[vertices[:, 1] < vertices[:, 1].min() + 0.06]
-    # Feet are farther from one another than their own size: count heaps of vertices.
-    heaps = 0
-    while len(low):
-        low = low[np.linalg.norm(low - low[0], axis=1) > 0.2]
-        heaps += 1
-    assert heaps == count
 
 
 def test_legs_reach_their_ground_and_lift_in_a_walk() -> None:

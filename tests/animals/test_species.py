@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from sound import check_closed, coarse
 
-from normalgan.animals import GROUPS, SPECIES, Animal
+from normalgan.animals import SPECIES, Animal
 from normalgan.rendering.mesh import Mesh
 
 
@@ -54,18 +54,6 @@ def test_every_pose_of_every_species_is_sound(species: str) -> None:
         assert 10_000 <= len(mesh.faces) <= 45_000, f"{mesh.name}: {len(mesh.faces)}"
 
 
-@pytest.mark.parametrize("group", ["birds", "fish", "reptiles", "dinosaurs"])
-def test_a_group_has_at_least_four_species_and_each_several_poses(group: str) -> None:
-    assert len(GROUPS[group]) >= 4
-    assert all(len(SPECIES[name].poses) >= 2 for name in GROUPS[group])
-
-
-def test_wings_spread_are_wider_than_wings_folded() -> None:
-    wide, narrow = (np.ptp(coarse("eagle", 1, pose).vertices, axis=0) for pose in ("soar", "stand"))
-    assert wide[2] / wide[0] > 1.2
-    assert narrow[2] / narrow[1] < 0.7
-
-
 def test_heads_are_at_plus_x() -> None:
     giants = [coarse(name, 2, "stand").vertices for name in ("sauropod", "heron", "tyrannosaur")]
     for vertices in giants:
@@ -73,10 +61,3 @@ def test_heads_are_at_plus_x() -> None:
     shark = coarse("shark", 1, "glide").vertices  # its tail fin is tall and thin, its head is not
     ends = [shark[shark[:, 0] * sign > 0.85] for sign in (1, -1)]
     assert np.ptp(ends[0][:, 1]) < 0.5 * np.ptp(ends[1][:, 1])
-
-
-@pytest.mark.parametrize("species", ["perch", "angelfish"])
-def test_fish_that_glide_are_nearly_the_same_on_both_sides(species: str) -> None:
-    straight, bent = (coarse(species, 3, pose).vertices for pose in ("glide", "turn"))
-    middle = [float(np.abs(v[np.argmin(v[:, 0]), 2] - v[np.argmax(v[:, 0]), 2])) for v in (straight, bent)]
-    assert middle[0] < 0.2 * middle[1]

@@ -1,8 +1,6 @@
 import numpy as np
-import pytest
 
 from normalgan.animals.stations import Profile, Spine, Stations
-from normalgan.errors import InputError
 
 BODY = Profile(
     x=np.array([0.0, 1.0, 3.0]),
@@ -33,15 +31,3 @@ def test_a_straight_spine_leaves_a_body_as_it_is_and_a_bent_one_turns_its_end() 
     np.testing.assert_allclose(bent.points[:2], straight.points[:2], atol=1e-12)
     assert bent.points[2, 2] < -1.0  # to its left
     np.testing.assert_allclose(bent.sides[2], [1, 0, 0], atol=1e-12)
-
-
-def test_columns_of_one_length_and_sections_with_a_size() -> None:
-    one, two, three = (np.full(n, 0.5) for n in (1, 2, 3))
-    with pytest.raises(InputError, match=r"one number a station.*x has 3, y has 2, radius has 3\."):
-        Stations(three, two, three)
-    with pytest.raises(InputError, match="of two stations or more"):
-        Stations(one, one, one)
-    with pytest.raises(InputError, match=r"radius and half_width are greater than 0\."):
-        Stations(two, two, two, half_width=0 * two)
-    with pytest.raises(InputError, match="top is greater than bottom"):
-        Profile(two, two, two, two)

@@ -172,7 +172,7 @@ def test_mistakes_are_told_before_anything_starts(capsys: pytest.CaptureFixture[
     fourlegs = str(ROOT / "configs" / "benchmark" / "fourlegs.yaml")
     cpu = str(ROOT / "configs" / "cpu.yaml")
     for arguments, said in (
-        ([], "benchmark takes one plan, a --config file with rows, but was given 0"),
+        ([], "such as configs/benchmark/fourlegs.yaml, but was given 0."),
         (["--config", cpu], "but was given 0"),
         (["--config", fourlegs, "--config", fourlegs], "but was given 2"),
         (["--config", fourlegs, "--rows", "paper,their"], "the plan has no row their"),

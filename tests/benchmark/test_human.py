@@ -78,7 +78,7 @@ def draw(path: Path, points: list[list[float]], shape: tuple[int, int] = (SIDE, 
 def write_ball_map(path: Path, side: int) -> None:
     """Write the normal map of the ball of `orthographic`."""
     known = truth(np.ones((side, side, 1)), None)
-    normals.write_png(path, np.where(known.mask[..., None], known.normal, 0))
+    path.write_bytes(normals.encode_png(np.where(known.mask[..., None], known.normal, 0)))
 
 
 def write_drawings(folder: Path, **more: Any) -> None:
@@ -127,10 +127,10 @@ def test_the_unit_of_a_mesh_does_not_matter(tmp_path: Path, scale: float) -> Non
         (np.array([[1, 0.2, 0], [0, 1, 0], [0, 0, 1.0]]) @ perspective(), "skewed"),
         (np.diag([2.0, 1.0, 1.0]) @ orthographic(), "stretched"),
         (perspective(distance=1.0), "stands within the mesh"),
-        (np.zeros((3, 4)), "not a matrix of finite numbers"),
+        (np.zeros((3, 4)), "must hold finite numbers"),
     ],
 )
-def test_what_is_no_camera_is_refused(tmp_path: Path, matrix: Doubles, message: str) -> None:
+def test_a_projection_without_a_camera_is_refused(tmp_path: Path, matrix: Doubles, message: str) -> None:
     placed: PlacedMesh = read_placed_mesh(write_ball(tmp_path / "ball.ply"))
     with pytest.raises(InputError, match=message):
         camera_of(matrix, placed, SIDE)
@@ -259,7 +259,7 @@ def test_a_drawing_that_cannot_be_compared_is_left_out(
         ("", ["--evaluate", "none.onnx"], "none.onnx"),
     ],
 )
-def test_what_cannot_be_used_is_said_in_one_sentence(
+def test_bad_input_is_one_sentence(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], index: str | None, more: list[str], message: str
 ) -> None:
     folder = tmp_path / "data"

@@ -75,14 +75,14 @@ def seeded(by_seed: list[list[float]]) -> list[dict[str, Any]]:
     return [{**a_run(values), "seed": seed} for seed, values in enumerate(by_seed)]
 
 
-def test_where_seeds_agree_the_interval_of_both_is_students_over_the_meshes() -> None:
+def test_with_equal_seeds_the_total_interval_is_students_over_the_meshes() -> None:
     found = total_interval(seeded([ONE, ONE, ONE]), seeded([OTHER, OTHER, OTHER]), "15", "angular_mean")
     assert found is not None
     wanted = ttest_rel(ONE, OTHER).confidence_interval(0.95)
     assert (found.low, found.high) == pytest.approx((wanted.low, wanted.high))
 
 
-def test_where_meshes_agree_the_interval_of_both_is_students_over_the_seeds() -> None:
+def test_with_equal_meshes_the_total_interval_is_students_over_the_seeds() -> None:
     ours, theirs = [16.0, 16.4, 17.1], [17.0, 17.1, 17.9]
     found = total_interval(
         seeded([4 * [v] for v in ours]), seeded([4 * [v] for v in theirs]), "15", "angular_mean"

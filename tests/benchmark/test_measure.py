@@ -38,7 +38,7 @@ def test_hinted_pixels_count_for_no_method() -> None:
     assert constant["own"] == {**constant["0"], "hints": 0}
 
 
-def test_a_method_that_takes_none_is_given_none() -> None:
+def test_a_method_without_hints_is_given_none() -> None:
     given: list[Tensor | None] = []
 
     def predict(batch: Batch, hints: Tensor | None) -> Tensor:
@@ -78,7 +78,7 @@ def test_a_map_that_is_not_finite_has_no_figure() -> None:
     assert measured.views["0"]["angular_mean"] == [None]
 
 
-def test_nothing_is_measured_in_tf32() -> None:
+def test_measuring_does_not_use_tf32() -> None:
     allowed: list[bool] = []
 
     def predict(batch: Batch, hints: Tensor | None) -> Tensor:

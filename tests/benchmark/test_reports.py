@@ -73,7 +73,7 @@ def test_cells_are_mean_and_spread_over_the_seeds() -> None:
     assert line(text, "What it costs", "the paper") == ["1.23 M", "2.50 G", "12.3", "100", "1.0 ± 0.0"]
 
 
-def test_what_is_missing_is_left_out_and_what_has_no_figure_is_a_dash() -> None:
+def test_missing_rows_are_left_out_and_missing_figures_are_dashes() -> None:
     nothing = result(
         None, None, curve=[], images=0, cost={"parameters": 0, "flops": 0, "images_per_second": 5.0}
     )
@@ -85,7 +85,7 @@ def test_what_is_missing_is_left_out_and_what_has_no_figure_is_a_dash() -> None:
     assert line(text, "What it costs", "the mean") == ["–", "–", "5.0", "–", "–"]
 
 
-def test_what_it_was_measured_on_stands_above_the_tables() -> None:
+def test_the_specification_stands_above_the_tables() -> None:
     specification: dict[str, str | int] = {"size": 64, "meshes": "d373b18e859b", "hints": "c83a6ceb5202"}
     text = markdown(PLAN, Scale("cpu"), {"paper": [result(0, 20.0)]}, specification)
     said = "(reports with the same are comparable): size 64, meshes d373b18e859b, hints c83a6ceb5202."
@@ -93,13 +93,13 @@ def test_what_it_was_measured_on_stands_above_the_tables() -> None:
     assert "comparable" not in markdown(PLAN, Scale("cpu"), {"paper": [result(0, 20.0)]})
 
 
-def test_what_was_not_painted_here_has_no_speed() -> None:
+def test_maps_of_another_program_have_no_speed() -> None:
     read = result(None, 30.0, cost={"parameters": 0, "flops": 0, "images_per_second": 0})
     text = markdown(PLAN, Scale("cpu"), {"mean": [read]})
     assert line(text, "What it costs", "the mean")[2] == "–"
 
 
-def test_that_the_test_split_has_other_data_is_said() -> None:
+def test_other_test_data_are_reported() -> None:
     results = {"mean": [result(None, 30.0)]}
     otherwise = replace(PLAN, test_data={"lines": {"class_path": "RidgesAndValleys"}})
     said = 'The test split has other data than the training split: lines={"class_path": "RidgesAndValleys"}.'
@@ -107,7 +107,7 @@ def test_that_the_test_split_has_other_data_is_said() -> None:
     assert "other data" not in markdown(PLAN, Scale("cpu"), results)
 
 
-def test_every_line_of_a_table_has_as_many_cells() -> None:
+def test_all_lines_of_a_table_have_the_same_number_of_cells() -> None:
     text = markdown(PLAN, Scale("cpu"), {row.name: [result(0, 20.0)] for row in ROWS})
     tables = [part for part in text.split("\n\n") if part.startswith("|")]
     assert len(tables) == 8
@@ -169,7 +169,7 @@ def test_errors_by_distance_have_a_table_where_they_were_measured() -> None:
     assert "| method | 0 to 1 |" in hinted
 
 
-def test_curves_of_unequal_length_are_read_off_where_they_are() -> None:
+def test_curves_of_unequal_length_are_averaged_where_they_exist() -> None:
     short = result(1, 20.0, curve=[{"images": 50, VALIDATION: 20.0}, {"images": 75, VALIDATION: 10.0}])
     images, errors = learning_curve([result(0, 20.0), short])
     assert images.tolist() == [50, 100]
@@ -235,7 +235,7 @@ def test_a_long_curve_is_thinned_out(tmp_path: Path) -> None:
     assert len(read_curve(tmp_path, most=2000)) == 1000
 
 
-def test_what_a_plan_tests_besides_has_tables_of_its_own() -> None:
+def test_further_tests_of_a_plan_have_their_own_tables() -> None:
     plan = replace(
         PLAN,
         placements=["uniform", "worst"],

@@ -18,7 +18,7 @@ def settings(**model: Any) -> dict[str, Any]:
     }
 
 
-def test_what_the_test_split_cannot_have_is_refused_before_training() -> None:
+def test_bad_settings_of_the_test_split_are_refused_before_training() -> None:
     misspelt = {"lines": {"class_path": "RidgesAndValeys"}}
     plan = Plan("A plan", 100, [Row("mean", "the mean map", classical="mean")], test_data=misspelt)
     with pytest.raises(InputError, match=r"test_data of the plan cannot be used: .*RidgesAndValleys"):

@@ -5,12 +5,12 @@ from normalgan.errors import InputError
 
 
 @pytest.mark.parametrize("text", ["8", "m", "8 m", "-8m", "8m later", "", "8d"])
-def test_what_is_no_time_is_refused(text: str) -> None:
+def test_an_invalid_budget_is_refused(text: str) -> None:
     with pytest.raises(InputError, match=r"is not a span of time; write it like 8m"):
         read_budget(text)
 
 
-def test_no_time_at_all_is_refused() -> None:
+def test_a_budget_of_zero_is_refused() -> None:
     with pytest.raises(InputError, match="must be more than zero"):
         read_budget("0m")
 

@@ -11,7 +11,7 @@ import torch
 
 from needs import SHARED_MESHES
 from normalgan.batch import Batch
-from normalgan.benchmark import command
+from normalgan.benchmark import actions, command
 from normalgan.benchmark.hints import hint_points
 from normalgan.benchmark.measure import HintTests, measure
 from normalgan.benchmark.methods import Method
@@ -78,7 +78,7 @@ def test_the_inputs_are_the_tests_and_what_is_painted_of_them_is_measured(
 
 
 @pytest.mark.parametrize(("levels", "kind"), [(255, np.uint8), (65535, np.uint16)], ids=["8 bits", "16 bits"])
-def test_grey_on_the_object_says_as_little_as_transparency(
+def test_grey_on_the_object_counts_as_transparent(
     tmp_path: Path, given: Batch, levels: int, kind: type[np.unsignedinteger[Any]]
 ) -> None:
     for name in given["name"]:
@@ -208,8 +208,8 @@ def test_the_packages_own_specification_is_found_where_there_is_no_clone(
 ) -> None:
     found: list[bool] = []
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(command, "check", lambda plan, scale, path: found.append(path.is_file()))
-    monkeypatch.setattr(command, "write_test_inputs", lambda plan, scale, folder: 0)
+    monkeypatch.setattr(actions, "check", lambda plan, scale, path: found.append(path.is_file()))
+    monkeypatch.setattr(actions, "write_test_inputs", lambda plan, scale, folder: 0)
     named = ["--config", "configs/benchmark/people.yaml", "--spec", "configs/benchmark/v3.json"]
     assert command.run([*named, "--inputs", "inputs"]) == 0
     assert found == [True]
@@ -218,7 +218,7 @@ def test_the_packages_own_specification_is_found_where_there_is_no_clone(
 @pytest.mark.parametrize(
     "two", [("--inputs", "--score"), ("--score", "--evaluate"), ("--evaluate", "--inputs")]
 )
-def test_of_two_things_to_do_none_is_passed_over(two: tuple[str, str]) -> None:
+def test_two_modes_at_once_are_refused(two: tuple[str, str]) -> None:
     both = [text for name in two for text in (name, "there")]
     with pytest.raises(InputError, match="were given, and only one could be done; use a command for each"):
         command.run(["--config", "configs/benchmark/people.yaml", *both])
@@ -265,5 +265,5 @@ def test_a_submission_whose_green_points_down_is_refused(tmp_path: Path, given: 
         measure(read_submission(folder).method(), [given], HintTests([0]), CPU)
 
 
-def test_leaving_out_what_is_hard_does_not_pay_in_the_ranking() -> None:
+def test_leaving_out_hard_pixels_lowers_the_rank() -> None:
     assert ranked_error(10, 0.8) > ranked_error(20, 1.0)

@@ -46,7 +46,7 @@ def run(folder: Path, name: str, seed: int = 0, **data: Any) -> Run:
     return Run(row, seed, folder / name / f"seed{seed}", {"data": {**DATA, **data}, "seed_everything": seed})
 
 
-def test_what_is_done_is_not_done_again(tmp_path: Path) -> None:
+def test_finished_runs_are_skipped(tmp_path: Path) -> None:
     bench, runs = Bench(), [run(tmp_path, "a"), run(tmp_path, "a", 1), run(tmp_path, "b")]
     assert bench.go(runs[:2]) == []
     one, two, three = "a, seed 0", "a, seed 1", "b, seed 0"
@@ -79,7 +79,7 @@ def test_an_interrupted_run_goes_on(tmp_path: Path) -> None:
     assert bench.log == ["train a, seed 0", "evaluate a, seed 0", "report"]
 
 
-def test_a_run_that_fails_leaves_the_others_alone(tmp_path: Path) -> None:
+def test_a_failed_run_does_not_stop_the_others(tmp_path: Path) -> None:
     bench, runs = Bench("b"), [run(tmp_path, name) for name in "abc"]
     assert bench.go(runs) == ["b, seed 0 failed: no luck"]
     assert [read_state(r, "e") for r in runs] == ["done", "begun", "done"]
@@ -87,7 +87,7 @@ def test_a_run_that_fails_leaves_the_others_alone(tmp_path: Path) -> None:
     assert [read_state(r, "e") for r in runs] == ["done"] * 3
 
 
-def test_a_failure_that_nobody_thought_of_leaves_the_others_alone_too(tmp_path: Path) -> None:
+def test_an_unexpected_error_does_not_stop_the_other_runs(tmp_path: Path) -> None:
     class Broken(Bench):
         def evaluate(self, run: Run) -> dict[str, Any]:
             raise ZeroDivisionError("by zero\nlong story")
@@ -98,7 +98,7 @@ def test_a_failure_that_nobody_thought_of_leaves_the_others_alone_too(tmp_path: 
     assert [read_state(r, "e") for r in runs] == ["trained"] * 2
 
 
-def test_other_settings_are_said_and_not_mixed(tmp_path: Path) -> None:
+def test_a_folder_of_other_settings_is_refused(tmp_path: Path) -> None:
     bench = Bench()
     bench.go([run(tmp_path, "a")])
     with pytest.raises(InputError, match=r"seed0 was made with other settings \(data\.size\)"):
@@ -121,7 +121,7 @@ def test_another_way_to_measure_does_not_train_again(tmp_path: Path) -> None:
     assert bench.log == ["evaluate a, seed 0", "report"]
 
 
-def test_what_learns_nothing_is_only_measured(tmp_path: Path) -> None:
+def test_classical_methods_are_only_measured(tmp_path: Path) -> None:
     classical = replace(run(tmp_path, "a"), row=Row("mean", "Mean", classical="mean"), seed=None)
     classical.settings["model"] = {"changes": "nothing"}
     bench = Bench()

@@ -1,6 +1,5 @@
 from dataclasses import replace
 from io import BytesIO
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,13 +8,11 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from normalgan.callbacks.gallery import (
-    COLUMNS,
     MAX_ERROR,
     Row,
     batch_row,
     colours,
     draw_gallery,
-    write_gallery,
 )
 from normalgan.errors import InputError
 from normalgan.metrics import angular_error
@@ -57,14 +54,6 @@ def test_error_is_that_of_the_metric() -> None:
     expected = angular_error(torch.from_numpy(row.preds)[None], torch.from_numpy(row.target)[None])[0, 0]
     np.testing.assert_allclose(row.error()[row.mask], expected.numpy()[row.mask], atol=1e-3)
     assert np.isnan(row.error()[~row.mask]).all()
-
-
-def test_error_of_a_turned_sphere() -> None:
-    # A vector at an angle t from the axis of view moves by 2 asin(sin t · sin(φ/2)) in a turn of φ.
-    row = make_row(degrees=40)
-    tilt = np.hypot(row.target[0], row.target[1])
-    expected = np.rad2deg(2 * np.arcsin(tilt * np.sin(np.deg2rad(20))))
-    np.testing.assert_allclose(row.error()[row.mask], expected[row.mask], atol=1e-3)
 
 
 def test_colours_are_those_of_files_and_flat_off_the_object() -> None:
@@ -132,23 +121,9 @@ def test_captions_say_how_many_hints_and_what_error() -> None:
     assert (caption(row, 2) == 255).all()
 
 
-@pytest.mark.parametrize("size", [16, 32, 64, 100, 128, 256, 512])
-def test_any_size_makes_a_picture_of_moderate_width(size: int) -> None:
-    width = drawn(make_row(size)).shape[1]
-    assert 5 * 140 < width < 5 * 310
-
-
 def test_empty_object_is_drawn_without_warnings() -> None:
     row = make_row()
     drawn(replace(row, mask=np.zeros_like(row.mask), target=np.zeros_like(row.target)))
-
-
-def test_file_is_written_whole(tmp_path: Path) -> None:
-    write_gallery(tmp_path / "deep" / "gallery.png", [make_row()])
-    assert [p.name for p in (tmp_path / "deep").iterdir()] == ["gallery.png"]
-    with Image.open(tmp_path / "deep" / "gallery.png") as image:
-        assert image.format == "PNG"
-        assert image.width == 20 + len(COLUMNS) * 200 + 4 * 8
 
 
 def test_no_rows_are_refused() -> None:

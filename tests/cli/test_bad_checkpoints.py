@@ -78,7 +78,9 @@ def test_a_checkpoint_that_is_missing(bench: Bench, tmp_path: Path) -> None:
 
 
 @pytest.mark.filterwarnings("default")
-def test_the_checkpoint_wins_and_says_over_what(bench: Bench, trained: Path, tmp_path: Path) -> None:
+def test_the_checkpoint_wins_and_names_the_ignored_settings(
+    bench: Bench, trained: Path, tmp_path: Path
+) -> None:
     run = tmp_path / "run"
     shutil.copytree(trained, run)
     outcome = bench.run(
@@ -122,7 +124,7 @@ def test_settings_left_at_their_defaults_are_not_warned_of(
     assert outcome.err == ""
 
 
-def test_a_run_is_not_trained_over(bench: Bench, trained: Path) -> None:
+def test_a_finished_run_is_not_overwritten(bench: Bench, trained: Path) -> None:
     before = left_in(trained)
     bench.run("fit", trained).refused("holds a run already: resume it with --ckpt_path")
     assert left_in(trained) == before

@@ -21,7 +21,7 @@ def failing(number: int) -> Callable[..., None]:
     ("number", "code", "words"),
     [(errno.ENOSPC, 1, "No space left on device"), (errno.EROFS, 2, "Read-only file system")],
 )
-def test_a_cache_that_takes_nothing(
+def test_an_unwritable_cache_is_one_sentence(
     bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int, code: int, words: str
 ) -> None:
     monkeypatch.setattr(Path, "write_bytes", failing(number))
@@ -58,7 +58,7 @@ def test_a_full_disk_leaves_the_last_checkpoint_whole(
     assert last.read_bytes() == before
 
 
-def test_what_a_kill_left_half_written_is_swept(bench: Bench, trained: Path, tmp_path: Path) -> None:
+def test_half_written_files_of_a_killed_run_are_removed(bench: Bench, trained: Path, tmp_path: Path) -> None:
     run = tmp_path / "run"
     shutil.copytree(trained, run)
     left = run / "checkpoints" / ".last.ckpt.12345.tmp"

@@ -21,12 +21,12 @@ def near_miss(setting: str) -> str:
 
 
 @pytest.mark.parametrize("setting", PLUGINS)
-def test_a_plugin_that_is_not_known_is_answered_by_its_near_miss(setting: str) -> None:
+def test_an_unknown_plugin_is_answered_by_its_near_miss(setting: str) -> None:
     run("fit", f"--{setting}", PLUGINS[setting][0]).refused(near_miss(setting))
 
 
 @pytest.mark.parametrize("setting", ["model.generator", "data.lines"])
-def test_and_so_is_one_that_a_file_names_in_either_way(setting: str, tmp_path: Path) -> None:
+def test_an_unknown_plugin_in_a_file_is_answered_by_its_near_miss(setting: str, tmp_path: Path) -> None:
     given, (section, name) = PLUGINS[setting][0], setting.split(".")
     short, nested = tmp_path / "short.yaml", tmp_path / "nested.yaml"
     short.write_text(f"{section}:\n  {name}: {given}\n")
@@ -146,7 +146,7 @@ def test_a_run_needs_no_folder_of_its_own(monkeypatch: pytest.MonkeyPatch, tmp_p
     outcome.refused("a power of two", "not 48")  # of the networks, which are built after the trainer's parts
 
 
-def test_what_has_a_default_is_not_required(bench: Bench, tmp_path: Path) -> None:
+def test_settings_with_a_default_are_not_required(bench: Bench, tmp_path: Path) -> None:
     help_page = run("fit", "--help", "model").out
     for name in ("generator", "discriminator", "hint_sampler", "objective"):
         (line,) = (line for line in help_page.splitlines() if line.strip().startswith(f"--model.{name} "))

@@ -16,6 +16,6 @@ def test_the_finder_of_learning_rates_is_refused(bench: Bench, tmp_path: Path) -
 
 
 @pytest.mark.filterwarnings(*QUIET)
-def test_so_is_the_tuner_of_lightning(meshes: Path, cache: Path, tmp_path: Path) -> None:
+def test_the_tuner_of_lightning_is_refused(meshes: Path, cache: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="LearningRateFinder cannot be used"):
         Tuner(trainer(tmp_path)).lr_find(gan(), data(meshes, cache))

@@ -73,7 +73,7 @@ def test_settings_without_a_class_change_the_class_that_is_there() -> None:
     assert parsed.lines.init_args.line_width == 3
 
 
-def test_what_was_given_for_a_class_goes_to_the_next_one_that_has_it() -> None:
+def test_an_option_is_kept_by_another_class_that_has_it() -> None:
     parsed = build_parser().parse_args(["--lines.line_width", "3", "horse", "--lines", "Brush"])
     assert parsed.lines.class_path.endswith("Brush")
     assert parsed.lines.init_args.line_width == 3

@@ -33,14 +33,14 @@ def test_fit_leaves_checkpoints_curves_and_its_settings(trained: Path) -> None:
     assert not any(name.endswith((".tmp", ".part")) for name in names)
 
 
-def test_fit_says_nothing_that_the_user_can_do_nothing_about(bench: Bench, tmp_path: Path) -> None:
+def test_fit_prints_no_warnings_that_users_cannot_act_on(bench: Bench, tmp_path: Path) -> None:
     outcome = bench.run("fit", tmp_path / "run", "--trainer.enable_model_summary", "false")
     assert (outcome.code, outcome.err) == (0, "")
     (line,) = outcome.out.splitlines()
     assert line.startswith("The best checkpoint is ")
 
 
-def test_what_fit_saved_is_a_configuration(bench: Bench, trained: Path, tmp_path: Path) -> None:
+def test_the_settings_that_fit_saves_are_a_configuration(bench: Bench, trained: Path, tmp_path: Path) -> None:
     outcome = run(
         *("fit", "--config", trained / "config.yaml", "--trainer.default_root_dir", tmp_path / "again"),
         *("--trainer.max_epochs", 1),
@@ -68,7 +68,7 @@ def test_test_leaves_table_and_gallery_and_the_settings_of_fit(bench: Bench, tra
 
 
 @pytest.mark.parametrize("bits", [8, 16])
-def test_predict_paints_each_sketch_at_its_own_size(
+def test_predict_writes_each_map_at_the_size_of_its_sketch(
     bench: Bench, trained: Path, tmp_path: Path, bits: int
 ) -> None:
     (tmp_path / "sketches").mkdir()

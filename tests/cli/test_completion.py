@@ -35,7 +35,7 @@ def test_bash_completes_commands_settings_and_classes(tmp_path: Path) -> None:
     assert completed(script, "normalgan", "render", "--model.generator.help", "UN") == ["UNetGenerator"]
 
 
-def test_what_it_needs_and_what_it_knows_is_said(
+def test_an_unknown_shell_and_a_missing_package_are_one_sentence(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["completion", "fish"]) == 2

@@ -74,7 +74,7 @@ def test_a_detail_is_repeated_and_stands_on_the_surface(hill: Path, tmp_path: Pa
         (["-o", "x.png", "--detail", "gone.png"], "there is no file gone.png"),
     ],
 )
-def test_what_cannot_be_converted_is_told(
+def test_inputs_that_cannot_be_converted_are_one_sentence(
     hill: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],

@@ -33,7 +33,7 @@ def test_fit_says_why_it_stopped_what_a_profiler_measured_and_which_checkpoint_i
     assert "train/discriminator: " in done.out.replace("\n", "")  # not cut at 80 columns
 
 
-def test_what_lightning_logs_of_the_machine_is_left_out(capsys: pytest.CaptureFixture[str]) -> None:
+def test_lightnings_log_of_the_machine_is_left_out(capsys: pytest.CaptureFixture[str]) -> None:
     filter_warnings()
     for text in (
         "GPU available: False, used: False",

@@ -34,14 +34,12 @@ def test_a_configuration_reads_the_environment(tmp_path: Path, monkeypatch: pyte
         ("${}", "is not an environment variable"),
     ],
 )
-def test_what_cannot_be_read_is_refused(text: str, sentence: str) -> None:
+def test_an_invalid_variable_is_refused(text: str, sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
         with_environment({"a": [text]})
 
 
-def test_nothing_is_made_of_a_variable_that_is_not_set(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_unset_variable_leaves_no_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("c.yaml").write_text("data: {cache: '${NO_SUCH_VARIABLE}'}\n")
     run("fit", "--config", "c.yaml").refused("the environment has no NO_SUCH_VARIABLE")

@@ -52,7 +52,9 @@ class ShareFacing(MapMetric):
 
 
 @pytest.mark.slow  # trains, tests and compares
-def test_they_are_used_by_short_name(bench: Bench, tmp_path: Path, site: Path) -> None:
+def test_a_metric_and_an_augmentation_are_used_by_short_name(
+    bench: Bench, tmp_path: Path, site: Path
+) -> None:
     entries = {
         "normalgan.metrics": {"S": "foreign_measures:ShareFacing"},
         "normalgan.augmentations": {"F": "foreign_measures:Fade"},

@@ -136,7 +136,7 @@ def test_animations_of_one_name_and_different_kinds_are_files_of_their_own(
         assert "walk_0001_" in capsys.readouterr().err
 
 
-def test_what_is_there_can_be_skipped(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_existing_maps_can_be_skipped(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     draw("fox.png", "owl.png")
     assert generate("fox.png") == 0
     before = Path("normals/fox_normal.png").stat().st_mtime_ns
@@ -220,7 +220,7 @@ def test_no_folder_is_made_of_the_name_of_a_file(
     assert written(f"out/{name}") == {"fox_normal.png"}
 
 
-def test_what_cannot_be_written_is_noticed_before_anything_is_painted(
+def test_unwritable_outputs_are_reported_before_inference(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     draw("fox.png")
@@ -233,7 +233,7 @@ def test_what_cannot_be_written_is_noticed_before_anything_is_painted(
             assert not said.out
 
 
-def test_what_is_saved_is_painted_until_the_folder_vanishes(
+def test_a_watch_predicts_saved_drawings_until_the_folder_is_removed(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     draw("in/fox.png")
@@ -259,7 +259,7 @@ def test_what_is_saved_is_painted_until_the_folder_vanishes(
     assert "the folder in that is watched is gone." in said.err
 
 
-def test_an_empty_folder_is_watched_and_names_that_clash_do_not_end_it(
+def test_a_watch_begins_empty_and_survives_names_that_clash(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     Path("my.art").mkdir()
@@ -306,7 +306,7 @@ def predicted(said: str) -> list[str]:
     return [Path(line).name.removesuffix("_normal.png") for line in said.split()]
 
 
-def test_what_has_a_map_is_not_painted_by_a_watch_that_leaves_it_out(
+def test_a_watch_with_skip_existing_predicts_only_changed_drawings(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     draw("in/fox.png", "in/owl.png")
@@ -317,7 +317,7 @@ def test_what_has_a_map_is_not_painted_by_a_watch_that_leaves_it_out(
     assert predicted(capsys.readouterr().out) == ["fox", "owl"]
 
 
-def test_what_is_saved_while_others_are_painted_is_not_missed(
+def test_a_watch_sees_drawings_saved_during_inference(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     draw("in/fox.png")
@@ -364,7 +364,7 @@ def test_hints_masks_and_atlases_are_watched_too(
     assert predicted(capsys.readouterr().out) == ["fox", "fox"]
 
 
-def test_of_drawings_that_share_a_frame_all_are_painted_anew(
+def test_a_watch_predicts_all_drawings_of_a_shared_frame_again(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     draw("in/walk_1.png", "in/walk_2.png")
@@ -384,7 +384,7 @@ def test_of_drawings_that_share_a_frame_all_are_painted_anew(
     assert {name: Path("normals", name).read_bytes() for name in written("normals")} == before
 
 
-def test_a_watch_never_has_the_highest_of_all(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_watch_refuses_a_common_height_scale(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     draw("in/fox.png")
     assert generate("in", "--watch", "--height", "png", "--height-scale", "batch") == 2
     assert "--height-scale batch needs all drawings, and --watch never has them" in capsys.readouterr().err
@@ -411,7 +411,7 @@ def test_a_long_batch_takes_the_memory_of_a_short_one(here: Path) -> None:
     assert peaks[1] < 1.1 * peaks[0]
 
 
-def test_nothing_is_told_to_anybody(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_onnx_runtime_sends_no_telemetry(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import onnxruntime
 
     told = []

@@ -89,9 +89,7 @@ def test_a_sprite_has_the_details_that_generate_gives_it(here: Path) -> None:
         ({"drawing": "fox.png", "output": "a.png", "hints": [{"x": 1}]}, "a hint has x, y"),
     ],
 )
-def test_what_cannot_be_used_is_told_to_the_assistant(
-    here: Path, arguments: dict[str, Any], sentence: str
-) -> None:
+def test_bad_input_is_reported_to_the_assistant(here: Path, arguments: dict[str, Any], sentence: str) -> None:
     Image.fromarray(GREY).save("fox.png")
     answer = call("infer", **arguments)
     assert answer.is_error

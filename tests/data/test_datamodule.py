@@ -78,21 +78,6 @@ def test_orientation_file_is_honoured(meshes: Path, cache: Path, tmp_path: Path)
     np.testing.assert_array_equal(loaded(turned, "can").vertices, loaded(plain, "can").vertices)
 
 
-@pytest.mark.parametrize("epoch", [0, 3])
-def test_order_depends_on_seed_and_epoch_alone(meshes: Path, cache: Path, epoch: int) -> None:
-    def order(seed: int, epoch: int, state: int) -> list[str]:
-        torch.manual_seed(state)
-        loader = ready(data(meshes, cache, seed=seed)).train_dataloader()
-        loader.sampler.set_epoch(epoch)  # type: ignore[attr-defined]
-        return names(loader)
-
-    first = order(0, epoch, state=1)
-    assert sorted(first) == sorted({*first})
-    assert len(first) == 6
-    assert order(0, epoch, state=2) == first
-    assert order(0, epoch + 1, state=1) != first
-
-
 class Seen(Callback):
     """Keeps the batches that the module is given."""
 

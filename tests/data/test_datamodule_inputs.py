@@ -10,7 +10,7 @@ from PIL import Image, ImageDraw
 
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.recipe import Loadable
-from normalgan.data.settings import EmbeddedAnimals, Prediction, Split, Storage
+from normalgan.data.settings import EmbeddedAnimals, Prediction, Split
 from normalgan.data.sources import DataSource, SplitSettings
 from normalgan.errors import InputError
 from normalgan.normals import encode
@@ -65,7 +65,7 @@ def test_predicting_renders_nothing(meshes: Path, tmp_path: Path) -> None:
     assert not (tmp_path / "cache").exists()
 
 
-def test_what_cannot_be_used_is_named(meshes: Path, cache: Path, tmp_path: Path) -> None:
+def test_invalid_settings_are_named(meshes: Path, cache: Path, tmp_path: Path) -> None:
     with pytest.raises(InputError, match=re.escape(str(tmp_path / "none"))):
         _ = data(tmp_path / "none", cache).sources
     with pytest.raises(InputError, match="three shares"):
@@ -87,26 +87,6 @@ def test_animals_are_the_default() -> None:
     assert {s.fingerprint() for s in module.sources["train"]}.isdisjoint(
         s.fingerprint() for s in other.sources["train"]
     )
-
-
-@pytest.mark.slow
-def test_animals_are_rendered(tmp_path: Path) -> None:
-    module = MeshDataModule(
-        animals=EmbeddedAnimals(3),
-        split=Split((0.4, 0.3, 0.3)),
-        lines=OccludingContours(),
-        size=32,
-        train_views=2,
-        val_views=1,
-        test_views=1,
-        cache=str(tmp_path),
-        storage=Storage(render_workers=0),
-    )
-    module.prepare_data()
-    for i in range(2):
-        item = module.train_dataset[i]
-        assert 0.05 < float(item["mask"].float().mean()) < 0.8
-        assert 0.01 < float(item["sketch"].float().mean()) / 255 < 0.5
 
 
 @pytest.mark.parametrize("split", ["val", "test"])
@@ -148,9 +128,7 @@ def test_a_source_that_gives_no_splits_is_named() -> None:
         ),
     ],
 )
-def test_what_python_may_give_and_a_command_may_not_is_told_at_once(
-    given: dict[str, object], sentence: str
-) -> None:
+def test_values_that_only_python_can_pass_are_checked(given: dict[str, object], sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
         MeshDataModule(**given)  # type: ignore[arg-type]
 

@@ -27,7 +27,7 @@ def test_a_source_that_raises_anything_leaves_out_that_mesh_alone(tmp_path: Path
     assert find_unusable(str(tmp_path), [Legless("d"), *SOURCES[:1]]) == {"d": "KeyError: 'legs'."}
 
 
-def test_it_is_asked_once(tmp_path: Path) -> None:
+def test_each_mesh_is_loaded_once(tmp_path: Path) -> None:
     sources = [Counted("a"), Counted("b")]
     assert find_unusable(str(tmp_path), sources) == find_unusable(str(tmp_path), sources) == {}
     assert [source.loads for source in sources] == [["a"], ["b"]]
@@ -37,7 +37,7 @@ def test_it_is_asked_once(tmp_path: Path) -> None:
     assert [source.loads for source in sources] == [["a", "a"], ["b", "b"]]
 
 
-def test_another_mesh_of_the_name_is_asked_for_anew(tmp_path: Path) -> None:
+def test_another_mesh_of_the_same_name_is_loaded(tmp_path: Path) -> None:
     assert find_unusable(str(tmp_path), [Octahedron("a", flaw="is torn")])
     assert not find_unusable(str(tmp_path), [Octahedron("a")])
 

@@ -46,6 +46,6 @@ def test_groups_come_behind_meshes_without_one(meshes: Path, things: Path, cache
     assert not set(names(module.sources["train"])) & set(names(module.sources["test"]))
 
 
-def test_what_cannot_be_a_group_is_refused(things: Path) -> None:
+def test_an_invalid_group_is_refused(things: Path) -> None:
     with pytest.raises(InputError, match="a pattern that matches a mesh"):
         _ = MeshDataModule(groups=[MeshGroup(str(things / "none*.ply"))]).sources

@@ -1,4 +1,3 @@
-import json
 import os
 from pathlib import Path
 
@@ -8,8 +7,6 @@ from test_datamodule import by_name, last, names, ready, sample_names, seen_in
 
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.loading.stream import FreshViews
-from normalgan.data.settings import Split
-from normalgan.errors import InputError
 from small import QUIET, data, gan, trainer
 
 pytestmark = [
@@ -64,39 +61,9 @@ def test_a_resumed_run_gets_the_samples_of_an_unbroken_one(
         assert torch.equal(a["sketch"], b["sketch"])
 
 
-def test_a_bad_mesh_is_left_out_before_training(meshes: Path, tmp_path: Path) -> None:
-    folder = tmp_path / "meshes"
-    folder.mkdir()
-    for path in meshes.iterdir():
-        (folder / path.name).write_bytes(path.read_bytes())
-    (folder / "bad.off").write_text("OFF\n0 0 0\n")
-    split = {"train": ["bad", "ball", "box"], "val": ["can"], "test": ["hat", "pill"]}
-    (tmp_path / "split.json").write_text(json.dumps(split))
-    for _ in range(2):  # told again when asked again
-        module = flying(folder, tmp_path / "cache", split=Split(file=str(tmp_path / "split.json")))
-        with pytest.warns(UserWarning, match="the mesh bad is left out"):
-            module.prepare_data()
-    assert {name.split("/")[0] for name in sample_names(module)[0]} == {"ball", "box"}
-    (tmp_path / "split.json").write_text(
-        json.dumps(split | {"train": ["bad"], "val": ["can", "ball", "box"]})
-    )
-    hopeless = flying(folder, tmp_path / "cache", split=Split(file=str(tmp_path / "split.json")))
-    with (
-        pytest.warns(UserWarning, match="the mesh bad is left out"),
-        pytest.raises(InputError, match="the only mesh for train cannot be used:"),
-    ):
-        hopeless.prepare_data()
-
-
 def test_the_mean_map_is_that_of_the_shards(meshes: Path, cache: Path) -> None:
     stored, rendered = ready(data(meshes, cache)), ready(flying(meshes, cache))
     torch.testing.assert_close(rendered.mean_normal_map(), stored.mean_normal_map(), atol=1e-6, rtol=0)
-
-
-def test_settings_are_checked_before_anything_is_rendered(meshes: Path, tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="0 views a mesh are asked for train"):
-        flying(meshes, tmp_path / "cache", train_views=0).prepare_data()
-    assert not (tmp_path / "cache").exists()
 
 
 def test_it_trains_validates_and_tests(meshes: Path, cache: Path, tmp_path: Path) -> None:

@@ -10,7 +10,6 @@ import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
 import pytest
 from toys import BallRenderer, Counted, Octahedron, assert_same, contents, recipe, surroundings
 
@@ -22,7 +21,7 @@ from normalgan.data.store.layout import Layout
 from normalgan.data.store.manifest import dataset_key, fingerprints
 from normalgan.data.store.shards import ShardedSamples
 from normalgan.errors import InputError
-from normalgan.rendering import EmbreeRenderer, Views
+from normalgan.rendering import Views
 from normalgan.rendering.lines.occluding import OccludingContours
 from normalgan.rendering.samples import Recipe
 
@@ -75,21 +74,7 @@ def test_workers_write_the_same_bytes_as_this_process(rendered: Path, tmp_path: 
     assert len(contents(alone)) == 1 + 1 + 2 * 4 + 3 * 4  # manifest, groups and arrays, objects and markers
 
 
-@pytest.mark.slow
-def test_real_plug_ins_write_the_same_bytes_in_workers(tmp_path: Path) -> None:
-    real = Recipe(Views(), EmbreeRenderer(), OccludingContours(), 32)
-    sources = {"train": [Octahedron("a")], "test": [Octahedron("b", 0.3)]}
-    for workers in (0, 1):
-        render_samples(str(tmp_path / str(workers)), sources, 4, real, workers, progress=False)
-    assert contents(tmp_path / "0") == contents(tmp_path / "1")
-    sample = open_samples(str(tmp_path / "0"), sources, 4, real)["test"].read(0)
-    length = np.linalg.norm(sample.normal[sample.mask].astype(float), axis=-1)
-    assert sample.mask.any()
-    assert sample.sketch.any()
-    np.testing.assert_allclose(length, 1, atol=1e-3)
-
-
-def test_what_is_there_is_not_rendered_again(
+def test_finished_samples_are_not_rendered_again(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     before = {path: path.stat().st_mtime_ns for path in folder.rglob("*")}
@@ -99,7 +84,7 @@ def test_what_is_there_is_not_rendered_again(
     assert {path: path.stat().st_mtime_ns for path in folder.rglob("*")} == before
 
 
-def test_it_goes_on_where_it_was_interrupted(folder: Path, tmp_path: Path) -> None:
+def test_an_interrupted_rendering_continues(folder: Path, tmp_path: Path) -> None:
     whole = contents(folder)
     (folder / "done" / "train" / "1.json").unlink()  # killed between the objects and the marker
     (folder / "samples.zarr" / "train" / "normal" / "c" / "1" / "0" / "0" / "0").unlink()
@@ -108,7 +93,7 @@ def test_it_goes_on_where_it_was_interrupted(folder: Path, tmp_path: Path) -> No
     assert contents(render(tmp_path)) == whole
 
 
-def test_damage_is_named_and_mended(folder: Path, tmp_path: Path) -> None:
+def test_a_damaged_shard_is_reported_and_rendered_again(folder: Path, tmp_path: Path) -> None:
     whole = contents(folder)
     path = folder / "samples.zarr" / "train" / "sketch" / "c" / "1" / "0" / "0"
     content = bytearray(path.read_bytes())
@@ -130,7 +115,7 @@ def test_damage_is_named_and_mended(folder: Path, tmp_path: Path) -> None:
         ("samples.zarr/test/zarr.json", "{", "[", None),
     ],
 )
-def test_damage_of_what_describes_the_samples_is_mended(
+def test_damaged_metadata_is_repaired(
     folder: Path, tmp_path: Path, name: str, old: str, new: str, warning: str | None
 ) -> None:
     whole = contents(folder)
@@ -145,7 +130,7 @@ def test_damage_of_what_describes_the_samples_is_mended(
 
 
 @pytest.mark.slow
-def test_a_killed_run_is_taken_up_and_leaves_no_workers_behind(tmp_path: Path) -> None:
+def test_a_killed_run_leaves_no_workers_and_can_be_continued(tmp_path: Path) -> None:
     code = (
         "import sys; from pathlib import Path; from test_render import render\n"
         "if __name__ == '__main__':\n"
@@ -227,7 +212,7 @@ def test_each_mesh_but_the_first_of_a_split_is_loaded_once(
         ),
     ],
 )
-def test_requests_without_sense_are_refused(
+def test_invalid_requests_are_refused(
     sources: dict[str, Sequence[Octahedron]], views: int, workers: int, message: str
 ) -> None:
     with pytest.raises(InputError, match=message):
@@ -333,15 +318,7 @@ def test_workers_are_other_processes_with_one_thread_and_without_torch() -> None
     assert os.environ.get("OMP_NUM_THREADS") == outside
 
 
-def test_rendering_needs_no_torch() -> None:
-    code = (
-        "import sys, normalgan.data.render, normalgan.data.splits\n"
-        "print([name for name in ('torch', 'lightning', 'kornia') if name in sys.modules])"
-    )
-    assert subprocess.check_output([sys.executable, "-c", code], text=True) == "[]\n"
-
-
-def test_nothing_is_warned_of_when_all_is_well(tmp_path: Path) -> None:
+def test_a_sound_run_warns_of_nothing(tmp_path: Path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         render(tmp_path)

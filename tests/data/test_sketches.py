@@ -82,14 +82,16 @@ def test_drawings_none_of_which_can_be_used_are_refused(tmp_path: Path) -> None:
         SketchDataset(find_files(str(tmp_path)), 32)
 
 
-def test_hints_for_nothing_are_said(folder: Path) -> None:
+def test_hints_without_a_drawing_are_reported(folder: Path) -> None:
     with pytest.raises(InputError, match="holds no hints for any sketch"):
         SketchDataset(find_files(str(folder / "drawings"), hints=str(folder / "hints")), 32)
     with pytest.raises(InputError, match=r"no file or folder .*missing for the hints"):
         find_files(str(folder / "drawings"), hints=str(folder / "missing"))
 
 
-def test_what_is_not_kept_is_prepared_anew(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_drawings_that_are_not_cached_are_prepared_again(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("normalgan.data.sketches._KEPT", 1)
     dataset = SketchDataset(find_files(str(folder / "drawings")), 32)
     assert len(dataset._kept) == 1

@@ -258,12 +258,3 @@ def test_what_cannot_be_exported_is_refused_in_a_sentence(
     assert sentence in said
     assert len(said.splitlines()) == 1
     assert sorted(tmp_path.rglob("*")) == before
-
-
-def test_help_is_light() -> None:
-    code = "from normalgan.__main__ import main; main(['export', '--help']); print('torch' in sys.modules)"
-    done = subprocess.run(
-        [sys.executable, "-c", f"import sys; {code}"], capture_output=True, text=True, check=True
-    )
-    assert done.stdout.splitlines()[-1] == "False"
-    assert "--half" in done.stdout

@@ -53,16 +53,3 @@ def test_weights_are_exported_as_their_checkpoint_is(tmp_path: Path) -> None:
     assert again.read_bytes() == first.read_bytes()
     assert main(["export", str(first), "-o", str(again), "--format", "safetensors", "--licence", "MIT"]) == 0
     assert read_weights(again).notes.licence == "MIT"
-
-
-def test_settings_that_weights_cannot_bring_are_refused(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    save(tmp_path / "last.ckpt", "UNetGenerator")
-    checkpoint = torch.load(tmp_path / "last.ckpt", weights_only=True)
-    checkpoint["hyper_parameters"]["hint_sampler"]["init_args"] = {"minimum": 5000, "maximum": 5000}
-    torch.save(checkpoint, tmp_path / "last.ckpt")
-    target = tmp_path / "m.safetensors"
-    assert export(tmp_path / "last.ckpt", target) == 2
-    assert "UniformHints is 5000, but settings that a model brings" in capsys.readouterr().err
-    assert not target.exists()

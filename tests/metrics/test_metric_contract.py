@@ -47,17 +47,6 @@ def filled(name: str, *batches: Sample) -> NormalMapMetric:
 
 
 @each_metric
-def test_a_call_tells_of_its_batch_and_counts_it(name: str) -> None:
-    metric = METRICS[name]()
-    for number, batch in enumerate(BATCHES, 1):
-        value = metric(*batch)
-        assert agrees(name, value, [batch])
-        assert torch.equal(value, filled(name, batch).compute())
-        assert torch.equal(metric.compute(), filled(name, *BATCHES[:number]).compute())
-    assert agrees(name, metric.compute(), BATCHES)
-
-
-@each_metric
 @pytest.mark.parametrize("dtype", [torch.float16, torch.bfloat16])
 def test_half_precision_loses_what_the_input_lost_and_no_more(name: str, dtype: torch.dtype) -> None:
     halves = [(preds.to(dtype), target.to(dtype), mask) for preds, target, mask in BATCHES]

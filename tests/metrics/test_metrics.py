@@ -10,7 +10,6 @@ from normalgan.errors import InputError
 from normalgan.metrics import (
     MeanAngularError,
     MedianAngularError,
-    NormalMapMetric,
     ShareBelow,
     normal_map_metrics,
 )
@@ -45,16 +44,6 @@ def test_pooled_mean_weighs_pixels_and_the_other_weighs_images() -> None:
     assert computed(metrics)["angular_mean_per_image"] == pytest.approx(30.0)
 
 
-def test_two_processes_merged_are_one_to_the_bit() -> None:
-    both, first, second = MeanAngularError(), MeanAngularError(), MeanAngularError()
-    for metric, seeds in ((both, (0, 1, 2)), (first, (2,)), (second, (1, 0))):
-        for seed in seeds:
-            metric.update(*random_batch(seed))
-    first.merge_state(second)
-    for name, state in both.metric_state.items():
-        assert torch.equal(torch.as_tensor(state), torch.as_tensor(first.metric_state[name])), name
-
-
 def test_long_runs_lose_nothing() -> None:
     metric = MeanAngularError()
     metric.update(*turned([30.0] * 1000))
@@ -63,11 +52,6 @@ def test_long_runs_lose_nothing() -> None:
     metric.update(*turned([0.0] * 1000))
     assert metric.angle_sum == state["angle_sum"] + state["angle_sum"] // 1_000_000
     assert metric.compute().item() == pytest.approx(30.0 * 1_000_001 / 1_000_002, rel=2e-7)
-
-
-def test_base_is_abstract() -> None:
-    with pytest.raises(TypeError, match="abstract"):
-        NormalMapMetric()  # type: ignore[abstract]
 
 
 @pytest.mark.parametrize("threshold", [0.0, -5.0, 180.0, 11.255, math.nan])

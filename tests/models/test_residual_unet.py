@@ -91,15 +91,6 @@ def test_with_mirror_a_mirror_image_gets_the_mirror_image_of_the_map() -> None:
     torch.testing.assert_close(trained.direction, before.direction)  # as fast as without, and as it learns
 
 
-def test_loaded_weights_keep_the_layout_that_convolutions_are_fastest_in() -> None:
-    network = generator()
-    saved = {name: value.contiguous() + 1 for name, value in network.state_dict().items()}
-    network.load_state_dict(saved)
-    weights = [value for value in network.parameters() if value.dim() == 4]
-    assert all(value.is_contiguous(memory_format=torch.channels_last) for value in weights)
-    assert torch.equal(network.stem.weight, saved["stem.weight"])
-
-
 def test_the_hint_pyramid_keeps_the_mean_of_the_hints_of_a_cell() -> None:
     hints = torch.zeros(1, 4, 8, 8)
     hints[0, :, 0, 0] = torch.tensor([1.0, 0.0, 0.0, 1.0])

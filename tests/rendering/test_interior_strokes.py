@@ -88,16 +88,6 @@ def test_strokes_behind_something_are_not_drawn(style: LineDrawing) -> None:
 
 
 @both_styles
-def test_strokes_do_not_depend_on_the_size_of_the_sketch(style: LineDrawing) -> None:
-    field = height_field(lambda x, y: waves(x, y) + 0.3 * roof(x, y))
-    small, large = (strokes_inside(style, from_above(field, size)) for size in (128, 256))
-    assert len(small) == len(large) > 0
-    for one, other in zip(small, large, strict=True):
-        assert other.length == pytest.approx(2 * one.length, rel=0.02)
-        np.testing.assert_allclose(other.points[[0, -1]], 2 * one.points[[0, -1]], atol=0.02)
-
-
-@both_styles
 def test_strokes_keep_to_their_width_and_thin_out(style: LineDrawing) -> None:
     view = from_above(height_field(lambda x, y: waves(x, y) + 0.3 * roof(x, y)))
     for stroke in strokes_inside(style, view):
@@ -139,17 +129,6 @@ def test_extremes_are_found_whatever_the_sign_of_the_directions() -> None:
     np.testing.assert_allclose(at[middle, 0], 0.05, atol=5e-3)
     np.testing.assert_allclose(peaked[middle], 2, rtol=0.15)  # a second derivative on random triangles
     assert np.ptp(at[:, 1]) > 1.3
-
-
-def test_a_mesh_is_measured_once_for_all_its_views() -> None:
-    mesh = ellipsoid(1, 0.7, 0.5, subdivisions=3)
-    fine, coarse = shape_of(mesh, 0.02), shape_of(mesh, 0.03)
-    assert shape_of(mesh, 0.02) is fine
-    assert shape_of(mesh, 0.03) is coarse
-    assert coarse is not fine
-    other = ellipsoid(1, 0.7, 0.6, subdivisions=3)
-    assert len(shape_of(other, 0.02).surface.vertices) == len(other.vertices)
-    assert shape_of(mesh, 0.02) is not fine  # one mesh is kept, no more
 
 
 def test_towards_eye_points_at_the_eye() -> None:

@@ -210,7 +210,7 @@ BAD: dict[str, tuple[bytes | str, str]] = {
 
 
 @pytest.mark.parametrize("name", BAD)
-def test_what_cannot_be_read_is_told_of_the_file_and_not_of_its_parser(tmp_path: Path, name: str) -> None:
+def test_errors_describe_the_file_and_not_the_parser(tmp_path: Path, name: str) -> None:
     content, sentence = BAD[name]
     (tmp_path / name).write_bytes(content.encode() if isinstance(content, str) else content)
     with pytest.raises(InputError) as refused:

@@ -131,7 +131,7 @@ def test_a_hand_moves_strokes_and_maps_alike() -> None:
     assert (drawn.sketch[inked] > 0).all()
 
 
-def test_what_one_step_draws_does_not_shift_another() -> None:
+def test_the_draws_of_a_step_do_not_shift_those_of_another() -> None:
     chooses = Recipe(Views(), Slope(), Shade(random=True), 8)
     plain = dataclasses.replace(chooses, lines=Shade())
     np.testing.assert_array_equal(chooses.render(ball(), 0).normal, plain.render(ball(), 0).normal)
@@ -179,7 +179,7 @@ def test_description_is_json_and_tells_every_setting_apart() -> None:
     ],
     ids=["itself", "beside it", "from its package", "within a function"],
 )
-def test_samples_of_an_edited_plug_in_are_other_ones(
+def test_an_edited_plug_in_gets_new_samples(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, module: str, imports: str, helper: str
 ) -> None:
     file = tmp_path.joinpath(*module.split(".")).with_suffix(".py")

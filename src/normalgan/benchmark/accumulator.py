@@ -79,7 +79,7 @@ class Accumulator:
             names: names of the samples, ``mesh/view``.
         """
         preds = predicted[:, :3]
-        # Direction counts wherever one is given, at any length; where none is, the coverage tells.
+        # A direction of any length counts; the coverage tells where there is none.
         given = ~(preds == 0).all(1, keepdim=True)
         counted = without_hints(mask, where) * given
         self._all.update(preds, target, counted)

@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 
 from normalgan.arrays import Doubles
 from normalgan.benchmark.plan import Plan
-from normalgan.benchmark.table import Results
-from normalgan.benchmark.training import Result
+from normalgan.benchmark.training import Result, Results
 from normalgan.metrics.calibration import BIN
 
 __all__ = [
@@ -54,12 +53,12 @@ def draw_curves(plan: Plan, results: Results, caption: str) -> bytes | None:
             colours[str(plan.reference)] = _REFERENCE
         for name, colour in colours.items():
             label, style = plan.row(name).label, "--" if colour == _REFERENCE else "-"
-            if not plan.row(name).classical:  # the reference may be one that learns nothing
+            if not plan.row(name).classical:  # the reference may learn nothing
                 _draw(learning, *learning_curve(results[name]), colour, style, label)
             _draw(hinted, *hint_curve(results[name], plan.counts), colour, style, label, marker="o")
         learning.set(xlabel="images the generator has learnt from", ylabel="mean error, °")
         learning.xaxis.set_major_formatter(lambda images, _: f"{images / 1000:g} k" if images else "0")
-        # In two lines, as a long one would run into the other panel's.
+        # In two lines, because a long one would reach the other panel.
         learning.set_title(f"{group}:\nvalidation, each with its own hints", loc="left", fontsize=10)
         hinted.set(xlabel="hints, uniform on the object", xticks=plan.counts)
         hinted.set_title("test", loc="left", fontsize=10)

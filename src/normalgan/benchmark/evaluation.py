@@ -41,8 +41,8 @@ from normalgan.weights.checkpoint import read_checkpoint
 
 __all__ = ["Evaluation", "maps_of", "read_curve"]
 
-_BATCH = 16  # of all methods alike: noise that is kept at test depends on it
-_VERSION = 3  # raise it when results hold other figures; models are then measured again
+_BATCH = 16  # the same for all methods, because noise that is kept at test depends on it
+_VERSION = 3  # raise it when results hold other figures, so that models are measured again
 
 
 @dataclass(frozen=True)
@@ -171,7 +171,7 @@ class Evaluation:
             case "constant":
                 return constant_method()
             case "mean":
-                # Data of its own, so that the training split does not stay in memory.
+                # Separate data, so that the training split does not stay in memory.
                 data = build_data(self.shared, batch_size=_BATCH)
                 data.render(thorough=False)
                 return mean_method(data.mean_normal_map())

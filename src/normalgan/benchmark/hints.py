@@ -26,7 +26,7 @@ _SAMPLERS: dict[str, Callable[[int], HintSampler]] = {
 }
 """By name: anywhere on the object; where the paper's sampler looks; far from one another; where a method is
 most wrong without hints, which only an oracle knows."""
-_TRIES = 16  # directions in which a hint is moved before it stays where it is
+_TRIES = 16  # directions that are tried before a hint stays where it is
 
 
 def hint_order(mask: Tensor, name: str, seed: int, most: int) -> Tensor:

@@ -41,7 +41,7 @@ def inflate(mask: BoolMask) -> Doubles:
     for step in _SIDES:
         there = _beside(number, step)[inner]
         linked = there >= 0
-        # An outline half a pixel away: the value beyond it is minus the one here, which counts twice.
+        # The outline is half a pixel away, and the value beyond it is the negative of the one here.
         diagonal += np.where(linked, 1.0, 2.0)
         rows.append(here[linked])
         columns.append(there[linked])
@@ -64,7 +64,7 @@ def inflated_normals(mask: BoolMask) -> Floats:
     """
     height = np.pad(inflate(mask), 1)
     inner = np.pad(mask, 1)
-    # Beyond the outline the solution goes on with the other sign.
+    # Beyond the outline the solution continues with the opposite sign.
     right, left, down, up = (
         np.where(_beside(inner, step), _beside(height, step), -height)[inner] for step in _SIDES
     )

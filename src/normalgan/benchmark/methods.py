@@ -126,7 +126,9 @@ def saved_method(name: str, size: int, device: torch.device) -> Method:
         InputError: if it cannot be used, or was trained at another size.
     """
     path = find_weights(name)
-    if path.suffix.lower() == ".onnx" and name != SHIPPED_NAME:  # that of the package may use a GPU by torch
+    if (
+        path.suffix.lower() == ".onnx" and name != SHIPPED_NAME
+    ):  # that of the package may use a GPU through torch
         return _onnx_method(find_model(name), size)
     if path.suffix.lower() in SUFFIXES:
         weights = read_weights(path)

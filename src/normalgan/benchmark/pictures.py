@@ -54,7 +54,7 @@ def draw_methods(lines: Sequence[Line], caption: str) -> bytes:
 
     def name(text: str, line: int) -> None:
         y = _HEAD + line * (_CELL + _GAP) + _CELL / 2
-        # More letters of this size may not fit beside the pictures.
+        # More letters of this size would not fit beside the pictures.
         sheet.text(_LABEL - 10, y, fill(text, 24), ha="right", va="center", fontsize=9)
 
     sheet.text(0.01 * width, 8, caption, fontsize=10, va="top")

@@ -20,7 +20,7 @@ Strategy = Literal["worst", "suggested"]
 """Where the next pin goes: where the error is greatest, as an oracle knows; or where the studio suggests."""
 STRATEGIES: tuple[Strategy, ...] = ("worst", "suggested")
 
-_AROUND = 5  # pixels over which an error is visible; nobody notices a single one
+_AROUND = 5  # pixels over which an error is visible
 
 
 def pin_one_by_one(method: Method, batch: Batch, strategy: Strategy, count: int) -> Tensor:

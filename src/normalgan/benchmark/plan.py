@@ -228,8 +228,8 @@ def _read(kind: type[Part], content: Settings, where: str, **given: Any) -> Part
     try:
         # A copy: the parser changes what it parses.
         checked = vars(parser.parse_object(deepcopy(content)))
-        # Settings stay as they are written: to the parser a mapping with the path of a class is that class,
-        # and it writes down all defaults of it, of which `normalgan fit` would refuse some.
+        # Settings stay as they are written: the parser takes a mapping with a class path for that class,
+        # and adds all its defaults, some of which `normalgan fit` would refuse.
         written = {name: content[name] for name in checked if isinstance(content.get(name), dict)}
         return kind(**given, **checked | written)
     except InputError as error:

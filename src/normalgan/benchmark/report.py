@@ -88,7 +88,7 @@ class Report:
         for run in self.runs:
             try:
                 result = read_result(run, self.evaluation.hash)
-            except InputError:  # damaged; the run itself says so when its turn comes
+            except InputError:  # damaged; the run reports it in its turn
                 continue
             if result:
                 done.append((run, {**result, "scale": self.scale.name}))

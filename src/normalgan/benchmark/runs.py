@@ -27,7 +27,7 @@ _OWN_DATA = (
     *("data.animals.extra", "data.animals.extra_postures", "data.augmentation", "data.batch_size"),
     *("data.on_the_fly", "data.reading.variants", "data.reading.variation", "data.storage", "data.workers"),
 )
-"""Settings of the data that are a method's own affair; all others are the same for every row."""
+"""Settings of the data that may differ between rows; all others are the same."""
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ __all__ = ["SUBMISSION", "Submission", "read_submission", "write_inputs"]
 
 SUBMISSION = "submission.json"
 _SILENT = 0.05
-"""A vector shorter than this is the background's grey, of 8 bits or 16, and says nothing."""
+"""A shorter vector is the grey of the background, in 8 or 16 bits."""
 _THERE, _ABSENT = 1.0, 0.25
 """Lengths of vectors where a submission says that there is an object, and where that there is none."""
 
@@ -60,7 +60,7 @@ class Submission:
             _refuse_flipped_green(self.folder, maps, batch)
             return maps.to(batch["normal"])
 
-        # One that has maps with hints takes them, and has none of its own.
+        # A submission with hinted maps takes hints, but has no sampler.
         return Method(predict, UniformHints(0, 0) if max(self.counts) else NoHints(), timed=False)
 
     def _read(self, count: int, name: str, size: int) -> Tensor:
@@ -76,7 +76,7 @@ class Submission:
         if pixels.shape[2] == 4:
             present = pixels[..., 3:] > 0.5
             normals = normals / np.maximum(length, _SILENT) * np.where(present, _THERE, _ABSENT)
-        # Grey has no exact middle: 128 would be a short vector with a direction, and count as a guess.
+        # Grey has no exact middle: 128 is a short vector, whose direction would count as a guess.
         normals[length[..., 0] < _SILENT] = 0
         return torch.from_numpy(np.ascontiguousarray(normals)).permute(2, 0, 1)
 
@@ -90,7 +90,7 @@ def _refuse_flipped_green(folder: Path, maps: Tensor, batch: Batch) -> None:
         float(torch.corrcoef(torch.stack([maps[:, axis][on].double(), truth[on].double()]))[0, 1])
         for axis, truth in enumerate(batch["normal"][:, :2].cpu().unbind(1))
     )
-    # A network that has learnt nothing stays within 0.05 of zero; one as wrong as a constant normal has 0.4.
+    # An untrained network stays within 0.05 of zero; one as wrong as a constant normal has 0.4.
     if x > 0.2 and y < -0.2:
         raise InputError(
             f"the maps in {folder} look as if their green had the opposite direction: x agrees with the true "

@@ -3,7 +3,7 @@
 import json
 import subprocess
 import sys
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
@@ -17,6 +17,7 @@ from normalgan.files.writing import write_bytes
 
 __all__ = [
     "Result",
+    "Results",
     "State",
     "fit",
     "measured_checkpoint",
@@ -27,7 +28,9 @@ __all__ = [
 ]
 
 Result = dict[str, Any]
-"""What a run ends with; see `normalgan.benchmark.evaluation`."""
+"""The result of a run; see `normalgan.benchmark.evaluation`."""
+Results = Mapping[str, Sequence[Result]]
+"""The results of each row, one for each seed, by the name of the row."""
 
 State = Literal["new", "begun", "trained", "done"]
 
@@ -98,7 +101,7 @@ def run_all(
             write_json(run.folder / "result.json", {**result, "hash": run.hash, "evaluation": evaluation})
         except InputError as error:
             failures.append(f"{run.title} failed: {error}")
-        except Exception as error:  # the other runs go on, whatever befell this one
+        except Exception as error:  # the other runs go on, whatever is raised here
             failures.append(f"{run.title} failed: {type(error).__name__}: {brief(error)}")
         else:
             report()

@@ -1,7 +1,6 @@
 """StoppedCheckpoint: the checkpoint of a run that is stopped within an epoch."""
 
 import signal
-import sys
 from threading import current_thread, main_thread
 from typing import Any
 
@@ -10,6 +9,7 @@ from lightning.pytorch.trainer.states import TrainerFn
 from lightning.pytorch.utilities.exceptions import SIGTERMException
 
 from normalgan.callbacks.checkpoints import stopped_checkpoint
+from normalgan.errors import tell
 from normalgan.losses.finite import LossError
 
 __all__ = ["StoppedCheckpoint"]
@@ -72,4 +72,4 @@ class StoppedCheckpoint(Callback):
         if isinstance(exception, LossError):
             exception.keep(path)
         elif trainer.is_global_zero:
-            print(f"normalgan: stopped by SIGTERM; resume with --ckpt_path {path}.", file=sys.stderr)
+            tell(f"stopped by SIGTERM; resume with --ckpt_path {path}.")

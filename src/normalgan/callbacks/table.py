@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.table import Table
 
 from normalgan.metrics import MapMetric
+from normalgan.metrics.base import unit_of
 
 __all__ = ["FIGURES", "HEADINGS", "NOTE", "Results", "results_table"]
 
@@ -61,17 +62,13 @@ def results_table(results: Results, title: str, more: Sequence[MapMetric] = ()) 
     for key in columns:
         table.add_column(HEADINGS[key], justify="right")
     for figure, label in FIGURES.items():
-        table.add_row(label, *(_written(results[key][figure], _unit(figure)) for key in columns))
+        table.add_row(label, *(_written(results[key][figure], unit_of(figure)) for key in columns))
     for metric in more:
         values = [results[key][metric.figure] for key in columns]
         table.add_row(metric.label or metric.figure, *(_written(value, metric.unit) for value in values))
     text = StringIO()
     Console(file=text, width=80, color_system=None).print(table)
     return "\n".join(line.rstrip() for line in text.getvalue().strip("\n").splitlines()) + f"\n{NOTE}"
-
-
-def _unit(figure: str) -> str:
-    return "%" if figure.startswith(("below", "coverage")) else "°" if figure.startswith("angular") else ""
 
 
 def _written(value: float, unit: str) -> str:

@@ -1,4 +1,4 @@
-"""Configuration files: looked at before the parser reads them."""
+"""Configuration files: checked before the parser reads them."""
 
 import os
 import re
@@ -18,7 +18,7 @@ _VARIABLE = re.compile(r"\$\{([^{}]*)\}")
 
 
 def check_config(path: str | Path, sections: Collection[str] = ()) -> None:
-    """Look at a configuration file.
+    """Check a configuration file.
 
     Args:
         path: the file.
@@ -52,7 +52,7 @@ def load_bounded(text: str, load: Callable[[str], Any], safe: bool = False) -> A
     Raises:
         InputError: if it is too large when expanded, or names a variable that cannot be read.
     """
-    # Most are a word or a number; less than a line without an anchor cannot stand for much.
+    # Most are a word or a number; a short text without an anchor cannot expand to much.
     if "&" in text or len(text) > 100:
         if len(text) > MOST_SETTINGS:
             raise InputError(f"a setting has more than {MOST_SETTINGS} bytes; no settings need as many.")

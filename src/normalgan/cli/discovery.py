@@ -61,7 +61,7 @@ def load_plugins() -> None:
 
 def namable() -> dict[str, Registry[Any]]:
     """Return the classes that each setting may name, by the last part of the setting."""
-    # Late: lightning takes ten seconds to import, and a list of our plug-ins does without.
+    # Late: Lightning takes ten seconds to import, and listing our plug-ins does not need it.
     from lightning.pytorch import Callback
     from lightning.pytorch.loggers import Logger
     from torch.optim import Optimizer
@@ -104,7 +104,7 @@ _SAFE = {
     "normalgan.gan": "_rmsprop",
     "normalgan.optimizers": "MuonRAdam",
 }
-"""What a stranger's configuration may name beside plug-ins: none takes a function or a path to write to."""
+"""Further classes that a safe configuration may name: none takes a function or a path to write to."""
 
 
 def safe_imports() -> list[str]:
@@ -168,7 +168,7 @@ def _subclasses(base: type[Any]) -> Registry[Any]:
     registry: Registry[Any] = Registry(base, "")
     for cls in list(_descend(base))[1:] or [base]:
         if not cls.__name__.startswith("_") and not inspect.isabstract(cls):
-            with contextlib.suppress(ValueError):  # a second class of the name: the first will do
+            with contextlib.suppress(ValueError):  # a second class of this name; the first is listed
                 registry.register(cls)
     return registry
 

@@ -1,4 +1,4 @@
-"""Settings that are overruled: given for a model that keeps the settings of its training."""
+"""Settings that are ignored, because a model keeps those of its training."""
 
 import importlib
 import inspect
@@ -73,7 +73,7 @@ def ignored_settings(
             names += [name] if was_given or not is_default else []
         else:
             of_class = _signature(value["class_path"])
-            # A setting that is newer than the model was trained with what is its default.
+            # A setting that is newer than the model had its default in training.
             trained = {**of_class, **(before.get("init_args") or {})}
             inner = ignored_settings(
                 value.get("init_args") or {}, of_class, trained, given, f"{prefix}{name}."

@@ -25,10 +25,10 @@ def gc_paused() -> Iterator[None]:
     try:
         yield
     finally:
-        if len(sys.modules) > known:  # else garbage of what runs meanwhile would be kept for nothing
+        if len(sys.modules) > known:  # otherwise garbage would be kept for nothing
             gc.freeze()
-            # Triton 3.9, which comes with PyTorch 2.15 for GPUs, prints what is frozen at the exit as leaked.
-            if "triton" in sys.modules:  # to unfreeze takes a second
+            # Triton 3.9, which comes with PyTorch 2.15 for GPUs, reports frozen objects as leaked at exit.
+            if "triton" in sys.modules:  # unfreezing takes a second
                 atexit.register(gc.unfreeze)
         if enabled:
             gc.enable()

@@ -1,4 +1,4 @@
-"""LightParser: for the commands that need no Lightning; it answers mistakes as those do that train."""
+"""LightParser: the parser of commands without Lightning, with the same error messages as `Parser`."""
 
 import argparse
 from collections.abc import Mapping
@@ -20,7 +20,7 @@ class LightParser(OwnDefaultsParser):
     """The registry behind each setting that names a plug-in."""
 
     def __init__(self, *args: Any, **settings: Any) -> None:
-        # jsonargparse's own formatter adds each option's type as Python spells it.
+        # jsonargparse's own formatter adds the type of each option in Python's notation.
         super().__init__(*args, formatter_class=argparse.HelpFormatter, **settings)
 
     def error(self, message: str, ex: Exception | None = None) -> NoReturn:

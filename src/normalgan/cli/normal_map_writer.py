@@ -1,6 +1,5 @@
 """NormalMapWriter: what `normalgan predict` leaves on disk."""
 
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryFile
@@ -12,7 +11,7 @@ from torch import Tensor
 
 from normalgan.batch import Sketches
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.errors import InputError, RunError, one_line, unwritable, with_subject
+from normalgan.errors import InputError, RunError, tell, unwritable, with_subject
 from normalgan.gan import NormalGAN
 from normalgan.inference.jobs.plan import Job, plan
 from normalgan.inference.jobs.writing import Held, Writer
@@ -54,7 +53,7 @@ class NormalMapWriter(BasePredictionWriter):
         """
         if stage != "predict":
             return
-        # Another one's module has no refiner.
+        # A module of another author has no refiner.
         refined = isinstance(pl_module, NormalGAN) and pl_module.refined
         self._upsample = upsampler(refined=refined, threads=torch.get_num_threads())
         drawings = _data_of(trainer).drawings
@@ -63,7 +62,7 @@ class NormalMapWriter(BasePredictionWriter):
         self._failed, self._total = 0, len(jobs) + len(drawings.unusable)
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
-            # Only an attempt tells: permissions do not say that a disk is full or mounted read-only.
+            # Only a try tells: permissions do not show that a disk is full or mounted read-only.
             with TemporaryFile(dir=self.folder) as probe:
                 probe.write(b"0")
         except OSError as error:
@@ -75,7 +74,7 @@ class NormalMapWriter(BasePredictionWriter):
 
     def _leave_out(self, sentence: InputError) -> None:
         self._failed += 1
-        print(f"normalgan: {one_line(str(sentence))}", file=sys.stderr)
+        tell(sentence)
 
     def write_on_batch_end(
         self,
@@ -106,10 +105,7 @@ class NormalMapWriter(BasePredictionWriter):
                 continue
             self._held += self._writer.write(job, predicted.stronger(self.strength))
             if predicted.warning:
-                print(
-                    one_line(f"normalgan: warning: {job.files.drawing}: {predicted.warning}."),
-                    file=sys.stderr,
-                )
+                tell(f"warning: {job.files.drawing}: {predicted.warning}.")
 
     def on_predict_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
         """Say where the maps are.

@@ -47,7 +47,7 @@ def add_output_options(
     for kind in (Normal, *OUTPUTS):
         for option in _options(kind):
             if section and option.name == "engine":
-                continue  # it changes defaults, which generate does as it reads its command line
+                continue  # it changes defaults, which generate does itself
             name = option.name if section else option.name.replace("_", "-")
             flag = option.type is bool and not section
             how: dict[str, Any] = {"action": "store_true"}

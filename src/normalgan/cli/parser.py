@@ -1,4 +1,4 @@
-"""Parser: Lightning's, with an answer to mistakes that people can use."""
+"""Parser: Lightning's, with error messages for people."""
 
 import re
 from argparse import HelpFormatter
@@ -41,7 +41,7 @@ class Parser(OwnDefaultsParser, LightningArgumentParser):
         """Raise `InputError` instead of printing a usage page."""
         if self.exit_on_error:
             raise InputError(explain(message, namable(), self._settings())) from ex
-        # The parser of a class that a setting names; what it says comes back as part of a longer message.
+        # The parser of a class that a setting names; its message becomes part of a longer one.
         unknown = re.fullmatch(r"Option '(.+)' is not accepted", message)
         super().error(message + (did_you_mean(unknown[1], self._settings()) if unknown else ""), ex)
 

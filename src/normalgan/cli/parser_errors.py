@@ -21,9 +21,9 @@ _KINDS = {
     "Iterable": "a list",
     "dict": "a mapping",
 }
-"""What people call the types of Python that settings have."""
+"""Plain words for the Python types of settings."""
 _FEW = 16
-"""More names than this no one reads."""
+"""Longer lists of names are not printed."""
 
 
 def explain(message: str, plugins: Mapping[str, Registry[Any]], settings: Sequence[str] = ()) -> str:

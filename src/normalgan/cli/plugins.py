@@ -51,7 +51,7 @@ def build_parser() -> LightParser:
 
 def show(settings: Namespace) -> int:
     """Print the list and return the exit code, which is 0 even if plug-ins were left out."""
-    # Late: networks and samplers need torch, which takes seconds; a mistake in an option is told before.
+    # Late: networks and samplers need torch, which takes seconds; mistakes in options are reported first.
     with gc_paused():
         from normalgan.cli.discovery import REGISTRIES, SETTINGS, misplaced
 

@@ -164,7 +164,7 @@ def draw(settings: Namespace) -> None:
             ink = draw_ink(strokes, settings.size, settings.medium, rngs.__getitem__)
             write_bytes(settings.output, _png(ink))
         if settings.normal is not None:
-            # Opaque on the object: by its colour a hole is a surface that faces the viewer.
+            # Opaque on the object: by colour alone a hole looks like a surface that faces the viewer.
             flat = paint_flat(maps.normal, maps.mask)
             write_bytes(settings.normal, encode_png(flat, alpha=maps.mask.astype(np.float32)))
     except OSError as error:
@@ -222,7 +222,7 @@ def _check(settings: Namespace) -> str:
     for path in filter(None, (settings.output, settings.normal)):
         if Path(path).resolve() in read:
             raise InputError(f"{path} is an input and would be overwritten; give another name.")
-        read.append(Path(path).resolve())  # nor are both written to one file
+        read.append(Path(path).resolve())  # so that both are not written to one file
     if kind == ".svg" and settings.medium is not None:
         raise InputError(
             f"a medium is made of pixels; write {settings.output} as .png, or leave the medium out."

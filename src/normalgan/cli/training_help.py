@@ -106,7 +106,7 @@ def overview(command: str) -> str:
 
 
 def _rows(table: dict[str, str]) -> list[str]:
-    # What is longer than the column is followed by its text on a line of its own.
+    # The text of a name that is longer than the column is on the next line.
     width = 34
     return [
         f"  {name:{width}}  {what}" if len(name) <= width else f"  {name}\n  {'':{width}}  {what}"

@@ -112,7 +112,7 @@ def turn_normals(normal: Tensor, transform: Tensor) -> Tensor:
     Returns:
         (N, 3, H, W) in their new directions; of the same lengths if ``transform`` is a similarity.
     """
-    # By hand: torch.linalg.inv waits for the device to learn whether the matrix is invertible.
+    # Not torch.linalg.inv, which waits for the device to learn whether the matrix is invertible.
     (a, b), (c, d) = transform[:, 0, :2].unbind(1), transform[:, 1, :2].unbind(1)
     determinant = a * d - b * c
     inverse_transposed = torch.stack([d, -c, -b, a], dim=1).view(-1, 2, 2) / determinant[:, None, None]
@@ -137,7 +137,7 @@ def sampling_grid(transform: Tensor, side: int) -> Tensor:
     right, down = across - x, across[:, None] - y  # (N, 1, W) and (N, H, 1)
     fit = 2 / (side * (a * d - b * c))
     first = 1 / side - 1  # pixel 0 is half a pixel from the rim, which is at -1
-    # By hand, and by plane: F.affine_grid takes longer on a processor.
+    # Not F.affine_grid, which takes longer on a CPU.
     planes = [(d * fit * right + first) - b * fit * down, (a * fit * down + first) - c * fit * right]
     return torch.stack(planes, dim=1).permute(0, 2, 3, 1)
 
@@ -200,7 +200,7 @@ def wobble(sketch: Tensor, strength: float) -> Tensor:
     """Move the lines smoothly, each pixel by about ``strength`` pixels (standard deviation)."""
     count, side = len(sketch), sketch.shape[-1]
     still = torch.eye(3, device=sketch.device).expand(count, 3, 3)
-    shift = smooth_shifts(count, side, strength * 2 / side, sketch.device)  # of a grid, 2 from rim to rim
+    shift = smooth_shifts(count, side, strength * 2 / side, sketch.device)  # of a grid, which is 2 wide
     return sample_at(sketch, sampling_grid(still, side) + shift)
 
 
@@ -213,19 +213,19 @@ def drop_lines(sketch: Tensor, share: float) -> Tensor:
     most = share * (some.shape[1] - 1)
     erased = (torch.rand(n, device=sketch.device) * most).long()
     lowest = some.topk(int(most) + 1, dim=1, largest=False, sorted=True).values
-    # Between the pixels that are sorted the noise may be lower still: where none is to go, none does.
+    # The noise may be lower between the sorted pixels; where nothing is to be dropped, nothing is.
     level = lowest.gather(1, erased[:, None])[:, 0].masked_fill(erased == 0, -1.0)
     return sketch * (noise >= level.view(n, 1, 1, 1))
 
 
 def change_width(sketch: Tensor, strength: float) -> Tensor:
     """Make the lines of each sketch thicker or fainter, by up to ``strength`` of a 3 × 3 morphology."""
-    from kornia.morphology import dilation  # late: a list of plug-ins does without
+    from kornia.morphology import dilation  # late: listing the plug-ins does not need it
 
     cross = torch.tensor([[0.0, 1, 0], [1, 1, 1], [0, 1, 0]], device=sketch.device)
     amount = (torch.rand(len(sketch), 1, 1, 1, device=sketch.device) * 2 - 1) * strength
     sign = torch.where(amount < 0, -1.0, 1.0)
-    # Erosion is the dilation of the negative: one morphology, not two, for sketches that go both ways.
+    # Erosion is the dilation of the negative, so one morphology serves both.
     return torch.lerp(sketch, sign * dilation(sign * sketch, cross), amount.abs())
 
 

@@ -44,7 +44,7 @@ __all__ = ["MeshDataModule"]
 
 _PER_SHARD = 32
 _PAIRS_PER_SHARD = 8
-"""Whoever asks for a pair waits for its whole shard."""
+"""Small, because reading one pair makes its whole shard."""
 
 
 class MeshDataModule(LightningDataModule):
@@ -230,7 +230,7 @@ class MeshDataModule(LightningDataModule):
             cluster: a Dask cluster to render on instead of this machine.
             thorough: whether to also check every byte in a remote store, and to retry failed meshes.
         """
-        views_by_split(self.views_per_mesh, self.sources)  # refuses now what training would stumble over
+        views_by_split(self.views_per_mesh, self.sources)  # raises errors before training starts
         if any(self.kept.values()):
             render_samples(
                 *(self.cache, self.kept, self.views_per_mesh, self.recipe, self.storage.render_workers),
@@ -272,7 +272,7 @@ class MeshDataModule(LightningDataModule):
                 )
             files = find_files(asked.sketches, hints=asked.hints, mask=asked.mask)
             model = self.trainer.lightning_module if self.trainer is not None else None
-            widths = getattr(model, "line_widths", USUAL_WIDTHS)  # another one's module does not say
+            widths = getattr(model, "line_widths", USUAL_WIDTHS)  # another author's module does not have it
             self._drawings = SketchDataset(files, self.recipe.size, asked.map_size, widths)
 
     def _describe_training_data(self) -> dict[str, Any]:
@@ -328,7 +328,7 @@ class MeshDataModule(LightningDataModule):
                 f"the split {split} is empty, but it is needed; give it a share in "
                 "data.split.fractions, or names in data.split.file."
             )
-        # A training pair that cannot be used keeps its place, whenever that is found: a resumed run, which
+        # An unusable training pair keeps its place, whenever it is found, so that a resumed run, which
         # knows it from the start, has the same order.
         later = {*self._later(), *(["train"] if self.of_pairs else [])}
         stores = open_samples(self.cache, self.kept, self.views_per_mesh, self.recipe, later=later)
@@ -352,7 +352,7 @@ class MeshDataModule(LightningDataModule):
     def predict_dataloader(self) -> DataLoader[SketchSample]:
         """Return the drawings in order."""
         dataset = self.drawings
-        # By name: Lightning builds the loader again from its arguments when predicting.
+        # By name, because Lightning rebuilds the loader from its arguments when predicting.
         return DataLoader(dataset, batch_size=self.batch_size)
 
     def _loaders(self) -> Loaders:

@@ -53,7 +53,7 @@ class SampleDataset(Dataset[Item]):
             self._held = _read_all(store)
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_recent": {}}  # not what it has read: a worker starts empty
+        return {**self.__dict__, "_recent": {}}  # without what it has read: a worker starts empty
 
     @property
     def distant(self) -> bool:

@@ -31,7 +31,7 @@ from normalgan.rendering.samples import RENDERING_VERSION
 __all__ = ["Sources", "find_unusable", "leave_out", "open_samples", "render_samples"]
 
 Sources = Mapping[str, Sequence[Loadable]]
-_AT_ONCE = 64  # shards a task that checks them: a few seconds of reading
+_AT_ONCE = 64  # shards that a task checks, a few seconds of reading
 
 
 def render_samples(
@@ -87,7 +87,7 @@ def render_samples(
     if (workers > 0 or cluster) and folder.in_memory:
         raise InputError(f"{cache} is invisible to other processes; set workers to 0 or name another folder.")
     folder.sweep()
-    if set(views) <= set(later):  # processes would take longer to start than the few samples to make
+    if set(views) <= set(later):  # starting processes would take longer than making the few samples
         workers = 0
     with Cluster(cluster) if cluster else Workers(workers) as pool:
         manifest = Manifest.read(folder)
@@ -294,7 +294,7 @@ def _pending_shards(pool: Pool, store: ShardedSamples, thorough: bool) -> list[S
     if isinstance(pool, Cluster) and (storage.local or thorough):
         damaged = _check_side_by_side(pool, storage, store, set(missing))
     else:
-        # A distant store keeps sums of its own, and to read all of it for each run would take hours.
+        # A remote store keeps its own checksums, and reading all of it for each run would take hours.
         damaged = store.verify() if storage.local or thorough else store.lost()
     damaged = sorted({*damaged, *store.unexplained()})
     if damaged:

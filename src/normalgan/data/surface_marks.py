@@ -121,13 +121,13 @@ def add_decal(ink: Floats, normals: Floats, mask: BoolMask, rng: _Rng) -> Floats
     """Return a sketch with text, a logo, windows, spots or stripes on one side of the object."""
     if rng.random() < 0.3:
         return np.asarray(np.maximum(ink, _striped_coat(normals, mask, rng)), dtype=np.float32)
-    # Of eight places that farthest from the outline, so that most of the decal finds room.
+    # Of eight places the one farthest from the outline, so that most of the decal fits.
     places = np.argwhere(mask)[rng.integers(mask.sum(), size=8)]
     inset = cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 3)
     row, column = (int(at) for at in max(places, key=lambda place: float(inset[tuple(place)])))
     facing = normals[row, column]
     if facing[2] < 0.3:
-        return ink  # the surface is seen from too far aside to be written on
+        return ink  # the surface is seen at too shallow an angle
     size = float(np.sqrt(mask.sum())) * rng.uniform(0.3, 0.8)
     motif: Callable[[_Rng], Floats] = (_text, _logo, _windows, _spots)[rng.integers(4)]
     # From the motif (x right, y down, one unit wide) onto the plane that touches the surface there.
@@ -137,7 +137,7 @@ def add_decal(ink: Floats, normals: Floats, mask: BoolMask, rng: _Rng) -> Floats
     right, over = np.cos(turn) * right + np.sin(turn) * over, np.cos(turn) * over - np.sin(turn) * right
     plane = size / _MOTIF * np.array([[right[0], -over[0]], [-right[1], over[1]]])
     place = np.array([column, row]) - plane @ np.full(2, _MOTIF / 2)
-    # Blurred as it shrinks: lines thinner than a pixel would break into dots.
+    # Blurred as it shrinks, because lines thinner than a pixel would break into dots.
     shape = cv2.GaussianBlur(motif(rng), (0, 0), max(0.35 * _MOTIF / size, 0.5))
     drawn = cv2.warpAffine(shape, np.column_stack([plane, place]), mask.shape[::-1])
     drawn = np.clip(1.6 * drawn, 0, 1) * rng.uniform(0.7, 1.0)

@@ -12,7 +12,7 @@ from normalgan.errors import InputError
 from normalgan.metrics.functional import angular_error, l1_distance, l2_distance, unit_vectors
 from normalgan.registry import Registry
 
-__all__ = ["BINS_PER_DEGREE", "METRICS", "MapMetric", "NormalMapMetric"]
+__all__ = ["BINS_PER_DEGREE", "METRICS", "MapMetric", "NormalMapMetric", "unit_of"]
 
 BINS_PER_DEGREE = 100
 
@@ -21,6 +21,17 @@ BINS_PER_DEGREE = 100
 # An int64 then holds 10^10 pixels even if every one is 180° off.
 _FRACTION = 2.0**-20
 _SQUARE_FRACTION = 2.0**-14
+
+
+def unit_of(figure: str) -> str:
+    """Return the unit of one of our figures: ``°``, ``%`` for a share from 0 to 1, or nothing.
+
+    >>> [unit_of(figure) for figure in ("angular_mean", "below_7_5", "coverage", "l1")]
+    ['°', '%', '%', '']
+    """
+    if figure.startswith(("below", "coverage")):
+        return "%"
+    return "°" if figure.startswith(("angular", "calibration")) else ""
 
 
 class MapMetric(Metric, ABC):

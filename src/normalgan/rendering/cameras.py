@@ -127,7 +127,7 @@ class Views:
 
     def camera(self, mesh: Mesh, rng: np.random.Generator) -> Camera:
         """Draw a random camera that shows all of ``mesh``, centred, with ``margin`` on each side."""
-        # Five draws whatever comes out, so that one setting does not shift what the others draw.
+        # Always five draws, so that a setting does not shift the draws of the others.
         azimuth, elevation, roll = (rng.uniform(*r) for r in (self.azimuth, self.elevation, self.roll))
         perspective = bool(rng.random() < self.perspective)
         field_of_view = rng.uniform(*self.field_of_view)

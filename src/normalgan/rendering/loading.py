@@ -64,20 +64,20 @@ def _parts(path: Path) -> list[Triangles]:
     except InputError:
         raise
     except Exception as error:  # whatever a parser raises on a broken file
-        # Only what is written for people: an IndexError says something of the parser, not of the file.
+        # Only messages for people: an IndexError describes the parser, not the file.
         said = f"it is damaged, or not of the kind {suffix}"
         said = brief(error) if isinstance(error, BrokenMeshError) else said
         raise InputError(f"{path} cannot be read as a mesh: {said}.") from error
 
 
 def _gltf(path: Path) -> list[Triangles]:
-    from normalgan.rendering.gltf.surfaces import read_surfaces  # scipy takes half a second
+    from normalgan.rendering.gltf.surfaces import read_surfaces  # late: scipy takes half a second
 
     return list(read_surfaces(path))
 
 
 def _stl(path: Path) -> list[Triangles]:
-    import trimesh  # takes a second: only when a mesh is read
+    import trimesh  # takes a second, only when a mesh is read
 
     mesh = trimesh.load_mesh(BytesIO(mesh_bytes(path)), file_type="stl", process=False)
     return [(np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64).reshape(-1, 3))]

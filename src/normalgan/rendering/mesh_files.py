@@ -100,7 +100,7 @@ def place(
     Raises:
         InputError: if no face has an area.
     """
-    # By a power of two, so that no digit changes: squares of huge or tiny lengths leave floating point.
+    # By a power of two, which is exact: squares of huge or tiny lengths would overflow or underflow.
     _, exponent = np.frexp(np.abs(vertices[np.unique(faces)]).max(initial=0))
     about = None if about is None else np.ldexp(about, -exponent)
     vertices, faces = weld(np.ldexp(vertices, -exponent), faces)
@@ -156,7 +156,7 @@ def _paths(source: str) -> list[Path]:
     if place.is_file():
         return [place]
     where = place.iterdir() if place.is_dir() else map(Path, glob(str(place), recursive=True))
-    # macOS puts files that begin with ._ beside those that it copies to the disk of another system.
+    # On disks of other systems macOS writes a file ._NAME beside each file.
     found = [
         path
         for path in where
@@ -178,4 +178,4 @@ def _buffers(path: Path) -> list[Path]:
     except InputError:
         raise
     except (ValueError, LookupError, AttributeError, TypeError, RecursionError, OSError, struct.error):
-        return []  # broken: `load` says how
+        return []  # broken; `load` raises the error

@@ -28,7 +28,7 @@ __all__ = [
 HEADER = 2**16
 """Bytes of a file in which it has to say what it holds."""
 FREE_NUMBERS = 2**22
-"""Numbers that a glTF's accessors may announce whatever its size; more need their bytes in the file."""
+"""Numbers that the accessors of a glTF may declare whatever its size; more need their bytes in the file."""
 FREE_VERTICES = 2**18
 """The same of vertices in a scene, those of a repeated part counted each time."""
 MOST_PARTS = 5_000
@@ -143,7 +143,7 @@ def _check_counts(path: Path, tree: dict[str, Any], held: int) -> None:
     numbers = [entry["count"] * WIDTHS[entry["type"]] for entry in accessors]
     unbacked = sum(n for n, entry in zip(numbers, accessors, strict=True) if "bufferView" not in entry)
     if sum(numbers) > max(FREE_NUMBERS, REPEATED * held) or unbacked > FREE_NUMBERS:
-        many = min(sum(numbers), 10**15)  # a number of a thousand digits would fill the screen
+        many = min(sum(numbers), 10**15)  # a number may have a thousand digits
         raise InputError(f"{path} declares {many} numbers, more than a mesh file can hold.")
     placed = Counter(node["mesh"] for node in nodes if "mesh" in node)
     parts, vertices = 0, 0

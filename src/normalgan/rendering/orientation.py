@@ -64,7 +64,7 @@ def checked_rotation(where: str, rows: Any) -> Rotation:
         matrix = np.empty(0)
     if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
         raise InputError(f"{where}: 'rotation' must be 3 rows of 3 numbers, x' = R x.")
-    # Files round to a few digits; more than a thousandth off is not rounding.
+    # Files round to a few digits; a larger error than a thousandth is not rounding.
     if np.abs(matrix @ matrix.T - np.eye(3)).max() > 1e-3 or np.linalg.det(matrix) < 0:
         raise InputError(
             f"{where}: 'rotation' is not a rotation; its rows must be orthonormal, its determinant 1."

@@ -78,7 +78,7 @@ class Polygons:
         for number in self._concave(starts):
             own = self.corners[starts[number] : starts[number] + self.sizes[number]]
             cut = own[_cut(self.vertices[own])]
-            if len(cut):  # none of a face that is but a line
+            if len(cut):  # no normal if the face is only a line
                 place = slice(firsts[number], firsts[number] + counts[number])
                 faces[place][: len(cut)] = cut
                 kept[place][len(cut) :] = False

@@ -25,7 +25,7 @@ def weld(vertices: Doubles, faces: Indices) -> tuple[Doubles, Indices]:
     low, size = used.min(axis=0), float(np.ptp(used, axis=0).max())
     if size == 0:
         return vertices[:0], faces[:0]
-    # 21 bits an axis: one integer a cell, faster to sort than three.
+    # 21 bits for each axis: one integer for each cell sorts faster than three.
     cells = np.rint(np.clip((vertices - low) / size, 0, 1) * GRID).astype(np.int64) @ [1 << 42, 1 << 21, 1]
     _, first, cell = np.unique(cells, return_index=True, return_inverse=True)
     vertices, faces = vertices[first], cell[faces]
@@ -101,7 +101,7 @@ def shade(vertices: Doubles, faces: Indices, crease_angle: float | None) -> tupl
     pulls = (angles[:, :, None] * flat[:, None, :]).reshape(-1, 3)
     normals = np.stack([np.bincount(corners, pulls[:, i], len(vertices)) for i in range(3)], axis=-1)
     length = np.linalg.norm(normals, axis=1)
-    # Where they cancel (two sheets back to back), any one face's normal is as good as another's.
+    # Where they cancel (two sheets back to back), the normal of any face will do.
     lost = length < 1e-6
     stand_in = np.zeros_like(normals)
     stand_in[corners] = np.repeat(flat, 3, axis=0)

@@ -190,7 +190,7 @@ def _plain(value: Any) -> Any:
         return {str(key): _plain(item) for key, item in value.items()}
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         fields = {field.name: _plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
-        code = source_hash(type(value))  # or an edited plug-in would get the samples of the former one
+        code = source_hash(type(value))  # without it, an edited plug-in would get its old samples
         return {"class": type(value).__name__, **({"code": code} if code else {}), **fields}
     raise TypeError(
         f"{type(value).__name__} is not a dataclass of plain values: samples made by it cannot be told apart."

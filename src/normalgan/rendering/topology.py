@@ -47,7 +47,7 @@ def bodies(faces: Indices) -> tuple[Indices, BoolMask]:
     label = components(
         2 * count, np.r_[first, first + count], np.r_[second + other, second + count - other]
     ).reshape(2, count)
-    # A body's first face stays as it is; those faces turn whose turned copy hangs together with it.
+    # The first face of a body stays; faces whose flipped copy is connected to it are flipped.
     _, leaders = np.unique(body, return_index=True)
     chosen = label[0, leaders][body]
     return body, (label[0] != chosen) & (label[1] == chosen)
@@ -65,7 +65,7 @@ def seams(faces: Indices, soft: BoolMask) -> tuple[Indices, Indices]:
         faces: (F, 3) indices of new vertices.
     """
     first, second, start, end = _shared_edges(faces)
-    # The corner at the first half-edge's start, and the one at its end; the partner runs either way.
+    # The corners at the start and end of the first half-edge; its partner may run either way.
     after_first, after_second = _next_corner(first), _next_corner(second)
     opposite = start == end
     at_start = np.where(opposite, after_second, second)
@@ -82,7 +82,7 @@ def _next_corner(half_edges: Indices) -> Indices:
 
 def components(count: int, first: Indices, second: Indices) -> Indices:
     """Return the (count,) number, from 0, of the component of each node of a graph given by its edges."""
-    from scipy.sparse import coo_array  # half a second: only when a mesh is read
+    from scipy.sparse import coo_array  # half a second, only when a mesh is read
     from scipy.sparse.csgraph import connected_components
 
     graph = coo_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(count, count))

@@ -40,7 +40,7 @@ def test_a_cluster_writes_the_same_bytes_as_this_process(tmp_path: Path, pair: D
 
 
 @pytest.mark.slow  # starts processes of its own
-def test_damage_is_found_side_by_side_and_mended(tmp_path: Path, pair: DaskCluster) -> None:
+def test_a_cluster_finds_and_repairs_damage(tmp_path: Path, pair: DaskCluster) -> None:
     folder = render(tmp_path)
     whole = contents(folder)
     path = folder / "samples.zarr" / "train" / "sketch" / "c" / "1" / "0" / "0"
@@ -85,7 +85,7 @@ def test_one_worker_is_killed_and_one_joins_late_and_nothing_changes(tmp_path: P
 
 
 @pytest.mark.slow  # starts processes of its own
-def test_workers_of_another_version_do_nothing(tmp_path: Path) -> None:
+def test_workers_of_another_version_are_refused(tmp_path: Path) -> None:
     go = tmp_path / "go"
     slow: dict[str, Any] = {"waits_at": "d", "until": str(go)}  # of four shards, two
     preload = tmp_path / "other.py"
@@ -135,7 +135,7 @@ def test_a_worker_without_the_package_or_with_threads_is_refused(tmp_path: Path)
 
 
 @pytest.mark.slow  # starts processes of its own
-def test_a_scheduler_that_goes_is_named_and_finished_shards_are_kept(tmp_path: Path) -> None:
+def test_finished_shards_are_kept_when_the_scheduler_goes(tmp_path: Path) -> None:
     with start_cluster(tmp_path / "dask") as dask_cluster:
         dask_cluster.start_worker()
 
@@ -152,7 +152,7 @@ def test_a_scheduler_that_goes_is_named_and_finished_shards_are_kept(tmp_path: P
 
 
 @pytest.mark.slow  # starts processes of its own
-def test_a_result_that_dies_with_its_worker_is_made_again(
+def test_a_result_that_is_lost_with_its_worker_is_computed_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     futures = []
@@ -208,19 +208,3 @@ def test_a_store_that_a_worker_does_not_see_is_named(tmp_path: Path) -> None:
         render_shard(task)
     ShardedSamples(str(tmp_path), "train", Layout(("a",), 2, 16)).create()
     assert render_shard(task) == {}
-
-
-def test_no_two_tasks_share_a_key(pair: DaskCluster, monkeypatch: pytest.MonkeyPatch) -> None:
-    # The scheduler answers for a key it knows with what came of it before, were it the death of a worker.
-    keys = []
-    submit = Client.submit
-
-    def note(client: Client, *call: Any, key: str, **how: Any) -> Any:
-        keys.append(key)
-        return submit(client, *call, key=key, **how)
-
-    monkeypatch.setattr(Client, "submit", note)
-    with Cluster(pair.address) as pool:
-        for _ in range(3):
-            assert list(pool.run(abs, [-1])) == [(-1, 1)]
-    assert len(set(keys)) == len(keys) == 3

@@ -21,7 +21,7 @@ def test_no_scheduler_is_one_sentence_in_time(tmp_path: Path, monkeypatch: pytes
 def test_a_cluster_without_workers_is_given_up_in_time(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cluster, "_PATIENCE", 0.5)
+    monkeypatch.setattr(cluster, "_NO_WORKER_TIMEOUT", 0.5)
     with (
         start_cluster(tmp_path / "dask") as alone,
         pytest.raises(RunError, match=r"no worker at .*scheduler\.json for 0 seconds; .* start workers"),

@@ -68,33 +68,33 @@ class LosingClient:
 def run(client: LosingClient) -> list[tuple[int, Any]]:
     pool = Cluster("tcp://cluster:8786")
     pool._client = client
-    pool._look()
+    pool._update_workers()
     return list(pool.run(hash, [7]))
 
 
 @pytest.mark.parametrize("ending", ["lost", "pending", "cancelled"])
-def test_a_task_whose_result_is_lost_is_done_again(ending: str) -> None:
+def test_a_task_with_a_lost_result_is_repeated(ending: str) -> None:
     # Dask calls it lost when the worker died that had it, and pending when another is making it again.
     client = LosingClient([ending])
     assert run(client) == [(7, "done")]
     assert client.submitted == 2
 
 
-def test_a_task_whose_result_is_lost_every_time_is_taken_for_a_killer() -> None:
+def test_a_task_whose_result_is_always_lost_is_killed() -> None:
     client = LosingClient(["lost"] * 100)
     assert run(client) == [(7, Killed())]
     assert client.submitted == 6
 
 
-def test_a_connection_that_breaks_and_is_made_again_costs_nothing_but_the_task() -> None:
+def test_a_restored_connection_costs_only_the_task() -> None:
     assert run(LosingClient(["cancelled"], looks=3)) == [(7, "done")]
 
 
-def test_a_connection_that_stays_broken_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_connection_that_stays_broken_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     told = "^the scheduler at tcp://cluster:8786 is gone"
     with pytest.raises(RunError, match=told):
         run(LosingClient(["cancelled"], looks=3, then="closed"))
     monkeypatch.setattr(cluster, "TIMEOUT", 0.0)
-    monkeypatch.setattr(cluster, "_LOOK", 0.1)
+    monkeypatch.setattr(cluster, "_CHECK_INTERVAL", 0.1)
     with pytest.raises(RunError, match=told):
         run(LosingClient(["cancelled"], looks=10**9))

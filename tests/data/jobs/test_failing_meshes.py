@@ -95,7 +95,7 @@ def make_moody_store(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("note", [b"", b"{", b"[]", b"{}", b'{"b": 3}', b"\xff", b"[" * 100_000])
-def test_a_damaged_note_of_a_failure_is_mended_and_other_files_are_passed_over(
+def test_a_damaged_record_of_a_failure_is_repaired_and_other_files_are_ignored(
     moody_store: Path, tmp_path: Path, note: bytes
 ) -> None:
     shutil.copytree(moody_store, tmp_path, dirs_exist_ok=True)

@@ -48,7 +48,7 @@ def tasks(folder: Path) -> list[ShardTask]:
 
 
 @pytest.mark.parametrize("deadly", [(), ("b",), ("a", "d")])
-def test_only_the_guilty_are_left_out(tmp_path: Path, deadly: tuple[str, ...]) -> None:
+def test_only_meshes_that_kill_are_left_out(tmp_path: Path, deadly: tuple[str, ...]) -> None:
     given = tasks(tmp_path)
     done = {task.shard.number: failed for task, failed in render_shards(Unlucky(*deadly), given)}
     assert done == {
@@ -56,7 +56,7 @@ def test_only_the_guilty_are_left_out(tmp_path: Path, deadly: tuple[str, ...]) -
     }
 
 
-def test_where_every_mesh_kills_it_is_not_the_meshes(tmp_path: Path) -> None:
+def test_if_every_mesh_kills_its_worker_rendering_ends(tmp_path: Path) -> None:
     with pytest.raises(RunError, match="every mesh kills the workers"):
         list(render_shards(Unlucky(*MESHES), tasks(tmp_path)))
 

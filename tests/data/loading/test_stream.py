@@ -71,7 +71,7 @@ def test_the_first_epoch_is_what_shards_would_hold(tmp_path: Path) -> None:
         rendered[12]
 
 
-def test_a_sample_depends_on_its_ticket_alone() -> None:
+def test_a_sample_depends_only_on_its_view_index() -> None:
     first, second = stream(), stream(memory=0)
     ticket = ViewIndex(1, 1001)
     wanted = first[ticket]
@@ -162,7 +162,7 @@ def cached(count: int, limit: int) -> tuple[MeshCache, list[str]]:
     return MeshCache([Counted(str(i), loads) for i in range(count)], limit), loads
 
 
-def test_what_was_used_last_stays() -> None:
+def test_the_most_recently_used_meshes_are_kept() -> None:
     meshes, loads = cached(4, limit=2 * BYTES)
     for number in (0, 1, 0, 2, 0, 1):
         assert meshes.take(number).name == str(number)
@@ -186,7 +186,7 @@ def test_a_worker_starts_with_an_empty_cache() -> None:
     assert handed.take(0).name == "a"
 
 
-def test_what_is_no_mesh_is_refused_before_it_is_kept() -> None:
+def test_an_invalid_mesh_is_refused_before_it_is_cached() -> None:
     class Empty(Octahedron):
         def load(self) -> Mesh:
             return None  # type: ignore[return-value]

@@ -76,7 +76,7 @@ def test_a_cluster_renders_into_it(bucket: str, tmp_path: Path, monkeypatch: pyt
 
 
 @pytest.mark.slow
-def test_what_is_lost_or_damaged_there_is_found(bucket: str) -> None:
+def test_lost_and_damaged_objects_are_found(bucket: str) -> None:
     render(bucket)
     store = open_samples(bucket, SOURCES, VIEWS, recipe())["train"]
     folder = Storage(store.url) / "samples.zarr"

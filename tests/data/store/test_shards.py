@@ -37,7 +37,7 @@ def chunk(folder: Path, name: str, shard: int) -> Path:
 
 
 @pytest.mark.parametrize("scheme", ["path", "file", "memory"])
-def test_what_is_written_is_read_on_any_file_system(tmp_path: Path, scheme: str) -> None:
+def test_samples_are_written_and_read_on_any_file_system(tmp_path: Path, scheme: str) -> None:
     url = {"path": str(tmp_path), "file": tmp_path.as_uri(), "memory": f"memory://{uuid.uuid4()}/deep"}[
         scheme
     ]
@@ -166,7 +166,7 @@ def test_an_empty_picture_is_stored_like_any_other(tmp_path: Path) -> None:
     assert store.verify() == []
 
 
-def test_a_full_disk_is_said_in_one_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_full_disk_is_one_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     store = fill(str(tmp_path), shards=(0,))
 
     def full(self: Path, content: bytes) -> None:

@@ -67,7 +67,7 @@ def test_the_object_stays_centred_and_as_large(seed: int) -> None:
     assert (high - low).max() == pytest.approx(0.5, abs=0.015)
 
 
-def test_no_object_is_no_trouble() -> None:
+def test_an_empty_map_can_be_distorted() -> None:
     empty = ellipsoid(1e3 * np.eye(2), 32)
     assert not empty.mask.any()
     distortion = random_distortion(0.02, 0.1, empty, np.random.default_rng(0))

@@ -82,7 +82,7 @@ def test_pieces_lie_end_to_end_and_begin_at_corners() -> None:
     assert (away < 4).mean() > 0.5  # of the square's length, a tenth lies so near a corner
 
 
-def test_what_is_inside_and_what_is_the_outline() -> None:
+def test_strokes_near_the_silhouette_are_the_outline() -> None:
     strokes = drawing()
     shares = inside(strokes, ellipsoid(np.eye(2)))
     assert shares[0] == 0
@@ -105,7 +105,7 @@ def test_short_strokes_inside_are_forgotten_first() -> None:
     assert kept[0] == pytest.approx(400 * (1 - 0.8 * np.exp(-5 / 128 / 0.4)), abs=40)
 
 
-def test_no_drawing_is_forgotten_whole() -> None:
+def test_at_least_one_stroke_is_drawn() -> None:
     assert len(forget(drawing(), np.ones(5), 1.0, 1e6, rng())) == 1
     assert forget([], np.zeros(0), 1.0, SIDE, rng()) == []
 

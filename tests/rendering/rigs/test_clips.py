@@ -13,7 +13,7 @@ from normalgan.rendering.mesh_files import MeshFile
 from normalgan.rendering.rigs import ClipMeshes
 
 
-def test_what_stands_still_stays_where_it_is(tmp_path: Path) -> None:
+def test_parts_that_do_not_move_stay_in_place(tmp_path: Path) -> None:
     """The lower half of a bar stands while its upper half is bent by 90°."""
     meshes = ClipMeshes(MeshFile(str(write_glb(tmp_path / "bar.glb", bar()[0]))), "0")
     first, last = meshes.span
@@ -29,7 +29,7 @@ def test_what_stands_still_stays_where_it_is(tmp_path: Path) -> None:
         assert (vertices.max(0) <= meshes.hull.max(0) + 1e-6).all()
 
 
-def test_a_clip_that_is_not_there_is_told_with_those_that_are(tmp_path: Path) -> None:
+def test_a_missing_clip_is_an_error_that_lists_the_clips(tmp_path: Path) -> None:
     file = MeshFile(str(write_glb(tmp_path / "bar.glb", bar()[0])))
     with pytest.raises(InputError, match=r"has no clip 'Walk'.* Its clips: "):
         ClipMeshes(file, "Walk")

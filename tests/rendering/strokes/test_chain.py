@@ -73,7 +73,7 @@ def test_a_figure_of_eight_is_one_stroke() -> None:
     assert len(path) == 61
 
 
-def test_nothing_makes_nothing() -> None:
+def test_no_pieces_make_no_strokes() -> None:
     assert chain(np.zeros((0, 2)), np.zeros((0, 2), np.int64)) == []
     assert chain(np.zeros((3, 2)), np.zeros((0, 2), np.int64)) == []
 

@@ -45,7 +45,7 @@ def test_width_and_darkness_change_along_a_stroke() -> None:
     np.testing.assert_allclose(ink[50, 10:90], 1 - 0.75 * share, atol=0.03)
 
 
-def test_it_does_not_matter_how_a_stroke_is_cut_into_points() -> None:
+def test_the_ink_does_not_depend_on_the_points_of_a_stroke() -> None:
     ends = np.array([[3.2, 4.1], [57.0, 33.3]])
     few = Stroke(ends, np.array([1.0, 4.0]), np.array([1.0, 0.5]))
     share = np.linspace(0, 1, 200)
@@ -79,7 +79,7 @@ def test_the_frame_cuts_off_what_is_outside() -> None:
     assert rasterise([Stroke.even(points[:2] + np.array([0, 900]), 3.0)], 24).max() == 0
 
 
-def test_nothing_is_blank_and_a_dot_is_a_dot() -> None:
+def test_no_strokes_leave_blank_paper_and_a_dot_is_drawn() -> None:
     assert rasterise([], 8).max() == 0
     dot = rasterise([Stroke.even(np.array([[4.0, 4.0], [4.0, 4.0]]), 3.0)], 8)
     assert dot.sum() == pytest.approx(np.pi * 9 / 4, rel=0.1)

@@ -33,7 +33,7 @@ def filled(stroke: Stroke) -> float:
     return float(picture.sum()) / 256
 
 
-def test_what_a_tapered_stroke_covers_has_its_width_all_along() -> None:
+def test_a_tapered_stroke_has_its_width_along_its_whole_length() -> None:
     stroke = tapered()
     expected = 20 * np.trapezoid(stroke.width, ARC) + np.pi * 0.5**2
     assert filled(stroke) == pytest.approx(expected, rel=0.02)

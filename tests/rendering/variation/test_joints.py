@@ -68,7 +68,7 @@ def test_a_bend_says_how_it_turns_space() -> None:
         np.testing.assert_allclose(jacobian @ direction, step, atol=1e-6)
 
 
-def test_what_has_no_limbs_stays_as_it_is() -> None:
+def test_a_mesh_without_limbs_is_not_bent() -> None:
     ball = trimesh.creation.icosphere(3)
     assert joints(as_mesh("ball", ball.vertices, ball.faces)) == []
 

@@ -67,7 +67,7 @@ def test_too_much_strength_is_halved_until_the_surface_holds() -> None:
     assert np.abs(one.vertices - individual(blob(), torn.times(0.02), 3).vertices).max() > 0.02
 
 
-def test_what_is_flat_can_vary_too() -> None:
+def test_a_flat_mesh_can_vary() -> None:
     box = trimesh.creation.box(extents=(1, 1, 1)).subdivide().subdivide()
     flat = as_mesh("flat", *weld(box.vertices * [1, 1, 0], box.faces))  # one square: weld drops the rest
     flat = replace(flat, vertices=flat.vertices / np.linalg.norm(flat.vertices, axis=1).max())
@@ -103,7 +103,7 @@ def mirror_error(mesh: Mesh, origin: Mesh) -> float:
     return float(np.abs(mesh.vertices * [1, 1, -1] - mesh.vertices[partner]).max())
 
 
-def test_what_is_symmetric_stays_so_unless_asymmetry_is_asked_for() -> None:
+def test_a_symmetric_mesh_stays_symmetric_without_asymmetry() -> None:
     even = ellipsoid(1, 0.6, 0.35, 4)  # as the icosphere under it, its own mirror image
     assert mirror_error(even, even) < 1e-6
     assert mirror_error(individual(even, replace(Variation(), asymmetry=0.0)), even) < 1e-4

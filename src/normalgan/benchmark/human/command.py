@@ -1,18 +1,20 @@
 """normalgan benchmark --human: measures a model on drawings by people of objects whose normals are known."""
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
+from statistics import fmean
 from typing import Any
 
 import torch
 
+from normalgan.benchmark.cells import figure_cell, interval_cell, spread_of
 from normalgan.benchmark.cost import describe_machine, describe_versions
 from normalgan.benchmark.human.drawings import read_drawings
 from normalgan.benchmark.human.evaluation import COUNTS, Measurement, measure_drawings
 from normalgan.benchmark.intervals import mesh_interval
 from normalgan.benchmark.pictures import Line, draw_methods
-from normalgan.benchmark.table import figure_cell, interval_cell
+from normalgan.benchmark.table import markdown_table
 from normalgan.benchmark.training import write_json
 from normalgan.commit import commit
 from normalgan.errors import InputError, did_you_mean
@@ -23,6 +25,11 @@ __all__ = ["human", "tables"]
 
 _GALLERY = 6
 _SEED = 0
+_NOTES = (
+    "Mean angular error on the object; where nothing is painted it is 90°. Hints are the true normals at "
+    "points uniform on the object; hinted pixels do not count. *Where both are* leaves out what is not "
+    "painted."
+)
 
 
 def human(
@@ -75,44 +82,31 @@ def tables(model: str, measured: Measurement) -> str:
     headings = ["drawings", "drawings", "objects", "no hints", "95 % over objects", f"{most} hints"]
     headings += ["95 % over objects", "median, no hints", "where both are, no hints", "mask IoU"]
     headings += ["calibration error"]
-    lines = [f"# Drawings by people: {model}", ""]
-    lines += [
-        "Mean angular error on the object; where nothing is painted it is 90°. Hints are the true normals at "
-        "points uniform on the object; hinted pixels do not count. *Where both are* leaves out what is not "
-        "painted.",
-        "",
-        f"| {' | '.join(headings)} |",
-        f"| --- |{' ---: |' * (len(headings) - 1)}",
-    ]
-    for name, group in measured.groups.items():
-        of_group = [one for one in measured.drawings if one["group"] == name]
-        shared = [one["figures"]["0"]["angular_shared"] for one in of_group]
-        known = [value for value in shared if value is not None]
-        cells = [name, str(len(of_group)), str(len(group["meshes"]["0"]))]
-        for given in ("0", most):
-            interval = mesh_interval([group], given, "angular_mean")
-            cells += [figure_cell(given, "angular_mean")([group]), interval_cell(interval)]
-        cells += [figure_cell("0", "angular_median")([group])]
-        cells += [f"{sum(known) / len(known):.2f}°" if known else "–", figure_cell("0", "mask_iou")([group])]
-        cells += [figure_cell("0", "calibration_error")([group])]
-        lines.append(f"| {' | '.join(cells)} |")
-    if measured.left_out:
-        lines += [
-            "",
-            f"{len(measured.left_out)} notes on what is left out, all in results.json; the first:",
-            "",
-        ]
-        lines += [f"- {sentence}" for sentence in measured.left_out[:5]]
+    lines = [f"# Drawings by people: {model}", "", _NOTES, ""]
+    lines += markdown_table(headings, [_group_row(name, measured) for name in measured.groups])
+    if left_out := measured.left_out:
+        lines += ["", f"{len(left_out)} notes on what is left out, all in results.json; the first:", ""]
+        lines += [f"- {sentence}" for sentence in left_out[:5]]
     lines += ["", "## By drawing", ""]
-    lines += [f"| drawing | group | no hints | {most} hints | where both are | mask IoU |"]
-    lines += ["| --- | --- | ---: | ---: | ---: | ---: |"]
-    for one in measured.drawings:
-        bare, hinted = one["figures"]["0"], one["figures"][most]
-        shown = [_degrees(bare["angular_mean"]), _degrees(hinted["angular_mean"])]
-        shown += [_degrees(bare["angular_shared"]), f"{bare['mask_iou']:.3f}"]
-        lines.append(f"| {one['name']} | {one['group']} | {' | '.join(shown)} |")
+    headings = ["drawing", "group", "no hints", f"{most} hints", "where both are", "mask IoU"]
+    lines += markdown_table(headings, map(_drawing_row, measured.drawings), names=2)
     return "\n".join(lines) + "\n"
 
 
-def _degrees(value: float | None) -> str:
-    return "–" if value is None else f"{value:.2f}°"
+def _group_row(name: str, measured: Measurement) -> list[str]:
+    group = measured.groups[name]
+    of_group = [one for one in measured.drawings if one["group"] == name]
+    shared = [one["figures"]["0"]["angular_shared"] for one in of_group]
+    known = [value for value in shared if value is not None]
+    cells = [name, str(len(of_group)), str(len(group["meshes"]["0"]))]
+    for given in ("0", str(COUNTS[-1])):
+        interval = mesh_interval([group], given, "angular_mean")
+        cells += [figure_cell(given, "angular_mean")([group]), interval_cell(interval)]
+    cells += [figure_cell("0", "angular_median")([group]), spread_of(known and [fmean(known)], 2, "°")]
+    return cells + [figure_cell("0", name)([group]) for name in ("mask_iou", "calibration_error")]
+
+
+def _drawing_row(one: Mapping[str, Any]) -> list[str]:
+    bare, hinted = one["figures"]["0"], one["figures"][str(COUNTS[-1])]
+    errors = [bare["angular_mean"], hinted["angular_mean"], bare["angular_shared"]]
+    return [one["name"], one["group"], *(spread_of([e], 2, "°") for e in errors), f"{bare['mask_iou']:.3f}"]

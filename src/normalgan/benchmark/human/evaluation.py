@@ -34,11 +34,11 @@ COUNTS = (0, 15)
 _VISIBLE = 0.05
 """Ink fainter than this is not seen."""
 _LARGEST_SIDE = 4096
-"""Larger drawings are a mistake: the map of one would take minutes."""
+"""Larger drawings are refused, because the map of one would take minutes."""
 _APART = 0.1
-"""Boxes of a drawing and of its object that share less are of another sheet or camera."""
+"""If the boxes of a drawing and its object share less, the sheet or the camera is another one."""
 _CPU = torch.device("cpu")
-_placed = lru_cache(maxsize=4)(read_placed_mesh)  # drawings of one mesh follow one another
+_placed = lru_cache(maxsize=4)(read_placed_mesh)  # drawings of a mesh come in a row
 
 
 @dataclass

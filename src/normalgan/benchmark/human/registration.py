@@ -61,14 +61,16 @@ def camera_of(projection: Doubles, placed: PlacedMesh, side: int) -> Camera:
     """
     matrix = projection @ placed.to_file
     if not np.isfinite(matrix).all() or np.linalg.norm(matrix[:, :3]) == 0:
-        raise InputError("its projection is not a matrix of finite numbers that shows anything.")
+        raise InputError(
+            "its projection must hold finite numbers, and its first three columns must not all be 0."
+        )
     perspective = np.linalg.norm(matrix[2, :3]) > 1e-9 * np.linalg.norm(matrix[:2, :3])
     return _perspective(matrix, placed, side) if perspective else _orthographic(matrix, placed, side)
 
 
 def _perspective(matrix: Doubles, placed: PlacedMesh, side: int) -> Camera:
     vertices = placed.mesh.vertices.astype(np.float64)
-    if matrix[2, 3] < 0:  # the mesh's centre is the origin, and lies before the eye
+    if matrix[2, 3] < 0:  # the mesh's centre is the origin, in front of the eye
         matrix = -matrix
     determinant = float(np.linalg.det(matrix[:, :3]))
     if determinant <= 0:

@@ -20,8 +20,8 @@ __all__ = ["Cluster"]
 T = TypeVar("T")
 R = TypeVar("R")
 
-_LOOK = 1.0  # seconds between two looks at who is there
-_PATIENCE = 60.0  # seconds without any worker, after which it ends
+_CHECK_INTERVAL = 1.0  # seconds between two checks of the workers
+_NO_WORKER_TIMEOUT = 60.0  # seconds without any worker, after which rendering ends
 
 
 class Cluster(Pool):
@@ -29,6 +29,9 @@ class Cluster(Pool):
 
     If a worker dies, the scheduler gives its tasks to others; a new worker gets its share. Each must have the
     same versions of normalgan and of the packages that the bytes depend on, and one thread.
+
+    Dask's own executor, `Client.get_executor`, does not tell a lost result from a cancelled one, nor a
+    scheduler that is gone from either, so futures of Dask are used.
 
     Args:
         where: which cluster; see `connect`.
@@ -39,12 +42,12 @@ class Cluster(Pool):
         self._stack = ExitStack()
         self._client: Any = None
         self._workers: set[str] = set()
-        self._sent_away: set[str] = set()
-        self._looked = self._seen = 0.0
+        self._refused: set[str] = set()
+        self._checked_at = self._worker_seen_at = 0.0
         self._ended: SimpleQueue[Any] = SimpleQueue()
 
     def __enter__(self) -> Self:
-        """Connect, and check the workers.
+        """Connect, and wait for a worker.
 
         Raises:
             InputError: if the cluster cannot be reached, or a worker is unfit.
@@ -52,9 +55,9 @@ class Cluster(Pool):
         """
         with ExitStack() as stack:
             self._client = connect(self.where, stack)
-            self._seen = time.monotonic()
+            self._worker_seen_at = time.monotonic()
             while not self._workers:
-                for address, flaw in self._look().items():
+                for address, flaw in self._update_workers().items():
                     raise InputError(f"the worker {address} of {self.where} cannot be used: it has {flaw}.")
                 if not self._workers:
                     time.sleep(0.1)
@@ -73,7 +76,7 @@ class Cluster(Pool):
 
     def submit(self, function: Callable[[T], R], task: T) -> Any:
         """Submit a task."""
-        # Never used before: of a known key the scheduler gives the old result, or the old death.
+        # Never used before: for a known key the scheduler gives the old result, or the old death.
         key = f"normalgan-{function.__name__}-{uuid4().hex}"
         future = self._client.submit(eval, *order(function, task), key=key, pure=False)
         future.add_done_callback(self._ended.put)
@@ -81,35 +84,40 @@ class Cluster(Pool):
 
     def wait(self, under_way: Collection[Any]) -> Collection[Any]:
         """Wait up to a second for a task to end, and update the list of workers."""
-        future = _next(self._ended)
-        self._watch()
-        return [future] if future in under_way else []
+        try:
+            ended = {self._ended.get(timeout=_CHECK_INTERVAL)}
+        except Empty:
+            ended = set()
+        if time.monotonic() - self._checked_at >= _CHECK_INTERVAL:
+            self._refuse_unfit()
+        return ended & set(under_way)
 
     def outcome(self, future: Any) -> Any:
         """Return the result of a task, or `Again` if the result is lost or its worker is unfit."""
         from distributed import KilledWorker
 
-        if future.status == "finished":
-            try:
-                outcome = future.result()
-            except KilledWorker:  # the result died with its worker, and so did those that made it again
+        if future.status == "error":
+            error = future.exception()
+            if isinstance(error, KilledWorker):
                 return Killed()
-            except CancelledError:
-                return self._lost_result()
-            except OSError as cause:  # on the way, not of the task: that one would have ended in an error
-                raise self._lost() from cause
-            if not isinstance(outcome, Unfit):
-                return outcome
-            self._watch(at_once=True)
-            return Again(lost=False)
-        if future.status != "error":
+            # An unfit worker may have failed to unpack the task.
+            if not isinstance(error, InputError) and self._refuse_unfit():
+                return Again(lost=False)
+            raise error
+        if future.status != "finished":
             return self._lost_result()
-        error = future.exception()
-        if isinstance(error, KilledWorker):
+        try:
+            result = future.result()
+        except KilledWorker:  # the result was lost, and the task killed each worker that repeated it
             return Killed()
-        if not isinstance(error, InputError) and self._watch(at_once=True):
-            return Again(lost=False)  # it could not even unpack what it was to do
-        raise error
+        except CancelledError:
+            return self._lost_result()
+        except OSError as cause:  # of the connection: an error of the task has the status "error"
+            raise self._scheduler_gone() from cause
+        if isinstance(result, Unfit):
+            self._refuse_unfit()
+            return Again(lost=False)
+        return result
 
     def cancel(self, under_way: Collection[Any]) -> None:
         """Cancel tasks whose results are not needed."""
@@ -123,55 +131,50 @@ class Cluster(Pool):
         Raises:
             RunError: if the connection is lost.
         """
-        if not self._connected():
-            raise self._lost()
+        if not self._is_connected():
+            raise self._scheduler_gone()
         return Again(lost=True)
 
-    def _connected(self) -> bool:
+    def _is_connected(self) -> bool:
         """Return whether there is a connection; Dask restores a broken one or gives up."""
-        deadline = time.monotonic() + TIMEOUT + _LOOK
+        deadline = time.monotonic() + TIMEOUT + _CHECK_INTERVAL
         while self._client.status == "connecting" and time.monotonic() < deadline:
             time.sleep(0.05)
         return bool(self._client.status == "running")
 
-    def _watch(self, at_once: bool = False) -> bool:
-        """Update the list of workers; return whether one was refused."""
-        if not at_once and time.monotonic() - self._looked < _LOOK:
-            return False
-        unfit = self._look()
+    def _refuse_unfit(self) -> bool:
+        """Update the list of workers, and refuse new ones that are unfit; return whether there were any."""
+        unfit = self._update_workers()
         for address, flaw in unfit.items():
             warnings.warn(f"the worker {address} has joined but cannot be used: it has {flaw}.", stacklevel=2)
         if unfit:
-            self._sent_away |= set(unfit)
+            self._refused |= set(unfit)
             self._client.retire_workers(list(unfit))
         return bool(unfit)
 
-    def _look(self) -> dict[str, str]:
-        """Update the list of workers; return the flaws of new ones, by address."""
-        self._looked = time.monotonic()
-        if not self._connected():
-            raise self._lost()
-        there = self._client.scheduler_info(n_workers=-1)["workers"]
-        known = self._workers | self._sent_away
-        unfit = flaws(self._client, {a: there[a]["nthreads"] for a in there if a not in known})
-        self._workers = set(there) - set(unfit) - self._sent_away
+    def _update_workers(self) -> dict[str, str]:
+        """Update the list of workers; return the flaws of new ones, by address.
+
+        Raises:
+            RunError: if the connection is lost, or there has been no worker for too long.
+        """
+        self._checked_at = time.monotonic()
+        if not self._is_connected():
+            raise self._scheduler_gone()
+        present = self._client.scheduler_info(n_workers=-1)["workers"]
+        new = set(present) - self._workers - self._refused
+        unfit = flaws(self._client, {address: present[address]["nthreads"] for address in new})
+        self._workers = set(present) - set(unfit) - self._refused
         if self._workers or unfit:
-            self._seen = self._looked
-        elif self._looked - self._seen > _PATIENCE:
+            self._worker_seen_at = self._checked_at
+        elif self._checked_at - self._worker_seen_at > _NO_WORKER_TIMEOUT:
             raise RunError(
-                f"there has been no worker at {self.where} for {_PATIENCE:.0f} seconds; what is "
+                f"there has been no worker at {self.where} for {_NO_WORKER_TIMEOUT:.0f} seconds; what is "
                 "finished is kept: start workers, and run again."
             )
         return unfit
 
-    def _lost(self) -> RunError:
+    def _scheduler_gone(self) -> RunError:
         return RunError(
             f"the scheduler at {self.where} is gone; finished samples are kept: start it, and run again."
         )
-
-
-def _next(ended: "SimpleQueue[Any]") -> Any:
-    try:
-        return ended.get(timeout=_LOOK)
-    except Empty:
-        return None

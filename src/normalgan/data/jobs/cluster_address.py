@@ -19,9 +19,9 @@ TIMEOUT = 10.0
 
 _FORMS = "tcp://host:port, a scheduler file (.json) or local:N"
 _LOCAL = {
-    # A mesh that kills is tried again alone, so a second death is enough here, instead of a fourth.
+    # A mesh that kills is tried again alone, so two deaths are enough, not Dask's four.
     "distributed.scheduler.allowed-failures": 1,
-    # LocalCluster gives a worker up for good that is not back in time; on a busy machine 15 s are too few.
+    # LocalCluster gives up a worker that is not back in time; 15 s are too few on a busy machine.
     "distributed.deploy.lost-worker-timeout": "10 minutes",
 }
 

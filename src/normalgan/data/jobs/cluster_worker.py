@@ -18,7 +18,7 @@ __all__ = ["Unfit", "flaws", "order", "perform", "worker_versions"]
 _DO = "__import__('normalgan.data.jobs.cluster_worker', fromlist=['perform']).perform(work, ours, folder)"
 _ASK = "__import__('normalgan.data.jobs.cluster_worker', fromlist=['perform']).worker_versions()"
 _PACKAGES = ("normalgan", "numpy", "scipy", "scikit-image", "trimesh", "embreex", "zarr", "numcodecs")
-"""On whose versions the bytes of samples depend."""
+"""The packages whose versions the bytes of samples depend on."""
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ __all__ = ["Again", "Killed", "Pool", "unrelated"]
 T = TypeVar("T")
 R = TypeVar("R")
 
-_LOSSES = 5  # results of a task that may be lost, after which its worker is taken to be killed by it
+_LOSSES = 5  # lost results of a task, after which it is considered to kill its worker
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ class Pool(ABC):
             InputError: as a task does; tasks that finished before were yielded or written.
             RunError: if no worker is left; tasks that finished before were yielded or written.
         """
-        todo = deque((task, 0) for task in tasks)  # with how often its result was lost
+        todo = deque((task, 0) for task in tasks)  # with the number of its lost results
         under_way: dict[Any, tuple[T, int]] = {}
         suspicious: set[str] = set()
         try:

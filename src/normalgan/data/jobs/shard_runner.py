@@ -15,7 +15,7 @@ _NOBODY = (
     "every mesh kills the workers, most likely because memory runs out; finished samples are "
     "kept: give them more, and run again."
 )
-_HOPELESS = 3  # meshes found deadly in a row before anything is finished: then it is not the meshes
+_HOPELESS = 3  # deadly meshes before anything is finished, after which the meshes are not to blame
 
 
 def render_shards(pool: Pool, tasks: Sequence[ShardTask]) -> Iterator[tuple[ShardTask, dict[str, str]]]:
@@ -48,7 +48,7 @@ def render_shards(pool: Pool, tasks: Sequence[ShardTask]) -> Iterator[tuple[Shar
                 if len(deadly) >= _HOPELESS and not finished:
                     raise RunError(_NOBODY)
                 continue
-            task, outcome = todo[0], pool.alone(render_shard, todo.pop(0))  # it stood beside a killer
+            task, outcome = todo[0], pool.alone(render_shard, todo.pop(0))  # another task killed its worker
             if isinstance(outcome, Killed):
                 raise RunError(_NOBODY)
             yield task, outcome

@@ -12,7 +12,7 @@ from normalgan.data.recipe import Loadable, SampleRecipe, fingerprint
 from normalgan.data.store.layout import Shard, blank
 from normalgan.data.store.shards import ZARR, damaged, write_shard, write_traces
 from normalgan.data.store.storage import Storage
-from normalgan.errors import InputError, brief
+from normalgan.errors import InputError, brief, third_party_place
 from normalgan.rendering.mesh_bytes import read_once
 from normalgan.rendering.samples import Sample
 
@@ -113,7 +113,7 @@ class CheckTask:
     numbers: tuple[int, ...]
 
 
-# The mesh used last, with its name and fingerprint: the views of one follow one another. It belongs to the
+# The mesh used last, with its name and fingerprint, as its views are rendered in a row. It belongs to the
 # process.
 _last: tuple[tuple[str, str], Any] | None = None
 
@@ -158,7 +158,7 @@ def _render(task: ShardTask) -> tuple[list[Sample], dict[str, str], dict[str, st
                 sample = task.recipe.render(_load(task.sources[name]), view)
             except ChangedMeshError:
                 raise
-            except Exception as error:  # whatever a mesh brings about in a renderer or style
+            except Exception as error:  # a renderer or style may raise anything
                 failed[name] = error_text(error)
                 if not isinstance(error, InputError):
                     traces[name] = "".join(traceback.format_exception(error))
@@ -200,20 +200,9 @@ def error_text(error: BaseException) -> str:
     """
     if isinstance(error, InputError):
         return str(error)
-    return f"{type(error).__name__}: {brief(error)}{_place(error)}."
-
-
-def _place(error: BaseException) -> str:
-    """Return the method of a third-party class that raised an error, and the line; empty if none did."""
-    method, file, line = "", "", 0
-    for frame, number in traceback.walk_tb(error.__traceback__):
-        owner = type(frame.f_locals.get("self"))
-        ours = [base.__module__.partition(".")[0] == "normalgan" for base in owner.__mro__]
-        if not ours[0] and any(ours):
-            method, file = f"{owner.__name__}.{frame.f_code.co_name}", frame.f_code.co_filename
-        if method and frame.f_code.co_filename == file:
-            line = number
-    return f", in {method}, {Path(file).name} line {line}" if method else ""
+    place = third_party_place(error)
+    where = f", in {place.method}, {Path(place.file).name} line {place.line}" if place else ""
+    return f"{type(error).__name__}: {brief(error)}{where}."
 
 
 class ChangedMeshError(InputError):
@@ -239,7 +228,7 @@ def _load(task: MeshTask) -> Any:
     return _last[1]
 
 
-_passed: set[str] = set()  # checks that this process has passed: they cost time, and nothing changes
+_passed: set[str] = set()  # checks that this process has passed, which take time
 
 
 def _once(what: str, check: Callable[[], None]) -> None:

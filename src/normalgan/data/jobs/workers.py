@@ -25,7 +25,7 @@ __all__ = ["Workers", "check_main_guard", "one_thread_each"]
 T = TypeVar("T")
 R = TypeVar("R")
 
-# One thread each: as many workers as cores would otherwise start cores² threads. 0 for llvmpipe, which
+# One thread each, because as many workers as cores would start cores² threads. 0 for llvmpipe, which
 # counts the threads it starts besides its caller's.
 _ONE_THREAD = {
     "OMP_NUM_THREADS": "1",
@@ -53,7 +53,7 @@ class Workers(Pool):
         if count < 0:
             raise InputError(f"{count} workers were requested; use 0 (only this process) or more.")
         self.count = count
-        self._pool: ProcessPoolExecutor | None = None  # it is used up when one of its processes dies
+        self._pool: ProcessPoolExecutor | None = None  # unusable after one of its processes has died
         self._pools: dict[Any, ProcessPoolExecutor] = {}  # by the futures of their tasks
 
     def __enter__(self) -> Self:
@@ -120,7 +120,7 @@ class Workers(Pool):
 def one_thread_each() -> Iterator[None]:
     """Inside this context, new processes compute in one thread."""
     before = {name: os.environ.get(name) for name in _ONE_THREAD}
-    # Set here, not in the worker: the libraries read it when they are loaded, before any code of ours.
+    # Set here, because the libraries read it when a worker imports them, before any code of ours runs.
     os.environ.update(_ONE_THREAD)
     try:
         yield
@@ -130,7 +130,7 @@ def one_thread_each() -> Iterator[None]:
 
 
 def _prepare() -> None:
-    # Ctrl-C reaches the whole group: the parent then lets every worker finish what it is writing.
+    # Ctrl-C reaches the whole group; the parent lets every worker finish writing.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     if parent is not None:
@@ -138,7 +138,7 @@ def _prepare() -> None:
 
 
 def _die_with(sentinel: int) -> None:
-    # A killed parent closes no queue: its workers would wait on it for ever.
+    # A killed parent closes no queue, and its workers would wait on it for ever.
     wait([sentinel])
     os._exit(1)
 
@@ -156,7 +156,7 @@ def check_main_guard() -> None:
     while frame is not None:
         again = frame.f_globals.get("__name__") == "__mp_main__"  # how a spawned process imports it
         if frame.f_code.co_name == "<module>" and (again or frame.f_globals is vars(main or sys)):
-            script = frame.f_globals.get("__file__")  # none of an interactive session, which is not imported
+            script = frame.f_globals.get("__file__")  # none in an interactive session, which is not imported
             if script is not None and (again or not _is_guarded(Path(script), frame.f_lineno)):
                 raise InputError(
                     f"line {frame.f_lineno} of {script} starts processes, which import this script again; "
@@ -170,7 +170,7 @@ def _is_guarded(script: Path, line: int) -> bool:
     try:
         tree = ast.parse(script.read_bytes())
     except (OSError, SyntaxError, ValueError):
-        return True  # no source in Python, such as a program that was frozen
+        return True  # no Python source, as in a frozen program
     for node in ast.walk(tree):
         if isinstance(node, ast.If) and node.lineno <= line <= (node.end_lineno or node.lineno):
             names = {each.id for each in ast.walk(node.test) if isinstance(each, ast.Name)}

@@ -89,7 +89,7 @@ class Loaders:
         elif dataset.distant:
             sampler = ShardOrder(dataset.store, self.replicas, self.rank, seed)
         else:
-            # Serves a single process too: its order does not come from global state, which a resumed run
+            # For a single process too: its order does not come from global state, which a resumed run
             # does not have.
             sampler = DistributedSampler(dataset, self.replicas, self.rank, shuffle=True, seed=seed)
         whole = len(sampler) >= self.batch_size  # a last batch of one sample would upset batch norm

@@ -70,7 +70,7 @@ def order_of_epoch(
     abreast = BATCHES_PER_CYCLE * replicas * batch_size
     for start in range(0, len(groups), abreast):
         mesh, part = np.divmod(groups[start : start + abreast], parts)
-        # Groups that have a view more than others come first, so that it stays in its place in the row.
+        # Groups with one view more come first, so that the columns stay aligned.
         place = np.argsort(part >= (views % parts or parts), kind="stable")
         mesh, part = mesh[place], part[place]
         for offset in range(0, views, parts):
@@ -128,7 +128,7 @@ class ShardOrder(Sampler[int]):
         rng = np.random.default_rng(derive_seed("within shards", self.seed, self.epoch, self.rank))
         mine = np.resize(order, -(-len(order) // self.replicas) * self.replicas)[self.rank :: self.replicas]
         left = len(self)
-        while left:  # shards differ in length, so a process with a short share goes through it again
+        while left:  # shards differ in length, so a process with a short share repeats it
             for start in range(0, len(mine), ABREAST):
                 parts = [list(self.store.indices(int(shard))) for shard in mine[start : start + ABREAST]]
                 for index in rng.permutation(np.concatenate(parts).astype(np.int64))[:left].tolist():

@@ -50,7 +50,7 @@ class StreamDataset(Dataset[Item]):
         name = self.mesh_cache.sources[index.mesh].name
         try:
             sample = self.recipe.render(self.mesh_cache.take(index.mesh), index.view)
-        except Exception as error:  # whatever a mesh brings about in a renderer or style
+        except Exception as error:  # a renderer or style may raise anything
             why = str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {brief(error)}."
             raise SampleError(f"view {index.view} of {name} cannot be rendered: {why}") from error
         sketch, normal, mask = map(torch.from_numpy, (sample.sketch, sample.normal, sample.mask))
@@ -116,7 +116,7 @@ class MeshCache:
             **self.__dict__,
             "bytes": 0,
             "_meshes": OrderedDict(),
-        }  # not what it holds: a worker starts empty
+        }  # without what it holds: a worker starts empty
 
     def take(self, number: int) -> Mesh:
         """Return the mesh of this number.

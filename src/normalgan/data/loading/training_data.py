@@ -7,7 +7,7 @@ from typing import Any
 
 __all__ = ["changes", "describe_training_data"]
 
-_SHORT = 40  # characters of a value that are shown
+_SHORT = 40  # the most characters of a value that are shown
 
 
 def describe_training_data(

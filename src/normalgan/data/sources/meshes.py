@@ -53,8 +53,8 @@ class MeshGroup:
         """
         found = find_meshes(self.meshes, self.orientation, self.crease_angle)
         split = split_meshes(found, replace(settings, file=self.split_file))
-        # After the split: poses and variants of one mesh are too much alike to be on both sides of it.
-        # Validation and test keep the poses that earlier figures were measured on.
+        # After the split, because poses and variants of a mesh are too similar to be on both sides.
+        # Validation and test keep their poses, so that figures stay comparable.
         posed = {
             name: pose(part, self.poses, self.postures if name == "train" else 0.0)
             for name, part in split.items()

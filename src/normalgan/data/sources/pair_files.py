@@ -38,7 +38,7 @@ _FOLDERS = {
 }
 _ENDS_IN = {"normal": NORMAL_SUFFIXES, "mask": (".png", ".webp", ".bmp"), "hints": (".png", ".json")}
 _ZERO = 0.05
-"""A vector shorter than this is none, in 8 bits too, and says that there is no object."""
+"""A shorter vector means that there is no object, in 8 bits too."""
 _PARTNERS = tuple(f"_{kind}" for kind in _ENDS_IN)
 LAYOUTS = (
     "a pair is a.png with a_normal.png beside it, or sketch/a.png with normal/a.png in the folder next to "

@@ -19,7 +19,7 @@ from normalgan.ranges import check_ranges
 __all__ = ["Pairs"]
 
 _SHOWN = 20
-"""As many of what was left out are listed in a warning."""
+"""The most files that a warning lists."""
 _HEADERS = ("PNG", "JPEG", "BMP", "TIFF", "GIF")
 """Formats whose headers Pillow reads in Python alone; others are opened by the decoding process alone."""
 _WITH_HEADER = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".gif"}
@@ -62,7 +62,7 @@ class Pairs(PairSource):
         left_out: list[str] = []
         pairs = self._find(left_out)
         parts = self._parts(pairs, settings)
-        # After the split: a file that is damaged moves no other pair to another side.
+        # After the split, so that a damaged file moves no other pair to another side.
         flaws = _flaws([pair for pair in pairs if pair.name in parts])
         split: dict[str, list[PairFiles]] = {part: [] for part in SPLITS}
         for pair in pairs:
@@ -167,7 +167,7 @@ def _size(path: Path) -> tuple[int, ...] | None:
     try:
         with warnings.catch_warnings(action="ignore"), Image.open(path, formats=_HEADERS) as picture:
             return tuple(sorted(picture.size))  # it may be turned when it is read
-    except Exception:  # whatever a damaged file brings about
+    except Exception:  # a damaged file may raise anything
         return None
 
 

@@ -121,7 +121,7 @@ def encode(shard: Shard, samples: Sequence[Sample]) -> dict[str, bytes]:
     Raises:
         ValueError: if the samples are not as many or not as large as the shard says.
     """
-    # An object depends on nothing outside its shard: arrays of this shard alone give the same bytes.
+    # An object depends on nothing outside its shard, so arrays of this shard alone give the same bytes.
     memory, arrays = _arrays_in_memory(shard.split, len(shard), shard.size, shard.room, shard.hints)
     for name, array in arrays.items():
         stack = np.stack([getattr(sample, name) for sample in samples])

@@ -85,7 +85,7 @@ class Storage:
             if _no_bucket(error):
                 raise InputError(f"the bucket of {self.url} does not exist; create it first.") from error
             return None
-        except Exception as error:  # what a remote store raises need not be an OSError: botocore's is not
+        except Exception as error:  # a remote store's error need not be an OSError; botocore's is not
             raise InputError(f"cannot read {self.url}/{path}: {reason(error)}.") from error
 
     def size(self, path: str) -> int | None:
@@ -158,7 +158,7 @@ class Storage:
                     path.unlink(missing_ok=True)
 
     def _files(self) -> tuple[AbstractFileSystem, str]:
-        # Asked for each time: fsspec keeps one a process, so that none is carried across a fork.
+        # Asked for each time, because fsspec keeps one for each process, and none may cross a fork.
         try:
             files, root = _connect(self.url)
         except (ValueError, ImportError) as error:
@@ -167,7 +167,7 @@ class Storage:
 
 
 def _write_atomically(root: Path, path: str, content: bytes) -> None:
-    # Not durable: what a power cut spoils its checksum finds.
+    # Not synced to disk: the checksum finds what a power cut damages.
     write_bytes(root / path, content, root / _PARTIAL / uuid.uuid4().hex, durable=False)
 
 

@@ -45,7 +45,7 @@ class Container:
             InputError: if there is no such entry.
         """
         items = self.tree.get(kind, [])
-        # Not items[index]: Python would take -1 for the last.
+        # Not items[index], because Python takes -1 for the last.
         if type(index) is not int or not 0 <= index < len(items):
             raise bad_gltf(self.path, f"it refers to entry {index} of its {len(items)} {kind}")
         entry = items[index]

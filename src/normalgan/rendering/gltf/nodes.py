@@ -98,7 +98,7 @@ def world_matrices(nodes: Nodes) -> Doubles:
     matrices[:, 3, 3] = 1.0
     for index, matrix in nodes.matrices.items():
         matrices[index] = matrix
-    for index in nodes.order:  # from each node's parent on, which is placed before it
+    for index in nodes.order:  # parents come first
         parent = nodes.parents[index]
         if parent >= 0:
             matrices[index] = matrices[parent] @ matrices[index]

@@ -11,13 +11,13 @@ __all__ = ["CELLS", "KNOTS", "Distortion", "random_distortion"]
 
 CELLS = 4
 """Cells of the spline on a side of the frame: displacements vary over about half of it."""
-_AROUND = 1  # cells around the frame: beyond them the displacement stays as it is at their border
+_AROUND = 1  # cells around the frame; beyond them the displacement is that at their border
 KNOTS = CELLS + 2 * _AROUND + 3
 """Coefficients of the spline along each axis."""
 _SPREAD = 0.479  # of a product of two cubic B-splines with unit normal coefficients, averaged over a cell
 _STEEPEST = 0.45  # of the displacement, times the least stretch of the matrix: below 1, nothing folds over
-_ROUNDS = 12  # of Newton's method: four are enough by far where nothing folds over
-_CLOSE = 1e-4  # of the side: from so near, a round of Newton's method leaves less than 1e-7
+_ROUNDS = 12  # rounds of Newton's method; fewer than four suffice where nothing folds over
+_CLOSE = 1e-4  # of the side; from this near, another round of Newton's method leaves less than 1e-7
 
 
 @dataclass(frozen=True)
@@ -133,7 +133,7 @@ def _framed(distortion: Distortion, maps: Maps) -> Distortion:
     if not len(rows):
         return distortion
     before = (np.stack([columns, rows], axis=1) + 0.5) / max(maps.mask.shape)
-    every = 1 + len(rows) // 300  # some hundreds tell the extent
+    every = 1 + len(rows) // 300  # some hundreds suffice for the extent
     after = distortion.move(before[(rows % every == 0) | (columns % every == 0)])
     (low, high), (left, right) = ((p.min(axis=0), p.max(axis=0)) for p in (before, after))
     zoom = float((high - low).max() / max(float((right - left).max()), 1e-9))

@@ -8,7 +8,7 @@ from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["miss_ends"]
 
-_MOST = 0.25  # of the stroke: neither error of an end is longer
+_MOST = 0.25  # of the stroke; the longest error of an end
 _LOOK = 6  # points over which the direction and the bend of an end are taken
 _BEND = np.deg2rad(40)  # the most that an overshoot turns
 

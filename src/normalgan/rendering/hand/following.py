@@ -9,7 +9,7 @@ from normalgan.rendering.maps import Maps
 
 __all__ = ["follow"]
 
-_ALIKE = 0.5  # neighbours whose normals differ more in one component are taken to be of different surfaces
+_ALIKE = 0.5  # neighbours whose normals differ more in a component belong to different surfaces
 
 
 def follow(maps: Maps, distortion: Distortion) -> Maps:

@@ -22,7 +22,7 @@ from normalgan.rendering.strokes.stroke import Stroke
 __all__ = ["Hand"]
 
 _STEP = 1 / 320  # of the side: between points; four to a wave of the tremor, and finer than a line is wide
-_HABITS = (0.3, 1.7)  # by what factor a drawing has more or less of each effect than the mean
+_HABITS = (0.3, 1.7)  # factor by which the effects of a drawing differ from the mean
 _Length = Annotated[float, Range(0, 0.1)]  # as a fraction of the side
 _Number = Annotated[float, Range(0, 20)]  # on the length of a side
 _Factor = Annotated[float, Range(0, 2)]

@@ -8,7 +8,7 @@ from normalgan.arrays import Doubles
 
 __all__ = ["smooth_noise", "spline_weights"]
 
-_APART = 4  # knots between one stroke and the next, so that they share none: a cubic reaches four
+_APART = 4  # knots between strokes, so that they share none: a cubic spans four
 _SPREAD = np.sqrt(0.479)  # of a cubic B-spline with unit normal coefficients, averaged over a cell
 
 

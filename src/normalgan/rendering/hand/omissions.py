@@ -10,9 +10,9 @@ from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["forget", "skip_parts"]
 
-_OUTLINE, _INSIDE = 0.05, 0.4  # of the side: strokes so long are forgotten e times less often than short ones
-_GAP = 0.05  # of the side: mean length of a part that is not drawn
-_SHORTEST = 0.012  # of the side: what is left of a stroke and shorter is not drawn either
+_OUTLINE, _INSIDE = 0.05, 0.4  # of the side; strokes this long are forgotten e times less often
+_GAP = 0.05  # of the side; mean length of a skipped part
+_SHORTEST = 0.012  # of the side; shorter remains of a stroke are skipped too
 
 
 def forget(

@@ -13,11 +13,11 @@ from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["cut", "in_order", "inside"]
 
-_CORNER = 0.012  # of the side: how far apart one looks to see that a line turns
-_SHORTEST = 0.04  # of the side: nobody lifts the pen so soon again
+_CORNER = 0.012  # of the side; distance over which a turn is measured
+_SHORTEST = 0.04  # of the side; the pen is not lifted again sooner
 _ANYWHERE = 0.02  # radians²: the weight of a straight piece, so that the pen is lifted there too, seldom
-_LATER = 0.2  # a stroke inside is drawn when those of the outline a fifth as long are
-_RIM = 0.012  # of the side: so near the silhouette a stroke belongs to the outline
+_LATER = 0.2  # an inner stroke is drawn together with outline strokes a fifth as long
+_RIM = 0.012  # of the side; strokes this near the silhouette belong to the outline
 
 
 def cut(stroke: Stroke, cuts: float, step: float, side: float, rng: np.random.Generator) -> list[Stroke]:
@@ -34,7 +34,7 @@ def cut(stroke: Stroke, cuts: float, step: float, side: float, rng: np.random.Ge
     reach = max(1, round(_CORNER * side / step))
     weights = turning(stroke.points, reach, stroke.closed) ** 2 + _ANYWHERE
     chance = weights / weights.sum()
-    if stroke.closed:  # it has no end of its own, so it begins at a corner as well
+    if stroke.closed:  # it is closed, so it begins at a corner too
         stroke = begin_at(stroke, int(rng.choice(count, p=chance)) % (count - 1))
         chance = turning(stroke.points, reach) ** 2 + _ANYWHERE
         chance /= chance.sum()
@@ -53,7 +53,7 @@ def inside(strokes: Sequence[Stroke], maps: Maps) -> Doubles:
     """Return the share of each stroke that lies within the object, away from its silhouette."""
     height, width = maps.mask.shape
     deep = cv2.distanceTransform(maps.mask.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
-    deep = deep > max(1.5, _RIM * max(height, width))  # the outermost pixels are of the outline at any size
+    deep = deep > max(1.5, _RIM * max(height, width))  # the outermost pixels belong to the outline
     shares = []
     for stroke in strokes:
         x, y = stroke.points.astype(int).T

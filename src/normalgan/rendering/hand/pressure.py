@@ -11,11 +11,11 @@ from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["press"]
 
-_WAVELENGTH = 0.35  # of the side: pressure changes slowly
-_TAPER = 0.07  # of the side: how long it takes to set the pen down or lift it, on a long stroke
-_START = 0.5  # how much of the taper there is where the pen is set down, compared with where it is lifted
+_WAVELENGTH = 0.35  # of the side; wavelength of the pressure
+_TAPER = 0.07  # of the side; length over which the pen is set down or lifted, on a long stroke
+_START = 0.5  # the taper where the pen is set down, as a share of that where it is lifted
 _TIGHT = np.deg2rad(40)  # a turn at which the hand is slowest
-_LOOK = 0.012  # of the side: from how far before and after the turn is measured
+_LOOK = 0.012  # of the side; distance before and after a point over which its turn is measured
 
 
 def press(

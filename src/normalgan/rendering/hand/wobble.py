@@ -59,7 +59,7 @@ def round_off(stroke: Stroke, deviation: float) -> Stroke:
     pad = min(int(8 * deviation) + 1, len(points) - 1)
     if stroke.closed:
         before, after = points[-1 - pad : -1], points[1 : 1 + pad]
-    else:  # turned about its ends the curve goes on smoothly, and by symmetry they stay where they are
+    else:  # continued by its rotation about each end, the curve is smooth and keeps its ends
         before, after = 2 * points[0] - points[pad:0:-1], 2 * points[-1] - points[-2 : -pad - 2 : -1]
     once: Doubles = gaussian_filter1d(np.concatenate([before, points, after]), deviation, axis=0)
     smooth = (2 * once - gaussian_filter1d(once, deviation, axis=0))[pad : pad + len(points)]

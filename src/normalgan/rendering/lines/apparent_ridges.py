@@ -9,7 +9,7 @@ from normalgan.rendering.lines.surface_lines import EdgeMarks
 
 __all__ = ["apparent_curvature", "extremes"]
 
-_GRAZING = 0.1  # the least n·v: beyond, foreshortening would know no bounds
+_GRAZING = 0.1  # the least n·v; below it foreshortening would have no bound
 
 
 def apparent_curvature(shape: Shape, eye: Doubles) -> tuple[Doubles, Doubles]:
@@ -58,7 +58,7 @@ def extremes(surface: Surface, values: Doubles, along: Doubles) -> tuple[EdgeMar
     step = surface.vertices[other] - surface.vertices[one]
     norm = np.maximum(np.linalg.norm(along, axis=1), 1e-12)
     unit = along / norm[:, None]
-    # Least squares over the edges about a vertex: by how much the derivative changes along its direction.
+    # Least squares over the edges of a vertex: the change of the derivative along its direction.
     ahead, behind = (step * unit[one]).sum(1), -(step * unit[other]).sum(1)
     count = len(values)
     change = np.bincount(one, (sign * rise[other] - rise[one]) * ahead, count)

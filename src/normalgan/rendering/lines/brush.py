@@ -20,8 +20,8 @@ __all__ = ["Brush", "facing_ratio", "sharpened"]
 
 _RATIO = 1.6  # of the two blurs, whose difference is then nearest to a Laplacian's (Marr, Hildreth 1980)
 _SPUR = 1.5  # widths of the ink: shorter strokes are spurs
-_TREMBLE = 7.0  # points over which the middle of the ink, which jumps from pixel to pixel, is smoothed
-_SWELL = 6.0  # points over which its width is
+_TREMBLE = 7.0  # points over which the centre line is smoothed, because it jumps from pixel to pixel
+_SWELL = 6.0  # points over which its width is smoothed
 
 
 @LINE_DRAWINGS.register
@@ -73,7 +73,7 @@ class Brush(LineDrawing):
         facing = np.where(contours, 0, facing_ratio(buffers))
         sharp = sharpened(facing, self.sigma * buffers.side, self.sharpening)
         inked = without_specks(contours | (sharp < self.threshold), self.shortest * buffers.side)
-        # Where the ink is uneven its middle has spurs, which do not reach beyond it.
+        # Uneven ink gives the centre line spurs, which end inside the ink.
         lines = [line for line in thin(inked) if len(line[0]) >= max(_SPUR * np.median(line[1]), 2)]
         if not lines:
             return []

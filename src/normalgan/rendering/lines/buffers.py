@@ -44,7 +44,7 @@ class Buffers:
         window = _object_window(whole.mask)
         if window is None:
             return None
-        # A copy in one piece: what follows goes over it many times.
+        # A contiguous copy, because it is read many times.
         maps = Maps(np.ascontiguousarray(whole.normal[window]), whole.depth[window], whole.mask[window])
         side = scale * view.size
         corner = (window[1].start, window[0].start)

@@ -67,7 +67,7 @@ class Crossings:
         """
         solid = self._without_spurs()
         points, links = solid._links()
-        # Where three lines meet, a point of its own joins them; it has no strength.
+        # An extra point without strength joins three lines that meet.
         strength = np.append(solid.strength, np.full(len(points) - len(solid.points), -np.inf))
         group = components(len(points), links[:, 0], links[:, 1])
         links = links[_groups(points, strength, group, seed, shortest)[group[links[:, 0]]]]
@@ -131,7 +131,7 @@ def crossings(pairs: tuple[Crossed, Crossed], width: int) -> Crossings:
     parts = []
     for axis, (row, column, share, strength, second) in enumerate(pairs):
         down, right = (share, 0.0) if axis else (0.0, share)
-        # The cell whose upper left pixel is (r, c) has number (r + 1) (W + 1) + c + 1.
+        # The cell with the upper left pixel (r, c) has the number (r + 1) (W + 1) + c + 1.
         cell = (row + 1) * (width + 1) + column + 1
         parts.append(
             (

@@ -9,9 +9,9 @@ from normalgan.rendering.maps import Maps
 
 __all__ = ["creases", "depth_gaps"]
 
-_GRAZING = 0.1  # the least cosine a tangent plane is trusted with: beyond, it would explain any gap
-_BAND = 2  # a flank this narrow, in pixels, is a contour: it is thinner than the line that would be drawn
-_MUCH = 3.0  # times larger is much larger
+_GRAZING = 0.1  # tangent planes with a smaller cosine are ignored: they would explain any gap
+_BAND = 2  # pixels; a flank this narrow is a contour, because it is thinner than the line
+_MUCH = 3.0  # ratio above which a gap counts as much larger
 _BEYOND = np.float32(1e6)  # depth of the background, in units of the mesh: farther than any object
 
 
@@ -38,9 +38,9 @@ def depth_gaps(maps: Maps, sight: Sight, least: float) -> Crossings:
 def _gaps_along(axis: int, depth: Floats, floor: Floats, maps: Maps, sight: Sight) -> Crossed:
     """Return the gaps between each pixel and its right neighbour (axis 0) or the one below (1)."""
     one, two = PAIRS[axis]
-    # Hardly any pair of pixels remains to be looked at.
+    # Only a few pairs of pixels remain to be checked.
     rows, columns = places(np.abs(depth[two] - depth[one]) > np.maximum(floor[one], floor[two]))
-    # Pixels in a row: the pair and, some way off on both sides, two more pairs.
+    # Pixels in a row: the pair, and another pair at some distance on each side.
     ahead = (-_BAND, 1 - _BAND, 0, 1, _BAND, _BAND + 1)
     line = [_moved(rows, columns, k, axis, depth.shape) for k in ahead]
     deep = [depth.ravel()[pixel] for pixel in line]
@@ -52,10 +52,10 @@ def _gaps_along(axis: int, depth: Floats, floor: Floats, maps: Maps, sight: Sigh
     second = front > back
     nearer = np.where(second, line[3], line[2])
     gap, size = np.maximum(back, front), sight.pixel.ravel()[nearer]
-    # Off the object, where a pixel has no size, nothing can hide anything.
+    # Off the object pixels have no size, and nothing is hidden.
     seen = np.flatnonzero(maps.mask.ravel()[nearer] & (gap > floor.ravel()[nearer]))
     strength, second, first = gap[seen] / size[seen], second[seen], line[2][seen]
-    # A strong one is a contour of its own, even where a part behind it is about to end.
+    # A strong edge is a contour, even just before the part behind it ends.
     weak = gap[seen] < _MUCH * floor.ravel()[nearer[seen]]
     kept = seen[~(weak & _outdone(np.where(second, -strength, strength), first, depth.shape, axis))]
     second, share = front[kept] > back[kept], np.full(len(kept), 0.5)

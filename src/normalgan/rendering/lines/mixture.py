@@ -49,7 +49,7 @@ class Mixture(LineDrawing):
     def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
         """Return the strokes of one of the styles; see `LineDrawing.trace`."""
         style = self.choose(rng)
-        return list(check_strokes(style, style.trace(view, rng), view.size))  # named by what drew them
+        return list(check_strokes(style, style.trace(view, rng), view.size))  # errors name the style
 
     def choose(self, rng: np.random.Generator) -> LineDrawing:
         """Return one of the styles at random, by weight."""

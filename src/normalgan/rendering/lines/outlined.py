@@ -19,7 +19,7 @@ __all__ = ["OutlinedDrawing"]
 class OutlinedDrawing(LineDrawing):
     """Draws the occluding contours, and leaves the lines inside to a style."""
 
-    # Each style declares them again with its own defaults, and documents them for the command line.
+    # Each style declares them with its own defaults, and documents them for the command line.
     line_width: float
     interior_width: float
     gap: float

@@ -7,9 +7,9 @@ from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["draw_border", "draw_curve"]
 
-_STAIRS = 4.0  # points over which a line known only to pass between two pixels is smoothed
-_SLACK = 0.5  # pixels from the border of two pixels to their centres: there, or nearer, it passes
-_JITTER = 1.5  # points over which a line known more precisely is smoothed
+_STAIRS = 4.0  # points over which a line is smoothed that is known only to pass between two pixels
+_SLACK = 0.5  # pixels from the border of two pixels to their centres; the line passes within it
+_JITTER = 1.5  # points over which a more precise line is smoothed
 
 
 def draw_border(line: Line, buffers: Buffers, width: float) -> Stroke:

@@ -19,7 +19,7 @@ from normalgan.rendering.view import View
 
 __all__ = ["RidgesAndValleys", "apparent_ridges"]
 
-_FACING = 0.15  # n·v below which a ridge is as good as a contour
+_FACING = 0.15  # below this n·v a ridge counts as a contour
 
 
 @LINE_DRAWINGS.register

@@ -25,8 +25,8 @@ class Shape:
     operators: Doubles
 
 
-# Views of one mesh follow one another, so one mesh is enough, and memory stays flat; its shapes by their
-# smoothing, because styles that are mixed differ in it. It belongs to the process.
+# Views of a mesh are rendered in a row, so one mesh is kept, and memory stays flat. Its shapes are keyed by
+# smoothing, which differs between the styles of a mixture. The cache belongs to the process.
 _last: tuple[Mesh, Surface, dict[float, Shape]] | None = None
 
 

@@ -18,7 +18,7 @@ from normalgan.rendering.view import View
 
 __all__ = ["SuggestiveContours"]
 
-_BAND = 0.003  # of the frame's side: normals so near a contour are half seen, and of two surfaces
+_BAND = 0.003  # of the frame's side: normals this near a contour are mixed from two surfaces
 
 
 @LINE_DRAWINGS.register

@@ -10,7 +10,7 @@ from normalgan.arrays import Doubles, Indices
 from normalgan.rendering.mesh import Mesh
 
 __all__ = ["Operator", "Surface"]
-Operator = Any  # a sparse matrix; SciPy's types for it are not generic over what one multiplies it by
+Operator = Any  # a sparse matrix; SciPy's types are not generic over the other factor
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Surface:
         """Return the surface of a mesh."""
         vertices, faces = mesh.vertices.astype(np.float64), mesh.faces.astype(np.int64)
         pairs = np.sort(faces[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2), axis=1)
-        # One number a pair: many times faster to sort than rows.
+        # One number for each pair sorts many times faster than rows.
         keys, sides = np.unique(pairs[:, 0] * len(vertices) + pairs[:, 1], return_inverse=True)
         edges = np.stack([keys // len(vertices), keys % len(vertices)], axis=1)
         lengths = np.linalg.norm(vertices[edges[:, 0]] - vertices[edges[:, 1]], axis=1)
@@ -61,7 +61,7 @@ class Surface:
     def smooth(self, values: Doubles, sigma: float) -> Doubles:
         """Return values (V, …) at the vertices smoothed by diffusion over ``sigma``, in units of the mesh."""
         smoothed = values.reshape(len(values), -1)
-        # A round moves a value on to a neighbour with probability 1/2: a step of variance spacing² / 2.
+        # A round moves a value to a neighbour with probability 1/2, a step of variance spacing² / 2.
         for _ in range(round(4 * (sigma / self.spacing) ** 2)):
             smoothed = self.average @ smoothed
         return np.asarray(smoothed).reshape(values.shape)

@@ -59,7 +59,7 @@ def _fit(sides: Doubles, normals: Doubles, first: Doubles, second: Doubles) -> D
     zero = np.zeros_like(uu)
     left = np.stack([uu, uv, zero, uv, uu + vv, uv, zero, uv, vv], axis=1).reshape(-1, 3, 3)
     right = np.stack([(u * du).sum(1), (v * du + u * dv).sum(1), (v * dv).sum(1)], axis=1)
-    # A sliver's fit is undetermined across it: a little damping leaves that at 0.
+    # The fit of a sliver is undetermined across it; damping sets it to 0.
     damping = 1e-9 * (uu + vv) + 1e-30
     left += damping[:, None, None] * np.eye(3)
     a, b, c = np.linalg.solve(left, right[..., None])[..., 0].T
@@ -89,7 +89,7 @@ def _nearest_areas(sides: Doubles) -> Doubles:
 def _tilt(vectors: Doubles, old: Doubles, new: Doubles) -> Doubles:
     """Return tangent vectors (F, 3) turned along with the normal, the shortest way from old to new."""
     cosine = (old * new).sum(1)
-    # Opposite normals, on a fold: no way is shortest, any will do.
+    # Normals are opposite on a fold, so any rotation axis will do.
     share = (vectors * new).sum(1) / np.maximum(1 + cosine, 1e-6)
     tilted: Doubles = vectors - (old + new) * share[:, None]
     return tilted

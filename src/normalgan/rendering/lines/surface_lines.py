@@ -14,7 +14,7 @@ from normalgan.rendering.view import View
 
 __all__ = ["EdgeMarks", "paths", "seen", "zero_marks"]
 
-_DEEPER = 0.004  # in units of the mesh: how far behind the depth buffer rounding and facets put a point
+_DEEPER = 0.004  # in units of the mesh; rounding and facets put points behind the depth buffer
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from normalgan.rendering.lines.sight import Sight
 
 __all__ = ["smooth_normals", "valley_depth", "zero_crossings"]
 
-_ROUNDING = 1e-6  # a slope of n·v in single precision that is as good as none: planes lie in no valley
+_ROUNDING = 1e-6  # smaller slopes of n·v are rounding in single precision; planes have no valleys
 
 
 def smooth_normals(normal: Floats, known: BoolMask, sigma: float) -> Floats:
@@ -19,7 +19,7 @@ def smooth_normals(normal: Floats, known: BoolMask, sigma: float) -> Floats:
     half-seen pixels leak in. (The sum needs no dividing by the weights: it is made a unit vector.)
     """
     side = 2 * round(3 * sigma) + 1  # by default a third more, for the last 0.3 % of the weight
-    # One component after the other: each then lies in memory in one piece, here and where it is used.
+    # One component after the other, so that each is contiguous in memory.
     weight = known.astype(np.float32)
     parts = np.empty((3, *known.shape), np.float32)
     for part, component in zip(parts, cv2.split(normal), strict=True):

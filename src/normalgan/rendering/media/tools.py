@@ -7,7 +7,7 @@ from normalgan.arrays import Floats
 
 __all__ = ["bleed", "pencil"]
 
-_TOOTH = 0.7  # pixels; finer than the line, as paper scanned with a whole drawing on it is
+_TOOTH = 0.7  # pixels; finer than the line, like the grain in a scan of a whole drawing
 
 
 def bleed(ink: Floats, sigma: float) -> Floats:
@@ -30,7 +30,7 @@ def pencil(ink: Floats, grain: float, rng: np.random.Generator) -> Floats:
         grain: from 0 for smooth paper to 1, where the lightest touch marks only the highest points.
         rng: the paper.
     """
-    depth = _smooth_noise(ink.shape, _TOOTH, rng)  # standard normal: how low the paper lies
+    depth = _smooth_noise(ink.shape, _TOOTH, rng)  # standard normal: the depth of the paper
     reach = 0.5 + 0.25 * depth
     graphite: Floats = ink * np.clip(1 - grain * np.clip(reach, 0, 1) * (1.5 - ink), 0, 1)
     return graphite.astype(np.float32)
@@ -40,6 +40,6 @@ def _smooth_noise(shape: tuple[int, ...], sigma: float, rng: np.random.Generator
     """Return noise of standard deviation 1 that is correlated over ``sigma`` pixels."""
     noise = rng.standard_normal(shape, dtype=np.float32)
     noise = np.asarray(cv2.GaussianBlur(noise, (0, 0), sigma, borderType=cv2.BORDER_REFLECT), np.float32)
-    # The blur of white noise keeps 1 / (4 π σ²) of its variance, less on so small a kernel: measure it.
+    # Blurred white noise keeps 1 / (4 π σ²) of its variance, but less with a small kernel, so it is measured.
     result: Floats = noise / max(float(noise.std()), 1e-6)
     return result

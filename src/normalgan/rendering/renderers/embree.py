@@ -18,7 +18,7 @@ __all__ = ["CANCELLED", "EmbreeRenderer"]
 CANCELLED = 1e-4
 """Interpolated normals shorter than this have cancelled each other out."""
 
-# The mesh rendered last and its scene: views of one mesh follow one another. It belongs to the process.
+# The mesh rendered last and its scene, as views of a mesh are rendered in a row. It belongs to the process.
 _last: tuple[Mesh, Any] | None = None
 
 
@@ -35,7 +35,7 @@ class EmbreeRenderer(Renderer):
         """Return the maps of ``mesh`` seen by ``camera``; see `Renderer.render`."""
         rows, columns = _pixels_in_reach(mesh, camera, size)
         origins, directions = (part[rows, columns].reshape(-1, 3) for part in camera.rays(size))
-        # From the near plane on: Embree's float32 then carries no needless distance.
+        # From the near plane, so that float32 spends no digits on the distance to it.
         started = origins + camera.near * directions
         hit = _scene(mesh).run(started.astype(np.float32), directions.astype(np.float32))
         pixels = np.flatnonzero(hit >= 0)
@@ -72,7 +72,7 @@ def _pixels_in_reach(mesh: Mesh, camera: Camera, size: int) -> tuple[slice, slic
         np.c_[mesh.vertices, np.ones(len(mesh.vertices))]
         @ (camera.projection_matrix() @ camera.view_matrix()).T
     )
-    if (points[:, 3] <= 0).any():  # something lies behind the eye: its projection means nothing
+    if (points[:, 3] <= 0).any():  # something lies behind the eye, where a projection is meaningless
         return slice(0, size), slice(0, size)
     x, y = ((points[:, :2] / points[:, 3:]) * [0.5, -0.5] + 0.5).T * size
     bounds = [int(np.clip(edge, 0, size)) for edge in (y.min(), y.max() + 1, x.min(), x.max() + 1)]
@@ -91,7 +91,7 @@ def _shade(
     edge1, edge2, offset = b - a, c - a, origins - a
     across = np.cross(directions, edge2)
     turned = np.cross(offset, edge1)
-    # Never 0 where Embree found a hit, but for triangles too thin for float32: any point on them will do.
+    # 0 only for triangles too thin for float32, where any point will do.
     scale = _dot(edge1, across)
     scale = np.where(scale == 0, np.finfo(np.float64).tiny, scale)
     u = np.clip(_dot(offset, across) / scale, 0, 1)
@@ -102,7 +102,7 @@ def _shade(
     weights = np.stack([1 - u - v, u, v], axis=-1)
     normals = np.einsum("pk,pkc->pc", weights, mesh.normals[corners].astype(np.float64))
     flat = np.cross(edge1, edge2)
-    # The corners' normals may cancel on a fold; the triangle's own then stands in.
+    # The corners' normals may cancel on a fold; then the normal of the triangle is used.
     cancelled = _dot(normals, normals) < CANCELLED**2
     normals[cancelled] = flat[cancelled]
     # Seen from behind is what the triangle says, not the normal: on a coarse mesh a normal near the

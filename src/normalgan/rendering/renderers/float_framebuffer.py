@@ -95,7 +95,7 @@ class FloatContext:
         self._passes: Any = type("FloatRenderer", (FloatFramebuffer, Renderer), {"_kept": {}})(64, 64)
         self._passes._program_cache = ShaderProgramCache(str(Path(__file__).parent / "shaders"))
         self._offscreen._renderer = self._passes
-        # pyrender wants a camera in the scene, though its matrices are not asked for.
+        # pyrender requires a camera in the scene, although its matrices are not used.
         self._scene = pyrender.Scene(bg_color=np.zeros(4))
         self._scene.add(pyrender.OrthographicCamera(1.0, 1.0))
         self._flags = pyrender.RenderFlags.FLAT | pyrender.RenderFlags.SKIP_CULL_FACES

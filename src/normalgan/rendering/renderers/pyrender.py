@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = ["PyrenderRenderer"]
 
-# One context a process: taking down a second one would take the shared EGL display with it.
+# One context for the process: deleting a second one would delete the shared EGL display.
 _context: "FloatContext | None" = None
 
 
@@ -54,7 +54,7 @@ def _open_context() -> "FloatContext":
     if _context is None:
         os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
         os.environ.setdefault("PYGLET_HEADLESS", "1")  # else pyglet, never used here, asks for X libraries
-        # With threads of its own, Mesa's software driver hangs in a process forked from this one.
+        # With several threads, Mesa's software driver hangs in forked processes.
         os.environ.setdefault("LP_NUM_THREADS", "0")
         platform = os.environ["PYOPENGL_PLATFORM"]
         if platform != "egl":
@@ -63,7 +63,7 @@ def _open_context() -> "FloatContext":
                 "unset it, or choose EmbreeRenderer."
             )
         try:
-            with warnings.catch_warnings(action="ignore"):  # of the packages that pyrender imports
+            with warnings.catch_warnings(action="ignore"):  # of packages that pyrender imports
                 from normalgan.rendering.renderers.float_framebuffer import FloatContext
 
                 _context = FloatContext()

@@ -55,7 +55,7 @@ class RiggedFile:
         Raises:
             InputError: if the file cannot be read.
         """
-        # A file without postures keeps the fingerprint that its samples are stored under.
+        # Without postures the fingerprint stays that under which existing samples are stored.
         share = [POSTURES_VERSION, self.postures] if self.postures else []
         settings = json.dumps([RIG_VERSION, self.pose, self.file.fingerprint(), *share])
         return hashlib.sha256(settings.encode()).hexdigest()
@@ -66,7 +66,7 @@ class RiggedFile:
         Raises:
             InputError: if the file cannot be read, or its rig is inconsistent.
         """
-        # scipy takes half a second: only when a rig is posed
+        # scipy takes half a second, only when a rig is posed
         from normalgan.rendering.rigs.joints import LooseRigError
         from normalgan.rendering.rigs.posing import draw_pose
         from normalgan.rendering.rigs.reading import read_rig

@@ -118,7 +118,7 @@ def _hang_together(points: Doubles, owners: Indices, parents: Indices, moving: B
         mine, others = tree == loose, tree != loose
         found = cKDTree(points[others]).query(points[mine])
         distance, nearest = np.asarray(found[0]), np.asarray(found[1], dtype=np.int64)
-        # A joint is where surfaces meet: the nearest tenth of the vertices decides.
+        # A joint is where surfaces meet, so the nearest tenth of the vertices decides.
         close = distance <= np.quantile(distance, 0.1)
         keepers, votes = np.unique(owners[others][nearest[close]], return_counts=True)
         roots = [node for node in np.unique(owners[mine]) if parents[node] < 0]

@@ -25,7 +25,7 @@ def draw_pose(rig: Rig, rng: np.random.Generator, postures: float = 0.0) -> Doub
         rng: draws the pose.
         postures: share of the poses that are postures, if the rig's skeleton is a known one.
     """
-    # At 0 nothing is drawn, so that poses without postures stay what they were.
+    # At 0 nothing is drawn, so that postures do not change the other poses.
     if postures and rng.random() < postures and (skeleton := find_skeleton(rig)) is not None:
         return in_posture(rig, skeleton, draw_posture(skeleton.kind, rng))
     if rig.clips and rng.random() < 0.5:
@@ -50,7 +50,7 @@ def turned(world: Doubles, joints: Joints, turns: Doubles) -> Doubles:
         place = world[node]
         if parent >= 0:
             above = joints.nodes[parent]
-            # The pseudo-inverse: rigs hide parts by scaling them to 0.
+            # The pseudo-inverse, because rigs hide parts by scaling them to 0.
             place = moved[above] @ np.linalg.pinv(world[above]) @ place
         moved[node] = place
         moved[node, :3, :3] = place[:3, :3] @ rotation

@@ -339,7 +339,7 @@ def _skeleton(rig: Rig, names: _Names, position: Mapping[str, int]) -> Skeleton:
     joints = find_joints(rig)
     parents = rig.nodes.parents.copy()
     parents[joints.nodes] = np.where(joints.parents >= 0, joints.nodes[joints.parents], -1)
-    # A leg beside another would hang on that one, where the file has both on bones that move no surface.
+    # If both legs hang on bones that move no surface, a leg would become a child of the other.
     parents[[leg[0] for leg in hind if parents[leg[0]] in (-1, *hind[0], *hind[1])]] = trunk[0]
     points, owners = owned_vertices(rig)
     tips, points = places.copy(), points @ axes
@@ -499,5 +499,5 @@ def _swing(start: Doubles, end: Doubles) -> Doubles:
     axis = np.cross(start, end)
     sine, cosine = float(np.linalg.norm(axis)), float(start @ end)
     if sine < 1e-9:
-        axis, sine = np.array([1.0, 0.0, 0.0]), 1.0  # straight on, or straight back: about the body's left
+        axis, sine = np.array([1.0, 0.0, 0.0]), 1.0  # parallel or opposite: turn about the body's left
     return np.asarray(Rotation.from_rotvec(axis / sine * np.arctan2(sine, cosine)).as_matrix())

@@ -101,13 +101,13 @@ def _bound(
     if lost.all():
         return _stiff(vertices, faces, node)
     if lost.any():
-        # Without copies, with which trees of points degenerate.
+        # Without duplicates, which make a k-d tree degenerate.
         places, first = np.unique(vertices[~lost], axis=0, return_index=True)
         nearest = np.flatnonzero(~lost)[first[cKDTree(places).query(vertices[lost])[1]]]
         joints[lost], weights[lost] = joints[nearest], weights[nearest]
     if weights.min() < 0:
         raise bad_gltf(container.path, "a weight is negative")
-    # Some exporters leave any number where the weight is 0.
+    # Some exporters leave arbitrary numbers where the weight is 0.
     joints = np.where(weights > 0, joints, 0)
     if joints.max() >= len(skin.joints):
         raise bad_gltf(

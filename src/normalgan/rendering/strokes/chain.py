@@ -9,10 +9,10 @@ from normalgan.arrays import Doubles, Indices
 __all__ = ["End", "Neighbours", "Piece", "chain"]
 Piece = list[int]
 Neighbours = tuple[list[int], list[int]]
-End = tuple[int, int]  # a piece and which of its ends: 0 or -1
+End = tuple[int, int]  # a piece and one of its ends, 0 or -1
 
-_REACH = 6.0  # in units of the points: from so far off the direction of a branch is taken at a junction
-_STRAIGHT = np.cos(np.deg2rad(60.0))  # a path turns by no more at a junction
+_REACH = 6.0  # in units of the points; distance from a junction at which the direction of a branch is taken
+_STRAIGHT = np.cos(np.deg2rad(60.0))  # the most that a path turns at a junction
 
 
 def chain(points: Doubles, links: Indices) -> list[Indices]:
@@ -28,7 +28,7 @@ def chain(points: Doubles, links: Indices) -> list[Indices]:
     Returns:
         The points of each path in order. A closed one ends on its first point.
 
-    >>> points = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [1.0, 1.0]])  # a T upside down
+    >>> points = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [1.0, 1.0]])  # a vertex of an inverted T
     >>> [path.tolist() for path in chain(points, np.array([[0, 1], [2, 1], [1, 3]]))]
     [[0, 1, 2], [1, 3]]
     """

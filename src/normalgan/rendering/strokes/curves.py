@@ -31,14 +31,14 @@ def smooth(path: Doubles, sigma: float) -> Doubles:
     x = np.arange(-reach, reach + 1) / sigma
     kernel = np.exp(-0.5 * x * x) * (3 - x * x)
     kernel /= kernel.sum()
-    along = path[:, 0] + 1j * path[:, 1]  # both coordinates in one go
+    along = path[:, 0] + 1j * path[:, 1]  # both coordinates at once
     if _closed(path):
         ring = along[:-1]
         padded = np.concatenate([ring[-reach:], ring, ring[:reach]])
         done = np.convolve(padded, kernel, "valid")
         done = np.append(done, done[0])
     else:
-        # Turned half about each end, the line goes on as it came: the ends stay, and nothing shrinks.
+        # Continued by a half turn about each end, the line keeps its ends and does not shrink.
         before, after = 2 * along[0] - along[reach:0:-1], 2 * along[-1] - along[-2 : -reach - 2 : -1]
         done = np.convolve(np.concatenate([before, along, after]), kernel, "valid")
     return np.stack([done.real, done.imag], axis=1)

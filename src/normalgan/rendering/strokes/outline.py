@@ -7,7 +7,7 @@ from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["outline"]
 
-_CAP = 6  # corners of a round end: at a pen's width no eye sees them
+_CAP = 6  # corners of a round end, invisible at the width of a pen
 
 
 def outline(stroke: Stroke) -> list[Doubles]:
@@ -38,7 +38,7 @@ def _tangents(points: Doubles, closed: bool) -> Doubles:
     else:
         before, after = np.vstack([steps[:1], steps]), np.vstack([steps, steps[-1:]])
     tangents = before + after
-    # Where the pen turns back on itself the two steps cancel: go on as it came.
+    # Where the pen turns back on itself the two steps cancel; use the direction it came from.
     still = np.linalg.norm(tangents, axis=1) < 1e-9
     tangents[still] = before[still]
     unit: Doubles = tangents / np.maximum(np.linalg.norm(tangents, axis=1, keepdims=True), 1e-12)

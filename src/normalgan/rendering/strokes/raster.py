@@ -10,9 +10,9 @@ from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["rasterise"]
 
-_LONGEST = 2.0  # pixels: longer segments are cut up, so that what lies about each is a small square
-_FAINTEST = 1e-4  # ink less than this is rounding
-_BATCH = 1_000_000  # pixels looked at at a time
+_LONGEST = 2.0  # pixels; longer segments are cut up, so that each affects a small square
+_FAINTEST = 1e-4  # less ink than this is rounding
+_BATCH = 1_000_000  # pixels that are processed at once
 
 
 def rasterise(strokes: Sequence[Stroke], size: int) -> Floats:
@@ -77,7 +77,7 @@ def _segments(strokes: Sequence[Stroke], size: int) -> _Segments:
     number = np.repeat(np.arange(len(cut)), [len(part) for part, _ in cut])
     reach = np.array([pen[:, 0].max() / 2 + 0.5 for _, pen in cut])[number]
     step = np.diff(points, axis=0)
-    # As long as the longest of its stroke, so that there are few sizes.
+    # As long as the longest segment of its stroke, so that there are few sizes.
     longest = np.zeros(len(cut))
     np.maximum.at(longest, number[:-1], np.where(number[:-1] == number[1:], np.abs(step).max(axis=1), 0))
     side = (np.ceil(2 * reach + longest[number]) + 1).astype(np.int64)
@@ -143,7 +143,7 @@ def _covered(depth: Floats, slant: Doubles) -> Floats:
         depth: (S, K, K) in pixels, negative on the other side.
         slant: (S, 2) absolute components of the direction; (1, 0) or (0, 1) are along the pixels.
     """
-    # Along the pixels the smaller part is 0, and the formula divides by it; nobody sees so little slant.
+    # The formula divides by the smaller part, which is 0 along the pixels; so little slant is invisible.
     wide, narrow = np.sort(np.maximum(slant, 0.02), axis=1).astype(np.float32).T[::-1, :, None, None]
     outer, inner = np.float32(0.5) * (wide + narrow), np.float32(0.5) * (wide - narrow)
     depth = np.clip(depth, -outer, outer)
@@ -157,7 +157,7 @@ def _covered(depth: Floats, slant: Doubles) -> Floats:
 def _lay(owner: Indices, row: Indices, column: Indices, ink: Floats, paper: Floats) -> None:
     """Darken ``paper`` (H, W), the share that still shows; a stroke inks a pixel once, by its largest."""
     size = len(paper)
-    # A pixel of each stroke has a number of its own; what is inked several times counts once.
+    # Each pixel of a stroke has its own number, so that a pixel inked several times counts once.
     key = (owner * size + row) * size + column
     order = np.argsort(key, kind="stable")
     key = key[order]

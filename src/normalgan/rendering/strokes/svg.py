@@ -10,8 +10,8 @@ from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["to_svg"]
 
-_EXACT = 0.05  # pixels; points nearer than this to the line between their neighbours say nothing
-_EVEN = 0.01  # pixels; a pen pressed so evenly draws a line of one width
+_EXACT = 0.05  # pixels; points nearer than this to the line between their neighbours are left out
+_EVEN = 0.01  # pixels; smaller variations of the width are ignored
 
 
 def to_svg(strokes: Sequence[Stroke], size: int) -> str:
@@ -57,7 +57,7 @@ def _path(stroke: Stroke) -> str:
 
 
 def _data(points: Doubles) -> str:
-    from skimage.measure import approximate_polygon  # loads scipy.signal, half a second: pixels do without
+    from skimage.measure import approximate_polygon  # loads scipy.signal, half a second
 
     points = approximate_polygon(points, _EXACT)
     return "M" + "L".join(f"{_number(x)} {_number(y)}" for x, y in points)

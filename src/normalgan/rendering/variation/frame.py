@@ -63,7 +63,7 @@ def find_frame(mesh: Mesh) -> Frame:
     def miss(turn: float) -> float:
         side = _sideways(turn)
         missed = np.mean(tree.query(probes - 2 * np.outer(probes @ side, side))[0])
-        # Of several planes, one along the object: what mirrors both ways is longer than wide.
+        # Of several planes, the one along the object.
         return float(missed + ACROSS * np.ptp(probes @ side))
 
     best = min(COARSE, key=miss)

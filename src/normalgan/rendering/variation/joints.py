@@ -72,7 +72,7 @@ class Joint:
         share, slope = self.share(points)
         rotation = Rotation.from_rotvec(np.outer(angle * share, axis)).as_matrix()
         moved = (rotation @ (points - self.centre)[:, :, None])[:, :, 0]
-        # How it turns on as one goes outward.
+        # How the turn grows outwards.
         speed = angle * slope[:, None] * np.cross(axis, moved)
         return moved + self.centre, rotation + speed[:, :, None] * self.outward
 
@@ -141,7 +141,7 @@ def _joint(places: Doubles, distance: Doubles, length: float) -> Joint | None:
         return None
     near = np.abs(distance - length) < 1.5 * band
     joint = Joint(centre, outward, band, distance < length + 1.5 * band, near)
-    # Where another limb is in the way, the surface does not end where the joint does, and would tear.
+    # If another limb is in the way, the surface continues beyond the joint and would tear.
     share, _ = joint.share(places)
     torn = (share[near & (distance > length + band)] > _TORN).any() or (
         share[near & (distance < length - band)] < 1 - _TORN

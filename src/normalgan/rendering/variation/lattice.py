@@ -23,7 +23,7 @@ def free_form(points: Doubles, low: Doubles, high: Doubles, pulls: Doubles) -> D
         high: (3,) opposite corner.
         pulls: (4, 4, 4, 3) how far each control point is pulled.
     """
-    size = np.maximum(high - low, 1e-9)  # what is flat has no thickness
+    size = np.maximum(high - low, 1e-9)  # flat objects have no thickness
     weights, slopes = zip(*(_bernstein(part) for part in ((points - low) / size).T), strict=True)
 
     def blend(i: Doubles, j: Doubles, k: Doubles) -> Doubles:

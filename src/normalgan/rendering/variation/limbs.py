@@ -47,7 +47,7 @@ def lengthen(points: Doubles, up: int, line: float, growth: float) -> Deformed:
         line: the height.
         growth: negative to shorten.
     """
-    # The integral of a step softened over 2 * BLEND: a parabola between two straight lines.
+    # The integral of a step softened over 2 * BLEND, a parabola between two straight lines.
     below = np.clip((line + BLEND - points[:, up]) / (2 * BLEND), 0.0, None)
     inside = np.minimum(below, 1.0)
     depth = 2 * BLEND * (inside**2 / 2 + (below - inside))

@@ -59,7 +59,7 @@ def steps(thing: Object, strength: Variation, draws: VariationDraws) -> list[Def
     half = float(np.abs(thing.points[:, 0]).max())
     length, thickness = draws.limbs * [strength.limb_length, strength.limb_thickness]
     up, sideways = np.deg2rad(strength.bend) * draws.bend * [1.0, odd] / (2 * half)
-    # What is placed on the surface comes first, while it lies where it was found.
+    # Steps that are placed on the surface come first, before it moves.
     return [
         partial(thicken, middle=thing.limbs, growth=float(thickness)),
         partial(together, deformations=_parts(thing, strength, draws)),
@@ -108,7 +108,7 @@ def _sides(centre: Doubles, width: float, odd: float) -> tuple[float, float]:
 def _mirrored(pulls: Doubles, odd: float) -> Doubles:
     """Return the pulls of a lattice with this share of the difference between left and right."""
     image = pulls[:, :, ::-1] * MIRROR
-    # Two halves of independent pulls added are less than either by √2.
+    # The mean of two independent pulls is smaller by √2.
     return np.asarray(((pulls + image) + odd * (pulls - image)) / np.sqrt(2 * (1 + odd**2)))
 
 

@@ -1,0 +1,131 @@
+"""What normalgan benchmark does: compare methods, or measure a model or the maps of another program."""
+
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from normalgan.benchmark.curves import draw_calibration
+from normalgan.benchmark.evaluation import Evaluation
+from normalgan.benchmark.methods import Method, saved_method
+from normalgan.benchmark.plan import Plan, Row
+from normalgan.benchmark.report import Report
+from normalgan.benchmark.runs import plan_runs, shared_settings
+from normalgan.benchmark.scale import Scale
+from normalgan.benchmark.specification import check_specification
+from normalgan.benchmark.submissions import read_submission, write_inputs
+from normalgan.benchmark.table import markdown, mesh_table
+from normalgan.benchmark.training import fit, read_state, run_all, write_json
+from normalgan.errors import InputError
+from normalgan.files.writing import write_bytes
+
+__all__ = ["check", "compare", "evaluate", "score", "write_test_inputs"]
+
+_say = partial(print, flush=True)
+
+
+def compare(plan: Plan, scale: Scale, out: Path, rows: list[str], seeds: list[int]) -> int:
+    """Train and measure rows of a plan, report, and return the exit code: 1 if a run failed.
+
+    Args:
+        plan: what is compared.
+        scale: at which.
+        out: folder of the runs and the report.
+        rows: names of those to train; others are reported if they have results.
+        seeds: seeds of the runs.
+    """
+    every = plan_runs(plan, scale, out, sorted({*plan.seeds, *seeds}))
+    runs = [r for r in every if r.row.name in rows and (r.seed is None or r.seed in seeds)]
+    evaluation = Evaluation(plan, shared_settings(plan, scale))
+    for one in every:  # before anything is trained
+        try:
+            read_state(one, evaluation.hash)
+        except InputError as error:
+            if one in runs:
+                raise
+            _say(f"left out of the report: {error}")
+    report = Report(plan, scale, every, evaluation, out)
+    failures = run_all(runs, evaluation.hash, fit, evaluation.of_run, report.write, _say)
+    report.write()
+    _say(f"\n{(out / 'table.md').read_text(encoding='utf-8')}")
+    _say(f"Report: {out.resolve()}")
+    for failure in failures:
+        _say(failure)
+    return 1 if failures else 0
+
+
+def evaluate(plan: Plan, scale: Scale, name: str, out: Path | None = None) -> int:
+    """Measure a model on the plan's test split, print its tables, and return the exit code.
+
+    Args:
+        plan: the plan.
+        scale: its scale.
+        name: name of the model's file, or ``shipped``.
+        out: folder of ``evaluation.json``, which has all figures; None writes none.
+    """
+    evaluation = Evaluation(plan, shared_settings(plan, scale), test_alone=True)
+    method = saved_method(name, evaluation.shared["data"]["size"], evaluation.device)
+    _report(evaluation, scale, name, method, out)
+    return 0
+
+
+def score(plan: Plan, scale: Scale, folder: Path, out: Path | None = None) -> int:
+    """Measure another program's predictions of the test split, print tables, and return the exit code.
+
+    Args:
+        plan: the benchmark.
+        scale: its picture size and networks.
+        folder: folder of the submission; see `normalgan.benchmark.submissions`.
+        out: as in `evaluate`.
+    """
+    submission = read_submission(folder)
+    counts = list(submission.counts)
+    predicted = replace(plan, hint_counts=counts, hints=max(counts) or plan.hints, pins=0)
+    predicted = replace(predicted, placements=[], placement_counts=[], noise_degrees=[], noise_pixels=[])
+    evaluation = Evaluation(predicted, shared_settings(plan, scale), test_alone=True)
+    _report(evaluation, scale, submission.name, submission.method(), out)
+    return 0
+
+
+def write_test_inputs(plan: Plan, scale: Scale, folder: Path) -> int:
+    """Write the sketches and hints of the plan's test split, and return the exit code.
+
+    Args:
+        plan: whose.
+        scale: at which.
+        folder: where to.
+    """
+    evaluation = Evaluation(plan, shared_settings(plan, scale), test_alone=True)
+    for batch in evaluation.batches():
+        write_inputs(folder, batch, plan.counts, plan.hint_seed)
+    _say(f"Sketches and hints: {folder.resolve()}")
+    return 0
+
+
+def check(plan: Plan, scale: Scale, specification: Path) -> None:
+    """Check that a plan at a scale uses the data of a frozen specification.
+
+    Raises:
+        InputError: if it does not.
+    """
+    evaluation = Evaluation(plan, shared_settings(plan, scale), test_alone=True)
+    track = check_specification(evaluation.specification, specification)
+    _say(f"{specification}: the track {track}" if track else f"{specification}: as it was frozen")
+
+
+def _report(evaluation: Evaluation, scale: Scale, name: str, method: Method, out: Path | None) -> None:
+    """Print the tables of a method's figures, and write the figures to a folder if one is given."""
+    plan, figures = evaluation.plan, evaluation.of_method(method)
+    one = replace(plan, rows=[Row("model", name, configs=["–"])], reference=None)
+    shown = {"model": [{**figures, "seed": None, "images": 0, "curve": []}]}
+    _say(markdown(one, scale, shown, evaluation.specification))
+    _say(mesh_table(figures, plan.hints))
+    if out is not None:
+        head: dict[str, Any] = {"plan": plan.name, "scale": scale.name, "changed": scale.changed}
+        head |= {"model": name, "specification": evaluation.specification}
+        result = {"model": [{**figures, "seed": None}]}
+        calibration = draw_calibration(one, result, f"{plan.name}, {name}")
+        if calibration:
+            write_bytes(out / "calibration.png", calibration)
+        write_json(out / "evaluation.json", {**head, "size": evaluation.data.recipe.size, **figures})
+        _say(f"Figures: {(out / 'evaluation.json').resolve()}")

@@ -1,0 +1,226 @@
+"""DrawingBatch: the drawings of normalgan generate, predicted once or whenever they are saved."""
+
+import sys
+import time
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from jsonargparse import Namespace
+
+from normalgan.errors import InputError, RunError, tell, unwritable, with_subject
+from normalgan.inference.composites.packing import Packing
+from normalgan.inference.jobs.plan import STDOUT, Job, companions_of
+from normalgan.inference.jobs.watching import Watcher
+from normalgan.inference.jobs.writing import Held, Writer
+from normalgan.inference.parallel import stream
+from normalgan.inference.predict_job import JobPredictor, target_of
+from normalgan.inference.predictor import Predictor
+from normalgan.inference.reading.drawings import without_companions
+from normalgan.inference.sprites import Sprite
+from normalgan.progress import progress_bar
+
+__all__ = ["DrawingBatch", "Found"]
+
+_POLL_SECONDS = 0.5
+"""Seconds between two looks at the watched folders."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """The drawings that a command names, and those that it cannot use.
+
+    Args:
+        jobs: the drawings to predict.
+        missing: an error for each argument without a drawing.
+        clashing: drawings that would be written to one file.
+        left_out: warnings about layered files and their exports.
+    """
+
+    jobs: list[Job]
+    missing: list[InputError]
+    clashing: list[InputError]
+    left_out: list[str]
+
+    @property
+    def notices(self) -> list[str]:
+        """The lines to print while a folder is watched; a missing file may still come, so none is for it."""
+        return [*self.left_out, *map(str, self.clashing)]
+
+
+class DrawingBatch:
+    """How the drawings of a command are processed.
+
+    Args:
+        settings: the arguments of `normalgan generate`.
+        writer: writes the maps.
+        packing: how the drawings of a sheet are found.
+        holes: x and y of points in regions that are not part of the object.
+    """
+
+    def __init__(
+        self,
+        settings: Namespace,
+        writer: Writer,
+        packing: Packing,
+        holes: Sequence[tuple[float, float]] = (),
+    ) -> None:
+        self._settings, self._writer, self._packing, self._holes = settings, writer, packing, holes
+        self._outputs = writer.outputs
+        self._failed = self._partial = 0
+        self._held: list[Held] = []
+
+    def without_existing(self, jobs: Sequence[Job]) -> list[Job]:
+        """Return the jobs that have no map yet; say how many have."""
+        left = [job for job in jobs if not self._has_map(job)]
+        if len(left) < len(jobs):
+            tell(f"{len(jobs) - len(left)} of {len(jobs)} sketches have a map already.")
+        return left
+
+    def list_jobs(self, jobs: Sequence[Job]) -> int:
+        """Print what would be read and written, and return how many drawings could not be used."""
+        failed = 0
+        for job in jobs:
+            extras = [f" with {each}" for each in job.files.beside]
+            try:
+                target = self._target(job)
+                there = next(each for each in target.absolute().parents if each.is_dir())
+                with suppress(FileNotFoundError):
+                    (there / target.name).lstat()  # refuses a name that is too long
+                print(f"{job.files.drawing}{''.join(extras)} -> {target}")
+            except (InputError, OSError) as error:
+                failed += 1
+                tell(_sentence(job, error))
+        return failed
+
+    def predict(self, predictor: Predictor, jobs: Sequence[Job], alone: bool = False) -> None:
+        """Predict drawings, and print the outcome of each.
+
+        Args:
+            predictor: the network.
+            jobs: the drawings.
+            alone: whether an error of a drawing is raised, because it is the only one.
+        """
+        settings = self._settings
+        work = JobPredictor(
+            predictor,
+            self._writer,
+            size=settings.size,
+            packing=self._packing,
+            frame=settings.frame,
+            strength=settings.strength,
+            layers=settings.layers,
+            tile=settings.tile,
+            single=settings.single,
+            holes=self._holes,
+            explain=None if settings.explain is None else Path(settings.explain),
+            sprite=Sprite(settings.detail, settings.pixel_art),
+        )
+        written = work.together(jobs) if self._share_frame and len(jobs) > 1 else stream(jobs, work)
+        watched = len(jobs) > 1 and sys.stderr.isatty()
+        with progress_bar("predicting", len(jobs), "drawings", shown=watched) as advance:
+            for job, outcome in written:
+                advance(1)
+                if isinstance(outcome, Exception):
+                    sentence = _sentence(job, outcome)
+                    if alone:
+                        raise sentence from outcome
+                    self._failed += 1
+                    tell(sentence)
+                    continue
+                self._held += outcome.held
+                self._partial += outcome.partial
+                if outcome.warning:
+                    tell(f"warning: {job.files.drawing}: {outcome.warning}.")
+                if outcome.note:
+                    tell(f"{job.files.drawing}: {outcome.note}.")
+                if settings.output != STDOUT:
+                    print(outcome.target, flush=self._settings.watch)
+
+    def watch(
+        self,
+        predictor: Predictor,
+        watcher: Watcher,
+        find: Callable[[], Found],
+        found: Found,
+    ) -> None:
+        """Predict drawings whenever they are saved, until Ctrl-C; those that share a frame all together.
+
+        Raises:
+            RunError: if a folder that was named was removed.
+        """
+        folders = [Path(word) for word in self._settings.sketches if Path(word).is_dir()]
+        tell("watching; Ctrl-C ends it.")
+        printed, known = set(found.notices), set[Path]()
+        while True:
+            time.sleep(_POLL_SECONDS)
+            for place in folders:
+                if not place.exists():
+                    raise RunError(f"the folder {place} that is watched is gone.")
+            jobs, now = {}, set[str]()
+            try:
+                found = find()
+                jobs, now = {job.files.drawing: job for job in found.jobs}, set(found.notices)
+            except InputError as error:  # such as a map that would be written over a new drawing
+                now = {str(error)}
+            for each in sorted(now - printed):
+                tell(each)
+            printed = now
+            # The map of a drawing that was deleted or renamed is not a drawing either.
+            known |= set(jobs)
+            kept = set(without_companions(sorted(known), companions_of(self._outputs.ending)))
+            jobs = {path: job for path, job in jobs.items() if path in kept}
+            saved = watcher.saved(self.read(jobs.values()))
+            if saved:
+                try:
+                    self.predict(
+                        predictor, [*jobs.values()] if self._share_frame else [jobs[each] for each in saved]
+                    )
+                except InputError as error:  # such as frames of several sizes, until all are saved
+                    tell(error)
+
+    def read(self, jobs: Iterable[Job]) -> dict[Path, list[Path]]:
+        """Return the drawings, each with its hints, mask and other files."""
+        files = [job.files for job in jobs]
+        return {
+            each.drawing: [*each.beside, *self._packing.beside(each.drawing, each.below)] for each in files
+        }
+
+    @property
+    def _share_frame(self) -> bool:
+        """Whether drawings in separate files share a frame."""
+        return self._settings.frame == "shared" and not self._packing.given and not self._settings.layers
+
+    def code(self, predicted: int, unusable: int) -> int:
+        """Write outputs that needed all drawings, report how many failed, and return the exit code.
+
+        Args:
+            predicted: number of drawings that were to be predicted.
+            unusable: number of drawings that were found to be unusable before.
+        """
+        self._writer.write_held(self._held)
+        failed, total = self._failed + unusable, predicted + unusable
+        if failed:
+            tell(f"{failed} of {total} sketches could not be used.")
+        if self._partial:
+            tell(f"{self._partial} of {total} sketches are incomplete.")
+        return 1 if failed or self._partial else 0
+
+    def _target(self, job: Job) -> Path:
+        return target_of(job, self._outputs, self._packing, self._settings.layers)
+
+    def _has_map(self, job: Job) -> bool:
+        try:
+            return self._target(job).exists()
+        except InputError:
+            return False  # the error is raised when it is predicted
+
+
+def _sentence(job: Job, error: Exception) -> InputError:
+    """Return an error in a sentence that names the drawing; raise it again if it is a mistake of ours."""
+    if isinstance(error, OSError):
+        return unwritable(f"the normal map cannot be written to {job.target}: {error.strerror}.", error)
+    if not isinstance(error, InputError):
+        raise error
+    return with_subject(job.files.drawing, error)

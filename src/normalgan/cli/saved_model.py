@@ -1,0 +1,112 @@
+"""SavedModel: the model in the file that ``--ckpt_path`` names, with the settings it was trained with."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from normalgan.callbacks.checkpoints import check_size, check_sizes, checkpoint_folder, named_checkpoint
+from normalgan.errors import InputError, tell
+from normalgan.weights.checkpoint import Checkpoint, read_checkpoint
+from normalgan.weights.file import SUFFIXES, Weights, find_weights, read_weights
+from normalgan.weights.shipped import SHIPPED, SHIPPED_NAME
+
+__all__ = ["SavedModel", "announce", "find_model", "read_saved_model"]
+
+
+@dataclass(frozen=True)
+class SavedModel:
+    """A model that was read from a file.
+
+    Args:
+        path: path of the file.
+        trained: the settings of the model when it was trained.
+        checkpoint: the checkpoint that fit resumes; None for other commands.
+        weights: what other commands load into the generator.
+    """
+
+    path: Path
+    trained: dict[str, Any]
+    checkpoint: Checkpoint | None = None
+    weights: Weights | None = None
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """The settings, by section, that replace those of the command."""
+        if self.weights is None:
+            return {"model": self.trained}
+        return {
+            "model": {**self.trained, "discriminator": None},
+            "data": {"size": self.weights.notes.size},
+        }
+
+    @property
+    def folders(self) -> set[str]:
+        """The folders that the checkpoint's callbacks wrote to."""
+        callbacks = self.checkpoint.callbacks.values() if self.checkpoint else ()
+        return {str(state.get("dirpath")) for state in callbacks if isinstance(state, Mapping)}
+
+
+def announce(model: SavedModel, command: str) -> None:
+    """Tell which weights a command uses, unless it was given a checkpoint."""
+    if model.weights is not None and model.path.suffix.lower() in SUFFIXES:
+        whose = "that come with the package" if model.path == SHIPPED else f"in {model.path}"
+        notes = model.weights.notes
+        tell(f"{command} uses the weights {whose}: {notes.generator.name}, {notes.size} pixels.")
+
+
+def find_model(command: str, name: str | None, root: str | None) -> Path | None:
+    """Return the file of the model that a command uses; None if it needs none.
+
+    Args:
+        command: the training command.
+        name: the value of ``--ckpt_path``: a file, ``last``, ``best`` or ``shipped``.
+        root: the folder of the run.
+
+    Raises:
+        InputError: if there is no such file, or none was named and the command needs one.
+    """
+    if name is None and command in {"fit", "render"}:
+        return None
+    if name is None and command != "predict":
+        raise InputError(f"{command} needs a trained model: --ckpt_path names a file that fit saved.")
+    if name in {"last", "best"}:
+        name = str(named_checkpoint(Path(checkpoint_folder(root)) / "last.ckpt", name))
+    return find_weights(name or SHIPPED_NAME)
+
+
+def read_saved_model(path: Path, command: str, size: int, default_size: int) -> SavedModel:
+    """Return the model in a file.
+
+    Args:
+        path: path of a checkpoint, or of weights.
+        command: the training command.
+        size: size of the pictures, in pixels; it must be that of the model, unless the file holds weights
+            and the size is the default.
+        default_size: that default.
+
+    Raises:
+        InputError: if the file cannot be used.
+    """
+    if path.suffix.lower() in SUFFIXES:
+        if command == "fit":
+            raise InputError(f"fit cannot resume from {path}, which holds only weights; give a checkpoint.")
+        weights = read_weights(path)
+        if size != default_size:
+            check_size(path, weights.notes.size, size)
+        return _to_predict(path, command, weights)
+    checkpoint = read_checkpoint(path)
+    if command == "fit":
+        trained = checkpoint.training_settings()
+        check_sizes(path, trained, size)
+        return SavedModel(path, trained, checkpoint=checkpoint)
+    check_size(path, checkpoint.generator_size(), size)
+    return _to_predict(path, command, checkpoint.weights(size))
+
+
+def _to_predict(path: Path, command: str, weights: Weights) -> SavedModel:
+    try:
+        trained = weights.notes.settings(measured=command != "predict")
+    except InputError as error:
+        raise InputError(f"the model in {path} cannot be built here: {error}") from error
+    return SavedModel(path, trained, weights=weights)
