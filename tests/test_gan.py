@@ -12,6 +12,7 @@ from lightning.pytorch.loggers import CSVLogger
 from torch import Tensor, nn
 from torch.optim import Adam, RMSprop
 from torch.optim.lr_scheduler import ExponentialLR
+from torchmetrics import Metric
 
 from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
@@ -467,6 +468,18 @@ def test_losses_are_read_while_backward_is_at_work(tmp_path: Path, monkeypatch: 
     assert reads == [True] * 8  # four batches, a step of each network
 
 
+def test_figures_of_training_are_logged_from_the_cpu(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """To log one that is on a GPU would wait for it."""
+    logged: dict[str, Any] = {}
+    gan = make()
+    monkeypatch.setattr(gan, "log", lambda name, value, **more: logged.update({name: value}))
+    monkeypatch.setattr(gan, "log_dict", lambda values, **more: logged.update(values))
+    monkeypatch.setattr("normalgan.losses.finite.async_to_cpu", lambda values: lambda: [7.0] * len(values))
+    trainer(tmp_path, limit_train_batches=1).fit(gan, loader())
+    assert {"train/discriminator", "train/l1", "train/adversarial", "l1"} <= logged.keys()
+    assert {float(value) for value in logged.values()} == {7.0}  # what was read, not what is on the device
+
+
 @pytest.mark.parametrize("n_critic", [1, 3])
 def test_losses_are_logged_when_a_logger_takes_them_and_are_of_the_last_step(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, n_critic: int
@@ -491,6 +504,16 @@ def test_losses_are_logged_when_a_logger_takes_them_and_are_of_the_last_step(
     assert [float(row["train/discriminator"]) for row in rows] == [4, 9]
     assert [float(row["train/l1"]) for row in rows] == [4 - 4 % n_critic, 9 - 9 % n_critic]
     assert len(shown) < 6  # of twelve batches
+
+
+def test_metrics_are_made_when_their_stage_begins(tmp_path: Path) -> None:
+    def measured(gan: NormalGAN) -> set[str]:
+        return {name.partition(".")[0] for name, part in gan.named_modules() if isinstance(part, Metric)}
+
+    gan = make()
+    assert measured(gan) == set()  # they take longer to make than the networks
+    trainer(tmp_path).validate(gan, loader(), verbose=False)
+    assert measured(gan) == {"val_metrics"}
 
 
 def test_loggers_write_down_classes_and_settings_not_weights(tmp_path: Path) -> None:

@@ -48,6 +48,54 @@ def test_blender_gets_an_extension(dist: Path) -> None:
     assert set(manifest["permissions"]) <= {"files", "network", "clipboard", "camera", "microphone"}
 
 
+def test_krita_finds_the_module_that_its_desktop_file_names(dist: Path) -> None:
+    with archive(dist, "krita") as held:
+        text = held.read("normalgan_krita.desktop").decode()
+        module, manual = (
+            re.search(rf"^{key}=(.+)$", text, re.MULTILINE) for key in ("X-KDE-Library", "X-Krita-Manual")
+        )
+        assert module is not None
+        assert manual is not None
+        assert f"{module[1]}/__init__.py" in held.namelist()
+        assert f"{module[1]}/{manual[1]}" in held.namelist()
+
+
+def test_gimp_may_run_its_program(dist: Path) -> None:
+    with archive(dist, "gimp") as held:
+        entry = held.getinfo("normalgan_layer/normalgan_layer.py")
+        assert entry.external_attr >> 16 & 0o111 == 0o111
+        assert "normalgan_layer/normalgan_command.py" in held.namelist()
+
+
+@pytest.mark.parametrize("name", ["godot3", "godot4"])
+def test_godot_finds_the_script_that_its_manifest_names(dist: Path, name: str) -> None:
+    with archive(dist, name) as held:
+        assert all(file.startswith("addons/normalgan/") for file in held.namelist())
+        assert {"addons/normalgan/LICENSE", "addons/normalgan/README.md"} <= set(held.namelist())
+        settings = dict(
+            re.findall(r'^(\w+)="(.*)"$', held.read("addons/normalgan/plugin.cfg").decode(), re.MULTILINE)
+        )
+        assert settings["version"] == VERSION
+        assert f"addons/normalgan/{settings['script']}" in held.namelist()
+
+
+def test_comfyui_has_what_its_registry_reads(dist: Path) -> None:
+    with archive(dist, "comfyui") as held:
+        assert "normalgan_nodes/__init__.py" in held.namelist()
+        manifest = tomllib.loads(held.read("normalgan_nodes/pyproject.toml").decode())
+    assert manifest["project"]["version"] == VERSION
+    assert set(manifest["tool"]["comfy"]) >= {"PublisherId", "DisplayName"}
+
+
+def test_aseprite_gets_an_extension(dist: Path) -> None:
+    with archive(dist, "aseprite") as held:
+        package = json.loads(held.read("package.json"))
+        assert package["version"] == VERSION
+        assert {script["path"].removeprefix("./") for script in package["contributes"]["scripts"]} <= set(
+            held.namelist()
+        )
+
+
 def test_every_add_on_of_the_installer_is_published_with_all_that_it_calls(
     dist: Path, tmp_path: Path
 ) -> None:

@@ -1,10 +1,11 @@
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
 
-from normalgan.benchmark.plan import is_plan, read_plan
+from normalgan.benchmark.plan import Plan, is_plan, read_plan
 from normalgan.errors import InputError
 
 ROOT = Path(__file__).parents[2]
@@ -72,6 +73,17 @@ def test_the_base_of_a_shipped_plan_is_found_by_its_name(
     assert read_plan("benchmark/people").rows == read_plan("benchmark/animals").rows
 
 
+def test_the_two_plans_differ_in_their_data_alone() -> None:
+    fourlegs, embedded = (read_plan(PLANS / f"{name}.yaml") for name in ("fourlegs", "embedded"))
+    begun = fourlegs.rows.pop()  # on animals made up like those that the other plan tests on
+    assert begun.name == "ours-tuned"
+    differ = {
+        each.name for each in fields(Plan) if getattr(fourlegs, each.name) != getattr(embedded, each.name)
+    }
+    assert differ == {"name", "data"}
+    assert "meshes" not in embedded.data
+
+
 @pytest.mark.parametrize(
     ("base", "sentence"),
     [
@@ -83,6 +95,18 @@ def test_the_base_of_a_shipped_plan_is_found_by_its_name(
 def test_a_base_that_is_no_other_plan_is_told(tmp_path: Path, base: Any, sentence: str) -> None:
     with pytest.raises(InputError, match=sentence):
         read_plan(written(tmp_path, plan(base=base)))
+
+
+@pytest.mark.parametrize("name", ["fourlegs", "embedded"])
+def test_our_plans_have_every_row_of_the_comparison(name: str) -> None:
+    read = read_plan(PLANS / f"{name}.yaml")
+    names = {row.name for row in read.rows}
+    assert {"constant", "mean", "inflation", "pix2pix", "sketch2normal", "paper", "ours"} <= names
+    assert {"hints-random", "hints-none", "discriminator-patch", "discriminator-none"} <= names
+    assert {"instance-clip", "instance-penalty", "cross-entropy", "hint-loss-none"} <= names
+    assert read.counts == [0, 5, 10, 15, 20, 50]
+    assert len(read.seeds) >= 3
+    assert all((ROOT / config).is_file() for row in read.rows for config in row.configs)
 
 
 @pytest.mark.parametrize(
@@ -129,6 +153,32 @@ def test_the_names_of_placements_are_those_that_there_are() -> None:
     from normalgan.benchmark import hints, plan
 
     assert tuple(hints._SAMPLERS) == plan.PLACEMENTS
+
+
+def test_the_matrix_trains_each_placement_at_each_count() -> None:
+    read = read_plan(PLANS / "placement.yaml")
+    assert read.seeds == [0, 1, 2]
+    assert read.placement_counts == [3, 10, 17, 30, 60]
+    counts = {row.name: row.changes.get("model.hint_sampler", {}) for row in read.rows if row.configs}
+    for name in read.placements:
+        for count in read.placement_counts:
+            arguments = counts[f"paper-{name}-{count}"]["init_args"]
+            assert set(arguments.values()) == {count}
+
+
+def test_the_critics_are_as_wide_as_the_generators() -> None:
+    read = read_plan(PLANS / "critic.yaml")
+    weights: dict[str, set[float]] = {}
+    for row in read.rows:
+        if row.name.startswith(("clip", "penalty")):
+            settings = {**row.changes, **row.settings}
+            widths = {
+                settings[f"model.{network}.init_args.width"] for network in ("generator", "discriminator")
+            }
+            assert len(widths) == 1
+            assert settings["model.share_every"] > 0
+            weights.setdefault(row.name.split("-")[0], set()).add(settings["model.adversarial_weight"])
+    assert weights == {kind: {1.0, 10.0, 100.0, 1000.0} for kind in ("clip", "penalty")}
 
 
 def test_a_missing_plan_is_named(tmp_path: Path) -> None:

@@ -1,8 +1,11 @@
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 import torch
 from lightning.pytorch import Callback, LightningModule, Trainer
+from torch.utils._python_dispatch import TorchDispatchMode
 
 from normalgan.callbacks import WarmAverage
 from normalgan.callbacks.checkpoints import LastCheckpoint
@@ -34,6 +37,50 @@ def test_the_saved_weights_are_the_average_by_hand(meshes: Path, cache: Path, tm
         torch.testing.assert_close(weights.double(), average[name], rtol=1e-4, atol=1e-6)
     last = diary.pages[-1]
     assert any(not torch.equal(weights.double(), last[name]) for name, weights in model.named_parameters())
+
+
+class Waits(TorchDispatchMode):
+    """Notes operations that wait until a value has come from the device."""
+
+    def __init__(self) -> None:
+        super().__init__()  # type: ignore[no-untyped-call]
+        self.found: list[str] = []
+
+    def __torch_dispatch__(self, func: Any, types: Any, args: Any = (), kwargs: Any = None) -> Any:
+        if func.overloadpacket.__name__ in {
+            "_local_scalar_dense",
+            "_linalg_check_errors",
+            "nonzero",
+            "equal",
+        }:
+            self.found.append(str(func))
+        return func(*args, **(kwargs or {}))
+
+
+class Watched(WarmAverage):
+    """Notes what its update waits for."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.waits = Waits()
+
+    def on_train_batch_end(self, *given: Any) -> None:
+        with self.waits:
+            super().on_train_batch_end(*given)
+
+
+def test_an_update_waits_for_no_value_of_the_device(meshes: Path, cache: Path, tmp_path: Path) -> None:
+    watched = Watched()
+    model = gan()
+    read = model.training_step
+    model.training_step = lambda *given: _within(watched.waits, read, given)
+    trainer(tmp_path, callbacks=[watched]).fit(model, data(meshes, cache))
+    assert watched.waits.found == []
+
+
+def _within(mode: Waits, function: Callable[..., Any], given: tuple[Any, ...]) -> Any:
+    with mode:
+        return function(*given)
 
 
 @pytest.mark.filterwarnings("ignore:.*exists and is not empty.*")  # it resumes in the same folder

@@ -1,5 +1,6 @@
 import io
 import json
+import subprocess
 import sys
 from pathlib import Path
 
@@ -39,6 +40,43 @@ def on_object(normals: NDArray[np.float32]) -> NDArray[np.bool_]:
     return np.asarray(np.abs(normals[..., :2]).max(-1) > 0.02)
 
 
+def save(kind: str) -> str:
+    """Write the drawing in a format and return the file's name."""
+    grey = Image.fromarray(GREY)
+    match kind:
+        case "exif.jpg":
+            exif = Image.Exif()
+            exif[0x0112] = 8  # to be turned by 90° counter-clockwise
+            grey.transpose(Image.Transpose.ROTATE_270).save("a.jpg", exif=exif, quality=90)
+            return "a.jpg"
+        case "rgba.png":
+            Image.merge("RGBA", [Image.new("L", grey.size, 0)] * 3 + [Image.fromarray(255 - GREY)]).save(
+                "a.png"
+            )
+            return "a.png"
+        case "inverted.webp":
+            Image.fromarray(255 - GREY).save("a.webp", quality=90)
+            return "a.webp"
+        case "16.png":
+            Image.fromarray(GREY.astype(np.uint16) * 257).save("a.png")
+            return "a.png"
+        case _:
+            grey.convert("RGB").save(f"a.{kind}")
+    return f"a.{kind}"
+
+
+@pytest.mark.parametrize(
+    "kind",
+    ["png", "16.png", "rgba.png", "jpg", "exif.jpg", "webp", "inverted.webp", "bmp", "tif", "gif"],
+)
+def test_every_format_gives_the_same_map(here: Path, kind: str) -> None:
+    assert generate("fox.png", save(kind), "-o", "out") == 0
+    reference, other = predicted("out/fox_normal.png"), predicted("out/a_normal.png")
+    assert overlap(on_object(other), on_object(reference)) > 0.97
+    both = on_object(other) & on_object(reference)
+    assert np.abs(other - reference)[both].mean() < 0.02
+
+
 def test_an_svg_is_drawn_at_the_size_asked_for(here: Path) -> None:
     Path("ball.svg").write_text(SVG)
     y, x = np.mgrid[:200, :300] + 0.5
@@ -50,6 +88,56 @@ def test_an_svg_is_drawn_at_the_size_asked_for(here: Path) -> None:
         assert normals.shape[0] == pytest.approx(size / 1.5, rel=0.015)  # resvg rounds millimetres to pixels
         found = cv2.resize(on_object(normals).astype(np.uint8), (300, 200), interpolation=cv2.INTER_NEAREST)
         assert overlap(found, disc) > 0.93  # where the ramp faces the viewer it looks like paper
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        ([], "fox_normal.png"),
+        (["--bits", "16"], "fox_normal.png"),
+        (["--format", "exr"], "fox_normal.exr"),
+        (["--format", "tiff"], "fox_normal.tiff"),
+        (["--alpha", "--pad", "0"], "fox_normal.png"),
+        (["--alpha", "--pad", "0", "--format", "exr"], "fox_normal.exr"),
+        (["--alpha", "--pad", "0", "--format", "tiff"], "fox_normal.tiff"),
+    ],
+)
+def test_every_output_holds_the_same_normals(here: Path, arguments: list[str], name: str) -> None:
+    assert generate("fox.png", "-o", "plain") == 0
+    assert generate("fox.png", "-o", "out", *arguments) == 0
+    assert [path.name for path in Path("out").iterdir()] == [name]
+    colours, depth = read_any(Path("out") / name)
+    assert colours.shape == (200, 300, 4 if "--alpha" in arguments else 3)
+    truth = read_any(Path("plain/fox_normal.png"))[0]
+    same = np.abs(colours[..., :3] - truth).max(-1) <= (0.51 if depth > 8 else 0) / 255
+    if "--alpha" in arguments:
+        alpha = colours[..., 3]
+        assert overlap(alpha, np.maximum(FILLED, INK > 0.5)) > 0.94
+        # The edge is soft, and has normals as far as it is seen.
+        rim = (alpha > 0) & (alpha < 1)
+        assert 0 < rim.mean() < 0.06
+        assert np.unique(alpha[rim]).size > 1
+        same |= rim
+    assert same.all()
+
+
+def read_any(path: Path) -> tuple[NDArray[np.float32], int]:
+    """Return the colours of a file by a library that did not write it where there is one, and its bits."""
+    if path.suffix == ".exr":
+        import OpenEXR
+
+        channels = OpenEXR.File(str(path)).channels()
+        return next(iter(channels.values())).pixels, 32
+    if path.suffix == ".tiff":
+        import tifffile
+
+        return tifffile.imread(path), 32
+    pixels = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+    assert pixels is not None
+    order = [2, 1, 0, 3][: pixels.shape[2]]
+    return (pixels[..., order] / (255 if pixels.dtype == np.uint8 else 65535)).astype(
+        np.float32
+    ), 8 * pixels.itemsize
 
 
 def test_green_can_point_down(here: Path) -> None:
@@ -75,6 +163,14 @@ def test_folders_globs_and_standard_input(here: Path, monkeypatch: pytest.Monkey
     assert generate("-", "-o", "piped") == 0
     assert generate("fox.png", "-o", "named") == 0
     assert Path("piped/stdin_normal.png").read_bytes() == Path("named/fox_normal.png").read_bytes()
+
+
+def test_the_input_that_is_shown_is_what_the_model_saw(here: Path) -> None:
+    assert generate("fox.png", "-o", "out", "--show-input") == 0
+    with Image.open("out/fox_input.png") as image:
+        assert image.size == (64, 64)
+        assert np.asarray(image).min() < 30
+        assert np.median(np.asarray(image)) == 255
 
 
 def test_masks_and_hints_go_with_their_drawings(here: Path) -> None:
@@ -131,6 +227,15 @@ def test_a_full_disk_leaves_nothing_half_written(
     assert not list(Path("out").iterdir())
 
 
+def test_it_loads_neither_torch_nor_what_only_others_need() -> None:
+    code = (
+        "import sys, normalgan.cli.generate; "
+        "heavy = {'torch', 'lightning', 'kornia', 'trimesh', 'skimage', 'matplotlib'}; "
+        "sys.exit(bool(heavy & set(sys.modules)))"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
@@ -157,7 +262,7 @@ def test_a_full_disk_leaves_nothing_half_written(
         ([], "missing: sketches."),
     ],
 )
-def test_bad_input_is_one_sentence(
+def test_what_cannot_be_used_is_told_in_a_sentence(
     here: Path, arguments: list[str], sentence: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     Path("empty").mkdir()
@@ -187,9 +292,31 @@ def test_help_ends_well(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_previews_heights_and_reliefs_come_beside_the_map(here: Path) -> None:
+    import trimesh
+
     assert generate("fox.png", "-o", "out", "--preview", "gif", "--height", "tiff", "--relief", "glb") == 0
-    names = {"fox_normal.png", "fox_preview.gif", "fox_height.tiff", "fox_relief.glb"}
-    assert {path.name for path in Path("out").iterdir()} == names
+    assert generate("fox.png", "-o", "png", "--preview", "png", "--height", "png", "--relief", "obj") == 0
+    assert {path.name for path in Path("out").iterdir()} == {
+        "fox_normal.png", "fox_preview.gif", "fox_height.tiff", "fox_relief.glb",
+    }  # fmt: skip
+    with Image.open("out/fox_preview.gif") as gif, Image.open("png/fox_preview.png") as sheet:
+        assert getattr(gif, "n_frames", 1) > 1
+        assert gif.size == (300, 200)
+        assert min(sheet.size) > 200
+    exact, levels = (
+        cv2.imread(name, cv2.IMREAD_UNCHANGED) for name in ("out/fox_height.tiff", "png/fox_height.png")
+    )
+    assert exact is not None
+    assert levels is not None
+    assert exact.dtype == np.float32
+    assert levels.dtype == np.uint16
+    inside = cv2.erode(FILLED, np.ones((5, 5))) > 0
+    assert np.corrcoef(exact[inside], levels[inside])[0, 1] > 0.999
+    # The ramp leans outwards on all sides, as a dome does.
+    for row, column in ((90, 120), (90, 220), (140, 170), (45, 170)):
+        assert exact[85, 160] > exact[row, column] + 3
+    assert trimesh.load_mesh("out/fox_relief.glb").is_volume
+    assert Path("png/fox_relief.obj").stat().st_size > 1000
 
 
 @pytest.mark.parametrize("tile", ["both", "x", "y"])
@@ -209,7 +336,7 @@ def test_a_drawing_that_repeats_gives_maps_that_do(here: Path, tile: str) -> Non
     "others",
     [("--sheet", "2x1"), ("--split", "auto"), ("--atlas", "fox.json"), ("--layers",), ("--frame", "shared")],
 )
-def test_options_that_contradict_tile_are_refused(
+def test_what_makes_no_sense_with_a_drawing_that_repeats_is_refused(
     here: Path, capfd: pytest.CaptureFixture[str], others: tuple[str, ...]
 ) -> None:
     assert generate("fox.png", "--tile", "both", *others) == 2

@@ -58,6 +58,22 @@ def test_a_sphere_stays_a_sphere(motion: dict[str, float]) -> None:
     assert mean_error(moved["normal"], batch["normal"], both) < 0.2
 
 
+@pytest.mark.parametrize("motion", [{"flip": 1.0}, {"rotation": 170.0}], ids=["flip", "turn"])
+def test_the_sphere_test_can_fail(motion: dict[str, float], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("normalgan.data.augmentation.turn_normals", lambda normal, transform: normal)
+    batch = sphere(8)
+    moved = Augmentation(**{**STILL, **CLEAN, **motion})(batch, seed=1)  # type: ignore[arg-type]
+    assert mean_error(moved["normal"], batch["normal"], moved["mask"] * batch["mask"]) > 10
+
+
+def test_a_mirrored_slope_leans_the_other_way() -> None:
+    batch = sphere(1)
+    batch["normal"] = torch.tensor([0.6, 0.48, 0.64]).view(1, 3, 1, 1) * batch["mask"]
+    moved = Augmentation(**{**STILL, **CLEAN, "flip": 1.0})(batch, seed=0)  # type: ignore[arg-type]
+    middle = moved["normal"][0, :, SIZE // 2, SIZE // 2]
+    torch.testing.assert_close(middle, torch.tensor([-0.6, 0.48, 0.64]), atol=1e-4, rtol=0)
+
+
 def test_a_turned_slope_turns_with_its_place() -> None:
     # The direction in the picture from the centre to a dot, and the slope painted on it, must stay one.
     batch = sphere(6)
@@ -122,6 +138,14 @@ def test_scale_and_translation_move_sketch_and_mask_together() -> None:
     moved = Augmentation(**settings)(batch, seed=0)  # type: ignore[arg-type]
     assert (moved["sketch"] - moved["mask"]).abs().mean() < 0.01
     assert not torch.equal(moved["mask"], batch["mask"])
+
+
+@pytest.mark.skipif(torch.cuda.is_available(), reason="CUDA is there, and is seeded at once")
+def test_no_seed_is_kept_for_a_backend_that_is_not_started() -> None:
+    """Each step left its stack behind, which took time, and memory for ever."""
+    before = len(torch.cuda._queued_calls)
+    Augmentation()(sphere(2), seed=0)
+    assert len(torch.cuda._queued_calls) == before
 
 
 def test_samples_of_a_batch_are_changed_each_in_its_own_way() -> None:
@@ -213,6 +237,24 @@ def test_moves_are_drawn_within_their_bounds_and_mirror_where_asked() -> None:
     middle = moves @ torch.tensor([31.5, 31.5, 1.0])
     assert (middle[:, :2] - 31.5).abs().max() <= 0.1 * 64
     assert (middle[:, :2] - 31.5).abs().max() > 0.09 * 64
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"flip": 2.0}, r"flip of Augmentation is 2.0"),
+        ({"scale": (1.2, 0.8)}, "two numbers, low then high, more than 0"),
+        ({"rotation": -1.0}, "0 or more"),
+        ({"distractor_strokes": 1.5}, r"distractor_strokes of Augmentation is 1.5"),
+        ({"fills": -0.5}, r"fills of Augmentation is -0.5"),
+        ({"decals": 1.5}, r"decals of Augmentation is 1.5"),
+        ({"hatching": 1.5}, r"hatching of Augmentation is 1.5"),
+        ({"shear": 60.0}, r"shear of Augmentation is 60.0"),
+    ],
+)
+def test_settings_are_checked(settings: dict[str, float], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        Augmentation(**settings)  # type: ignore[arg-type]
 
 
 class Odd(BatchAugmentation):

@@ -3,7 +3,7 @@ import torch
 from hint_scenes import sphere
 
 from normalgan.errors import InputError
-from normalgan.hints import UniformHints, hints_at
+from normalgan.hints import NoHints, UniformHints, hints_at
 
 
 def seeded(seed: int = 0) -> torch.Generator:
@@ -43,9 +43,39 @@ def test_every_pixel_of_the_object_has_an_equal_chance_and_no_other_has_any() ->
     assert (frequency[inside] - chance).abs().max() < 5 * (chance * (1 - chance) / 4000) ** 0.5
 
 
+def test_small_object_is_hinted_everywhere_and_an_empty_one_nowhere() -> None:
+    mask = torch.zeros(2, 1, 6, 6)
+    mask[0, 0, 2, 1:4] = 1
+    where = UniformHints(10, 50).sample(torch.ones(2, 3, 6, 6), mask, seeded())
+    assert torch.equal(where, mask)
+
+
+def test_zero_hints_are_legal() -> None:
+    normal, mask = sphere(8, radius=3)
+    assert UniformHints(0, 0).sample(normal, mask, seeded()).sum() == 0
+
+
 def test_bad_bounds_say_what_would_be_right() -> None:
     with pytest.raises(InputError, match="minimum=5 and maximum=4; use a minimum that is not larger"):
         UniformHints(5, 4)
+
+
+def test_no_hints_gives_none_and_draws_nothing() -> None:
+    normal, mask = sphere(16, radius=6)
+    rng = seeded()
+    before = rng.get_state()
+    assert NoHints().sample(normal, mask, rng).sum() == 0
+    assert torch.equal(rng.get_state(), before)
+
+
+def test_hints_are_the_true_normals_where_they_are_and_zero_elsewhere() -> None:
+    normal, mask = sphere(16, radius=6)
+    where = UniformHints(7, 7).sample(normal, mask, seeded())
+    hints = hints_at(normal, where)
+    chosen = where[0, 0] > 0
+    assert torch.equal(hints[:, 3:], where)
+    assert torch.equal(hints[0, :3, chosen], normal[0, :, chosen])
+    assert hints[0, :3, ~chosen].eq(0).all()
 
 
 def test_hints_take_the_normals_type_and_hide_what_is_not_a_number() -> None:

@@ -2,7 +2,7 @@ import math
 
 import pytest
 import torch
-from torch import Tensor
+from torch import Tensor, nn
 
 from normalgan.errors import InputError
 from normalgan.losses import (
@@ -13,6 +13,13 @@ from normalgan.losses import (
     l1_loss,
 )
 from normalgan.models import UNetDiscriminator
+
+
+@pytest.mark.parametrize("objective", [Wasserstein(), WassersteinGradientPenalty()])
+def test_wasserstein_signs(objective: Wasserstein) -> None:
+    real, fake = (torch.tensor([[3.0]]),), (torch.tensor([[1.0]]),)
+    assert objective.discriminator_loss(real, fake) == -2  # falls as true maps score higher
+    assert objective.generator_loss(fake) == -1  # falls as predicted maps score higher
 
 
 def test_cross_entropy_at_chance_is_log_two() -> None:
@@ -42,6 +49,15 @@ def test_gradient_penalty_of_a_linear_critic_is_known(slope: float) -> None:
     assert penalty.item() == pytest.approx(10 * (slope - 1) ** 2, rel=1e-4, abs=1e-5)
 
 
+def test_gradient_penalty_trains_the_critic() -> None:
+    critic = nn.Conv2d(3, 1, 3)
+    WassersteinGradientPenalty().penalty(
+        lambda normal: (critic(normal),), torch.randn(2, 3, 8, 8), torch.randn(2, 3, 8, 8)
+    ).backward()
+    assert critic.weight.grad is not None
+    assert critic.weight.grad.abs().sum() > 0
+
+
 def test_gradient_penalty_refuses_batch_norm() -> None:
     with pytest.raises(InputError, match="without batch norm; give it norm: instance"):
         WassersteinGradientPenalty().check(UNetDiscriminator(size=16, width=2))
@@ -62,3 +78,9 @@ def test_hint_loss_is_a_mean_over_hints() -> None:
     target[:, :, 0, 0] = 100  # not hinted: does not matter
     assert hint_loss(preds, target, where) == 3
     assert hint_loss(preds, target, torch.zeros_like(where)) == 0
+
+
+def test_hint_loss_taken_after_pasting_would_be_nothing() -> None:
+    preds, target = torch.zeros(1, 3, 4, 4), torch.ones(1, 3, 4, 4)
+    where = torch.ones(1, 1, 4, 4)
+    assert hint_loss(preds * (1 - where) + target * where, target, where) == 0

@@ -69,6 +69,26 @@ def test_angles_have_a_gradient_even_where_they_are_0() -> None:
     assert one.grad.isfinite().all()
 
 
+def test_the_truth_told_surely_costs_least() -> None:
+    given = batch()
+    normal, mask = given["normal"], given["mask"]
+    where = torch.zeros_like(mask)
+
+    def loss(preds: Predictions) -> float:
+        terms = AngularLikelihood().terms(preds, normal, mask, where)
+        return float(sum(term.weight * term.value for term in terms.values()))
+
+    flat = torch.zeros_like(normal)
+    flat[:, 2] = 1
+    everywhere = predicted(normal * mask + flat * (1 - mask), 0.99, 50)
+    sure = loss(everywhere._replace(presence=torch.logit(0.98 * mask + 0.01)))
+    others = [loss(predicted(direction, 0.99, 5)) for direction in (everywhere.direction, flat, -flat)]
+    assert [sure, *others] == sorted([sure, *others])
+    on, off = (loss(predicted(everywhere.direction, probability, 5)) for probability in (0.9, 0.1))
+    share = float(mask.mean())
+    assert (on < off) == (share > 0.5)
+
+
 @pytest.mark.parametrize("weight", [0.0, 3.0])
 def test_directions_learn_from_the_likelihood_or_from_the_angle_alone(weight: float) -> None:
     given = batch()
@@ -98,6 +118,22 @@ def test_a_generator_without_confidence_is_refused() -> None:
         InputError, match="ResidualUNetGenerator; this one gives no presence and no confidence"
     ):
         AngularLikelihood().terms(preds, given["normal"], given["mask"], given["mask"])
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"l1_weight": -1}, "l1_weight of L1AndHints is -1"),
+        ({"hint_weight": -1}, "hint_weight of L1AndHints is -1"),
+    ],
+)
+def test_negative_weights_are_refused(settings: dict[str, float], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        L1AndHints(**settings)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="presence_weight of AngularLikelihood is -1"):
+        AngularLikelihood(presence_weight=-1)
+    with pytest.raises(InputError, match="angle_weight of AngularLikelihood is -2"):
+        AngularLikelihood(angle_weight=-2)
 
 
 def test_relief_is_the_mean_n_z_of_parts() -> None:

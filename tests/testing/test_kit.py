@@ -27,7 +27,7 @@ from normalgan.rendering import Camera, EmbreeRenderer, Maps, Mesh, Renderer
 from normalgan.rendering.lines import LineDrawing, Silhouette
 from normalgan.rendering.strokes import Stroke
 from normalgan.rendering.view import View
-from normalgan.testing import ConformanceError, check
+from normalgan.testing import ConformanceError, check, checks
 from pairs_on_disk import write_pairs
 
 torch.set_num_threads(1)
@@ -65,6 +65,13 @@ def quota(right: Any, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Any
     return where * (where.flatten().cumsum(0).view(where.shape) <= 60)
 
 
+def a_number_for_each_pixel(right: Any, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Any:
+    where = torch.zeros_like(mask)
+    for place, one in zip(where, mask, strict=True):
+        place[one > 0] = (torch.rand(int(one.sum()), generator=rng) > 0.5).float()
+    return where
+
+
 def into_the_mask(right: Any, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Any:
     where = right(normal, mask, rng)
     mask[..., ::2] = 0
@@ -74,9 +81,22 @@ def into_the_mask(right: Any, normal: Tensor, mask: Tensor, rng: torch.Generator
 SAMPLERS = broken(
     *(Sampler, "sample", HERE),
     {
+        "Flat": (
+            lambda right, *given: right(*given)[:, 0],
+            r"gave a tensor \(2, 32, 32\); hints are a tensor \(2, 1, 32, 32\) here",
+        ),
+        "ListOfHints": (lambda right, *given: list(right(*given)), "gave a list of .*; hints are a tensor"),
         "WholeNumbers": (
             lambda right, *given: right(*given).long(),
             r"returned torch.int64 for normals of torch.float32; it must return the type of the normals.",
+        ),
+        "Half": (
+            lambda right, *given: right(*given) / 2,
+            "gave hints with the value 0.5; hints are a tensor .* 1 at a hinted pixel and 0 elsewhere",
+        ),
+        "Everywhere": (
+            lambda right, normal, mask, rng: torch.ones_like(mask),
+            r"gave \d+ hints off the object; hints must lie where mask is 1",
         ),
         "AtLeastOne": (at_least_one, "gave 1 hints to a picture without an object; it must give none"),
         "Divides": (
@@ -97,9 +117,21 @@ SAMPLERS = broken(
             lambda right, *given: random.seed(1) or right(*given),
             "drew from or seeded Python's global random state; all randomness must come from the gen",
         ),
+        "DrawsFromNumpy": (
+            lambda right, *given: 0 * np.random.rand() + right(*given),  # noqa: NPY002
+            "drew from or seeded numpy's global random state",
+        ),
+        "DrawsFromTorch": (
+            lambda right, *given: 0 * torch.rand(1) + right(*given),
+            "drew from or seeded torch's global random state",
+        ),
         "Quota": (
             quota,
             "changed the hints of a sample when another one of the batch was changed; a sample must not",
+        ),
+        "ANumberForEachPixel": (
+            a_number_for_each_pixel,
+            "changed the hints of a sample when another one of the batch was changed",
         ),
         "IntoTheMask": (
             into_the_mask,
@@ -210,6 +242,17 @@ class Spare(Network):
         self.spare = nn.Linear(1, 1)
 
 
+class Forgets(Network):
+    """Keeps a weight where no checkpoint finds it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.register_buffer("gain", torch.tensor(0.5), persistent=False)
+
+    def forward(self, condition: Tensor) -> Any:
+        return torch.tanh(self.conv(condition) * self.gain)
+
+
 class Counts(Network):
     """Scales by a number of Python that training changes, which no checkpoint holds."""
 
@@ -232,6 +275,10 @@ GENERATORS: Cases = [
     *broken(
         *(Network, "forward", HERE),
         {
+            "TwoChannels": (
+                lambda right, condition: right(condition)[:, :2],
+                r"returns 2 channels; a model has 3, or 4 with the confidence",
+            ),
             "AnswersInDoubles": (
                 lambda right, condition: right(condition).double(),
                 "returned torch.float64 for a condition of torch.float32; it must keep the type",
@@ -244,6 +291,12 @@ GENERATORS: Cases = [
             "Explodes": (
                 lambda right, condition: right(condition) / (condition[:, 3:] * 0),
                 "predicted values that are not finite; its answer must be finite",
+            ),
+            "Lonely": (
+                lambda right, condition: right(condition).view(
+                    min(len(condition), 2), 3, *condition.shape[2:]
+                ),
+                "raised RuntimeError .* when asked for batches of any number; forward must return",
             ),
             "Cut": (
                 lambda right, condition: (
@@ -276,6 +329,10 @@ GENERATORS: Cases = [
                 lambda right, condition: Predictions(-right.__self__(condition).float()),
                 "predicts otherwise than forward returns; what is trained",
             ),
+            "PlainTensor": (
+                lambda right, condition: right.__self__(condition),
+                r".predict gave a tensor \(2, 3, 64, 64\); it gives normalgan.models.predictions.Predictions",
+            ),
             "Rounds": (
                 lambda right, condition: Predictions(right.__self__(condition)),
                 "predicts direction in torch.bfloat16 under mixed precision; what losses take",
@@ -283,6 +340,7 @@ GENERATORS: Cases = [
         },
     ),
     (Spare, "Spare gives no gradient to spare.weight, spare.bias; every parameter must take part"),
+    (Forgets, "Forgets answers otherwise after its state_dict was loaded; keep what it has learnt"),
     (Counts, "Counts answers otherwise after its state_dict was loaded; keep what it has learnt"),
 ]
 
@@ -309,6 +367,14 @@ class Spectral(Judge):
 DISCRIMINATORS = broken(
     *(Judge, "forward", HERE),
     {
+        "Bare": (
+            lambda right, *given: right(*given)[0],
+            "gave a tensor .*; a discriminator gives a tuple of scores",
+        ),
+        "Verdict": (
+            lambda right, *given: (right(*given)[0].mean()[None],),
+            r"gave a tuple of \(a tensor \(1,\)\); a discriminator gives",
+        ),
         "Logarithm": (
             lambda right, *given: ((0 * right(*given)[0]).log(),),
             "gave a score that is not finite; scores must be finite",
@@ -316,6 +382,10 @@ DISCRIMINATORS = broken(
         "LooksAway": (
             lambda right, condition, normal: right(condition, 0 * normal),
             "does not look at the normals; its answer must depend",
+        ),
+        "LooksAtTheMapAlone": (
+            lambda right, condition, normal: right(0 * condition, normal),
+            "does not look at the condition; its answer must depend",
         ),
     },
 )
@@ -354,6 +424,14 @@ OBJECTIVES: Cases = [
     *broken(
         *(Plain, "generator_loss", HERE),
         {
+            "LossOfEachHead": (
+                lambda right, fake: -torch.stack([score.mean() for score in fake]),
+                r".generator_loss gave a tensor \(2,\); it gives a tensor of one number",
+            ),
+            "PythonNumber": (
+                lambda right, fake: right(fake).item(),
+                ".generator_loss gave a float; it gives a tensor of one number",
+            ),
             "Detached": (
                 lambda right, fake: right(fake).detach(),
                 "returned a generator_loss without a gradient; both losses",
@@ -431,6 +509,18 @@ class Squares(Reconstruction):
 RECONSTRUCTIONS = broken(
     *(Squares, "terms", HERE),
     {
+        "Sum": (
+            lambda right, *given: right(*given)["square"].value,
+            r"gave a tensor \(\); a reconstruction loss gives its terms by name",
+        ),
+        "Unweighted": (
+            lambda right, *given: {"square": right(*given)["square"].value},
+            r"gave a tensor \(\) as square; a reconstruction loss gives its terms by name",
+        ),
+        "WholeMap": (
+            lambda right, preds, target, *_: {"square": Term((preds.normal - target).square().mean(1), 1.0)},
+            r"gave a tensor \(.*\) as square; a reconstruction loss gives its terms by name",
+        ),
         "TakenName": (
             lambda right, *given: {"adversarial": right(*given)["square"]},
             "has a term named adversarial; training logs one itself; rename it",
@@ -534,6 +624,10 @@ class Mirror(BatchAugmentation):
 AUGMENTATIONS = broken(
     *(Mirror, "__call__", HERE),
     {
+        "LosesHints": (
+            lambda right, *given: {k: v for k, v in right(*given).items() if k != "hints"},
+            "gave a batch without hints; an augmentation gives a batch with all that it was given",
+        ),
         "LeavesVectors": (
             lambda right, batch, seed: {
                 **batch,
@@ -675,6 +769,14 @@ RENDERERS: Cases = [
     *broken(
         *(Rays, "render", HERE),
         {
+            "NoMaps": (
+                lambda right, *given: (right(*given).normal, right(*given).depth),
+                "gave tuple; a renderer gives normalgan.rendering.Maps",
+            ),
+            "RendersDoubles": (
+                normals_times(np.float64(1) * np.ones(3)),
+                "gave a normal of float64; it must be float32",
+            ),
             "Long": (
                 normals_times(np.float32(2)),
                 "rendered a normal whose length is 1 off from 1; normals on the object are unit vectors",
@@ -705,6 +807,10 @@ RENDERERS: Cases = [
             "NoisyMaps": (
                 with_noise,
                 "rendered the same twice differently; samples are kept by their settings alone",
+            ),
+            "SeedsNumpy": (
+                lambda right, *given: np.random.seed(0) or right(*given),  # noqa: NPY002
+                "drew from or seeded numpy's global random state",
             ),
         },
     ),
@@ -749,6 +855,18 @@ LINE_STYLES: Cases = [
     *broken(
         *(Outline, "ink", HERE),
         {
+            "BarePoints": (
+                lambda right, points, width, rng: points,
+                "gave list of ndarray; a line style gives a list of Stroke",
+            ),
+            "Unplaced": (
+                lambda right, points, width, rng: right(points * np.nan, width, rng),
+                "gave a stroke whose points are not numbers; they must be finite",
+            ),
+            "Magnified": (
+                lambda right, points, width, rng: right(points * 4, width, rng),
+                r"gave a stroke from \d+\.\d+ to \d+\.\d+ pixels, up to .* wide, for a sketch of 96; points",
+            ),
             "Thin": (
                 lambda right, points, width, rng: right(points, 0 * width, rng),
                 "traced a stroke of width 0 or less; a pen has a width above 0",
@@ -760,6 +878,10 @@ LINE_STYLES: Cases = [
             "Trembles": (
                 trembling,
                 "traced the same view twice differently under one seed; the same view and rng",
+            ),
+            "Shakes": (
+                lambda right, *given: (np.random.rand(), right(*given))[1],  # noqa: NPY002
+                "drew from or seeded numpy's global random state",
             ),
         },
     ),
@@ -828,3 +950,10 @@ def test_a_class_inside_a_function_is_told_off() -> None:
         ConformanceError, match=r"Inner cannot be imported as .*<locals>\.Inner; YAML and check"
     ):
         check(Inner())
+
+
+def test_checks_are_assertions_with_names_of_their_own() -> None:
+    names = [str(each) for each in checks(HintSampler)]
+    assert len(set(names)) == len(names) > 10
+    assert "hints on the object" in names
+    assert issubclass(ConformanceError, AssertionError)

@@ -119,6 +119,10 @@ MODEL: dict[str, tuple[Callable[[Tree], object], str]] = {
         part("generator", class_path=f"{EVIL}.Foo"),
         f"no Generator named '{EVIL}.Foo'",
     ),
+    "a function": (
+        part("generator", class_path="os.system", init_args={"command": "x"}),
+        "no Generator named",
+    ),
     "a module under ours": (part("generator", class_path=f"{EVIL}.UNetGenerator"), "no Generator named"),
     "another kind of ours": (part("generator", class_path="normalgan.hints.NoHints"), "no Generator named"),
     "a path in a setting": (
@@ -129,8 +133,16 @@ MODEL: dict[str, tuple[Callable[[Tree], object], str]] = {
         part("generator", class_path=NETWORK, init_args={"norm": SYMPY}),
         "norm of normalgan.models.UNetGenerator is a dict",
     ),
+    "a class in a list": (
+        part("generator", class_path=NETWORK, init_args={"norm": [SYMPY]}),
+        "settings that a model brings",
+    ),
     "further arguments": (
         part("generator", class_path=NETWORK, dict_kwargs=SYMPY),
+        "not a class with settings",
+    ),
+    "settings as text": (
+        part("generator", class_path=NETWORK, init_args=str(SYMPY)),
         "not a class with settings",
     ),
     "a text for a class": (part("generator", class_path=SYMPY), "not a class with settings"),
@@ -145,6 +157,10 @@ MODEL: dict[str, tuple[Callable[[Tree], object], str]] = {
     "an endless number": (
         part("generator", class_path=NETWORK, init_args={"width": 10**300}),
         "width of normalgan.models.UNetGenerator is 1000000",
+    ),
+    "not a number": (
+        part("generator", class_path=NETWORK, init_args={"dropout": float("nan")}),
+        "dropout of normalgan.models.UNetGenerator is nan",
     ),
     "wider than its weights": (
         part("generator", class_path=NETWORK, init_args={"size": 32, "width": 400}),

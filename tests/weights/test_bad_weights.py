@@ -2,6 +2,7 @@
 
 import json
 import pickle
+import random
 import sys
 import time
 import tracemalloc
@@ -79,14 +80,22 @@ BAD: dict[str, tuple[bytes, str]] = {
     "more than a class": (with_generator(dict_kwargs={}), "not a class with settings"),
     "unknown class": (with_generator(class_path="UNetGenerater"), "Did you mean UNetGenerator?"),
     "import": (with_generator(class_path="antigravity.geohash"), "no Generator named 'antigravity.geohash'"),
+    "other kind": (with_generator(class_path="UniformHints"), "no Generator named 'UniformHints'"),
+    "import in a setting": (
+        with_settings(norm="antigravity.geohash"),
+        "norm of UNetGenerator is antigravity",
+    ),
     "class in a setting": (
         with_settings(norm={"class_path": "subprocess.Popen"}),
         "norm of UNetGenerator is",
     ),
+    "not finite": (with_settings(dropout=float("inf")), "dropout of UNetGenerator is inf"),
+    "huge number": (with_settings(width=10**300), "width of UNetGenerator is 1000"),
     "wrong type": (with_settings(width="wide"), "does not take its settings"),
     "unknown setting": (with_settings(wings=2), "does not take its settings"),
     "wrong size": (with_notes(lambda said: said.update(size="-1")), "its size is -1"),
     "endless seed": (with_notes(lambda said: said.update(seed="9" * 5000)), "its seed is 999"),
+    "wider": (with_settings(width=8), "its weights are not those of a UNetGenerator with these settings"),
     "widest": (with_settings(width=4096), "its weights are not those of a UNetGenerator"),
     "missing tensor": (with_tensors(lambda t: t.pop(first_of(t))), "is missing, not float32"),
     "tensor too many": (
@@ -155,3 +164,19 @@ def test_settings_that_ask_for_everything_take_next_to_nothing() -> None:
     assert time.process_time() - begin < 5
     assert tracemalloc.get_traced_memory()[1] < 100 * 2**20
     tracemalloc.stop()
+
+
+def test_mutants_are_read_or_refused() -> None:
+    rng = random.Random(0)
+    header = int.from_bytes(WHOLE[:8], "little")
+    refused = 0
+    for _ in range(150):
+        mutant = bytearray(WHOLE)
+        for _ in range(rng.randint(1, 4)):
+            place = rng.randrange(8 + header) if rng.random() < 0.8 else rng.randrange(len(mutant))
+            mutant[place] = rng.randrange(256)
+        try:
+            parse_weights(bytes(mutant))
+        except InputError:
+            refused += 1
+    assert 75 < refused <= 150
