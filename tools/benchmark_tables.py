@@ -313,7 +313,7 @@ def critic() -> list[str]:
         "change between pixels, predicted / true": error("0", "gradient_ratio"),
     }
     lines += table(labelled(rows), columns, "critic")
-    lines += ["", "Less no discriminator; the last three columns are without hints:"]
+    lines += ["", "Differences to no discriminator; the last three columns are without hints:"]
     others = {name: runs for name, runs in rows.items() if runs is not none}
     columns = {**differences(none), "n_z": relief(none, "nz_bias"), "change": relief(none, "gradient_ratio")}
     return lines + table(labelled(others), {**columns, "IoU": relief(none, "mask_iou")}, "critic")

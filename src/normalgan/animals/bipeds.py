@@ -311,7 +311,7 @@ class Flesh:
 
 @dataclass(frozen=True)
 class Robot:
-    """Makes a machine of boxes, balls and pipes of a skeleton."""
+    """Builds a robot of boxes, balls and pipes around a skeleton."""
 
     def parts(self, measures: Measures, bones: Skeleton, rng: Rng) -> list[Part]:
         """Return the parts in the order in which they blend."""

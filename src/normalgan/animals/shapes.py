@@ -367,7 +367,7 @@ class Plate(Solid):
     """A closed outline in its own plane, thickened to both sides, with a round rim: a fin, wing or frill.
 
     Args:
-        frame: where the plane is: its own axes are the outline's first, its second, and across.
+        frame: position of the plane; its first two axes are those of the outline, the third is perpendicular.
         outline: (n, 2) corners, clockwise or not, n ≥ 3.
         rim: half the thickness at the rim.
         swell: growth of half the thickness for each unit of way inwards from the rim.

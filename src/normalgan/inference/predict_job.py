@@ -352,7 +352,7 @@ def written_for(job: Job, outputs: Outputs, packing: Packing, layers: bool = Fal
 
 
 def _moves(outputs: Outputs) -> bool:
-    """Return whether the maps of an animation go into one: it has 8 bits."""
+    """Return whether the maps of an animation are written as one animation, which needs 8-bit maps."""
     return outputs.normal.plain
 
 

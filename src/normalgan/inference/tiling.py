@@ -138,7 +138,7 @@ def _frame_of(around: Floats, window: Window) -> Frame:
 
 
 def _outlined(ink: Floats, tile: Tile) -> BoolMask:
-    """Return the area that the lines (H, W) of a repeated drawing enclose; everything, if much is open."""
+    """Return the area that the lines (H, W) of a repeated drawing enclose, or all of it if many are open."""
     half = ink.shape[0] // 2, ink.shape[1] // 2
     repeated = wrapped(ink, tile, half)
     enclosed = decide(repeated, None).mask

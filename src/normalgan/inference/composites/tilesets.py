@@ -191,7 +191,10 @@ class _Tiles:
         return Cell(name, left * width, top * height, *sides, own=own, tile=repeat)
 
     def _edges(self, axis: int) -> list[list[tuple[int, int, int]]]:
-        """Return the edges that may meet along an axis: place along it and across it, 0 before or 1 behind.
+        """Return groups of tile edges that may meet along an axis.
+
+        Each edge is the position of its tile along the axis and across it, and 0 for its first edge or 1 for
+        its second.
 
         Two tiles that were predicted side by side, and meet no other, are not changed.
         """

@@ -22,8 +22,8 @@ def extend(normals: Floats, known: NDArray[np.bool_], needed: NDArray[np.bool_])
 
     Args:
         normals: (H, W, 3), unit where known.
-        known: (H, W), True somewhere.
-        needed: (H, W), where it matters; nothing is swept if all of it is known.
+        known: (H, W), where normals are known; True for at least one pixel.
+        needed: (H, W), where the result is used; if all of it is known, the sweeps are left out.
     """
     if known.all():
         return normals

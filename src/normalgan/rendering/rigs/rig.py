@@ -23,12 +23,12 @@ class Skin:
 
 @dataclass(frozen=True)
 class Piece:
-    """A surface, stiff on a node or bound to the joints of a skin.
+    """A surface that moves rigidly with a node, or bends with the joints of a skin.
 
     Args:
         vertices: (V, 3) positions.
         faces: (F, 3) vertex indices.
-        node: index of the node that it hangs on.
+        node: index of the node that it is attached to.
         skin: moves it instead of its node; None if it is rigid.
         joints: (V, K) indices into the skin's joints.
         weights: (V, K) the share of each, summing to 1.

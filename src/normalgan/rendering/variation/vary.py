@@ -80,7 +80,7 @@ def _holds(jacobian: Doubles, turned: Doubles) -> bool:
 
 
 def _lean(most: float, rng: np.random.Generator) -> Doubles:
-    """Return a rotation (3, 3) about a level axis by up to ``most`` radians, mostly by little."""
+    """Return a rotation (3, 3) about a level axis by up to ``most`` radians; small angles are likelier."""
     from scipy.spatial.transform import Rotation  # half a second: only when a mesh is varied
 
     heading = rng.uniform(0.0, 2 * np.pi)
