@@ -130,7 +130,7 @@ def plural(noun: str) -> str:
 
 
 def none_usable(count: int, noun: str, split: str, reason: str) -> InputError:
-    """Return the error for a split of which nothing can be used.
+    """Return the error for a split without a usable mesh or pair.
 
     Args:
         count: how many were given, 1 or more.

@@ -18,7 +18,7 @@ _MOST = 8
 def workers(jobs: int) -> int:
     """Return the number of jobs to run at once: one more than the cores.
 
-    One of them waits for the disk or for its drawing to be decoded.
+    One of them is usually waiting for the disk, or for its drawing to be decoded.
     """
     # The scheduler's own count where there is one: a container may have fewer cores than its machine.
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -279,7 +279,7 @@ def _check_names(
 ) -> None:
     """Raise `InputError` if an input would be overwritten, or a file written twice.
 
-    With ``may_clash`` it is twice for one drawing that counts.
+    With ``may_clash``, only a file that one drawing would write twice is an error.
     """
     given = [(job.files.drawing, *job.files.beside) for job in jobs]
     read = {path.resolve() for each in (*given, also_read) for path in each}
