@@ -119,23 +119,6 @@ def did_you_mean(given: str, known: Iterable[str], cutoff: float = 0.6) -> str:
     ' Did you mean horse?'
     """
     near = difflib.get_close_matches(given, list(known), cutoff=cutoff)
-    return f" Did you mean {min(near, key=lambda name: _typos(given, name))}?" if near else ""
-
-
-def _typos(given: str, meant: str) -> int:
-    """Return how many letters must be inserted, deleted, replaced or swapped with their neighbour.
-
-    difflib does not count swaps: to it, "hrose" is as near to "house" as to "horse".
-
-    >>> _typos("hrose", "horse"), _typos("hrose", "house")
-    (1, 2)
-    """
-    rows = [list(range(len(meant) + 1))]
-    for i, letter in enumerate(given):
-        row = [i + 1]
-        for j, other in enumerate(meant):
-            row.append(min(rows[i][j] + (letter != other), rows[i][j + 1] + 1, row[j] + 1))
-            if i and j and (letter, given[i - 1]) == (meant[j - 1], other):
-                row[-1] = min(row[-1], rows[i - 1][j - 1] + 1)
-        rows.append(row)
-    return rows[-1][-1]
+    # To difflib, "hrose" is as near to "house" as to "horse": letters that were swapped come first.
+    near.sort(key=lambda name: sorted(name) != sorted(given))
+    return f" Did you mean {near[0]}?" if near else ""

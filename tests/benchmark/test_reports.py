@@ -253,8 +253,8 @@ def test_further_tests_of_a_plan_have_their_own_tables() -> None:
     assert line(text, "Where hints lie: mean error with 3 hints", "ours") == ["10.00°", "11.00°"]
     assert line(text, "Where hints lie: mean error with 17 hints", "ours") == ["12.00°", "13.00°"]
     assert line(text, "Where hints lie: mean error with 17 hints", "the paper") == ["–", "–"]
-    assert line(text, "Hints that are off: mean error with 15 hints turned", "ours") == ["18.00°", "14.00°"]
-    assert line(text, "Hints that are off: mean error with 15 hints moved", "ours") == ["18.00°", "15.00°"]
+    assert line(text, "Inaccurate hints: mean error with 15 hints, turned", "ours") == ["18.00°", "14.00°"]
+    assert line(text, "Inaccurate hints: mean error with 15 hints, moved", "ours") == ["18.00°", "15.00°"]
     suggested = "One pin after the other, where the studio suggests"
     assert line(text, suggested, "ours") == ["9.00°", "8.50°", "8.25°", "8.00°"]
     assert line(text, "Adversarial gradient", "ours") == ["2.0e-05", "3.0e-04"]

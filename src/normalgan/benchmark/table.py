@@ -194,7 +194,7 @@ def _introduction(
     seeds: set[Any] = {run["seed"] for run in _runs(results)} - {None}
     lines.append(
         f"Seeds: {', '.join(map(str, sorted(seeds))) or 'none'}. Test split, pixels on the object; hinted "
-        "pixels do not count. What takes no hints is given none."
+        "pixels are left out. A method that cannot use hints gets none."
     )
     if specification:
         measured = ", ".join(f"{name} {value}" for name, value in specification.items())
@@ -265,7 +265,7 @@ def _further(plan: Plan, results: Results) -> Iterator[tuple[str, _Columns]]:
         off = {f"{size:g}": figure_cell(f"{unit}-{size:g}", "angular_mean") for size in sizes if size}
         if sizes:
             yield (
-                f"Hints that are off: mean error with {right} hints {what} by so many {unit}",
+                f"Inaccurate hints: mean error with {right} hints, {what} by this many {unit}",
                 {"0": figure_cell(right, "angular_mean"), **off},
             )
     if plan.pins:
