@@ -20,15 +20,19 @@ PERMISSIVE = re.compile(
 COPYLEFT = re.compile(r"\b[AL]?GPL|General Public", re.IGNORECASE)
 TEXTS = ("Permission is hereby granted, free of charge", "Redistribution and use in source and binary forms")
 """How the licences of MIT and BSD begin, for packages that give a text and no name."""
+CUDA = ("cuda-", "nvidia-")
+"""Packages of PyTorch's build for NVIDIA's GPUs, under NVIDIA's licence; the build for the CPU has none."""
 SECONDS = 300
 
 
 def dependencies(name: str, extras: tuple[str, ...] = EXTRAS) -> dict[str, Distribution]:
-    """Return the packages that one needs here, by name, and those that they need."""
+    """Return the packages that one needs here, by name, and those that they need, without NVIDIA's."""
     found: dict[str, Distribution] = {}
     waiting = [(name, extras)]
     while waiting:
         package, wanted = waiting.pop()
+        if package.startswith(CUDA):
+            continue
         try:
             found_here = distribution(package)
         except PackageNotFoundError:

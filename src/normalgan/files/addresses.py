@@ -145,6 +145,7 @@ def _from_web(address: Address) -> bytes:
         with urlopen(Request(address.text, headers={"User-Agent": "normalgan"}), timeout=_WAIT) as answer:
             content: bytes = answer.read(MOST_BYTES + 1)
     except HTTPError as error:
+        error.close()
         raise InputError(f"{address.text} answers {error.code} {error.reason}.") from error
     except (URLError, TimeoutError, HTTPException, OSError, ValueError) as error:
         reason = error.reason if isinstance(error, URLError) else brief(error)

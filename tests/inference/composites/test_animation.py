@@ -1,5 +1,6 @@
 """Animations: all frames in, the same kind out; on real files."""
 
+import io
 from pathlib import Path
 from typing import Any
 
@@ -53,7 +54,8 @@ def test_each_page_of_a_tiff_gets_a_map_of_its_own(here: Path, capsys: pytest.Ca
     copy = TiffImagePlugin.ImageFileDirectory_v2()
     copy[254] = 1  # a small copy, such as cameras write, is no page
     writer: Any = TiffImagePlugin.AppendingTiffWriter
-    with writer("three.tiff", new=True) as file:
+    content = io.BytesIO()  # a file of its own Pillow's writer would close twice
+    with writer(content) as file:
         for page, tags in (
             (pages[0], None),
             (pages[0].resize((30, 20)), copy),
@@ -62,6 +64,7 @@ def test_each_page_of_a_tiff_gets_a_map_of_its_own(here: Path, capsys: pytest.Ca
         ):
             page.save(file, format="TIFF", **({"tiffinfo": tags} if tags else {}))
             file.newFrame()
+    Path("three.tiff").write_bytes(content.getvalue())
     assert generate("three.tiff", "--preview", "png") == 0
     assert capsys.readouterr().out.splitlines() == ["normals/three_0001_normal.png"]
     names = [f"three_{number:04d}_{kind}.png" for number in (1, 2, 3) for kind in ("normal", "preview")]
