@@ -5,7 +5,8 @@
     python integrations/install.py godot4 --to my_game/
     python integrations/install.py krita --normalgan ~/normalgan/.venv/bin/normalgan
 
-The programs are inkscape, gimp, krita, blender, aseprite, godot4 (or godot3 for Godot 3) and comfyui.
+The programs are inkscape, gimp3 (or gimp2 for GIMP 2.10), krita, blender, aseprite, godot4 (or godot3 for Godot 3)
+and comfyui.
 
 It needs the standard library alone. What an earlier install put there is replaced.
 """
@@ -42,12 +43,13 @@ class AddOn:
     then: str
 
 
-def newest_blender() -> Path | None:
-    """Return where the newest Blender that was used here looks for add-ons, or None."""
-    used = [path for path in (CONFIG / "blender").glob("*.*") if path.name.replace(".", "").isdigit()]
-    newest = max(used, key=lambda path: [int(part) for part in path.name.split(".")], default=None)
-    return newest / "scripts" / "addons" if newest else None
+def newest(program: str, versions: str) -> Path | None:
+    """Return the settings of the newest version of a program that was used here, or None."""
+    used = [path for path in (CONFIG / program).glob(versions) if path.name.replace(".", "").isdigit()]
+    return max(used, key=lambda path: [int(part) for part in path.name.split(".")], default=None)
 
+
+BLENDER, GIMP3 = newest("blender", "*.*"), newest("GIMP", "3.*")
 
 GIMP_THEN = "Start GIMP anew: Filters > Map > Normal map of the drawing (normalgan)."
 KRITA_THEN = (
@@ -79,14 +81,21 @@ ADD_ONS = {
         GODOT_THEN,
     ),
     "blender": AddOn(
-        newest_blender(),
+        BLENDER and BLENDER / "scripts" / "addons",
         (("normalgan_blender", "normalgan_blender"),),
         "normalgan_blender",
         True,
         "Edit > Preferences > Add-ons: enable normalgan. Then Add > Image > Drawing with Normal Map.",
     ),
-    "gimp": AddOn(
+    "gimp2": AddOn(
         CONFIG / "GIMP" / "2.10" / "plug-ins",
+        (("normalgan_layer.py", "normalgan_layer/"),),
+        "normalgan_layer",
+        True,
+        GIMP_THEN,
+    ),
+    "gimp3": AddOn(
+        (GIMP3 or CONFIG / "GIMP" / "3.0") / "plug-ins",
         (("normalgan_layer.py", "normalgan_layer/"),),
         "normalgan_layer",
         True,

@@ -50,12 +50,13 @@ INKSCAPE = Need("Inkscape", "its add-on", "apt-get install inkscape python3-lxml
 GODOT3 = Need("Godot 3", "its add-on", "apt-get install godot3 godot3-server libgl1-mesa-dri xvfb")
 GODOT4 = Need("Godot 4", "its add-on", "its editor as godot4, or the package godot of a Debian that has it")
 BLENDER = Need("Blender", "its add-on", "apt-get install blender")
-GIMP = Need("GIMP", "its add-on", "apt-get install gimp")
+GIMP2 = Need("GIMP 2.10", "its add-on", "apt-get install gimp, of Debian 12 or Ubuntu 24.04")
+GIMP3 = Need("GIMP 3", "its add-on", "apt-get install gimp python3-gi gir1.2-gimp-3.0, of Debian 13 or newer")
 KRITA = Need("Krita", "its add-on", "apt-get install krita python3-pyqt5 xvfb")
 LUA = Need("Lua", "the script for Aseprite", "apt-get install lua5.4")
 NEEDS = (
     *(CHROMIUM, FIREFOX, OPENGL, NPM, SHARED_MESHES, SHARED_SKETCHES),
-    *(INKSCAPE, GODOT3, GODOT4, BLENDER, GIMP, KRITA, LUA),
+    *(INKSCAPE, GODOT3, GODOT4, BLENDER, GIMP2, GIMP3, KRITA, LUA),
 )
 
 

@@ -60,8 +60,9 @@ def test_krita_finds_the_module_that_its_desktop_file_names(dist: Path) -> None:
         assert f"{module[1]}/{manual[1]}" in held.namelist()
 
 
-def test_gimp_may_run_its_program(dist: Path) -> None:
-    with archive(dist, "gimp") as held:
+@pytest.mark.parametrize("name", ["gimp2", "gimp3"])
+def test_gimp_may_run_its_program(dist: Path, name: str) -> None:
+    with archive(dist, name) as held:
         entry = held.getinfo("normalgan_layer/normalgan_layer.py")
         assert entry.external_attr >> 16 & 0o111 == 0o111
         assert "normalgan_layer/normalgan_command.py" in held.namelist()

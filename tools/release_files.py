@@ -70,10 +70,13 @@ def add_ons() -> dict[str, dict[str, Path]]:
             f"normalgan_krita/{COMMAND}": command,
             "normalgan_krita/LICENSE": licence,
         },
-        "gimp": {
-            "normalgan_layer/normalgan_layer.py": ADD_ONS / "gimp" / "normalgan_layer.py",
-            f"normalgan_layer/{COMMAND}": command,
-            "normalgan_layer/LICENSE": licence,
+        **{
+            name: {
+                "normalgan_layer/normalgan_layer.py": ADD_ONS / name / "normalgan_layer.py",
+                f"normalgan_layer/{COMMAND}": command,
+                "normalgan_layer/LICENSE": licence,
+            }
+            for name in ("gimp2", "gimp3")
         },
         "inkscape": {
             **under("inkscape", "normalgan/"),
