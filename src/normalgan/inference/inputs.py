@@ -47,7 +47,6 @@ def prepare_any(
     mask: AnyMask = None,
     size: int | None = None,
     line_widths: LineWidths = USUAL_WIDTHS,
-    flips: Sequence[tuple[float, float]] = (),
 ) -> Prepared:
     """Prepare a drawing for the network.
 
@@ -63,13 +62,12 @@ def prepare_any(
             object, else the reader.
         size: longer side of the map in pixels, 8 to 8192; None is the drawing's.
         line_widths: widths of lines that the network sees as they were drawn, in its pixels.
-        flips: x and y of points whose regions become holes, or object if they are holes.
 
     Raises:
         InputError: if something cannot be used.
     """
     picture, where, points = check_any(image, hints, mask, size)
-    return prepare(picture, network_size, where, points, size, line_widths=line_widths, flips=flips)
+    return prepare(picture, network_size, where, points, size, line_widths=line_widths)
 
 
 def check_any(

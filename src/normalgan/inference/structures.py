@@ -1,6 +1,5 @@
 """Structures: tiles of scales, fur and the like, which stand on a map's surface."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal, get_args
@@ -88,6 +87,8 @@ def impress(normals: Floats, mask: BoolMask, area: Floats, tile: Tile, placement
         >>> bool(np.allclose(rough[:32, :32], rough[32:, 32:], atol=1e-5)), bool(rough[..., 2].min() < 0.96)
         (True, True)
     """
+    from scipy import ndimage  # here: it takes a while to import
+
     rows, columns = np.nonzero((area > 1e-3) & mask)
     if not rows.size:
         return normals
@@ -98,7 +99,12 @@ def impress(normals: Floats, mask: BoolMask, area: Floats, tile: Tile, placement
     across = -1 if placement.flipped else 1
     x, y = columns + 0.5 - placement.x, rows + 0.5 - placement.y
     side = len(slopes) / placement.period
-    right, down = _between(slopes, across * (cos * x + sin * y) * side, (cos * y - sin * x) * side)
+    # From the corner of a tile to the middle of its first pixel is half of it.
+    places = (cos * y - sin * x) * side - 0.5, across * (cos * x + sin * y) * side - 0.5
+    right, down = (
+        ndimage.map_coordinates(channel, places, np.float64, order=1, mode="grid-wrap")
+        for channel in np.moveaxis(slopes, -1, 0)
+    )
     share = area[rows, columns]
     leaning = np.stack(
         [
@@ -139,19 +145,6 @@ def _slopes(heights: Floats) -> Floats:
     right = np.roll(heights, -1, 1) - np.roll(heights, 1, 1)
     down = np.roll(heights, -1, 0) - np.roll(heights, 1, 0)
     return np.asarray(np.stack([right, down], axis=-1) / 2, np.float32)
-
-
-def _between(tile: Floats, x: NDArray[np.float64], y: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
-    """Yield the channels of a repeated tile (S, S, C) at places, between the middles of its pixels."""
-    side = len(tile)
-    left, top = np.floor(x - 0.5), np.floor(y - 0.5)
-    beside, below = x - 0.5 - left, y - 0.5 - top
-    first, second = ((left.astype(int) + k) % side for k in (0, 1))
-    upper, lower = ((top.astype(int) + k) % side for k in (0, 1))
-    for channel in np.moveaxis(tile, -1, 0):
-        above = (1 - beside) * channel[upper, first] + beside * channel[upper, second]
-        under = (1 - beside) * channel[lower, first] + beside * channel[lower, second]
-        yield (1 - below) * above + below * under
 
 
 def _grid() -> tuple[NDArray[np.float64], NDArray[np.float64]]:

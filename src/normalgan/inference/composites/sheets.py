@@ -17,7 +17,7 @@ from normalgan.inference.composites.series import Member, left_flat, predict_ser
 from normalgan.inference.findings import Finding
 from normalgan.inference.mask.masks import MaskOrSource
 from normalgan.inference.normal_map import NormalMap
-from normalgan.inference.parallel import stream
+from normalgan.inference.parallel import result_of, stream
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.reading.drawings import SMALLEST
 from normalgan.inference.reading.hint_files import Hints
@@ -136,9 +136,7 @@ def _repeated(
         return predictor(member.picture, member.hints, member.mask, tile=cell.tile)
 
     for (cell, _), got in stream(drawn, predict):
-        if isinstance(got, Exception) and not isinstance(got, InputError):
-            raise got
-        yield cell, got
+        yield cell, got if isinstance(got, InputError) else result_of(got)
 
 
 def _member(

@@ -26,6 +26,7 @@ __all__ = [
     "find_many",
     "format_of",
     "is_file_name",
+    "overwritten",
     "plan",
     "plan_file",
 ]
@@ -256,6 +257,11 @@ def check_writable(jobs: Sequence[Job]) -> None:
             ) from None
 
 
+def overwritten(path: Path) -> InputError:
+    """Return the error about an output that is one of the inputs."""
+    return InputError(f"{path} is an input and would be overwritten; give another folder (-o) or --suffix.")
+
+
 def _companions(
     read: Sequence[DrawingFiles], named: str | None, kind: str, endings: Sequence[str]
 ) -> list[Path | None]:
@@ -289,9 +295,7 @@ def _check_names(
             written.clear()
         for path in (job.target, *(job.beside(ending) for ending in others)):
             if path.resolve() in read:
-                raise InputError(
-                    f"{path} is an input and would be overwritten; give another folder (-o) or --suffix."
-                )
+                raise overwritten(path)
             if path.resolve() in written:
                 raise InputError(f"{path} would be written twice; rename a sketch, or give another --suffix.")
             written.add(path.resolve())
