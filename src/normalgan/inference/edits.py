@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import Floats
 from normalgan.inference.conversion import reoriented
+from normalgan.inference.regions import around
 from normalgan.normals import normalize
 
 __all__ = [
@@ -142,12 +143,7 @@ def smooth(normals: Floats, mask: NDArray[np.bool_], area: Floats, width: float)
     if not touched.any():
         return normals
     sigma = _AVERAGED * width
-    rows, columns = np.nonzero(touched)
-    reach = int(np.ceil(4 * sigma)) + 1  # as far as the Gaussian reaches
-    box = np.s_[
-        max(rows.min() - reach, 0) : rows.max() + reach + 1,
-        max(columns.min() - reach, 0) : columns.max() + reach + 1,
-    ]
+    box = around(touched, int(np.ceil(4 * sigma)) + 1)  # as far as the Gaussian reaches
     blurred = cv2.GaussianBlur(normals[box] * mask[box][..., None], (0, 0), sigma)
     mean = normalize(np.asarray(blurred, np.float32))
     inside = touched[box]

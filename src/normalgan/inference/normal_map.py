@@ -14,8 +14,8 @@ from normalgan.errors import InputError
 from normalgan.files.writing import write_bytes
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.findings import Finding, join
-from normalgan.inference.network.framing import box_of
 from normalgan.inference.network.tile import Tile
+from normalgan.inference.regions import box_of
 from normalgan.inference.vectors import unit
 from normalgan.normals import (
     Bits,

@@ -14,10 +14,11 @@ from normalgan.inference.cleaning.reader import Reading, read
 from normalgan.inference.findings import Finding
 from normalgan.inference.mask.decision import Decision, decide
 from normalgan.inference.mask.masks import MODEL, OUTLINE, MaskOrSource
-from normalgan.inference.network.framing import Bounds, Frame
+from normalgan.inference.network.framing import Frame
 from normalgan.inference.network.line_width import render_model_input
 from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, resize
+from normalgan.inference.regions import Bounds
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths
 
 __all__ = ["Prepared", "hinted", "prepare", "reframed"]

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import Floats
 from normalgan.inference.reading.picture import fitted, resize
+from normalgan.inference.regions import depth_of, extent_of
 from normalgan.normals import normalize
 
 __all__ = ["Point", "suggest", "uncertainty"]
@@ -148,10 +149,7 @@ def _peaked(values: Floats, reach: float) -> Floats:
 
 def _depth(mask: NDArray[np.bool_]) -> Floats:
     """Return the distance to the object's edge, in rims; 0 off the object."""
-    rows, columns = np.nonzero(mask)
-    extent = max(np.ptp(rows), np.ptp(columns)) + 1
-    away = cv2.distanceTransform(np.pad(mask, 1).astype(np.uint8), cv2.DIST_L2, 3)[1:-1, 1:-1]
-    return np.asarray(away / max(_RIM * extent, 1.5), np.float32)
+    return np.asarray(depth_of(mask, 3) / max(_RIM * extent_of(mask), 1.5), np.float32)
 
 
 def _point(

@@ -9,7 +9,7 @@ import numpy as np
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
 from normalgan.inference.mask.masks import MaskOrSource
-from normalgan.inference.network.framing import Bounds, bounds_of, united
+from normalgan.inference.network.framing import bounds_of
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.parallel import result_of, stream
 from normalgan.inference.pipeline import finish
@@ -17,6 +17,7 @@ from normalgan.inference.predictor import Predictor
 from normalgan.inference.preparation import Prepared, hinted, prepare, reframed
 from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import Picture, fitted
+from normalgan.inference.regions import Bounds, united
 from normalgan.inference.vectors import lengths
 
 __all__ = ["Member", "flat_map", "left_flat", "predict_series", "prepare_member", "steadied"]

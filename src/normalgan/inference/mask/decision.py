@@ -15,6 +15,7 @@ from normalgan.inference.findings import Finding
 from normalgan.inference.mask.edge import snap
 from normalgan.inference.network.line_width import line_width
 from normalgan.inference.reading.picture import fitted, resize
+from normalgan.inference.regions import depth_of, extent_of
 
 __all__ = ["Decision", "decide"]
 
@@ -206,9 +207,8 @@ def _open(small: BoolMask, inked: BoolMask, shape: tuple[int, int]) -> list[Find
     free[:, :_REACH] = free[:, -_REACH:] = 0
     if not free.any():
         return []
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(free, connectivity=8)
-    rows, columns = np.nonzero(small)
-    if count < 2 or stats[1:, cv2.CC_STAT_AREA].max() < _OPEN * (max(np.ptp(rows), np.ptp(columns)) + 1):
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(free, connectivity=8)
+    if stats[1:, cv2.CC_STAT_AREA].max() < _OPEN * extent_of(small):
         return []
     rows, columns = np.nonzero(labels == 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax()))
     middle = int(np.hypot(rows - rows.mean(), columns - columns.mean()).argmin())
@@ -218,7 +218,7 @@ def _open(small: BoolMask, inked: BoolMask, shape: tuple[int, int]) -> list[Find
 
 def _deepest(region: BoolMask) -> tuple[int, int]:
     """Return x and y of the pixel of a region that is farthest from its edge."""
-    depth = cv2.distanceTransform(np.pad(region, 1).astype(np.uint8), cv2.DIST_L2, 3)[1:-1, 1:-1]
+    depth = depth_of(region, 3)
     row, column = np.unravel_index(int(depth.argmax()), depth.shape)
     return int(column), int(row)
 

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Floats
-from normalgan.inference.network.framing import around, box_of
 from normalgan.inference.network.line_width import line_width
 from normalgan.inference.reading.picture import resize
+from normalgan.inference.regions import around, depth_of, extent_of
 
 __all__ = ["snap", "soft_edge"]
 
@@ -58,9 +58,8 @@ def snap(mask: BoolMask, ink: Floats, reach: float) -> Floats:
     covered = np.zeros(mask.shape, np.float32)
     if not mask.any():
         return covered
-    top, bottom, left, right = box_of(mask)
     # A tip may be as far outside of the mask.
-    box = around(mask, int(_TIP * max(bottom - top, right - left)) + int(reach) + 4)
+    box = around(mask, int(_TIP * extent_of(mask)) + int(reach) + 4)
     lines = ink[box]
     darkest = cv2.dilate(lines, _WIDE)
     share = np.minimum(lines / np.maximum(darkest, _PALEST), 1)
@@ -87,8 +86,7 @@ def _body(mask: BoolMask, ink: Floats, inked: BoolMask, reach: float) -> BoolMas
         return _finish(resize(rough.astype(np.float32), shape) > 0.5, inked)
     inside, thin = _divide(mask, inked, reach)
     whole = inside | _own_ink(mask, inside, inked)
-    top, bottom, left, right = box_of(mask)
-    return whole | _tips(whole, inked, thin & ~inside, max(bottom - top, right - left))
+    return whole | _tips(whole, inked, thin & ~inside, extent_of(mask))
 
 
 def _finish(rough: BoolMask, inked: BoolMask) -> BoolMask:
@@ -200,8 +198,7 @@ def _tips(body: BoolMask, inked: BoolMask, slits: BoolMask, span: int) -> BoolMa
         return np.zeros_like(body)
     count, found, stats, _ = cv2.connectedComponentsWithStats(loose.view(np.uint8), connectivity=8)
     labels = np.asarray(found, np.int32)
-    padded = np.pad((inked | slits).view(np.uint8), 1)
-    depth = cv2.distanceTransform(padded, cv2.DIST_L2, 5)[1:-1, 1:-1]
+    depth = depth_of(inked | slits)
     width = line_width(inked)
     # Where a line leaves the body, the corners between them make it wider.
     away = cv2.distanceTransform((~body).view(np.uint8), cv2.DIST_L2, 5)
