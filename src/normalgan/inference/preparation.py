@@ -17,7 +17,7 @@ from normalgan.inference.mask.masks import MODEL, OUTLINE, MaskOrSource
 from normalgan.inference.network.framing import Frame
 from normalgan.inference.network.line_width import render_model_input
 from normalgan.inference.reading.hint_files import Hints
-from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, resize
+from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, fitted_within, resize
 from normalgan.inference.regions import Bounds
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths
 
@@ -100,8 +100,8 @@ def prepare(
         LackingError: if there is no line in it.
         InputError: if there is no region at a point of ``flips``.
     """
-    shape = picture.shape if longest is None else fitted(picture.shape, longest)
-    worked = shape if max(shape) <= MOST_WORKED else fitted(shape, MOST_WORKED)
+    shape = fitted(picture.shape, longest)
+    worked = fitted_within(shape, MOST_WORKED)
     source = mask if isinstance(mask, str) else None
     reading = None if drawn else read(picture)
     cleaned = clean(picture.resized(worked), reading)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import Floats
-from normalgan.inference.reading.picture import fitted, resize
+from normalgan.inference.reading.picture import fitted_within, resize
 from normalgan.inference.regions import depth_of, extent_of
 from normalgan.normals import normalize
 
@@ -77,8 +77,7 @@ def suggest(
     """
     if not mask.any():
         return []
-    scale = min(_SIDE / max(mask.shape), 1.0)
-    shape = fitted((mask.shape[0], mask.shape[1]), _SIDE) if scale < 1 else (mask.shape[0], mask.shape[1])
+    shape = fitted_within((mask.shape[0], mask.shape[1]), _SIDE)
     cover = resize(mask.astype(np.float32), shape)
     small = cover > (0.5 if cover.max() > 0.5 else 0)  # a thread fills no pixel of the small map
     step = np.array([shape[1] / mask.shape[1], shape[0] / mask.shape[0]], np.float32)

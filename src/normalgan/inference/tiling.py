@@ -22,7 +22,7 @@ from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.pipeline import finish, hints_off
 from normalgan.inference.preparation import Prepared
 from normalgan.inference.reading.hint_files import Hints
-from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, resize
+from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, fitted_within, resize
 from normalgan.inference.vectors import lengths, unit
 
 __all__ = ["MOST_TILED", "predict_tile"]
@@ -71,8 +71,8 @@ def predict_tile(
     Raises:
         InputError: if there is no line in it, or the network sees no object.
     """
-    shape = picture.shape if longest is None else fitted(picture.shape, longest)
-    worked = shape if max(shape) <= MOST_TILED else fitted(shape, MOST_TILED)
+    shape = fitted(picture.shape, longest)
+    worked = fitted_within(shape, MOST_TILED)
     if isinstance(mask, str) and mask == READER:
         raise InputError("a tile takes no mask from the reader; use a file, outline or model for its mask.")
     page = picture.resized(worked, partial(resize_tile, tile=tile))

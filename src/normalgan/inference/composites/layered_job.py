@@ -86,7 +86,7 @@ class LayeredJob:
         if len(failed) == len(numbers):
             raise failed[0] if failed else InputError("none of its layers holds a drawing.")
         if drawing.layered is not None and goes_in_one(self.writer.outputs):
-            shape = found.shape if self.size is None else fitted(found.shape, self.size)
+            shape = fitted(found.shape, self.size)
             predicted.sort(key=lambda layer: (layer.frame, layer.number))
             self.writer.sink(target, encode_layers(drawing.layered, shape, predicted, found.durations))
         return "; ".join(said), held, found.notes.partial or bool(failed)

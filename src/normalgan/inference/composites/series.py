@@ -155,7 +155,7 @@ def flat_map(shape: tuple[int, int], size: int | None = None) -> NormalMap:
         shape: shape of the drawing.
         size: longer side of the map in pixels; None is the drawing's.
     """
-    shape = shape if size is None else fitted(shape, size)
+    shape = fitted(shape, size)
     normals = np.zeros((*shape, 3), np.float32)
     normals[..., 2] = 1
     nothing = np.zeros(shape, np.float32)

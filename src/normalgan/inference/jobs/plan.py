@@ -7,11 +7,11 @@ from tempfile import TemporaryFile
 from typing import Literal
 
 from normalgan.errors import InputError, unwritable
-from normalgan.inference.jobs.folders import search
+from normalgan.inference.jobs.folders import find_drawings, search
 from normalgan.inference.mask.masks import ENDINGS as MASK_ENDINGS
 from normalgan.inference.mask.masks import MODEL, OUTLINE, READER
 from normalgan.inference.outputs import OUTPUTS
-from normalgan.inference.reading.drawings import SUFFIXES, find_companion, find_drawings
+from normalgan.inference.reading.drawings import SUFFIXES, find_companion
 from normalgan.inference.reading.hint_files import ENDINGS as HINT_ENDINGS
 
 __all__ = [

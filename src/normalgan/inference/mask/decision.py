@@ -108,7 +108,7 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
     shape = (ink.shape[0], ink.shape[1])
     # In a small drawing, lines are connected only between pixels.
     side = min(max(*shape, _SIDE // 2), _SIDE)
-    size = shape if side == max(shape) else fitted(shape, side)
+    size = fitted(shape, side)
     small_ink = ink if size == shape else resize(ink, size)
     inked = small_ink > _INKED
     read = None if reading is None else reading.presence_at(size)
