@@ -28,7 +28,7 @@ _LEAST = 0.02
 """Predicted vectors that are shorter have no direction."""
 
 _BESIDE = 0.005
-"""How far beside the mask a hint may lie, as a share of the longer side: its edge is a guess."""
+"""How far beside the mask a hint may lie, as a share of the longer side, because the edge is a guess."""
 
 
 def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsample: Upsampler) -> NormalMap:
@@ -36,7 +36,7 @@ def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsampl
 
     Args:
         prepared: as `prepare` gives it.
-        preds: (S, S, 3), vectors as long as an object is probable.
+        preds: (S, S, 3), vectors whose length is the probability of an object.
         confidence: (S, S), or None.
         upsample: the step to the drawing's size.
 
@@ -143,9 +143,9 @@ def coarse_of(prepared: Prepared, preds: Floats, mask: BoolMask, length: Floats 
 
     Args:
         prepared: as `prepare` gives it.
-        preds: (S, S, 3), vectors as long as an object is probable.
+        preds: (S, S, 3), vectors whose length is the probability of an object.
         mask: (h, w), the object at the size of ``prepared.ink``.
-        length: (S, S), of the vectors, if it is known already.
+        length: (S, S), their lengths, if known already.
     """
     length = lengths(preds) if length is None else length
     needed = prepared.frame.shrink(mask.astype(np.float32)) > 0
@@ -179,7 +179,7 @@ def _choose(prepared: Prepared, present: BoolMask) -> tuple[BoolMask, tuple[Find
 
 
 def _gaps(ink: Floats, mask: BoolMask, added: BoolMask) -> BoolMask:
-    """Return the gaps (h, w) beside what a user has added in which there is ink all over.
+    """Return the gaps (h, w) beside what a user has added that are all ink.
 
     A filled area ends where a line begins, the object where the line is half dark: some pixels of the line's
     edge lie between them, which would be holes with a rim each.

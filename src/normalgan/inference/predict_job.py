@@ -45,7 +45,7 @@ __all__ = ["MOST_TOGETHER", "Done", "Framing", "JobPredictor", "target_of", "wri
 
 Framing = Literal["own", "shared"]
 MOST_TOGETHER = 2**26
-"""Pixels of all drawings that share a frame: they are in memory together."""
+"""Most pixels of all drawings that share a frame, because they are in memory together."""
 
 
 @dataclass(frozen=True)
@@ -54,9 +54,9 @@ class Done:
 
     Args:
         target: where the map is.
-        warning: part of a sentence; empty if all is well.
+        warning: a part of a sentence; empty if all is well.
         held: the files that wait for other drawings of a command.
-        note: the warning for the user, a part of a sentence; empty if nothing was.
+        note: a remark for the user, a part of a sentence; empty if there is none.
         partial: whether something that is drawn could not be predicted, as the warning says.
     """
 
@@ -80,8 +80,8 @@ class JobPredictor:
             ``shared`` for an animation and ``own`` otherwise.
         strength: factor of all maps' slopes.
         layers: whether each visible layer of a layered file is predicted separately.
-        tile: the ways in which each drawing is repeated, and its map can be; None does not split.
-        single: whether a page is one object, whatever it shows; else its figures are predicted separately.
+        tile: the directions in which each drawing, and so its map, repeats; None if it ends at its edges.
+        single: whether a page is predicted as one object; otherwise its figures are predicted separately.
         holes: x and y in pixels of a drawing, as `prepare` has its flips.
         explain: folder for pictures of how each mask was found; None writes none.
         sprite: adapts each map to a painted sprite.
@@ -346,7 +346,7 @@ def written_for(job: Job, outputs: Outputs, packing: Packing, layers: bool) -> I
     try:
         target = target_of(job, outputs, packing, layers)
         moves = not packing.given and Drawing(job.files.drawing, job.files.content).moving is not None
-    except InputError:  # it is told when it is predicted, and nothing is written then
+    except InputError:  # raised again when it is predicted, and nothing is written then
         return
     yield target
     if not layers:

@@ -29,7 +29,7 @@ class Prepared:
     """A drawing that is ready for the network.
 
     Args:
-        shape: (H, W) of the map to be.
+        shape: (H, W) of the map.
         ink: (h, w), the drawing's lines, at the size it is worked on.
         mask: (h, w), the object by its opacity, a mask or the outline; None leaves it to the model.
         alpha: the drawing's opacity (any H, W), if the mask comes from it.
@@ -92,7 +92,7 @@ def prepare(
         line_widths: of the lines that the model knows, in its pixels; they are shown as they were drawn.
         flips: x and y in pixels of the drawing; the region that lines enclose there becomes a hole, or object
             if it is a hole.
-        drawn: whether the picture is nothing but dark strokes on white, which are the ink as they are.
+        drawn: whether the picture holds only dark strokes on white, which are the ink unchanged.
         on_seen: called with the input of the model, without mask and hints, as soon as it is known, so that
             the model can run while the mask is found.
 

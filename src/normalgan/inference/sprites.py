@@ -142,7 +142,7 @@ def slopes_of(colour: Floats, mask: BoolMask, tile: Tile | None = None) -> Float
     Args:
         colour: (H, W, 3) in [0, 1].
         mask: (H, W), the object; its colours are extended beyond its edge.
-        tile: the ways in which the painting repeats.
+        tile: the directions in which the painting repeats.
 
     Example:
         A light stripe is a ridge:

@@ -1,4 +1,4 @@
-"""Structures: tiles of scales, fur and the like, which stand on a map's surface."""
+"""Structures: repeated relief such as scales or fur, added to the surface of a map."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -17,7 +17,7 @@ Kind = Literal["scales", "fur", "weave", "stone", "bark"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
 FILE = "structure_{}.bin"
-"""What the page calls a built-in structure."""
+"""File name of a built-in structure for the page."""
 _SIDE = 256
 """Side of a tile in pixels."""
 _STEEP = 0.6
@@ -33,9 +33,9 @@ class Placement:
 
     Args:
         period: side of a tile in pixels, more than 0.
-        turn: of the tiles about a corner, clockwise, in radians.
-        x: of that corner in pixels.
-        y: of that corner in pixels.
+        turn: rotation of the tiles about a corner, clockwise, in radians.
+        x: column of that corner in pixels.
+        y: row of that corner in pixels.
         flipped: whether the tiles are mirrored, left to right, before they are turned.
     """
 
@@ -48,10 +48,10 @@ class Placement:
 
 @dataclass(frozen=True)
 class Tile:
-    """A tile's slopes, to the right and down, each level half as large as the one before: its means.
+    """The slopes of a tile, to the right and down, as a pyramid.
 
     Args:
-        levels: (S, S, 2), (S/2, S/2, 2), …: pixels of height for a pixel of way.
+        levels: (S, S, 2), (S/2, S/2, 2), …: height in pixels per pixel; each level averages the one before.
     """
 
     levels: tuple[Floats, ...]
@@ -70,12 +70,12 @@ class Tile:
 
 
 def impress(normals: Floats, mask: BoolMask, area: Floats, tile: Tile, placement: Placement) -> Floats:
-    """Return a map on whose surface a structure stands, as steep as it is covered.
+    """Return a map with a structure added to its surface, scaled by the coverage.
 
     Args:
         normals: (H, W, 3), unit.
         mask: (H, W), the object.
-        area: (H, W) in [0, 1], how much of the structure each pixel gets.
+        area: (H, W) in [0, 1], coverage of each pixel.
         tile: the structure.
         placement: where its tiles lie.
 
@@ -166,8 +166,8 @@ def _noise(
     Args:
         rng: randomness.
         fall: exponent by which amplitudes fall with frequency.
-        stretch: how much longer it is upright than across.
-        coarsest: waves across the tile below which there is none.
+        stretch: factor by which features are longer vertically than horizontally.
+        coarsest: lowest frequency, in waves per tile.
     """
     waves = np.fft.fftfreq(_SIDE, 1 / _SIDE)
     frequency = np.hypot(waves[:, None] * stretch, waves[None])
@@ -232,7 +232,7 @@ def _weave(_: np.random.Generator) -> NDArray[np.float64]:
     for along, across in ((y, x), (x, y)):
         number = np.floor(across * threads)
         off = 2 * (across * threads - number) - 1
-        # The threads of the other way pass over where these pass under.
+        # Where these threads pass under, the crossing ones pass over.
         turned = number + (0 if along is y else 1)
         over = np.tanh(1.5 * np.cos(np.pi * (along * threads - 0.5)) * np.where(turned % 2, -1, 1))
         round_ = np.sqrt(np.clip(1 - (off / 0.84) ** 2, 0, 1))
@@ -253,10 +253,10 @@ def _cells(
 
     Args:
         rng: randomness.
-        count: of cells.
+        count: number of cells.
         x: (S, S), 0 to 1.
         y: (S, S), 0 to 1.
-        stretch: how much longer a cell is upright than across.
+        stretch: factor by which a cell is longer vertically than horizontally.
     """
     points = rng.uniform(size=(count, 2))
 

@@ -16,10 +16,10 @@ __all__ = ["Point", "suggest", "uncertainty"]
 _SIDE = 256
 """Longest side at which points are looked for."""
 _RIM = 0.02
-"""Nearer to the edge than this share of the object's extent the outline tells the normal."""
+"""Share of the object's extent near its edge within which the outline determines the normal."""
 
 _INKED = 0.1
-"""Share of ink in a pixel of the small map from which on a line runs through it."""
+"""Least share of ink in a pixel of the small map for a line to run through it."""
 
 
 @dataclass(frozen=True)

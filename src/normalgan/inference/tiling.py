@@ -52,15 +52,15 @@ def predict_tile(
 ) -> NormalMap:
     """Predict the normal map of a drawing that repeats; the map repeats in the same directions.
 
-    The network treats its input as one object that is round as a whole. So it sees the repeated drawing in
+    The network treats its input as a single round object. So it sees the repeated drawing in
     overlapping windows, weighted towards their centres. An edge of one window is in the centre
-    of another, and opposite tilts cancel. All other steps see enough of the repeats around the drawing that
-    an edge is like any other place.
+    of another, and opposite tilts cancel. All other steps see enough of the repeats around the drawing to
+    treat an edge like any other place.
 
     Args:
         backend: the network.
         picture: the drawing.
-        tile: the ways in which it is repeated.
+        tile: the directions in which it repeats.
         mask: (h, w), the object, of any size; `OUTLINE` or `MODEL`, as `preparation.prepare` has them; None
             takes the drawing's opacity if that shows the object, else the area that the repeated drawing's
             lines enclose; if they leave much open, the whole drawing.
@@ -145,7 +145,7 @@ def _outlined(ink: Floats, tile: Tile) -> BoolMask:
     if repeated[enclosed].sum() < _CLOSED * repeated.sum():
         return np.ones(ink.shape, np.bool_)
     mask = middle(enclosed, tile, half)
-    # Cracks between what is enclosed are no air: stones lie on the ground of a texture.
+    # Cracks between enclosed areas are not air: stones lie on the ground of a texture.
     return np.ones(ink.shape, np.bool_) if mask.mean() > _ALL else mask
 
 
@@ -164,7 +164,7 @@ def _levelled(predicted: Floats, own: Floats, tile: Tile) -> Floats:
     Args:
         predicted: (S, S, 3), vectors whose length is the probability of an object.
         own: (h, w, 3), for the drawing itself.
-        tile: the ways in which it is repeated.
+        tile: the directions in which it repeats.
     """
     sure = own[lengths(own) > _SURE]
     if not len(sure):

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from .formats import format_of
+from .formats import NO_PAGE, SUBFILE, format_of
 from .levels import is_tiff
 from .limits import limit_time
 from .opening import (
@@ -40,8 +40,6 @@ __all__ = [
     "turned_upright",
 ]
 
-_SUBFILE, _NO_PAGE = 254, 1 | 4
-"""A tag of TIFF that says what a picture of it is, and its bits for a small copy and for a mask."""
 _MOST_NOTES = 4000
 """Characters of the words that are sent about a picture."""
 _LONGEST_NAME, _DEEPEST = 255, 32
@@ -160,7 +158,7 @@ def _pages(image: Any, least: int, most: int, seconds: int) -> Iterator[Message]
     pages, pixels = [], 0
     for number in range(min(image.n_frames, MOST_PARTS + 1)):
         image.seek(number)
-        if not image.tag_v2.get(_SUBFILE, 0) & _NO_PAGE:
+        if not image.tag_v2.get(SUBFILE, 0) & NO_PAGE:
             check_sides(image.width, image.height, least, most)
             pages.append(number)
             pixels += image.width * image.height

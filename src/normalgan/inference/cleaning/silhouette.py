@@ -1,4 +1,4 @@
-"""Silhouette: what a drawing's transparency says: the object's outline, or only where there is ink."""
+"""Silhouette: whether a drawing's transparency shows the object's outline or only its ink."""
 
 import cv2
 import numpy as np
@@ -12,7 +12,7 @@ __all__ = ["contour", "enclosed_by", "is_silhouette"]
 _THICK = 0.04
 """Half the width of an object at its widest, as a share of its extent; lines have less."""
 _THICK_PARTS = ((0.12, 0.15), (0.16, 0.1))
-"""From which extent, as a share of that of all, a part with such a half width, of its own, is an object."""
+"""Least span of a part that is an object, as a share of the whole extent; and its half width, of its span."""
 _MANY, _ALIKE, _SPRITE, _ROUND = 4, 0.3, (8, 0.02), 0.2
 """Parts of like area from which they are sprites; the least share of the largest one's area; the least span
 in pixels, and as a share of that of all; the least half width, as a share of the span: dashes have less."""

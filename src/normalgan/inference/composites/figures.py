@@ -63,13 +63,14 @@ def _on_one_line(inked: BoolMask, figure: NDArray[np.intp]) -> NDArray[np.intp]:
     lines = cv2.connectedComponents(inked.astype(np.uint8), connectivity=8)[1]
     touching = np.unique(np.stack([lines, figure], -1)[inked & (figure >= 0)], axis=0)
     same = touching[1:, 0] == touching[:-1, 0]
-    return np.stack([touching[:-1, 1], touching[1:, 1]], -1)[same]
+    pairs: NDArray[np.intp] = np.stack([touching[:-1, 1], touching[1:, 1]], -1)[same]
+    return pairs
 
 
 def _strangers(
     figure: NDArray[np.intp], boxes: NDArray[np.int32], reading: Reading, size: tuple[int, int]
 ) -> list[tuple[int, int]]:
-    """Return pairs of areas of one object: if the reader places their centres close together."""
+    """Return pairs of areas of one object: one whose middle the reader sees outside it, and the nearest."""
     seen = [cv2.resize(each, size[::-1], interpolation=cv2.INTER_LINEAR) for each in reading.middle]
     there = figure >= 0
     counts = np.bincount(figure[there], minlength=len(boxes))

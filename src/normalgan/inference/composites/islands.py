@@ -20,7 +20,7 @@ __all__ = ["drawn", "find_islands", "in_rows"]
 _GAP = 0.004
 """Half the gap across which parts count as connected, as a share of the sheet's longer side."""
 _INK, _FAINT = 0.35, 8
-"""Ink that is a line; opacity, of 255, that is still none."""
+"""Least ink of a line; largest opacity, of 255, that counts as transparent."""
 _SMALL = 0.2
 """A drawing that spans less than this share of the largest may be a part of the one beside it."""
 _BESIDE = 0.1

@@ -29,7 +29,7 @@ _AROUND = 1 / 32
 _ALIKE = 0.075
 """Mean difference of the ink in a window from which two frames no longer show the same."""
 _SAME = 0.05
-"""Difference of two frames' normals, in radians, from which they are those of two surfaces."""
+"""Difference of two frames' normals, in radians, from which they belong to two surfaces."""
 _PASSES = 3
 """How often frames are averaged with their neighbours, because moving parts match in neighbours only."""
 

@@ -40,7 +40,7 @@ def integrate(
 
     Args:
         normals: (H, W, 3) unit normals, x right, y up, z to the viewer. Zero where the height is unknown: the
-            surface is then as flat as its surroundings let it be.
+            surface is then as flat as its surroundings allow.
         mask: (H, W) True on the object; it may have holes and several parts.
         jumps: k of the paper, how readily the surface breaks; 0 gives plain Poisson integration.
         rounds: weights and heights are found at most this often at the lowest size.

@@ -20,7 +20,7 @@ from normalgan.inference.regions import depth_of, extent_of
 __all__ = ["Decision", "decide"]
 
 _SIDE = 512
-"""Longest side at which areas are voted on, and twice the shortest; the ink gives their edge."""
+"""Longest side in pixels at which areas are voted on, and twice the shortest; the ink gives their edge."""
 _OFF, _LEAST_OFF = 2.5, 2.0
 """How far the edge found at that size may be off, in its pixels; and at least, in pixels of the drawing."""
 _INKED = 0.35
@@ -28,11 +28,11 @@ _INKED = 0.35
 _UNSURE = 0.15, 0.7, 0.02
 """Mean presence between which the reader is unsure of a region; and the least share of the object to warn."""
 _OPEN = 0.2
-"""Share of the object's longer side over which its edge may go without a line, before that is told."""
+"""Share of the object's longer side over which its edge may have no line before that is reported."""
 _REACH = 4
 """How far from an edge a line bounds it, in pixels of the vote."""
 _NEAR = 0.01
-"""How far from a region a point that flips it may lie, as a share of the longer side: on its line, say."""
+"""How far from a region a point that flips it may lie, as a share of the longer side: on its outline."""
 
 
 @dataclass(frozen=True)

@@ -21,15 +21,15 @@ _ONE_SIDED = 0.97
 _OWN = 0.6
 """Share of ink that lies in the mask from which it is object although no region of it touches it."""
 _LARGE = 1024
-"""Longest side at which regions and lines are told apart; of a larger drawing only the last pixels are."""
+"""Longest side at which regions and lines are separated; larger drawings are decided at half their size."""
 _MERGED = 1.5
-"""Times as wide as a line is where two lines meet in a tip."""
+"""Width of the ink where two lines meet in a tip, as a multiple of a line's width."""
 _TIP = 0.25
 """Longest tip, as a share of what the object spans."""
 _TOUCHING, _FINER = 1.3, 1.25
 """How far from the inside a line's middle may be, in halves of its width; and the step between widths."""
 _WINDOW = 14
-"""Pixels; up to as many, a window is faster than distances."""
+"""Reach in pixels up to which dilation is faster than a distance transform."""
 _CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 _SQUARE, _WIDE = np.ones((3, 3), np.uint8), np.ones((5, 5), np.uint8)
 
@@ -79,7 +79,7 @@ def _body(mask: BoolMask, ink: Floats, inked: BoolMask, reach: float) -> BoolMas
     """
     shape = (mask.shape[0], mask.shape[1])
     if max(shape) > _LARGE:
-        # At half the size all is decided but the last pixels.
+        # Half the size decides everything except the last pixels.
         half = ((shape[0] + 1) // 2, (shape[1] + 1) // 2)
         small = resize(ink, half)
         rough = _body(resize(mask.astype(np.float32), half) > 0.5, small, small > _PALEST, reach / 2)
@@ -131,7 +131,7 @@ def _divide(mask: BoolMask, inked: BoolMask, reach: float) -> tuple[BoolMask, Bo
     inside: BoolMask = np.take(whole & (among > 0.5), labels)
     mixed = free & ~np.take(whole, labels)
     if mixed.any():
-        # Far from any line, nothing is known but the mask.
+        # Far from any line, only the mask is known.
         inside |= _meet(mask, mixed, within | beyond | clear, reach)
     return inside, np.take(narrow, labels)
 

@@ -12,11 +12,11 @@ from normalgan.line_widths import DRAWN_WIDTH, LineWidths
 __all__ = ["areas", "line_width", "middle", "render_model_input"]
 
 _FINER = 4
-"""Lines are thinned with as many pixels a side for each of the model."""
+"""Pixels a side, for each pixel of the model, at which lines are thinned."""
 _ROUGH = 2
-"""As many are enough to tell that a line is far from too thin or too wide."""
+"""The same for a first look: whether all lines are far from too thin and too wide."""
 _THIN = 0.02
-"""Half as wide as this share of the model's side a line is at least before it is an area."""
+"""Least half width of an area, as a share of the model's side; what is thinner is a line."""
 
 
 def render_model_input(ink: Floats, frame: Frame, widths: LineWidths) -> Floats:
@@ -33,7 +33,7 @@ def render_model_input(ink: Floats, frame: Frame, widths: LineWidths) -> Floats:
     if _is_known(ink, frame, widths):
         return frame.cut(ink)
     whole = _finer(frame, _FINER).marked(ink)
-    # Nothing is done about what is empty, which is most of the frame of a drawing that is not square.
+    # Empty parts, which are most of the frame of a long drawing, are skipped.
     box = around(whole, 2 * _FINER)
     inked = whole[box]
     depth = depth_of(inked)

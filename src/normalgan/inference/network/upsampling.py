@@ -35,7 +35,7 @@ RIM = 16
 _ENLARGED = 1.2
 """How much larger than the model's a map must be to be refined."""
 _LARGEST = 4.0
-"""At most as many pixels for each of the model are refined; what is larger is enlarged from there."""
+"""Largest scale, in pixels for each pixel of the model, that is refined; the rest is enlarging."""
 
 
 @dataclass(frozen=True)
