@@ -51,15 +51,10 @@ def prepare_any(
     """Prepare a drawing for the network.
 
     Args:
-        image: a path; an image of Pillow; or an array (H, W), (H, W, 3) or (H, W, 4) of uint8, uint16, or
-            floats from 0 to 1, dark lines on light paper or light ones on dark.
+        image: in any form that `normalgan.inference.predictor.Predictor` takes.
         network_size: side of the network's pictures in pixels.
-        hints: a path; a list of ``{"x": 10, "y": 20, "normal": [0, 0.6, 0.8]}`` in pixels of the drawing from
-            its upper left; or an array (H, W, 4), a unit normal and 1 at each hint, and 0 elsewhere.
-        mask: where the object is: a path, an image or an array of the drawing's size, bool, or white on
-            black; ``outline`` fills what lines enclose, ``reader`` lets a small network vote on that,
-            ``model`` leaves it to the network of normals; None takes the drawing's opacity if it shows the
-            object, else the reader.
+        hints: likewise.
+        mask: likewise.
         size: longer side of the map in pixels, 8 to 8192; None is the drawing's.
         line_widths: widths of lines that the network sees as they were drawn, in its pixels.
 

@@ -149,7 +149,7 @@ def left_flat(error: InputError) -> str:
 
 
 def flat_map(shape: tuple[int, int], size: int | None = None) -> NormalMap:
-    """Return the map of a drawing (H, W) that could not be predicted: flat, and nowhere an object.
+    """Return the map of a drawing (H, W) of which nothing is predicted: flat, and nowhere an object.
 
     Args:
         shape: shape of the drawing.
