@@ -47,22 +47,29 @@ def prepare_any(
     mask: AnyMask = None,
     size: int | None = None,
     line_widths: LineWidths = USUAL_WIDTHS,
+    flips: Sequence[tuple[float, float]] = (),
 ) -> Prepared:
     """Prepare a drawing for the network.
 
     Args:
-        image: in any form that `normalgan.inference.predictor.Predictor` takes.
+        image: a path; an image of Pillow; or an array (H, W), (H, W, 3) or (H, W, 4) of uint8, uint16, or
+            floats from 0 to 1, dark lines on light paper or light ones on dark.
         network_size: side of the network's pictures in pixels.
-        hints: likewise.
-        mask: likewise.
+        hints: a path; a list of ``{"x": 10, "y": 20, "normal": [0, 0.6, 0.8]}`` in pixels of the drawing from
+            its upper left; or an array (H, W, 4), a unit normal and 1 at each hint, and 0 elsewhere.
+        mask: where the object is: a path, an image or an array of the drawing's size, bool, or white on
+            black; ``outline`` fills what lines enclose, ``reader`` lets a small network vote on that,
+            ``model`` leaves it to the network of normals; None takes the drawing's opacity if it shows the
+            object, else the reader.
         size: longer side of the map in pixels, 8 to 8192; None is the drawing's.
         line_widths: widths of lines that the network sees as they were drawn, in its pixels.
+        flips: x and y of points whose regions become holes, or object if they are holes.
 
     Raises:
         InputError: if something cannot be used.
     """
     picture, where, points = check_any(image, hints, mask, size)
-    return prepare(picture, network_size, where, points, size, line_widths=line_widths)
+    return prepare(picture, network_size, where, points, size, line_widths=line_widths, flips=flips)
 
 
 def check_any(

@@ -20,6 +20,7 @@ class TorchBackend:
         generator: predicts (N, 3, S, S), or 4 channels of which the last is the confidence. It is put into
             evaluation: dropout is off, statistics are fixed.
         size: side of its pictures in pixels.
+        device: where it predicts.
         refined: whether the refiner of the package was trained for it.
         line_widths: the lines that it is shown as they were drawn, in its pixels.
     """
@@ -28,6 +29,7 @@ class TorchBackend:
         self,
         generator: nn.Module,
         size: int,
+        device: str | torch.device = "cpu",
         *,
         refined: bool = False,
         line_widths: LineWidths = USUAL_WIDTHS,
@@ -35,7 +37,8 @@ class TorchBackend:
         self.size = size
         self.line_widths = line_widths
         self.upsample = upsampler(refined=refined, threads=torch.get_num_threads())
-        self._generator = generator.eval()
+        self._generator = generator.eval().to(device)
+        self._device = device
 
     def predict(self, sketch: Floats, hints: Floats | None = None) -> tuple[Floats, Floats | None]:
         """Return the normals predicted for one sketch, (S, S, 3), and the confidence (S, S) if there is one.
@@ -49,9 +52,9 @@ class TorchBackend:
         """
         if hints is None:
             hints = np.zeros((4, self.size, self.size), np.float32)
-        given = torch.from_numpy(sketch)[None, None]
+        given = torch.from_numpy(sketch)[None, None].to(self._device)
         with torch.no_grad():
-            condition = make_condition(given, torch.from_numpy(hints)[None])
+            condition = make_condition(given, torch.from_numpy(hints)[None].to(self._device))
             preds: Tensor = self._generator(condition)
         check_generated(self._generator, preds, condition)
         return channels_last(preds[0, :3]), preds[0, 3].float().cpu().numpy() if preds.shape[1] > 3 else None
