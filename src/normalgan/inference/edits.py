@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.arrays import Floats
+from normalgan.arrays import BoolMask, Floats
 from normalgan.inference.conversion import reoriented
 from normalgan.inference.regions import around
 from normalgan.normals import normalize
@@ -87,12 +87,11 @@ def enforce_pins(normals: Floats, points: Floats, wanted: Floats, reaches: Float
         field[box] += _wendland(away)[..., None] * share.astype(np.float32)
     touched = np.abs(field).sum(-1) > 1e-6
     held = normals.copy()
-    part = held[reached]
-    part[touched] = _facing(_turned(part[touched], field[touched]))
+    held[reached] = _turned_where(touched, held[reached], field[touched])
     return held
 
 
-def tilt(normals: Floats, mask: NDArray[np.bool_], area: Floats, direction: Floats) -> Floats:
+def tilt(normals: Floats, mask: BoolMask, area: Floats, direction: Floats) -> Floats:
     """Turn an area of a map as a whole, so that on average it faces a direction.
 
     The area keeps its curvature: a flat wall stays flat, where a pin would make a dent.
@@ -108,10 +107,7 @@ def tilt(normals: Floats, mask: NDArray[np.bool_], area: Floats, direction: Floa
         return normals
     mean = normalize(normals[inside].mean(axis=0)[None])
     touched = area > 1e-3
-    turn = _turns(mean, direction[None]) * area[touched][:, None]
-    turned = normals.copy()
-    turned[touched] = _facing(_turned(normals[touched], turn.astype(np.float32)))
-    return turned
+    return _turned_where(touched, normals, _turns(mean, direction[None]) * area[touched][:, None])
 
 
 def brush(normals: Floats, area: Floats, direction: Floats) -> Floats:
@@ -124,13 +120,11 @@ def brush(normals: Floats, area: Floats, direction: Floats) -> Floats:
     """
     touched = area > 1e-3
     own = normals[touched]
-    turn = _turns(own, np.broadcast_to(direction, own.shape)) * area[touched][:, None]
-    brushed = normals.copy()
-    brushed[touched] = _facing(_turned(own, turn.astype(np.float32)))
-    return brushed
+    turns = _turns(own, np.broadcast_to(direction, own.shape)) * area[touched][:, None]
+    return _turned_where(touched, normals, turns)
 
 
-def smooth(normals: Floats, mask: NDArray[np.bool_], area: Floats, width: float) -> Floats:
+def smooth(normals: Floats, mask: BoolMask, area: Floats, width: float) -> Floats:
     """Average the normals of the object under a brush, by the brush's coverage.
 
     Args:
@@ -153,7 +147,7 @@ def smooth(normals: Floats, mask: NDArray[np.bool_], area: Floats, width: float)
     return smoothed
 
 
-def carve(normals: Floats, mask: NDArray[np.bool_], points: Floats, widths: Floats, height: float) -> None:
+def carve(normals: Floats, mask: BoolMask, points: Floats, widths: Floats, height: float) -> None:
     """Raise a line from the object, or cut it in, as a round ridge or groove as wide as the line.
 
     Args:
@@ -245,7 +239,7 @@ class MaskStroke:
     fills: bool = False
 
 
-def paint_mask(inked: NDArray[np.bool_], strokes: Iterable[MaskStroke]) -> NDArray[np.int8]:
+def paint_mask(inked: BoolMask, strokes: Iterable[MaskStroke]) -> NDArray[np.int8]:
     """Return 1 where strokes have added to a mask, -1 where they have cut, 0 elsewhere; the last one counts.
 
     Args:
@@ -316,6 +310,13 @@ def _turns(before: Floats, after: Floats) -> Floats:
     square = np.cross(before, np.where(np.abs(before[:, :1]) < 0.9, [[1.0, 0, 0]], [[0, 1.0, 0]]))
     square /= np.maximum(np.linalg.norm(square, axis=-1, keepdims=True), 1e-12)
     return np.asarray(np.where(sine > 1e-6, axis / np.maximum(sine, 1e-6), square) * angle, np.float32)
+
+
+def _turned_where(touched: BoolMask, normals: Floats, turns: Floats) -> Floats:
+    """Return a map (H, W, 3) whose touched pixels are turned by rotation vectors (K, 3), but not away."""
+    turned = normals.copy()
+    turned[touched] = _facing(_turned(normals[touched], turns))
+    return turned
 
 
 def _turned(vectors: Floats, turns: Floats) -> Floats:

@@ -78,14 +78,7 @@ def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsampl
         normals = enforce_pins(normals, pins.points, pins.normals, reaches)
     if pins is not None and prepared.given is not None:
         findings += hints_off(prepared.given.points, pins.points, mask)
-    edge = (np.rint(covered * 255) / 255).astype(np.float32)
-    alpha: Floats = edge
-    if prepared.alpha is not None:
-        alpha = np.clip(resize(prepared.alpha, prepared.shape), 0, 1)
-    if prepared.alpha is not None and prepared.painted is not None:
-        by_hand = cv2.resize(prepared.painted, prepared.shape[::-1], interpolation=cv2.INTER_NEAREST)
-        alpha = np.where(by_hand == 0, alpha, edge).astype(np.float32)
-    return NormalMap(normals, mask, alpha, prepared.seen, shown, findings)
+    return NormalMap(normals, mask, _opacity(prepared, covered), prepared.seen, shown, findings)
 
 
 def hints_off(drawn: Floats, points: Floats, mask: BoolMask) -> tuple[Finding, ...]:
@@ -120,6 +113,18 @@ def _covered(prepared: Prepared, mask: BoolMask) -> Floats:
         return soft
     changed = (mask != (prepared.coverage > 0.5)).astype(np.uint8)
     return np.where(cv2.dilate(changed, np.ones((5, 5), np.uint8)) > 0, soft, prepared.coverage)
+
+
+def _opacity(prepared: Prepared, covered: Floats) -> Floats:
+    """Return a map's opacity (H, W): the drawing's if it gives the mask, but for edits; else the coverage."""
+    edge: Floats = (np.rint(covered * 255) / 255).astype(np.float32)
+    if prepared.alpha is None:
+        return edge
+    alpha = np.clip(resize(prepared.alpha, prepared.shape), 0, 1)
+    if prepared.painted is None:
+        return alpha
+    by_hand = cv2.resize(prepared.painted, prepared.shape[::-1], interpolation=cv2.INTER_NEAREST)
+    return np.where(by_hand == 0, alpha, edge).astype(np.float32)
 
 
 def _enlarged(covered: Floats, shape: tuple[int, int]) -> Floats:

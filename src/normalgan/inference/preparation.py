@@ -133,25 +133,42 @@ def prepare(
             reading = None  # the lines alone decide
         elif reading is None:
             reading = read(picture)
-        decision = decide(walls, reading, [(x * scale, y * scale) for x, y in flips])
-        seen = bool(decision.mask.any()) or bool(flips)
-        prepared = replace(
-            prepared,
-            mask=decision.mask if seen else None,
-            unsure=_in_drawing(decision.unsure, scale) if seen else (Finding("guessed"),),
-            decision=decision,
-            reading=reading,
-            coverage=decision.coverage if seen else None,
-        )
+        prepared = _decided(prepared, walls, reading, flips, scale)
     if flips and prepared.decision is None:
         raise InputError("a hole is cut in what lines enclose, but its mask does not come from its lines.")
     return prepared if hints is None else hinted(prepared, hints, picture.shape)
 
 
-def _in_drawing(findings: Sequence[Finding], scale: float) -> tuple[Finding, ...]:
-    """Return findings with their places in pixels of the drawing, which is worked on at a scale."""
-    return tuple(
-        replace(each, places=tuple((x / scale, y / scale) for x, y in each.places)) for each in findings
+def _decided(
+    prepared: Prepared,
+    walls: Floats,
+    reading: Reading | None,
+    flips: Sequence[tuple[float, float]],
+    scale: float,
+) -> Prepared:
+    """Return a prepared drawing with the mask that its lines and its reading give, if they show an object.
+
+    Args:
+        prepared: without a mask.
+        walls: (h, w), the lines, with what the user has added.
+        reading: of the drawing; None leaves it to the lines.
+        flips: as `prepare` has them.
+        scale: pixels of the lines per pixel of the drawing.
+    """
+    decision = decide(walls, reading, [(x * scale, y * scale) for x, y in flips])
+    if not decision.mask.any() and not flips:
+        return replace(prepared, unsure=(Finding("guessed"),), decision=decision, reading=reading)
+    unsure = tuple(
+        replace(each, places=tuple((x / scale, y / scale) for x, y in each.places))
+        for each in decision.unsure
+    )
+    return replace(
+        prepared,
+        mask=decision.mask,
+        unsure=unsure,
+        decision=decision,
+        reading=reading,
+        coverage=decision.coverage,
     )
 
 
