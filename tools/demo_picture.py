@@ -17,8 +17,8 @@ from PIL import Image
 
 from normalgan.__main__ import main as normalgan
 from normalgan.files.writing import write_bytes
+from normalgan.inference.jobs.folders import find_drawings
 from normalgan.inference.outputs.lighting import lamp_direction, shade, to_srgb
-from normalgan.inference.reading.drawings import find_drawings
 from normalgan.normals import encode, paint_flat, read_png
 
 SIDE = 180  # pixels of a cell

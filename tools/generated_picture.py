@@ -16,8 +16,8 @@ import numpy as np
 from PIL import Image
 
 from normalgan.__main__ import main as normalgan
+from normalgan.inference.jobs.folders import find_drawings
 from normalgan.inference.outputs.lighting import lamp_direction, shade, to_srgb
-from normalgan.inference.reading.drawings import find_drawings
 from normalgan.normals import read_png
 
 

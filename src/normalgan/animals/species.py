@@ -20,7 +20,7 @@ from normalgan.animals.plan import GREATEST, BodyPlan
 from normalgan.animals.plush import PLUSH
 from normalgan.arrays import Doubles
 from normalgan.errors import InputError, brief, did_you_mean
-from normalgan.files.limits import read_bounded
+from normalgan.files.limits import read_named
 from normalgan.ranges import check_ranges
 
 __all__ = ["FOLDER", "GROUPS", "PLANS", "SHARED", "SPECIES", "read_species"]
@@ -129,12 +129,9 @@ def _shared() -> dict[str, Any]:
 
 
 def _toml(path: Path) -> dict[str, Any]:
+    content = read_named(path)
     try:
-        return tomllib.loads(read_bounded(path).decode("utf-8"))
-    except InputError:
-        raise
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror}.") from error
+        return tomllib.loads(content.decode("utf-8"))
     except ValueError as error:  # tomllib's, or of bytes that are not UTF-8
         raise InputError(f"{path} is not a species file, which is TOML: {brief(error)}.") from error
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from normalgan.errors import InputError, brief
-from normalgan.files.limits import read_bounded
+from normalgan.files.limits import read_named
 
 __all__ = ["read_json"]
 
@@ -21,12 +21,9 @@ def read_json(path: Path, kind: str = "", like: str = "") -> Any:
     Raises:
         InputError: if the file cannot be read or is not JSON.
     """
-    name = f"{kind} {path}".strip()
+    content = read_named(path, kind)
     try:
-        return json.loads(read_bounded(path))
-    except InputError:
-        raise
-    except OSError as error:
-        raise InputError(f"{name} cannot be read: {error.strerror or brief(error)}.") from error
+        return json.loads(content)
     except (ValueError, RecursionError) as error:
-        raise InputError(f"{name} is not JSON ({brief(error)}){f'; {like}' if like else '.'}") from error
+        name, end = f"{kind} {path}".strip(), f"; {like}" if like else "."
+        raise InputError(f"{name} is not JSON ({brief(error)}){end}") from error

@@ -7,7 +7,7 @@ from typing import Any
 
 import yaml
 
-from normalgan.errors import InputError
+from normalgan.errors import InputError, brief
 
 __all__ = [
     "MOST_BYTES",
@@ -16,6 +16,7 @@ __all__ = [
     "MOST_SETTINGS",
     "load_yaml",
     "read_bounded",
+    "read_named",
     "refuse_pointer",
     "yaml_limit_error",
 ]
@@ -50,6 +51,24 @@ def read_bounded(path: Path, most: int = MOST_BYTES) -> bytes:
         data = file.read(status.st_size)
     refuse_pointer(path, data)
     return data
+
+
+def read_named(path: Path, kind: str = "", most: int = MOST_BYTES) -> bytes:
+    """Return the bytes of a file that a user named, as `read_bounded` does.
+
+    Args:
+        path: the file.
+        kind: its description in messages, such as ``the split file``.
+        most: largest number of bytes.
+
+    Raises:
+        InputError: if it cannot be read.
+    """
+    try:
+        return read_bounded(path, most)
+    except OSError as error:
+        reason = error.strerror or brief(error)
+        raise InputError(f"{f'{kind} {path}'.strip()} cannot be read: {reason}.") from error
 
 
 def refuse_pointer(path: Path | str, data: bytes) -> None:

@@ -1,4 +1,4 @@
-"""Edits of a predicted map: exact normals at pins, directions of areas, lines that are carved."""
+"""Edits of a predicted map: exact normals at pins, directions of areas, carved lines."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -8,8 +8,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.arrays import Floats
+from normalgan.arrays import BoolMask, Floats
 from normalgan.inference.conversion import reoriented
+from normalgan.inference.regions import around
 from normalgan.normals import normalize
 
 __all__ = [
@@ -29,9 +30,9 @@ __all__ = [
 REACH = 0.05
 """Default reach of a pin, as a share of the map's longer side."""
 MOST_PINS = 200
-"""More hints are areas painted in normals, not pins: the network alone follows them."""
+"""With more hints they are painted areas, not pins, and only the network follows them."""
 _LEAST_REACH = 2.0
-"""Pixels that a pin holds about itself at the least."""
+"""Least reach of a pin, in pixels."""
 _AVERAGED = 0.25
 """Standard deviation of the Gaussian that smooths, as a share of the brush's width."""
 
@@ -64,7 +65,7 @@ def enforce_pins(normals: Floats, points: Floats, wanted: Floats, reaches: Float
     height, width = normals.shape[:2]
     columns = np.clip(points[:, 0].astype(int), 0, width - 1)
     rows = np.clip(points[:, 1].astype(int), 0, height - 1)
-    # Of pins in one pixel the last counts.
+    # If several pins lie in one pixel, the last one counts.
     _, kept = np.unique((rows * width + columns)[::-1], return_index=True)
     kept = len(rows) - 1 - kept
     rows, columns, wanted, reaches = rows[kept], columns[kept], wanted[kept], reaches[kept]
@@ -86,12 +87,11 @@ def enforce_pins(normals: Floats, points: Floats, wanted: Floats, reaches: Float
         field[box] += _wendland(away)[..., None] * share.astype(np.float32)
     touched = np.abs(field).sum(-1) > 1e-6
     held = normals.copy()
-    part = held[reached]
-    part[touched] = _facing(_turned(part[touched], field[touched]))
+    held[reached] = _turned_where(touched, held[reached], field[touched])
     return held
 
 
-def tilt(normals: Floats, mask: NDArray[np.bool_], area: Floats, direction: Floats) -> Floats:
+def tilt(normals: Floats, mask: BoolMask, area: Floats, direction: Floats) -> Floats:
     """Turn an area of a map as a whole, so that on average it faces a direction.
 
     The area keeps its curvature: a flat wall stays flat, where a pin would make a dent.
@@ -107,10 +107,7 @@ def tilt(normals: Floats, mask: NDArray[np.bool_], area: Floats, direction: Floa
         return normals
     mean = normalize(normals[inside].mean(axis=0)[None])
     touched = area > 1e-3
-    turn = _turns(mean, direction[None]) * area[touched][:, None]
-    turned = normals.copy()
-    turned[touched] = _facing(_turned(normals[touched], turn.astype(np.float32)))
-    return turned
+    return _turned_where(touched, normals, _turns(mean, direction[None]) * area[touched][:, None])
 
 
 def brush(normals: Floats, area: Floats, direction: Floats) -> Floats:
@@ -123,31 +120,24 @@ def brush(normals: Floats, area: Floats, direction: Floats) -> Floats:
     """
     touched = area > 1e-3
     own = normals[touched]
-    turn = _turns(own, np.broadcast_to(direction, own.shape)) * area[touched][:, None]
-    brushed = normals.copy()
-    brushed[touched] = _facing(_turned(own, turn.astype(np.float32)))
-    return brushed
+    turns = _turns(own, np.broadcast_to(direction, own.shape)) * area[touched][:, None]
+    return _turned_where(touched, normals, turns)
 
 
-def smooth(normals: Floats, mask: NDArray[np.bool_], area: Floats, width: float) -> Floats:
+def smooth(normals: Floats, mask: BoolMask, area: Floats, width: float) -> Floats:
     """Average the normals of the object under a brush, by the brush's coverage.
 
     Args:
         normals: (H, W, 3), unit.
         mask: (H, W), the object.
         area: (H, W) in [0, 1], how far the brush has covered each pixel.
-        width: of the brush in pixels; the wider, the more is averaged.
+        width: width of the brush in pixels; a wider one averages more.
     """
     touched = (area > 1e-3) & mask
     if not touched.any():
         return normals
     sigma = _AVERAGED * width
-    rows, columns = np.nonzero(touched)
-    reach = int(np.ceil(4 * sigma)) + 1  # as far as the Gaussian reaches
-    box = np.s_[
-        max(rows.min() - reach, 0) : rows.max() + reach + 1,
-        max(columns.min() - reach, 0) : columns.max() + reach + 1,
-    ]
+    box = around(touched, int(np.ceil(4 * sigma)) + 1)  # as far as the Gaussian reaches
     blurred = cv2.GaussianBlur(normals[box] * mask[box][..., None], (0, 0), sigma)
     mean = normalize(np.asarray(blurred, np.float32))
     inside = touched[box]
@@ -157,15 +147,15 @@ def smooth(normals: Floats, mask: NDArray[np.bool_], area: Floats, width: float)
     return smoothed
 
 
-def carve(normals: Floats, mask: NDArray[np.bool_], points: Floats, widths: Floats, height: float) -> None:
-    """Let a line stand out of the object, or cut it in, as a round ridge or groove as wide as the line.
+def carve(normals: Floats, mask: BoolMask, points: Floats, widths: Floats, height: float) -> None:
+    """Raise a line from the object, or cut it in, as a round ridge or groove as wide as the line.
 
     Args:
-        normals: (H, W, 3), unit; in place, as a drawing may have thousands of lines.
+        normals: (H, W, 3), unit; changed in place, because a drawing may have thousands of lines.
         mask: (H, W), the object.
         points: (K, 2), x and y in pixels.
         widths: (K,), the line's width at each point in pixels.
-        height: of the ridge as a share of half the width; below 0 the depth of a groove.
+        height: height of the ridge as a share of half the width; negative for a groove.
 
     Example:
         The left side of a ridge faces left, that of a groove faces right:
@@ -206,7 +196,8 @@ def polygon(shape: tuple[int, int], points: Floats, soft: float) -> Floats:
     """
     area = np.zeros(shape, np.uint8)
     cv2.fillPoly(area, [np.rint(points * 16 - 8).astype(np.int32)], 255, cv2.LINE_AA, 4)
-    return _softened(area, soft)
+    values = np.asarray(area, np.float32) / np.float32(255)
+    return np.asarray(cv2.GaussianBlur(values, (0, 0), soft / 2), np.float32) if soft > 0.5 else values
 
 
 def stroke(shape: tuple[int, int], points: Floats, width: float, soft: float) -> Floats:
@@ -215,8 +206,8 @@ def stroke(shape: tuple[int, int], points: Floats, width: float, soft: float) ->
     Args:
         shape: (H, W).
         points: (K, 2), x and y in pixels; one point is a dab.
-        width: in pixels.
-        soft: the share of its radius over which it fades out; at least a pixel.
+        width: width of the brush in pixels.
+        soft: share of its radius over which it fades out; at least a pixel.
 
     Example:
         >>> dab = stroke((1, 9), np.array([[4.5, 0.5]]), 8, 0.5)
@@ -236,10 +227,10 @@ class MaskStroke:
     """A stroke of the mask brush, or a click into an area between lines.
 
     Args:
-        points: (K, 2), x and y in pixels; of a click only the first counts.
+        points: (K, 2), x and y in pixels; a click uses only the first.
         width: width of the brush in pixels.
         adds: whether it adds to the object, or cuts from it.
-        fills: whether it is a click, for all of the area about it.
+        fills: whether it is a click, which fills the area around it.
     """
 
     points: Floats
@@ -248,12 +239,12 @@ class MaskStroke:
     fills: bool = False
 
 
-def paint_mask(inked: NDArray[np.bool_], strokes: Iterable[MaskStroke]) -> NDArray[np.int8]:
+def paint_mask(inked: BoolMask, strokes: Iterable[MaskStroke]) -> NDArray[np.int8]:
     """Return 1 where strokes have added to a mask, -1 where they have cut, 0 elsewhere; the last one counts.
 
     Args:
-        inked: (H, W), the lines that part one area from another.
-        strokes: in their order.
+        inked: (H, W), the lines that separate areas.
+        strokes: in the order in which they were made.
 
     Example:
         A click between two lines:
@@ -305,11 +296,6 @@ def _pieces(
         yield k, part, along, np.hypot(beside - along * way[0], below - along * way[1])
 
 
-def _softened(area: NDArray[np.uint8], soft: float) -> Floats:
-    values = np.asarray(area, np.float32) / np.float32(255)
-    return np.asarray(cv2.GaussianBlur(values, (0, 0), soft / 2), np.float32) if soft > 0.5 else values
-
-
 def _wendland(distance: NDArray[np.floating]) -> Floats:
     near = np.clip(1 - distance, 0, None)
     return np.asarray(near**4 * (4 * distance + 1), np.float32)
@@ -320,10 +306,17 @@ def _turns(before: Floats, after: Floats) -> Floats:
     axis = np.cross(before, after)
     sine = np.linalg.norm(axis, axis=-1, keepdims=True)
     angle = np.arctan2(sine, (before * after).sum(-1, keepdims=True))
-    # Opposite vectors have no axis: any that is square to them does.
+    # Opposite vectors have no axis of their own: any perpendicular one will do.
     square = np.cross(before, np.where(np.abs(before[:, :1]) < 0.9, [[1.0, 0, 0]], [[0, 1.0, 0]]))
     square /= np.maximum(np.linalg.norm(square, axis=-1, keepdims=True), 1e-12)
     return np.asarray(np.where(sine > 1e-6, axis / np.maximum(sine, 1e-6), square) * angle, np.float32)
+
+
+def _turned_where(touched: BoolMask, normals: Floats, turns: Floats) -> Floats:
+    """Return a map (H, W, 3) whose touched pixels are turned by rotation vectors (K, 3), but not away."""
+    turned = normals.copy()
+    turned[touched] = _facing(_turned(normals[touched], turns))
+    return turned
 
 
 def _turned(vectors: Floats, turns: Floats) -> Floats:

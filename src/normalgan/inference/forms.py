@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 
 from normalgan.arrays import BoolMask, Floats
+from normalgan.inference.regions import around, depth_of
 from normalgan.inference.vectors import unit
 from normalgan.normals import normalize
 
@@ -66,12 +67,11 @@ def give_form(normals: Floats, mask: BoolMask, area: Floats, form: Form) -> Floa
         [[0.0, 0.0, 1.0], [0.7, 0.0, 0.7]]
     """
     part = area * mask
-    found = _box(part > 0.5)
-    if found is None or form.strength == 0:
+    inside = part > 0.5
+    if not inside.any() or form.strength == 0:
         return normals
-    top, left, bottom, right = found
-    box = np.s_[top:bottom, left:right]
-    height, width = bottom - top, right - left
+    box = around(inside, 1)
+    height, width = part[box].shape
     scale = min(_SIDE / max(height, width), 1)
     size = max(round(width * scale), 1), max(round(height * scale), 1)
     small = cv2.resize(part[box], size, interpolation=cv2.INTER_AREA) if scale < 1 else part[box]
@@ -91,7 +91,7 @@ def feather(area: Floats, soft: float) -> Floats:
         area: (H, W) in [0, 1].
         soft: the share of the area's depth in which it fades out, above 0 to 1.
     """
-    depth = _depth(area > 0.5)
+    depth = depth_of(area > 0.5)
     width = soft * float(depth.max())
     if width <= 0:
         return area
@@ -100,16 +100,6 @@ def feather(area: Floats, soft: float) -> Floats:
     faded = rise**3 * (rise * (6 * rise - 15) + 10)
     # Nor has it any where two sides are equally near.
     return np.asarray(cv2.GaussianBlur(faded, (0, 0), max(width / 6, 0.5)), np.float32)
-
-
-def _box(inside: BoolMask) -> tuple[int, int, int, int] | None:
-    """Return the bounding box with a margin of a pixel: top, left, bottom, right; None if empty."""
-    rows, columns = np.flatnonzero(inside.any(1)), np.flatnonzero(inside.any(0))
-    if not rows.size:
-        return None
-    height, width = inside.shape
-    top, left = max(int(rows[0]) - 1, 0), max(int(columns[0]) - 1, 0)
-    return top, left, min(int(rows[-1]) + 2, height), min(int(columns[-1]) + 2, width)
 
 
 @lru_cache(maxsize=32)  # while a ball or a slider is moved, all other parts stay
@@ -125,20 +115,20 @@ def _shaped(part: bytes, size: tuple[int, int], kind: _Kind, bevel: float) -> Fl
     inside = np.frombuffer(part, np.uint8).reshape(size[::-1]).astype(np.float32) / np.float32(255)
     rim = 1 + (round(0.3 * max(size) * bevel) if kind == "flat" else 0)  # as far as what is blurred reaches
     inside = np.pad(inside, rim)
-    depth = _depth(inside > 0.5)
+    depth = depth_of(inside > 0.5)
     deepest = max(float(depth.max()), 1.0)
     width = max(bevel * deepest, 1.0)
     if kind == "flat":
         off = cv2.distanceTransform((inside <= 0.5).astype(np.uint8), cv2.DIST_L2, 5)
         height = cv2.GaussianBlur(np.minimum(depth - off, width), (0, 0), max(0.15 * width, 0.7))
-        down, right = _slopes(height)
+        down, right = np.gradient(height)
         normals = np.dstack([-right, down, np.ones_like(right)])
     else:
         # The surface whose square solves a screened Poisson equation: a ball over a disc, a round limb over a
         # strip, and level farther in than the width.
         level = 4 / width**2 - 4 / deepest**2 if width < deepest else 0.0
         square = _inflated(inside, level)
-        down, right = _slopes(square)
+        down, right = np.gradient(square)
         normals = normalize(np.dstack([-right, down, 2 * np.sqrt(square) + np.float32(1e-3)]))
         if kind == "hollow":
             dish = np.float32(-_DISH) * normals[..., :2]
@@ -169,15 +159,3 @@ def _inflated(inside: Floats, level: float) -> Floats:
             wanted = cv2.filter2D(square, -1, kernel, borderType=cv2.BORDER_CONSTANT) + 4 * inside
             square = square + colour * (wanted * gain - np.float32(ahead) * square)
     return np.asarray(np.maximum(square, 0), np.float32)
-
-
-def _slopes(values: Floats) -> tuple[Floats, Floats]:
-    """Return the gradient of values (h, w), downwards and to the right, in units of a pixel."""
-    down, right = np.gradient(values)
-    return np.asarray(down, np.float32), np.asarray(right, np.float32)
-
-
-def _depth(inside: BoolMask) -> Floats:
-    """Return each pixel's distance (h, w) to the edge of an area, in pixels; the picture's rim is an edge."""
-    padded = np.pad(inside.astype(np.uint8), 1)
-    return np.asarray(cv2.distanceTransform(padded, cv2.DIST_L2, 5)[1:-1, 1:-1], np.float32)

@@ -14,8 +14,8 @@ from normalgan.errors import InputError
 from normalgan.files.writing import write_bytes
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.findings import Finding, join
-from normalgan.inference.network.framing import box_of
 from normalgan.inference.network.tile import Tile
+from normalgan.inference.regions import box_of
 from normalgan.inference.vectors import unit
 from normalgan.normals import (
     Bits,
@@ -50,7 +50,7 @@ class NormalMap:
         alpha: (H, W) in [0, 1], the drawing's opacity if that gives the mask, else the mask with a soft edge.
         seen: (S, S), the network's input.
         confidence: (H, W), the network's confidence κ ≥ 0, if it has one.
-        findings: findings about it; `warning` says it.
+        findings: findings about it; `warning` puts them into words.
         tile: the directions in which the map repeats; None for none.
         cells: the drawings of a sheet, each a separate surface; none for other maps. A turned drawing has
             the normals of the upright one.
@@ -74,7 +74,7 @@ class NormalMap:
 
     @property
     def warning(self) -> str:
-        """The warning, a part of a sentence; empty if nothing did."""
+        """The warning, a part of a sentence; empty if there is none."""
         return join(self.findings)
 
     @cached_property

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import TypeVar
 
-__all__ = ["stream", "workers"]
+__all__ = ["result_of", "stream", "workers"]
 
 J = TypeVar("J")
 R = TypeVar("R")
@@ -48,6 +48,13 @@ def stream(jobs: Sequence[J], work: Callable[[J], R]) -> Iterator[tuple[J, R | E
         # collected with it, in whatever thread that happens: one that is just starting would wait for itself
         # for ever, as joining takes the lock that it holds. The interpreter waits for all before it ends.
         pool.shutdown(wait=False, cancel_futures=True)
+
+
+def result_of(outcome: R | Exception) -> R:
+    """Return the result of a job of `stream`; raise the exception if that is its outcome."""
+    if isinstance(outcome, Exception):
+        raise outcome
+    return outcome
 
 
 def _drained(waiting: deque[tuple[J, Future[R]]], left: int) -> Iterator[tuple[J, R | Exception]]:

@@ -28,7 +28,7 @@ _LEAST = 0.02
 """Predicted vectors that are shorter have no direction."""
 
 _BESIDE = 0.005
-"""How far beside the mask a hint may lie, as a share of the longer side: its edge is a guess."""
+"""How far beside the mask a hint may lie, as a share of the longer side, because the edge is a guess."""
 
 
 def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsample: Upsampler) -> NormalMap:
@@ -36,7 +36,7 @@ def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsampl
 
     Args:
         prepared: as `prepare` gives it.
-        preds: (S, S, 3), vectors as long as an object is probable.
+        preds: (S, S, 3), vectors whose length is the probability of an object.
         confidence: (S, S), or None.
         upsample: the step to the drawing's size.
 
@@ -78,14 +78,7 @@ def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsampl
         normals = enforce_pins(normals, pins.points, pins.normals, reaches)
     if pins is not None and prepared.given is not None:
         findings += hints_off(prepared.given.points, pins.points, mask)
-    edge = (np.rint(covered * 255) / 255).astype(np.float32)
-    alpha: Floats = edge
-    if prepared.alpha is not None:
-        alpha = np.clip(resize(prepared.alpha, prepared.shape), 0, 1)
-    if prepared.alpha is not None and prepared.painted is not None:
-        by_hand = cv2.resize(prepared.painted, prepared.shape[::-1], interpolation=cv2.INTER_NEAREST)
-        alpha = np.where(by_hand == 0, alpha, edge).astype(np.float32)
-    return NormalMap(normals, mask, alpha, prepared.seen, shown, findings)
+    return NormalMap(normals, mask, _opacity(prepared, covered), prepared.seen, shown, findings)
 
 
 def hints_off(drawn: Floats, points: Floats, mask: BoolMask) -> tuple[Finding, ...]:
@@ -122,6 +115,18 @@ def _covered(prepared: Prepared, mask: BoolMask) -> Floats:
     return np.where(cv2.dilate(changed, np.ones((5, 5), np.uint8)) > 0, soft, prepared.coverage)
 
 
+def _opacity(prepared: Prepared, covered: Floats) -> Floats:
+    """Return a map's opacity (H, W): the drawing's if it gives the mask, but for edits; else the coverage."""
+    edge: Floats = (np.rint(covered * 255) / 255).astype(np.float32)
+    if prepared.alpha is None:
+        return edge
+    alpha = np.clip(resize(prepared.alpha, prepared.shape), 0, 1)
+    if prepared.painted is None:
+        return alpha
+    by_hand = cv2.resize(prepared.painted, prepared.shape[::-1], interpolation=cv2.INTER_NEAREST)
+    return np.where(by_hand == 0, alpha, edge).astype(np.float32)
+
+
 def _enlarged(covered: Floats, shape: tuple[int, int]) -> Floats:
     """Return coverage at a larger size (H, W), where an edge is a pixel wide again."""
     edge = resize(covered, shape)
@@ -143,9 +148,9 @@ def coarse_of(prepared: Prepared, preds: Floats, mask: BoolMask, length: Floats 
 
     Args:
         prepared: as `prepare` gives it.
-        preds: (S, S, 3), vectors as long as an object is probable.
+        preds: (S, S, 3), vectors whose length is the probability of an object.
         mask: (h, w), the object at the size of ``prepared.ink``.
-        length: (S, S), of the vectors, if it is known already.
+        length: (S, S), their lengths, if known already.
     """
     length = lengths(preds) if length is None else length
     needed = prepared.frame.shrink(mask.astype(np.float32)) > 0
@@ -179,7 +184,7 @@ def _choose(prepared: Prepared, present: BoolMask) -> tuple[BoolMask, tuple[Find
 
 
 def _gaps(ink: Floats, mask: BoolMask, added: BoolMask) -> BoolMask:
-    """Return the gaps (h, w) beside what a user has added in which there is ink all over.
+    """Return the gaps (h, w) beside what a user has added that are all ink.
 
     A filled area ends where a line begins, the object where the line is half dark: some pixels of the line's
     edge lie between them, which would be holes with a rim each.

@@ -25,7 +25,7 @@ from normalgan.inference.composites.tilesets import predict_tileset
 from normalgan.inference.drawing import Drawing
 from normalgan.inference.findings import Finding
 from normalgan.inference.inputs import as_hints
-from normalgan.inference.jobs.plan import DrawingFiles, Job
+from normalgan.inference.jobs.plan import DrawingFiles, Job, overwritten
 from normalgan.inference.jobs.writing import Held, Writer
 from normalgan.inference.mask.masks import READER, MaskOrSource, load_mask
 from normalgan.inference.network.tile import Tile
@@ -34,7 +34,7 @@ from normalgan.inference.outputs.explanation import write_explanation
 from normalgan.inference.outputs.outputs import Outputs
 from normalgan.inference.pipeline import predict
 from normalgan.inference.predictor import Predictor
-from normalgan.inference.preparation import Prepared, hinted, prepare
+from normalgan.inference.preparation import Prepared, hinted
 from normalgan.inference.reading.drawings import SVG_SIDE, read_pixels
 from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import Picture, fitted, read_picture, resize, to_picture, to_pixels
@@ -45,7 +45,7 @@ __all__ = ["MOST_TOGETHER", "Done", "Framing", "JobPredictor", "target_of", "wri
 
 Framing = Literal["own", "shared"]
 MOST_TOGETHER = 2**26
-"""Pixels of all drawings that share a frame: they are in memory together."""
+"""Most pixels of all drawings that share a frame, because they are in memory together."""
 
 
 @dataclass(frozen=True)
@@ -54,9 +54,9 @@ class Done:
 
     Args:
         target: where the map is.
-        warning: part of a sentence; empty if all is well.
+        warning: a part of a sentence; empty if all is well.
         held: the files that wait for other drawings of a command.
-        note: the warning for the user, a part of a sentence; empty if nothing was.
+        note: a remark for the user, a part of a sentence; empty if there is none.
         partial: whether something that is drawn could not be predicted, as the warning says.
     """
 
@@ -80,8 +80,8 @@ class JobPredictor:
             ``shared`` for an animation and ``own`` otherwise.
         strength: factor of all maps' slopes.
         layers: whether each visible layer of a layered file is predicted separately.
-        tile: the ways in which each drawing is repeated, and its map can be; None does not split.
-        single: whether a page is one object, whatever it shows; else its figures are predicted separately.
+        tile: the directions in which each drawing, and so its map, repeats; None if it ends at its edges.
+        single: whether a page is predicted as one object; otherwise its figures are predicted separately.
         holes: x and y in pixels of a drawing, as `prepare` has its flips.
         explain: folder for pictures of how each mask was found; None writes none.
         sprite: adapts each map to a painted sprite.
@@ -115,18 +115,10 @@ class JobPredictor:
             target = layered_target(job, drawing, self.writer.outputs)
             warning, held, partial = predict(job, drawing, target)
             return Done(target, warning, held, partial=partial)
-        kind = drawing.moving
-        several = "has several pages" if kind == PAGES else "is an animation"
         if self.packing.tileset == OWN:
             return self._written(job, self._tileset(files, *drawing.tileset))
-        if kind is not None and self.packing.given:
-            raise InputError(f"{files.drawing} {several}; a sheet is a still picture.")
-        if kind is not None and self.tile is not None:
-            raise InputError(f"{files.drawing} {several}; --tile repeats a still picture.")
-        if kind is not None and (self.holes or self.explain is not None):
-            option = "--hole" if self.holes else "--explain"
-            raise InputError(f"{files.drawing} {several}; {option} is for a single picture.")
-        if kind is not None:
+        if drawing.moving is not None:
+            self._check_moving(drawing)
             return self._animation(job, drawing)
         if job.exact and job.target.suffix.lower() in {".gif", ".webp"}:
             raise InputError(f"{job.target} would be an animation, but {files.drawing} is a still image.")
@@ -165,8 +157,7 @@ class JobPredictor:
                 yield job, preds
                 continue
             try:
-                adapted = self.sprite(preds, member.picture)
-                yield job, self._written(job, _noted(adapted, member.picture))
+                yield job, self._written(job, self._adapted(preds, member.picture))
             except OSError as error:
                 yield job, error
 
@@ -174,27 +165,42 @@ class JobPredictor:
         held = self.writer.write(job, preds.stronger(self.strength))
         return Done(job.target, preds.warning, held, partial=preds.partial)
 
+    def _check_moving(self, drawing: Drawing) -> None:
+        """Raise `InputError` if an option is given that takes one still picture."""
+        if self.packing.given:
+            why = "a sheet is a still picture"
+        elif self.tile is not None:
+            why = "--tile repeats a still picture"
+        elif self.holes or self.explain is not None:
+            why = f"{'--hole' if self.holes else '--explain'} is for a single picture"
+        else:
+            return
+        several = "has several pages" if drawing.moving == PAGES else "is an animation"
+        raise InputError(f"{drawing.path} {several}; {why}.")
+
+    def _adapted(self, preds: NormalMap, picture: Picture) -> NormalMap:
+        """Return a map adapted to a painted sprite, with the warning about its drawing's file added."""
+        return _noted(self.sprite(preds, picture), picture)
+
     def _drawing(self, job: Job, drawing: Drawing) -> NormalMap:
         files = job.files
         picture = drawing.picture(self.size)
         if self.tile is not None:
             tiled = self.predictor(picture, files.hints, files.mask, self.size, self.tile)
-            return _noted(self.sprite(tiled, picture), picture)
-        backend = self.predictor.backend
-        mask, hints = _mask(files, picture.shape), as_hints(files.hints, picture.shape)
-        prepared = prepare(
-            *(picture, backend.size, mask, hints, self.size),
-            line_widths=backend.line_widths,
-            flips=self.holes,
-        )
+            return self._adapted(tiled, picture)
+        member = replace(self._member(picture, files), flips=self.holes)
+        prepared = self._prepared(member, self.size)
         cells = [] if self.single or files.mask not in {None, READER} else self._figures(drawing, prepared)
         if cells:
-            preds = self._page(job, drawing, picture, cells)
+            preds = self._page(job, drawing, member, cells)
         else:
-            preds = predict(backend, prepared, self.predictor.upsample)
+            preds = predict(self.predictor.backend, prepared, self.predictor.upsample)
         if self.explain is not None:
             write_explanation(self.explain / files.below, job.stem, picture, prepared, preds)
-        return _noted(self.sprite(preds, picture), picture)
+        return self._adapted(preds, picture)
+
+    def _prepared(self, member: Member, size: int | None = None) -> Prepared:
+        return hinted(prepare_member(self.predictor, member, size), member.hints, member.picture.shape)
 
     def _figures(self, drawing: Drawing, prepared: Prepared) -> list[Cell]:
         """Return the cells of a page's figures, in pixels of its map; empty for a single object."""
@@ -207,10 +213,10 @@ class JobPredictor:
             return []
         return find_figures(prepared.decision, prepared.reading, prepared.shape)
 
-    def _page(self, job: Job, drawing: Drawing, picture: Picture, cells: Sequence[Cell]) -> NormalMap:
+    def _page(self, job: Job, drawing: Drawing, page: Member, cells: Sequence[Cell]) -> NormalMap:
         """Return the map of a page, each of whose figures is predicted separately."""
-        hints, mask = as_hints(job.files.hints, picture.shape), _mask(job.files, picture.shape)
-        sheet, holes = drawing.pixels(), self.holes
+        picture, hints, holes = page.picture, page.hints, page.flips
+        sheet = drawing.pixels()
         if self.size is not None:
             shape = fitted(picture.shape, self.size)
             scale = shape[1] / picture.shape[1]
@@ -219,15 +225,14 @@ class JobPredictor:
             holes = [(x * scale, y * scale) for x, y in holes]
             sheet = to_pixels(picture.resized(shape))
         if self.explain is not None:
-            self._explain_figures(job, drawings_in(sheet, cells, hints, mask, holes))
-        return predict_sheet(self.predictor, sheet, cells, hints, mask, False, holes)
+            self._explain_figures(job, drawings_in(sheet, cells, hints, page.mask, holes))
+        return predict_sheet(self.predictor, sheet, cells, hints, page.mask, False, holes)
 
     def _explain_figures(self, job: Job, figures: Sequence[tuple[Cell, Member]]) -> None:
         """Write how the mask of each figure of a page was found."""
         assert self.explain is not None
         for number, (_, member) in enumerate(figures, 1):
-            prepared = prepare_member(self.predictor, member)
-            prepared = hinted(prepared, member.hints, member.picture.shape)
+            prepared = self._prepared(member)
             preds = predict(self.predictor.backend, prepared, self.predictor.upsample)
             stem = f"{job.stem}_figure_{number}"
             write_explanation(self.explain / job.files.below, stem, member.picture, prepared, preds)
@@ -247,8 +252,7 @@ class JobPredictor:
         found = self.packing.cells(sheet, files.drawing, files.below, units)
         shared = self.frame == "shared"
         preds = predict_sheet(self.predictor, sheet, found.cells, hints, mask, shared, said=found.warnings)
-        picture = to_picture(sheet)
-        return _noted(self.sprite(preds, picture), picture)
+        return self._adapted(preds, to_picture(sheet))
 
     def _tileset(self, files: DrawingFiles, sheet: Decoded, own: tuple[int, int] | None = None) -> NormalMap:
         """Return the map of a tileset; ``own`` is the size of its tiles, if its file has it."""
@@ -270,15 +274,16 @@ class JobPredictor:
         outputs = self.writer.outputs
         steady = shared and not pages
         predicted = predict_series(self.predictor, members, shared, steady, self.size)
-        for number, each in enumerate(predicted, 1):
+        for number, (member, each) in enumerate(zip(members, predicted, strict=True), 1):
+            picture = member.picture
             if isinstance(each, InputError):
-                preds = flat_map(members[number - 1].picture.shape, self.size)
+                preds = flat_map(picture.shape, self.size)
                 failed.append(each)
-                flat.append(members[number - 1].picture)
+                flat.append(picture)
                 # What is lost is said before what is only in doubt.
                 said.insert(len(failed) - 1, f"{part} {number}: {left_flat(each)}")
             else:
-                preds = self.sprite(each, members[number - 1].picture)
+                preds = self.sprite(each, picture)
                 said += [f"{part} {number}: {each.warning}"] if each.warning else []
             own = job.numbered(number, outputs.ending)
             preds = preds.stronger(self.strength)
@@ -304,10 +309,10 @@ class JobPredictor:
         return Done(target, warning, held, partial=found.notes.partial or not all(map(_blank, flat)))
 
     def _member(self, picture: Picture, files: DrawingFiles) -> Member:
-        return Member(picture, as_hints(files.hints, picture.shape), _mask(files, picture.shape))
+        return Member(picture, *_hints_and_mask(files, picture.shape))
 
 
-def target_of(job: Job, outputs: Outputs, packing: Packing, layers: bool = False) -> Path:
+def target_of(job: Job, outputs: Outputs, packing: Packing, layers: bool) -> Path:
     """Return the path of a job's map, or of the first one if there are several files.
 
     Raises:
@@ -332,18 +337,16 @@ def _moving_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
         return job.numbered(1, outputs.ending).target
     target = job.target if job.exact else job.target.with_suffix(f".{kind}")
     if target.resolve() == job.files.drawing.resolve():
-        raise InputError(
-            f"{target} is an input and would be overwritten; give another folder (-o) or --suffix."
-        )
+        raise overwritten(target)
     return target
 
 
-def written_for(job: Job, outputs: Outputs, packing: Packing, layers: bool = False) -> Iterator[Path]:
+def written_for(job: Job, outputs: Outputs, packing: Packing, layers: bool) -> Iterator[Path]:
     """Yield the files that are written for a job; for several frames, the map and the first one's outputs."""
     try:
         target = target_of(job, outputs, packing, layers)
         moves = not packing.given and Drawing(job.files.drawing, job.files.content).moving is not None
-    except InputError:  # it is told when it is predicted, and nothing is written then
+    except InputError:  # raised again when it is predicted, and nothing is written then
         return
     yield target
     if not layers:
@@ -358,10 +361,10 @@ def _moves(outputs: Outputs) -> bool:
 
 def _for_sheet(files: DrawingFiles, sheet: Decoded) -> tuple[Hints | None, MaskOrSource]:
     """Return the hints and the mask (H, W) of a sheet, or how its masks are found."""
-    mask = _mask(files, sheet.shape)
+    hints, mask = _hints_and_mask(files, sheet.shape)
     if isinstance(mask, np.ndarray):
         mask = resize(mask.astype(np.float32), sheet.shape) > 0.5
-    return as_hints(files.hints, sheet.shape), mask
+    return hints, mask
 
 
 def _noted(preds: NormalMap, picture: Picture) -> NormalMap:
@@ -378,6 +381,7 @@ def _blank(picture: Picture) -> bool:
     return bool((picture.colour == picture.colour[:1, :1]).all())
 
 
-def _mask(files: DrawingFiles, shape: tuple[int, int]) -> MaskOrSource:
-    """Return the mask (h, w) of a drawing of (H, W) pixels, or where it comes from."""
-    return load_mask(files.mask, shape) if isinstance(files.mask, Path) else files.mask
+def _hints_and_mask(files: DrawingFiles, shape: tuple[int, int]) -> tuple[Hints | None, MaskOrSource]:
+    """Return the hints of a drawing of (H, W) pixels, and its mask (h, w) or where it comes from."""
+    mask = load_mask(files.mask, shape) if isinstance(files.mask, Path) else files.mask
+    return as_hints(files.hints, shape), mask

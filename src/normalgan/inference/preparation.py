@@ -14,10 +14,11 @@ from normalgan.inference.cleaning.reader import Reading, read
 from normalgan.inference.findings import Finding
 from normalgan.inference.mask.decision import Decision, decide
 from normalgan.inference.mask.masks import MODEL, OUTLINE, MaskOrSource
-from normalgan.inference.network.framing import Bounds, Frame
+from normalgan.inference.network.framing import Frame
 from normalgan.inference.network.line_width import render_model_input
 from normalgan.inference.reading.hint_files import Hints
-from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, resize
+from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, fitted_within, resize
+from normalgan.inference.regions import Bounds
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths
 
 __all__ = ["Prepared", "hinted", "prepare", "reframed"]
@@ -28,7 +29,7 @@ class Prepared:
     """A drawing that is ready for the network.
 
     Args:
-        shape: (H, W) of the map to be.
+        shape: (H, W) of the map.
         ink: (h, w), the drawing's lines, at the size it is worked on.
         mask: (h, w), the object by its opacity, a mask or the outline; None leaves it to the model.
         alpha: the drawing's opacity (any H, W), if the mask comes from it.
@@ -91,7 +92,7 @@ def prepare(
         line_widths: of the lines that the model knows, in its pixels; they are shown as they were drawn.
         flips: x and y in pixels of the drawing; the region that lines enclose there becomes a hole, or object
             if it is a hole.
-        drawn: whether the picture is nothing but dark strokes on white, which are the ink as they are.
+        drawn: whether the picture holds only dark strokes on white, which are the ink unchanged.
         on_seen: called with the input of the model, without mask and hints, as soon as it is known, so that
             the model can run while the mask is found.
 
@@ -99,8 +100,8 @@ def prepare(
         LackingError: if there is no line in it.
         InputError: if there is no region at a point of ``flips``.
     """
-    shape = picture.shape if longest is None else fitted(picture.shape, longest)
-    worked = shape if max(shape) <= MOST_WORKED else fitted(shape, MOST_WORKED)
+    shape = fitted(picture.shape, longest)
+    worked = fitted_within(shape, MOST_WORKED)
     source = mask if isinstance(mask, str) else None
     reading = None if drawn else read(picture)
     cleaned = clean(picture.resized(worked), reading)
@@ -132,25 +133,42 @@ def prepare(
             reading = None  # the lines alone decide
         elif reading is None:
             reading = read(picture)
-        decision = decide(walls, reading, [(x * scale, y * scale) for x, y in flips])
-        seen = bool(decision.mask.any()) or bool(flips)
-        prepared = replace(
-            prepared,
-            mask=decision.mask if seen else None,
-            unsure=_in_drawing(decision.unsure, scale) if seen else (Finding("guessed"),),
-            decision=decision,
-            reading=reading,
-            coverage=decision.coverage if seen else None,
-        )
+        prepared = _decided(prepared, walls, reading, flips, scale)
     if flips and prepared.decision is None:
         raise InputError("a hole is cut in what lines enclose, but its mask does not come from its lines.")
     return prepared if hints is None else hinted(prepared, hints, picture.shape)
 
 
-def _in_drawing(findings: Sequence[Finding], scale: float) -> tuple[Finding, ...]:
-    """Return findings with their places in pixels of the drawing, which is worked on at a scale."""
-    return tuple(
-        replace(each, places=tuple((x / scale, y / scale) for x, y in each.places)) for each in findings
+def _decided(
+    prepared: Prepared,
+    walls: Floats,
+    reading: Reading | None,
+    flips: Sequence[tuple[float, float]],
+    scale: float,
+) -> Prepared:
+    """Return a prepared drawing with the mask that its lines and its reading give, if they show an object.
+
+    Args:
+        prepared: without a mask.
+        walls: (h, w), the lines, with what the user has added.
+        reading: of the drawing; None leaves it to the lines.
+        flips: as `prepare` has them.
+        scale: pixels of the lines per pixel of the drawing.
+    """
+    decision = decide(walls, reading, [(x * scale, y * scale) for x, y in flips])
+    if not decision.mask.any() and not flips:
+        return replace(prepared, unsure=(Finding("guessed"),), decision=decision, reading=reading)
+    unsure = tuple(
+        replace(each, places=tuple((x / scale, y / scale) for x, y in each.places))
+        for each in decision.unsure
+    )
+    return replace(
+        prepared,
+        mask=decision.mask,
+        unsure=unsure,
+        decision=decision,
+        reading=reading,
+        coverage=decision.coverage,
     )
 
 

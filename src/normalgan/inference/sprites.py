@@ -12,6 +12,7 @@ from normalgan.inference.conversion import reoriented
 from normalgan.inference.network.tile import Tile, middle, wrapped
 from normalgan.inference.normal_map import NormalMap, part_of
 from normalgan.inference.reading.picture import Picture
+from normalgan.inference.regions import extent_of
 from normalgan.inference.vectors import unit
 from normalgan.ranges import Share, check_ranges
 
@@ -141,7 +142,7 @@ def slopes_of(colour: Floats, mask: BoolMask, tile: Tile | None = None) -> Float
     Args:
         colour: (H, W, 3) in [0, 1].
         mask: (H, W), the object; its colours are extended beyond its edge.
-        tile: the ways in which the painting repeats.
+        tile: the directions in which the painting repeats.
 
     Example:
         A light stripe is a ridge:
@@ -154,10 +155,9 @@ def slopes_of(colour: Floats, mask: BoolMask, tile: Tile | None = None) -> Float
     """
     from scipy import ndimage  # here: it takes a while to import
 
-    rows, columns = np.flatnonzero(mask.any(1)), np.flatnonzero(mask.any(0))
-    longest = max(int(np.ptp(rows)), int(np.ptp(columns))) + 1
+    longest = extent_of(mask)
     room = (round(3 * _COARSE * longest) + 1,) * 2
-    light = np.asarray(cv2.cvtColor(np.ascontiguousarray(colour, np.float32), cv2.COLOR_RGB2GRAY), np.float32)
+    light = _luminance(colour)
     if not mask.all():
         nearest = ndimage.distance_transform_edt(~mask, return_distances=False, return_indices=True)
         light = light[nearest[0], nearest[1]]
@@ -178,11 +178,15 @@ def outlines(colour: Floats, mask: BoolMask) -> BoolMask:
         colour: (H, W, 3) in [0, 1], an art pixel each.
         mask: (H, W), the object.
     """
-    light = np.asarray(cv2.cvtColor(np.ascontiguousarray(colour, np.float32), cv2.COLOR_RGB2GRAY), np.float32)
+    light = _luminance(colour)
     dark = mask & (light < _DARK * np.percentile(light[mask], 75)) if mask.any() else mask
     solid = cv2.morphologyEx(dark.astype(np.uint8), cv2.MORPH_OPEN, np.ones((3, 3), np.uint8), borderValue=0)
     thin: BoolMask = dark & (solid == 0)
     return thin
+
+
+def _luminance(colour: Floats) -> Floats:
+    return np.asarray(cv2.cvtColor(np.ascontiguousarray(colour, np.float32), cv2.COLOR_RGB2GRAY), np.float32)
 
 
 def art_pixel(picture: Picture) -> int:
@@ -218,8 +222,7 @@ def _changes(colour: Floats, axis: int) -> Floats:
 
 def _offset(changes: Floats, side: int) -> int | None:
     """Return the offset of the grid on which the changes lie; None if they do not."""
-    padded = np.pad(changes, (0, -len(changes) % side))
-    by_offset = padded.reshape(-1, side).sum(0)
+    by_offset = _by_offset(changes, side)
     offset = int(by_offset.argmax())
     if by_offset[offset] < _ON_GRID * max(by_offset.sum(), 1e-6):
         return None
@@ -227,6 +230,12 @@ def _offset(changes: Floats, side: int) -> int | None:
     if len(lines) < _LEAST_LINES or len(lines) < _BUSY * (np.ptp(lines) + 1):
         return None
     return offset
+
+
+def _by_offset(changes: Floats, side: int) -> Floats:
+    """Return the changes (N,) summed over the lines of each grid with this spacing, (side,)."""
+    summed: Floats = np.pad(changes, (0, -len(changes) % side)).reshape(-1, side).sum(0)
+    return summed
 
 
 @dataclass(frozen=True)
@@ -248,8 +257,7 @@ class _Blocks:
         """Return the blocks of this side that fit the changes of the colours (H, W, 3) best."""
         starts = []
         for axis in (0, 1):
-            changes = np.pad(_changes(colour, axis), (0, -colour.shape[axis] % side))
-            offset = int(changes.reshape(-1, side).sum(0).argmax())
+            offset = int(_by_offset(_changes(colour, axis), side).argmax())
             starts.append(np.unique([0, *range(offset, colour.shape[axis], side)]))
         return cls(starts[0], starts[1], (colour.shape[0], colour.shape[1]))
 

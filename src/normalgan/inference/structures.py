@@ -1,6 +1,5 @@
-"""Structures: tiles of scales, fur and the like, which stand on a map's surface."""
+"""Structures: repeated relief such as scales or fur, added to the surface of a map."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Literal, get_args
@@ -18,7 +17,7 @@ Kind = Literal["scales", "fur", "weave", "stone", "bark"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
 FILE = "structure_{}.bin"
-"""What the page calls a built-in structure."""
+"""File name of a built-in structure for the page."""
 _SIDE = 256
 """Side of a tile in pixels."""
 _STEEP = 0.6
@@ -34,9 +33,9 @@ class Placement:
 
     Args:
         period: side of a tile in pixels, more than 0.
-        turn: of the tiles about a corner, clockwise, in radians.
-        x: of that corner in pixels.
-        y: of that corner in pixels.
+        turn: rotation of the tiles about a corner, clockwise, in radians.
+        x: column of that corner in pixels.
+        y: row of that corner in pixels.
         flipped: whether the tiles are mirrored, left to right, before they are turned.
     """
 
@@ -49,10 +48,10 @@ class Placement:
 
 @dataclass(frozen=True)
 class Tile:
-    """A tile's slopes, to the right and down, each level half as large as the one before: its means.
+    """The slopes of a tile, to the right and down, as a pyramid.
 
     Args:
-        levels: (S, S, 2), (S/2, S/2, 2), …: pixels of height for a pixel of way.
+        levels: (S, S, 2), (S/2, S/2, 2), …: height in pixels per pixel; each level averages the one before.
     """
 
     levels: tuple[Floats, ...]
@@ -71,12 +70,12 @@ class Tile:
 
 
 def impress(normals: Floats, mask: BoolMask, area: Floats, tile: Tile, placement: Placement) -> Floats:
-    """Return a map on whose surface a structure stands, as steep as it is covered.
+    """Return a map with a structure added to its surface, scaled by the coverage.
 
     Args:
         normals: (H, W, 3), unit.
         mask: (H, W), the object.
-        area: (H, W) in [0, 1], how much of the structure each pixel gets.
+        area: (H, W) in [0, 1], coverage of each pixel.
         tile: the structure.
         placement: where its tiles lie.
 
@@ -88,6 +87,8 @@ def impress(normals: Floats, mask: BoolMask, area: Floats, tile: Tile, placement
         >>> bool(np.allclose(rough[:32, :32], rough[32:, 32:], atol=1e-5)), bool(rough[..., 2].min() < 0.96)
         (True, True)
     """
+    from scipy import ndimage  # here: it takes a while to import
+
     rows, columns = np.nonzero((area > 1e-3) & mask)
     if not rows.size:
         return normals
@@ -98,7 +99,12 @@ def impress(normals: Floats, mask: BoolMask, area: Floats, tile: Tile, placement
     across = -1 if placement.flipped else 1
     x, y = columns + 0.5 - placement.x, rows + 0.5 - placement.y
     side = len(slopes) / placement.period
-    right, down = _between(slopes, across * (cos * x + sin * y) * side, (cos * y - sin * x) * side)
+    # From the corner of a tile to the middle of its first pixel is half of it.
+    places = (cos * y - sin * x) * side - 0.5, across * (cos * x + sin * y) * side - 0.5
+    right, down = (
+        ndimage.map_coordinates(channel, places, np.float64, order=1, mode="grid-wrap")
+        for channel in np.moveaxis(slopes, -1, 0)
+    )
     share = area[rows, columns]
     leaning = np.stack(
         [
@@ -141,19 +147,6 @@ def _slopes(heights: Floats) -> Floats:
     return np.asarray(np.stack([right, down], axis=-1) / 2, np.float32)
 
 
-def _between(tile: Floats, x: NDArray[np.float64], y: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
-    """Yield the channels of a repeated tile (S, S, C) at places, between the middles of its pixels."""
-    side = len(tile)
-    left, top = np.floor(x - 0.5), np.floor(y - 0.5)
-    beside, below = x - 0.5 - left, y - 0.5 - top
-    first, second = ((left.astype(int) + k) % side for k in (0, 1))
-    upper, lower = ((top.astype(int) + k) % side for k in (0, 1))
-    for channel in np.moveaxis(tile, -1, 0):
-        above = (1 - beside) * channel[upper, first] + beside * channel[upper, second]
-        under = (1 - beside) * channel[lower, first] + beside * channel[lower, second]
-        yield (1 - below) * above + below * under
-
-
 def _grid() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return x and y (S, S) of a tile's pixels, 0 to 1."""
     y, x = (np.mgrid[:_SIDE, :_SIDE] + 0.5) / _SIDE
@@ -173,8 +166,8 @@ def _noise(
     Args:
         rng: randomness.
         fall: exponent by which amplitudes fall with frequency.
-        stretch: how much longer it is upright than across.
-        coarsest: waves across the tile below which there is none.
+        stretch: factor by which features are longer vertically than horizontally.
+        coarsest: lowest frequency, in waves per tile.
     """
     waves = np.fft.fftfreq(_SIDE, 1 / _SIDE)
     frequency = np.hypot(waves[:, None] * stretch, waves[None])
@@ -239,7 +232,7 @@ def _weave(_: np.random.Generator) -> NDArray[np.float64]:
     for along, across in ((y, x), (x, y)):
         number = np.floor(across * threads)
         off = 2 * (across * threads - number) - 1
-        # The threads of the other way pass over where these pass under.
+        # Where these threads pass under, the crossing ones pass over.
         turned = number + (0 if along is y else 1)
         over = np.tanh(1.5 * np.cos(np.pi * (along * threads - 0.5)) * np.where(turned % 2, -1, 1))
         round_ = np.sqrt(np.clip(1 - (off / 0.84) ** 2, 0, 1))
@@ -260,10 +253,10 @@ def _cells(
 
     Args:
         rng: randomness.
-        count: of cells.
+        count: number of cells.
         x: (S, S), 0 to 1.
         y: (S, S), 0 to 1.
-        stretch: how much longer a cell is upright than across.
+        stretch: factor by which a cell is longer vertically than horizontally.
     """
     points = rng.uniform(size=(count, 2))
 

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import Floats
-from normalgan.inference.reading.picture import fitted, resize
+from normalgan.inference.reading.picture import fitted_within, resize
+from normalgan.inference.regions import depth_of, extent_of
 from normalgan.normals import normalize
 
 __all__ = ["Point", "suggest", "uncertainty"]
@@ -15,10 +16,10 @@ __all__ = ["Point", "suggest", "uncertainty"]
 _SIDE = 256
 """Longest side at which points are looked for."""
 _RIM = 0.02
-"""Nearer to the edge than this share of the object's extent the outline tells the normal."""
+"""Share of the object's extent near its edge within which the outline determines the normal."""
 
 _INKED = 0.1
-"""Share of ink in a pixel of the small map from which on a line runs through it."""
+"""Least share of ink in a pixel of the small map for a line to run through it."""
 
 
 @dataclass(frozen=True)
@@ -76,8 +77,7 @@ def suggest(
     """
     if not mask.any():
         return []
-    scale = min(_SIDE / max(mask.shape), 1.0)
-    shape = fitted((mask.shape[0], mask.shape[1]), _SIDE) if scale < 1 else (mask.shape[0], mask.shape[1])
+    shape = fitted_within((mask.shape[0], mask.shape[1]), _SIDE)
     cover = resize(mask.astype(np.float32), shape)
     small = cover > (0.5 if cover.max() > 0.5 else 0)  # a thread fills no pixel of the small map
     step = np.array([shape[1] / mask.shape[1], shape[0] / mask.shape[0]], np.float32)
@@ -148,10 +148,7 @@ def _peaked(values: Floats, reach: float) -> Floats:
 
 def _depth(mask: NDArray[np.bool_]) -> Floats:
     """Return the distance to the object's edge, in rims; 0 off the object."""
-    rows, columns = np.nonzero(mask)
-    extent = max(np.ptp(rows), np.ptp(columns)) + 1
-    away = cv2.distanceTransform(np.pad(mask, 1).astype(np.uint8), cv2.DIST_L2, 3)[1:-1, 1:-1]
-    return np.asarray(away / max(_RIM * extent, 1.5), np.float32)
+    return np.asarray(depth_of(mask, 3) / max(_RIM * extent_of(mask), 1.5), np.float32)
 
 
 def _point(

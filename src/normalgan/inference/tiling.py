@@ -22,7 +22,7 @@ from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.pipeline import finish, hints_off
 from normalgan.inference.preparation import Prepared
 from normalgan.inference.reading.hint_files import Hints
-from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, resize
+from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, fitted_within, resize
 from normalgan.inference.vectors import lengths, unit
 
 __all__ = ["MOST_TILED", "predict_tile"]
@@ -52,15 +52,15 @@ def predict_tile(
 ) -> NormalMap:
     """Predict the normal map of a drawing that repeats; the map repeats in the same directions.
 
-    The network treats its input as one object that is round as a whole. So it sees the repeated drawing in
+    The network treats its input as a single round object. So it sees the repeated drawing in
     overlapping windows, weighted towards their centres. An edge of one window is in the centre
-    of another, and opposite tilts cancel. All other steps see enough of the repeats around the drawing that
-    an edge is like any other place.
+    of another, and opposite tilts cancel. All other steps see enough of the repeats around the drawing to
+    treat an edge like any other place.
 
     Args:
         backend: the network.
         picture: the drawing.
-        tile: the ways in which it is repeated.
+        tile: the directions in which it repeats.
         mask: (h, w), the object, of any size; `OUTLINE` or `MODEL`, as `preparation.prepare` has them; None
             takes the drawing's opacity if that shows the object, else the area that the repeated drawing's
             lines enclose; if they leave much open, the whole drawing.
@@ -71,8 +71,8 @@ def predict_tile(
     Raises:
         InputError: if there is no line in it, or the network sees no object.
     """
-    shape = picture.shape if longest is None else fitted(picture.shape, longest)
-    worked = shape if max(shape) <= MOST_TILED else fitted(shape, MOST_TILED)
+    shape = fitted(picture.shape, longest)
+    worked = fitted_within(shape, MOST_TILED)
     if isinstance(mask, str) and mask == READER:
         raise InputError("a tile takes no mask from the reader; use a file, outline or model for its mask.")
     page = picture.resized(worked, partial(resize_tile, tile=tile))
@@ -145,7 +145,7 @@ def _outlined(ink: Floats, tile: Tile) -> BoolMask:
     if repeated[enclosed].sum() < _CLOSED * repeated.sum():
         return np.ones(ink.shape, np.bool_)
     mask = middle(enclosed, tile, half)
-    # Cracks between what is enclosed are no air: stones lie on the ground of a texture.
+    # Cracks between enclosed areas are not air: stones lie on the ground of a texture.
     return np.ones(ink.shape, np.bool_) if mask.mean() > _ALL else mask
 
 
@@ -164,7 +164,7 @@ def _levelled(predicted: Floats, own: Floats, tile: Tile) -> Floats:
     Args:
         predicted: (S, S, 3), vectors whose length is the probability of an object.
         own: (h, w, 3), for the drawing itself.
-        tile: the ways in which it is repeated.
+        tile: the directions in which it repeats.
     """
     sure = own[lengths(own) > _SURE]
     if not len(sure):

@@ -6,7 +6,7 @@ from PIL import Image
 
 from normalgan.errors import InputError
 from normalgan.inference.reading import drawings
-from normalgan.inference.reading.drawings import find_drawings, read_drawing, read_hints, read_pixels
+from normalgan.inference.reading.drawings import read_drawing, read_hints, read_pixels
 
 
 def cross(size: int = 32) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
@@ -92,34 +92,6 @@ def test_a_bomb_is_refused_by_its_size(tmp_path: Path) -> None:
     Image.new("1", (9_000, 9_000)).save(tmp_path / "bomb.png")
     with pytest.raises(InputError, match="9000 × 9000"):
         read_drawing(tmp_path / "bomb.png")
-
-
-def test_drawings_are_found_in_folders_globs_and_lists(tmp_path: Path) -> None:
-    for name in ("b.png", "a.png", "c.jpg"):
-        Image.fromarray(cross()).save(tmp_path / name)
-    (tmp_path / "notes.txt").write_text("")
-    assert [p.name for p in find_drawings(str(tmp_path))] == ["a.png", "b.png", "c.jpg"]
-    assert [p.name for p in find_drawings(str(tmp_path / "*.png"))] == ["a.png", "b.png"]
-    assert [p.name for p in find_drawings([str(tmp_path / "c.jpg"), str(tmp_path / "a.png")])] == [
-        "c.jpg",
-        "a.png",
-    ]
-
-
-def test_a_drawing_matched_twice_is_taken_once(tmp_path: Path) -> None:
-    Image.fromarray(cross()).save(tmp_path / "a.png")
-    assert find_drawings([str(tmp_path / "*.png"), str(tmp_path)]) == [tmp_path / "a.png"]
-
-
-def test_finding_nothing_or_one_name_twice_is_said(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no sketch found"):
-        find_drawings(str(tmp_path))
-    with pytest.raises(InputError, match="no sketch found"):
-        find_drawings(str(tmp_path / "missing.png"))
-    for name in ("a.png", "a.jpg"):
-        Image.fromarray(cross()).save(tmp_path / name)
-    with pytest.raises(InputError, match=r"both be written as a_normal\.png"):
-        find_drawings(str(tmp_path))
 
 
 def painted(path: Path, colour: tuple[int, int, int], at: tuple[int, int] = (10, 20)) -> Path:

@@ -5,7 +5,7 @@ It imports nothing of the package, because the child process (`worker.py`) runs 
 
 from typing import NamedTuple
 
-__all__ = ["ENDINGS", "FORMATS", "LAYERED", "MOVING", "Format", "format_of"]
+__all__ = ["ENDINGS", "FORMATS", "LAYERED", "MOVING", "NO_PAGE", "SUBFILE", "Format", "format_of"]
 
 
 class Format(NamedTuple):
@@ -53,6 +53,8 @@ MOVING = tuple(ending for each in FORMATS if each.moves for ending in each.endin
 """Endings of the formats in which a file may hold several pictures."""
 LAYERED = tuple(ending for each in FORMATS if each.layered for ending in each.endings)
 """Endings of the files of paint programs, beside which there often lies a picture that was exported."""
+SUBFILE, NO_PAGE = 254, 1 | 4
+"""A tag of TIFF that says what a picture of it is, and its bits for a small copy and for a mask."""
 _NAMED = {each.name: each for each in FORMATS}
 _AVIF = {b"avif", b"avis"}
 _HEIC = {b"heic", b"heix", b"hevc", b"hevx", b"heim", b"heis", b"mif1", b"msf1"}

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from .formats import format_of
+from .formats import NO_PAGE, SUBFILE, format_of
 from .levels import is_tiff
 from .limits import limit_time
 from .opening import (
@@ -40,8 +40,6 @@ __all__ = [
     "turned_upright",
 ]
 
-_SUBFILE, _NO_PAGE = 254, 1 | 4
-"""A tag of TIFF that says what a picture of it is, and its bits for a small copy and for a mask."""
 _MOST_NOTES = 4000
 """Characters of the words that are sent about a picture."""
 _LONGEST_NAME, _DEEPEST = 255, 32
@@ -160,7 +158,7 @@ def _pages(image: Any, least: int, most: int, seconds: int) -> Iterator[Message]
     pages, pixels = [], 0
     for number in range(min(image.n_frames, MOST_PARTS + 1)):
         image.seek(number)
-        if not image.tag_v2.get(_SUBFILE, 0) & _NO_PAGE:
+        if not image.tag_v2.get(SUBFILE, 0) & NO_PAGE:
             check_sides(image.width, image.height, least, most)
             pages.append(number)
             pixels += image.width * image.height
@@ -168,14 +166,10 @@ def _pages(image: Any, least: int, most: int, seconds: int) -> Iterator[Message]
     yield {"count": len(pages), "loop": 0}, None
     for place, number in enumerate(pages, 1):
         limit_time(seconds)
-        try:
+        with _failures_refused(f"cannot be read from its page {place} on"):
             image.seek(number)
             image.load()
             shown = plain(turned_upright(image.copy()))
-        except MemoryError:
-            raise
-        except Exception as error:  # as in `decode`
-            raise RefusedError(f"cannot be read from its page {place} on: {first_line(error)}") from None
         yield {**with_form(shown), "duration": 0}, shown
 
 
@@ -185,7 +179,7 @@ def layers(content: bytes, least: int, most: int, seconds: int) -> Iterator[Mess
     Raises:
         RefusedError: if it has none, or they cannot be decoded; before anything is yielded.
     """
-    try:
+    with _failures_refused("has layers that cannot be read"):
         layered = _layered(content, least, most)
         if layered is None:
             _refuse_foreign(content)
@@ -193,16 +187,11 @@ def layers(content: bytes, least: int, most: int, seconds: int) -> Iterator[Mess
                 "has no layers; those of .psd, .kra, .ora, .ase and .aseprite can be predicted"
             )
         found, pixels = [], 0
-        with _unreadable_refused():
-            for layer in layered.layers():
-                limit_time(seconds)
-                found.append(layer)
-                pixels += layer.image.width * layer.image.height
-                _check_parts(len(found), pixels, "layers")
-    except (RefusedError, MemoryError):
-        raise
-    except Exception as error:  # as in `decode`
-        raise RefusedError(f"has layers that cannot be read: {first_line(error)}") from None
+        for layer in layered.layers():
+            limit_time(seconds)
+            found.append(layer)
+            pixels += layer.image.width * layer.image.height
+            _check_parts(len(found), pixels, "layers")
     if not found:
         more = f": {layered.notes}" if str(layered.notes) else ""
         raise RefusedError(f"has no visible layer that anything is drawn on{more}")
@@ -221,16 +210,11 @@ def tileset(content: bytes, least: int, most: int) -> Iterator[Message]:
     Raises:
         RefusedError: if it has none, or it cannot be decoded.
     """
-    try:
+    with _failures_refused("has a tileset that cannot be read"):
         layered = _layered(content, least, most)
         if layered is None:
             raise RefusedError("has no tileset of its own; give the size of a tile, such as 16x16")
-        with _unreadable_refused():
-            image, size = layered.tileset()
-    except (RefusedError, MemoryError):
-        raise
-    except Exception as error:  # as in `decode`
-        raise RefusedError(f"has a tileset that cannot be read: {first_line(error)}") from None
+        image, size = layered.tileset()
     check_sides(image.width, image.height, least, most)
     yield {"count": 1, "tile": [*size]}, None
     yield with_form(image), image
@@ -343,6 +327,18 @@ def _layered_frames(layered: Any) -> Iterator[Message]:
         yield {"count": count, "loop": 0, **noted(layered.notes)}, None
         for image, milliseconds in itertools.chain([first], found):
             yield {**with_form(image), "duration": milliseconds}, image
+
+
+@contextmanager
+def _failures_refused(words: str) -> Iterator[None]:
+    """Turn whatever a decoder raises, which over damage is anything, into `RefusedError`: words and why."""
+    try:
+        with _unreadable_refused():
+            yield
+    except (RefusedError, MemoryError):
+        raise
+    except Exception as error:
+        raise RefusedError(f"{words}: {first_line(error)}") from None
 
 
 @contextmanager

@@ -41,7 +41,7 @@ def clean(picture: Picture, reading: Reading | None, repeats: bool = False) -> C
 
     Args:
         picture: the drawing.
-        reading: of it, at any size; None if it is nothing but dark strokes on white, which are the ink.
+        reading: the reader's output for it, at any size; None if it holds only dark strokes on white.
         repeats: whether it may be a surface that goes on beyond its edges, such as bricks. The reader takes
             one for ground.
 

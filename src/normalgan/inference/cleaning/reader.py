@@ -52,7 +52,7 @@ class Reading:
     def ink_at(self, picture: Picture) -> Floats:
         """Return the lines (H, W) in [0, 1] of the picture that was read, at any size of it.
 
-        The network is shown lines of a large drawing blurred. Nearby, ink is a linear function of brightness
+        The network sees the lines of a large drawing blurred. Nearby, ink is a linear function of brightness
         and of its steps, where areas without an outline meet; their slopes add the detail that the network
         was not shown: He, Sun and Tang, "Guided Image Filtering", 2013, equations 14 to 16, at the network's
         size as in He and Sun, "Fast Guided Filter", 2015.
@@ -100,7 +100,7 @@ def read(picture: Picture) -> Reading:
 def _by_tone(ink: Floats, grey: Floats) -> Floats:
     """Return ink (h, w) of which each area of one tone is all or nothing, where the network is unsure.
 
-    Dark paint may be ink or not, but not both, or there would be edges inside of it.
+    Dark paint may be ink or not, but not both, or there would be edges inside it.
 
     Args:
         ink: (h, w) in [0, 1].

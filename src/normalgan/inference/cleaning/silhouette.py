@@ -1,17 +1,18 @@
-"""Silhouette: what a drawing's transparency says: the object's outline, or only where there is ink."""
+"""Silhouette: whether a drawing's transparency shows the object's outline or only its ink."""
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import Floats
+from normalgan.inference.regions import depth_of, extent_of
 
 __all__ = ["contour", "enclosed_by", "is_silhouette"]
 
 _THICK = 0.04
 """Half the width of an object at its widest, as a share of its extent; lines have less."""
 _THICK_PARTS = ((0.12, 0.15), (0.16, 0.1))
-"""From which extent, as a share of that of all, a part with such a half width, of its own, is an object."""
+"""Least span of a part that is an object, as a share of the whole extent; and its half width, of its span."""
 _MANY, _ALIKE, _SPRITE, _ROUND = 4, 0.3, (8, 0.02), 0.2
 """Parts of like area from which they are sprites; the least share of the largest one's area; the least span
 in pixels, and as a share of that of all; the least half width, as a share of the span: dashes have less."""
@@ -36,9 +37,7 @@ def is_silhouette(alpha: Floats) -> bool:
     if covered < 0.7 * enclosed:
         return False
     # Open lines enclose nothing but themselves; nowhere are they as thick as an object.
-    away = cv2.distanceTransform(np.pad(opaque, 1).astype(np.uint8), cv2.DIST_L2, 3)
-    depth = np.asarray(away[1:-1, 1:-1], np.float32)
-    extent = _extent(opaque)
+    depth, extent = depth_of(opaque, 3), extent_of(opaque)
     return float(depth.max()) > _THICK * extent or _thick_parts(opaque, depth, extent)
 
 
@@ -74,11 +73,5 @@ def enclosed_by(barrier: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 def contour(silhouette: NDArray[np.bool_]) -> Floats:
     """Return a line just inside a silhouette (H, W), about a 250th of its extent wide, ink 1."""
-    width = max(_extent(silhouette) / 250, 1.5)
-    depth = cv2.distanceTransform(np.pad(silhouette, 1).astype(np.uint8), cv2.DIST_L2, 5)[1:-1, 1:-1]
-    return np.where(silhouette, np.clip(width + 0.5 - depth, 0, 1), 0).astype(np.float32)
-
-
-def _extent(inked: NDArray[np.bool_]) -> int:
-    rows, columns = np.flatnonzero(inked.any(1)), np.flatnonzero(inked.any(0))
-    return int(max(np.ptp(rows), np.ptp(columns))) + 1 if len(rows) else 1
+    width = max(extent_of(silhouette) / 250, 1.5)
+    return np.where(silhouette, np.clip(width + 0.5 - depth_of(silhouette), 0, 1), 0).astype(np.float32)

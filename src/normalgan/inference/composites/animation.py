@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from normalgan.decoding.decoders.formats import MOVING
+from normalgan.decoding.decoders.formats import MOVING, NO_PAGE, SUBFILE
 from normalgan.errors import InputError
 from normalgan.files.limits import read_bounded
 from normalgan.inference.reading.drawings import MOST_BYTES
@@ -133,14 +133,14 @@ def _pages_of_tiff(file: BinaryIO) -> int:
             break  # cut short: decoding it raises the error
         tags = [table[at : at + entry] for at in range(0, entries * entry, entry)]
         value = entry - (8 if big else 4)
-        kinds = [int.from_bytes(tag[value : value + 4], order) for tag in tags if _is(tag, 254, order)]
-        pages += not any(kind & (1 | 4) for kind in kinds)
+        kinds = [
+            int.from_bytes(tag[value : value + 4], order)
+            for tag in tags
+            if int.from_bytes(tag[:2], order) == SUBFILE
+        ]
+        pages += not any(kind & NO_PAGE for kind in kinds)
         place = int.from_bytes(table[-offset:], order)
     return pages
-
-
-def _is(tag: bytes, number: int, order: Literal["little", "big"]) -> bool:
-    return int.from_bytes(tag[:2], order) == number
 
 
 def _frames_of_gif(path: Path, data: bytes) -> int:

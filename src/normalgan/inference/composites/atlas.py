@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from normalgan.errors import InputError
-from normalgan.files.limits import read_bounded
+from normalgan.files.limits import read_named
 from normalgan.inference.composites.atlas_formats import (
     ENDINGS,
     Frame,
@@ -54,9 +54,7 @@ def read_atlas(
         InputError: if it cannot be read, disagrees with the sheet, or leaves no sprite.
     """
     try:
-        pages = parse_atlas(read_bounded(path, MOST_BYTES))
-    except OSError as error:
-        raise InputError(f"the atlas {path} cannot be read: {error.strerror}.") from None
+        pages = parse_atlas(read_named(path, "the atlas", MOST_BYTES))
     except UnreadableAtlasError as error:
         raise InputError(f"the atlas {path} {error}.") from None
     page = _page_of(pages, sheet, path)

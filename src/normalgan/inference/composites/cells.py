@@ -28,7 +28,7 @@ class Cell:
         height: rows in the sheet.
         turned: number of clockwise quarter turns in the sheet, by which packers save room.
         own: (height, width), the part of the box that belongs to it; None if all is.
-        tile: the ways in which the drawing repeats; None if that is the whole box.
+        tile: the directions in which the drawing repeats; None if it does not.
     """
 
     name: str

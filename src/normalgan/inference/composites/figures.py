@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from normalgan.arrays import BoolMask, Floats
 from normalgan.inference.cleaning.reader import Reading
 from normalgan.inference.composites.cells import Cell
+from normalgan.inference.composites.groups import connected
 from normalgan.inference.composites.islands import in_rows
 from normalgan.inference.mask.decision import Decision
 from normalgan.inference.reading.drawings import SMALLEST
@@ -51,31 +52,25 @@ def find_figures(decision: Decision, reading: Reading, shape: tuple[int, int]) -
     owner[large] = np.arange(len(large))
     figure = owner[labels]
     boxes = stats[large][:, [cv2.CC_STAT_LEFT, cv2.CC_STAT_TOP, cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT]]
-    groups = _connected(inked, figure, len(large))
-    groups = _joined(groups, _strangers(figure, boxes, reading, size))
-    numbers = np.unique(groups)
-    if len(numbers) < 2:
-        return []
-    renamed = np.append(np.searchsorted(numbers, groups), -1)
-    return _cells(renamed[figure], inked | body, len(numbers), shape)
+    pairs = [*_on_one_line(inked, figure), *_strangers(figure, boxes, reading, size)]
+    groups = connected(len(large), pairs)
+    count = int(groups.max()) + 1
+    return _cells(np.append(groups, -1)[figure], body, count, shape) if count > 1 else []
 
 
-def _connected(inked: BoolMask, figure: NDArray[np.intp], count: int) -> NDArray[np.intp]:
-    """Return the group (count,) of each area; areas that one line touches are of one group."""
-    groups = np.arange(count)
+def _on_one_line(inked: BoolMask, figure: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Return pairs (N, 2) of areas that one line touches."""
     lines = cv2.connectedComponents(inked.astype(np.uint8), connectivity=8)[1]
     touching = np.unique(np.stack([lines, figure], -1)[inked & (figure >= 0)], axis=0)
-    for line in np.unique(touching[:, 0]):
-        own = touching[touching[:, 0] == line, 1]
-        for each in own[1:]:
-            groups = _joined(groups, [(int(own[0]), int(each))])
-    return groups
+    same = touching[1:, 0] == touching[:-1, 0]
+    pairs: NDArray[np.intp] = np.stack([touching[:-1, 1], touching[1:, 1]], -1)[same]
+    return pairs
 
 
 def _strangers(
     figure: NDArray[np.intp], boxes: NDArray[np.int32], reading: Reading, size: tuple[int, int]
 ) -> list[tuple[int, int]]:
-    """Return pairs of areas of one object: if the reader places their centres close together."""
+    """Return pairs of areas of one object: one whose middle the reader sees outside it, and the nearest."""
     seen = [cv2.resize(each, size[::-1], interpolation=cv2.INTER_LINEAR) for each in reading.middle]
     there = figure >= 0
     counts = np.bincount(figure[there], minlength=len(boxes))
@@ -95,13 +90,6 @@ def _strangers(
         away[each] = np.inf
         pairs.append((int(each), int(away.argmin())))
     return pairs
-
-
-def _joined(groups: NDArray[np.intp], pairs: list[tuple[int, int]]) -> NDArray[np.intp]:
-    groups = groups.copy()
-    for one, other in pairs:
-        groups[groups == groups[other]] = groups[one]
-    return groups
 
 
 def _cells(figure: NDArray[np.intp], drawn: BoolMask, count: int, shape: tuple[int, int]) -> list[Cell]:

@@ -12,11 +12,11 @@ from normalgan.inference.composites.context import Context, context_of, surest, 
 from normalgan.inference.composites.layers import cut, encode_layers, is_plain, picture_of
 from normalgan.inference.composites.series import Member, predict_series, prepare_member
 from normalgan.inference.drawing import Drawing
-from normalgan.inference.jobs.plan import Job
+from normalgan.inference.jobs.plan import Job, overwritten
 from normalgan.inference.jobs.writing import Held, Writer
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.outputs import Outputs
-from normalgan.inference.parallel import stream
+from normalgan.inference.parallel import result_of, stream
 from normalgan.inference.pipeline import finish
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.preparation import Prepared
@@ -79,15 +79,14 @@ class LayeredJob:
                 failed.append(got)
                 said.append(f"layer {name!r}: it is left out, as {str(got).rstrip('.')}")
                 continue
-            if isinstance(got, Exception):
-                raise got
-            predicted += got[0]
-            said += [f"layer {name!r}: {got[1]}"] if got[1] else []
-            held += got[2]
+            layers, warning, waiting = result_of(got)
+            predicted += layers
+            said += [f"layer {name!r}: {warning}"] if warning else []
+            held += waiting
         if len(failed) == len(numbers):
             raise failed[0] if failed else InputError("none of its layers holds a drawing.")
         if drawing.layered is not None and goes_in_one(self.writer.outputs):
-            shape = found.shape if self.size is None else fitted(found.shape, self.size)
+            shape = fitted(found.shape, self.size)
             predicted.sort(key=lambda layer: (layer.frame, layer.number))
             self.writer.sink(target, encode_layers(drawing.layered, shape, predicted, found.durations))
         return "; ".join(said), held, found.notes.partial or bool(failed)
@@ -176,9 +175,7 @@ def layered_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
         drawing.layers  # noqa: B018 -- says that it has none, or that it is missing
     target = job.target.with_suffix(f".{drawing.layered}")
     if target.resolve() == drawing.path.resolve():
-        raise InputError(
-            f"{target} is an input and would be overwritten; give another folder (-o) or --suffix."
-        )
+        raise overwritten(target)
     return target
 
 

@@ -23,6 +23,7 @@ from normalgan.decoding import Decoded, DecodedLayer, DecodedLayers, decode_laye
 from normalgan.decoding.decoders.formats import format_of
 from normalgan.inference.reading.drawings import LARGEST, SMALLEST, read_content
 from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, to_picture
+from normalgan.inference.regions import box_of
 
 __all__ = ["LayeredKind", "cut", "encode_layers", "is_plain", "layered_kind", "picture_of", "read_layers"]
 
@@ -90,9 +91,8 @@ def cut(layer: DecodedLayer, pixels: NDArray[np.uint8]) -> DecodedLayer | None:
     opaque = pixels[..., 3] > 0
     if not opaque.any():
         return None
-    rows, columns = np.flatnonzero(opaque.any(1)), np.flatnonzero(opaque.any(0))
-    inside = pixels[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
-    return replace(layer, left=int(columns[0]), top=int(rows[0]), pixels=inside.copy())
+    top, bottom, left, right = box_of(opaque)
+    return replace(layer, left=left, top=top, pixels=pixels[top:bottom, left:right].copy())
 
 
 def encode_layers(

@@ -9,14 +9,15 @@ import numpy as np
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
 from normalgan.inference.mask.masks import MaskOrSource
-from normalgan.inference.network.framing import Bounds, bounds_of, united
+from normalgan.inference.network.framing import bounds_of
 from normalgan.inference.normal_map import NormalMap
-from normalgan.inference.parallel import stream
+from normalgan.inference.parallel import result_of, stream
 from normalgan.inference.pipeline import finish
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.preparation import Prepared, hinted, prepare, reframed
 from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import Picture, fitted
+from normalgan.inference.regions import Bounds, united
 from normalgan.inference.vectors import lengths
 
 __all__ = ["Member", "flat_map", "left_flat", "predict_series", "prepare_member", "steadied"]
@@ -28,7 +29,7 @@ _AROUND = 1 / 32
 _ALIKE = 0.075
 """Mean difference of the ink in a window from which two frames no longer show the same."""
 _SAME = 0.05
-"""Difference of two frames' normals, in radians, from which they are those of two surfaces."""
+"""Difference of two frames' normals, in radians, from which they belong to two surfaces."""
 _PASSES = 3
 """How often frames are averaged with their neighbours, because moving parts match in neighbours only."""
 
@@ -76,31 +77,31 @@ def predict_series(
     good = [i for i, each in enumerate(prepared) if isinstance(each, Prepared)]
     if shared and good:
         _check_sizes(members)
-        bounds = [bounds_of(_known(prepared[i]).ink) for i in good]
+        bounds = [bounds_of(result_of(prepared[i]).ink) for i in good]
         # An object that moves as a whole stands still in frames about itself, and fills them.
         if not (steady and _of_one_size(bounds)):
             for i in good:
-                prepared[i] = reframed(_known(prepared[i]), united(bounds))
+                prepared[i] = reframed(result_of(prepared[i]), united(bounds))
     for i in good:
-        prepared[i] = hinted(_known(prepared[i]), members[i].hints, members[i].picture.shape)
+        prepared[i] = hinted(result_of(prepared[i]), members[i].hints, members[i].picture.shape)
 
     def predict(each: Prepared | Exception) -> tuple[Floats, Floats | None]:
-        if isinstance(each, Exception):
-            raise each
-        return predictor.backend.predict(each.seen, each.hints)
+        ready = result_of(each)
+        return predictor.backend.predict(ready.seen, ready.hints)
 
     predicted = [got for _, got in stream(prepared, predict)]
     if shared and steady:
         fine = [i for i in good if not isinstance(predicted[i], Exception)]
-        averaged = steadied([_known(prepared[i]).seen for i in fine], [_pair(predicted[i])[0] for i in fine])
+        shown = [result_of(prepared[i]).seen for i in fine]
+        averaged = steadied(shown, [result_of(predicted[i])[0] for i in fine])
         for i, normals in zip(fine, averaged, strict=True):
-            predicted[i] = normals, _pair(predicted[i])[1]
+            predicted[i] = normals, result_of(predicted[i])[1]
 
     def place(i: int) -> NormalMap:
-        return finish(_known(prepared[i]), *_pair(predicted[i]), predictor.upsample)
+        return finish(result_of(prepared[i]), *result_of(predicted[i]), predictor.upsample)
 
     for _, got in stream(range(len(members)), place):
-        yield _map_or_input_error(got)
+        yield got if isinstance(got, InputError) else result_of(got)
 
 
 def steadied(seen: Sequence[Floats], preds: Sequence[Floats]) -> list[Floats]:
@@ -148,13 +149,13 @@ def left_flat(error: InputError) -> str:
 
 
 def flat_map(shape: tuple[int, int], size: int | None = None) -> NormalMap:
-    """Return the map of a drawing (H, W) that could not be predicted: flat, and nowhere an object.
+    """Return the map of a drawing (H, W) of which nothing is predicted: flat, and nowhere an object.
 
     Args:
         shape: shape of the drawing.
         size: longer side of the map in pixels; None is the drawing's.
     """
-    shape = shape if size is None else fitted(shape, size)
+    shape = fitted(shape, size)
     normals = np.zeros((*shape, 3), np.float32)
     normals[..., 2] = 1
     nothing = np.zeros(shape, np.float32)
@@ -182,21 +183,3 @@ def _check_sizes(members: Sequence[Member]) -> None:
             f"drawings of {width} × {height} and {other_width} × {other_height} pixels cannot share a frame; "
             "those of one size can, the others need --frame own."
         )
-
-
-def _known(prepared: Prepared | Exception) -> Prepared:
-    if isinstance(prepared, Exception):
-        raise prepared
-    return prepared
-
-
-def _pair(predicted: tuple[Floats, Floats | None] | Exception) -> tuple[Floats, Floats | None]:
-    if isinstance(predicted, Exception):
-        raise predicted
-    return predicted
-
-
-def _map_or_input_error(outcome: NormalMap | Exception) -> NormalMap | InputError:
-    if isinstance(outcome, NormalMap | InputError):
-        return outcome
-    raise outcome

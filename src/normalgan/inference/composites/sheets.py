@@ -13,11 +13,11 @@ from normalgan.decoding import Decoded, Pixels
 from normalgan.errors import InputError
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.composites.composition import tiled
-from normalgan.inference.composites.series import Member, left_flat, predict_series
+from normalgan.inference.composites.series import Member, flat_map, left_flat, predict_series
 from normalgan.inference.findings import Finding
 from normalgan.inference.mask.masks import MaskOrSource
 from normalgan.inference.normal_map import NormalMap
-from normalgan.inference.parallel import stream
+from normalgan.inference.parallel import result_of, stream
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.reading.drawings import SMALLEST
 from normalgan.inference.reading.hint_files import Hints
@@ -136,9 +136,7 @@ def _repeated(
         return predictor(member.picture, member.hints, member.mask, tile=cell.tile)
 
     for (cell, _), got in stream(drawn, predict):
-        if isinstance(got, Exception) and not isinstance(got, InputError):
-            raise got
-        yield cell, got
+        yield cell, got if isinstance(got, InputError) else result_of(got)
 
 
 def _member(
@@ -179,21 +177,19 @@ def _assembled(
     shape: tuple[int, int], predicted: Sequence[tuple[Cell, NormalMap]], findings: tuple[Finding, ...]
 ) -> NormalMap:
     """Return the map of a sheet (H, W) from those of its cells."""
-    normals = np.zeros((*shape, 3), np.float32)
-    normals[..., 2] = 1
-    mask, alpha = np.zeros(shape, np.bool_), np.zeros(shape, np.float32)
+    whole = flat_map(shape)
     sure = any(each.confidence is not None for _, each in predicted)
     confidence = np.zeros(shape, np.float32) if sure else None
     for cell, preds in predicted:
         # Boxes of drawings of any shape overlap: each writes where it is.
         there = cell.turn(preds.mask | (preds.alpha > 0)) if cell.own is not None else np.s_[:]
-        normals[cell.box][there] = cell.turn(preds.extended)[there]
-        mask[cell.box][there] = cell.turn(preds.mask)[there]
-        alpha[cell.box][there] = cell.turn(preds.alpha)[there]
+        whole.extended[cell.box][there] = cell.turn(preds.extended)[there]
+        whole.mask[cell.box][there] = cell.turn(preds.mask)[there]
+        whole.alpha[cell.box][there] = cell.turn(preds.alpha)[there]
         if confidence is not None and preds.confidence is not None:
             confidence[cell.box][there] = cell.turn(preds.confidence)[there]
     seen, cells = tiled([each.seen for _, each in predicted]), tuple(cell for cell, _ in predicted)
-    return NormalMap(normals, mask, alpha, seen, confidence, findings, cells=cells)
+    return replace(whole, seen=seen, confidence=confidence, findings=findings, cells=cells)
 
 
 def _findings(

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError
-from normalgan.files.limits import read_bounded
+from normalgan.files.limits import read_named
 from normalgan.inference.reading.drawings import SMALLEST
 
 __all__ = ["ENDINGS", "MOST_TILES", "TileGrid", "parse_tile_size", "read_tiled"]
@@ -112,10 +112,7 @@ def read_tiled(path: Path) -> TileGrid:
     Raises:
         InputError: if it cannot be read, is not a tileset, or is a collection of pictures.
     """
-    try:
-        text = read_bounded(path, _MOST_BYTES).decode("utf-8-sig", "replace")
-    except OSError as error:
-        raise InputError(f"the tileset {path} cannot be read: {error.strerror}.") from None
+    text = read_named(path, "the tileset", _MOST_BYTES).decode("utf-8-sig", "replace")
     found = _json(text, path) if text.lstrip().startswith("{") else _xml(text, path)
     values = [_whole(found.get(key, 0)) for key in ("tilewidth", "tileheight", "margin", "spacing")]
     width, height, margin, spacing = values

@@ -10,6 +10,7 @@ from normalgan.arrays import BoolMask, Floats
 from normalgan.decoding import Decoded
 from normalgan.inference.cleaning.silhouette import is_silhouette
 from normalgan.inference.composites.cells import Cell
+from normalgan.inference.composites.groups import connected
 from normalgan.inference.composites.sheets import predict_sheet
 from normalgan.inference.composites.tile_grid import TileGrid
 from normalgan.inference.mask.masks import MaskOrSource
@@ -131,8 +132,7 @@ class _Tiles:
         A tile that needs no other, because it repeats wherever it fits one, comes after those that it is
         shown with, and is predicted as it repeats.
         """
-        rows, columns = self.counts
-        groups = _connected(rows * columns, [(a, b) for _, a, b in self._neighbours()])
+        groups = connected(self.drawn.size, [(a, b) for _, a, b in self._neighbours()])
         together, alone = [], []
         for group in np.unique(groups[self.drawn.ravel()]):
             members = np.flatnonzero(groups == group)
@@ -151,12 +151,13 @@ class _Tiles:
         """Return normals (H, W, 3) that are equal at the edges of tiles that may meet."""
         normals = normals.copy()
         edges = [self._edges(axis) for axis in (0, 1)]
+        sides = self.grid.height, self.grid.width
         for _ in range(_PASSES):
             for axis in (0, 1):
                 lines = normals if axis == 0 else normals.swapaxes(0, 1)
                 weights = (mask if axis == 0 else mask.T).astype(np.float32) + np.float32(1e-3)
                 for group in edges[axis]:
-                    _adjust(lines, weights, group, self._sides(axis))
+                    _adjust(lines, weights, group, sides if axis == 0 else sides[::-1])
         return normals
 
     def _neighbours(self) -> Iterable[tuple[int, int, int]]:
@@ -198,11 +199,15 @@ class _Tiles:
 
         Two tiles that were predicted side by side, and meet no other, are not changed.
         """
-        rows, columns = self.counts
+
+        def place(edge: int) -> tuple[int, int, int]:
+            row, column = divmod(edge // 2, self.counts[1])
+            return (row, column, edge % 2) if axis == 0 else (column, row, edge % 2)
+
         meet = [(2 * a + 1, 2 * b) for which, a, b in self._neighbours() if which == axis]
         repeats = [int(each) for each in np.flatnonzero(self.wraps[axis].ravel())]
         meet += [(2 * each + 1, 2 * each) for each in repeats]
-        groups = _connected(2 * rows * columns, meet)
+        groups = connected(2 * self.drawn.size, meet)
         sure = {2 * each for each in repeats if self._repeated(each) in {"both", _AXES[axis]}}
         found: dict[int, list[int]] = {}
         for edge in sorted({each for pair in meet for each in pair}):
@@ -213,16 +218,7 @@ class _Tiles:
             for group in found.values()
             if len(group) > 2 or (group[0] // 2 in own and group[0] not in sure)
         ]
-        if axis == 0:
-            return [
-                [(each // 2 // columns, each // 2 % columns, each % 2) for each in group] for group in kept
-            ]
-        return [[(each // 2 % columns, each // 2 // columns, each % 2) for each in group] for group in kept]
-
-    def _sides(self, axis: int) -> tuple[int, int]:
-        """Return how long a tile is along an axis and across it."""
-        sides = _sizes(self.grid)
-        return sides[axis], sides[1 - axis]
+        return [[place(edge) for edge in group] for group in kept]
 
 
 def _drawn(picture: Picture, grid: TileGrid) -> tuple[BoolMask, Floats | None]:
@@ -274,20 +270,6 @@ def _fit(before: Floats, behind: Floats, axis: int) -> tuple[BoolMask, BoolMask]
     ]
     usual, hardest = (np.min([np.quantile(each, share, -1) for each in steps], 0) for share in (_USUAL, 1))
     return fits & (step <= usual), fits & (step <= hardest)
-
-
-def _sizes(grid: TileGrid) -> tuple[int, int]:
-    return grid.height, grid.width
-
-
-def _connected(count: int, pairs: Sequence[tuple[int, int]]) -> NDArray[np.int32]:
-    """Return a number for each item, the same for items that pairs connect."""
-    from scipy.sparse import coo_array  # here: it takes a while to import
-    from scipy.sparse.csgraph import connected_components
-
-    first, second = np.array(pairs, np.intp).reshape(-1, 2).T
-    graph = coo_array((np.ones(len(first), np.int8), (first, second)), (count, count))
-    return np.asarray(connected_components(graph, directed=False)[1])
 
 
 def _adjust(

@@ -16,6 +16,8 @@ __all__ = ["integrate"]
 
 _SMALL = 16000
 """Pixels up to which a map is solved at once."""
+_ROUNDS, _TOLERANCE = 30, 1e-3
+"""Most rounds of weights and heights at the lowest size; the share of the energy whose change ends them."""
 _REFINED = 4
 """Rounds at a size, after those at half of it."""
 _LARGE, _SETTLED = 40_000, 2
@@ -28,8 +30,6 @@ def integrate(
     normals: Floats,
     mask: NDArray[np.bool_],
     jumps: float = 2.0,
-    rounds: int = 30,
-    tolerance: float = 1e-3,
     tile: Tile | None = None,
 ) -> Floats:
     """Return the height of a surface above the plane of the picture, by bilateral normal integration.
@@ -40,11 +40,9 @@ def integrate(
 
     Args:
         normals: (H, W, 3) unit normals, x right, y up, z to the viewer. Zero where the height is unknown: the
-            surface is then as flat as its surroundings let it be.
+            surface is then as flat as its surroundings allow.
         mask: (H, W) True on the object; it may have holes and several parts.
         jumps: k of the paper, how readily the surface breaks; 0 gives plain Poisson integration.
-        rounds: weights and heights are found at most this often at the lowest size.
-        tolerance: and until the energy changes by less than this share of it.
         tile: the ways in which the map is repeated: pixels at opposite edges are then neighbours, so that the
             heights repeat too.
 
@@ -72,11 +70,11 @@ def integrate(
     if not np.isfinite(normals[mask]).all():
         raise InputError("a normal on the object is not a number; heights need finite normals.")
     if max(mask.shape) > _MOST:
-        return _enlarged(normals, mask, jumps, rounds, tolerance, tile)
+        return _enlarged(normals, mask, jumps, tile)
     height = np.zeros(mask.shape, np.float32)
     if mask.any():
         known = np.where(mask[..., None], normals, 0).astype(np.float64)
-        height[mask] = _solved(known, mask, jumps, rounds, tolerance, tile)
+        height[mask] = _solved(known, mask, jumps, tile)
     return _centred(height, mask, tile)
 
 
@@ -105,14 +103,7 @@ def _parts(mask: NDArray[np.bool_], tile: Tile | None) -> tuple[NDArray[np.int32
     return np.asarray(labels[parts], np.int32), number - 1
 
 
-def _enlarged(
-    normals: Floats,
-    mask: NDArray[np.bool_],
-    jumps: float,
-    rounds: int,
-    tolerance: float,
-    tile: Tile | None,
-) -> Floats:
+def _enlarged(normals: Floats, mask: NDArray[np.bool_], jumps: float, tile: Tile | None) -> Floats:
     """Return the heights of a large map from those of a reduced one.
 
     Little is lost, because the normals of a large drawing were enlarged from the network's size too.
@@ -121,31 +112,26 @@ def _enlarged(
     there = resize(mask.astype(np.float32), shape) > 0
     small = resize(np.where(mask[..., None], normals, np.float32(0)), shape)
     small /= np.maximum(np.linalg.norm(small, axis=-1, keepdims=True), 1e-6)
-    height = integrate(small, there, jumps, rounds, tolerance, tile) * np.float32(mask.shape[0] / shape[0])
+    height = integrate(small, there, jumps, tile) * np.float32(mask.shape[0] / shape[0])
     return _centred(resize_tile(height, (mask.shape[0], mask.shape[1]), tile), mask, tile)
 
 
 def _solved(
-    normals: NDArray[np.float64],
-    mask: NDArray[np.bool_],
-    jumps: float,
-    rounds: int,
-    tolerance: float,
-    tile: Tile | None,
+    normals: NDArray[np.float64], mask: NDArray[np.bool_], jumps: float, tile: Tile | None
 ) -> NDArray[np.float64]:
     """Return the heights (n,) on the mask.
 
     Where the surface breaks is found at half the size first, and so on down to ten thousand pixels: there
     each round is cheap, and distant pixels are only a few steps apart.
     """
-    start = None
+    start, rounds = None, _ROUNDS
     if jumps and np.count_nonzero(mask) > _SMALL:
         half, there = halve(normals, mask, tile)
         coarse = np.zeros(there.shape)
-        coarse[there] = _solved(half, there, jumps, rounds, tolerance, tile)
+        coarse[there] = _solved(half, there, jumps, tile)
         start = double(coarse, normals)[mask]
-        rounds = min(rounds, _REFINED)
+        rounds = _REFINED
     surface = Surface(normals, mask, tile)
     if start is not None and len(start) > _LARGE:
         return surface.solve(jumps, _SETTLED, 0, start, Relaxation())
-    return surface.solve(jumps, rounds, tolerance, start)
+    return surface.solve(jumps, rounds, _TOLERANCE, start)

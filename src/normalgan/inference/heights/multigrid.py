@@ -8,6 +8,8 @@ from scipy.sparse.linalg import LinearOperator, cg
 __all__ = ["Relaxation", "Solver"]
 
 _Vector = NDArray[np.float64]
+_STEPS = 20
+"""Steps of a relaxation."""
 _SLOW = 8
 """Steps from which a new multigrid pays: the old one was built for other weights."""
 
@@ -60,20 +62,14 @@ class Relaxation:
     They smooth fine errors only. After a guess that is right at large scales this is enough, and takes less
     time and memory.
 
-    Args:
-        steps: steps of each solution.
-
     Example:
         >>> matrix = sparse.csr_array(np.array([[2.0, -1.0], [-1.0, 2.0]]))
         >>> Relaxation().solve(matrix, np.array([0.0, 3.0]), np.zeros(2)).round(3).tolist()
         [1.0, 2.0]
     """
 
-    def __init__(self, steps: int = 20) -> None:
-        self.steps = steps
-
     def solve(self, matrix: sparse.csr_array, wanted: _Vector, start: _Vector) -> _Vector:
         """Return the solution (n,) of a symmetric positive matrix (n, n), nearer than a guess."""
         scale = sparse.diags_array(1 / matrix.diagonal())
-        solution, _ = cg(matrix, wanted, start, rtol=1e-4, maxiter=self.steps, M=scale)
+        solution, _ = cg(matrix, wanted, start, rtol=1e-4, maxiter=_STEPS, M=scale)
         return np.asarray(solution)

@@ -146,7 +146,7 @@ class Surface:
         """Return the heights (n,).
 
         Args:
-            jumps: as `normalgan.inference.heights.height.integrate` has it, and so are the next two.
+            jumps: as `normalgan.inference.heights.height.integrate` has it.
             rounds: weights and heights are found at most this often.
             tolerance: and until the energy changes by less than this share of it.
             start: (n,) heights to begin with, which also tell where the surface breaks.

@@ -9,7 +9,31 @@ from pathlib import Path
 from normalgan.errors import InputError
 from normalgan.inference.reading.drawings import SUFFIXES, is_drawing, without_companions
 
-__all__ = ["search"]
+__all__ = ["find_drawings", "search"]
+
+
+def find_drawings(
+    source: str | Sequence[str], ending: str = "_normal.png", companions: Sequence[str] = ()
+) -> list[Path]:
+    """Return the drawings in a folder, matched by a glob, or listed, in order.
+
+    Args:
+        source: folder, glob, file or a list of them.
+        ending: outputs are named after the drawing's stem with this ending.
+        companions: as `search` has them.
+
+    Raises:
+        InputError: if a name matches no drawing, or two drawings have the same name.
+    """
+    found, errors = search([source] if isinstance(source, str) else source, companions)
+    if errors:
+        raise errors[0]
+    by_name: dict[str, Path] = {}
+    for path in found:
+        other = by_name.setdefault(path.stem, path)
+        if other is not path:
+            raise InputError(f"{other} and {path} would both be written as {path.stem}{ending}; rename one.")
+    return list(found)
 
 
 def search(

@@ -7,11 +7,11 @@ from tempfile import TemporaryFile
 from typing import Literal
 
 from normalgan.errors import InputError, unwritable
-from normalgan.inference.jobs.folders import search
+from normalgan.inference.jobs.folders import find_drawings, search
 from normalgan.inference.mask.masks import ENDINGS as MASK_ENDINGS
 from normalgan.inference.mask.masks import MODEL, OUTLINE, READER
 from normalgan.inference.outputs import OUTPUTS
-from normalgan.inference.reading.drawings import SUFFIXES, find_companion, find_drawings
+from normalgan.inference.reading.drawings import SUFFIXES, find_companion
 from normalgan.inference.reading.hint_files import ENDINGS as HINT_ENDINGS
 
 __all__ = [
@@ -26,6 +26,7 @@ __all__ = [
     "find_many",
     "format_of",
     "is_file_name",
+    "overwritten",
     "plan",
     "plan_file",
 ]
@@ -256,6 +257,11 @@ def check_writable(jobs: Sequence[Job]) -> None:
             ) from None
 
 
+def overwritten(path: Path) -> InputError:
+    """Return the error about an output that is one of the inputs."""
+    return InputError(f"{path} is an input and would be overwritten; give another folder (-o) or --suffix.")
+
+
 def _companions(
     read: Sequence[DrawingFiles], named: str | None, kind: str, endings: Sequence[str]
 ) -> list[Path | None]:
@@ -289,9 +295,7 @@ def _check_names(
             written.clear()
         for path in (job.target, *(job.beside(ending) for ending in others)):
             if path.resolve() in read:
-                raise InputError(
-                    f"{path} is an input and would be overwritten; give another folder (-o) or --suffix."
-                )
+                raise overwritten(path)
             if path.resolve() in written:
                 raise InputError(f"{path} would be written twice; rename a sketch, or give another --suffix.")
             written.add(path.resolve())

@@ -13,7 +13,7 @@ class Watcher:
     """Finds drawings that are new or were saved again, or whose hints or masks were.
 
     A program takes a while to save: a file is ready when two successive checks find it unchanged. Files are
-    looked at again and again, as the system's own messages do not come from network folders.
+    polled, because network folders send no notifications.
 
     Args:
         files: the finished drawings, each with the other files read for it.

@@ -15,11 +15,12 @@ from normalgan.inference.findings import Finding
 from normalgan.inference.mask.edge import snap
 from normalgan.inference.network.line_width import line_width
 from normalgan.inference.reading.picture import fitted, resize
+from normalgan.inference.regions import depth_of, extent_of
 
 __all__ = ["Decision", "decide"]
 
 _SIDE = 512
-"""Longest side at which areas are voted on, and twice the shortest; the ink gives their edge."""
+"""Longest side in pixels at which areas are voted on, and twice the shortest; the ink gives their edge."""
 _OFF, _LEAST_OFF = 2.5, 2.0
 """How far the edge found at that size may be off, in its pixels; and at least, in pixels of the drawing."""
 _INKED = 0.35
@@ -27,11 +28,11 @@ _INKED = 0.35
 _UNSURE = 0.15, 0.7, 0.02
 """Mean presence between which the reader is unsure of a region; and the least share of the object to warn."""
 _OPEN = 0.2
-"""Share of the object's longer side over which its edge may go without a line, before that is told."""
+"""Share of the object's longer side over which its edge may have no line before that is reported."""
 _REACH = 4
 """How far from an edge a line bounds it, in pixels of the vote."""
 _NEAR = 0.01
-"""How far from a region a point that flips it may lie, as a share of the longer side: on its line, say."""
+"""How far from a region a point that flips it may lie, as a share of the longer side: on its outline."""
 
 
 @dataclass(frozen=True)
@@ -107,7 +108,7 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
     shape = (ink.shape[0], ink.shape[1])
     # In a small drawing, lines are connected only between pixels.
     side = min(max(*shape, _SIDE // 2), _SIDE)
-    size = shape if side == max(shape) else fitted(shape, side)
+    size = fitted(shape, side)
     small_ink = ink if size == shape else resize(ink, size)
     inked = small_ink > _INKED
     read = None if reading is None else reading.presence_at(size)
@@ -206,9 +207,8 @@ def _open(small: BoolMask, inked: BoolMask, shape: tuple[int, int]) -> list[Find
     free[:, :_REACH] = free[:, -_REACH:] = 0
     if not free.any():
         return []
-    count, labels, stats, _ = cv2.connectedComponentsWithStats(free, connectivity=8)
-    rows, columns = np.nonzero(small)
-    if count < 2 or stats[1:, cv2.CC_STAT_AREA].max() < _OPEN * (max(np.ptp(rows), np.ptp(columns)) + 1):
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(free, connectivity=8)
+    if stats[1:, cv2.CC_STAT_AREA].max() < _OPEN * extent_of(small):
         return []
     rows, columns = np.nonzero(labels == 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax()))
     middle = int(np.hypot(rows - rows.mean(), columns - columns.mean()).argmin())
@@ -218,7 +218,7 @@ def _open(small: BoolMask, inked: BoolMask, shape: tuple[int, int]) -> list[Find
 
 def _deepest(region: BoolMask) -> tuple[int, int]:
     """Return x and y of the pixel of a region that is farthest from its edge."""
-    depth = cv2.distanceTransform(np.pad(region, 1).astype(np.uint8), cv2.DIST_L2, 3)[1:-1, 1:-1]
+    depth = depth_of(region, 3)
     row, column = np.unravel_index(int(depth.argmax()), depth.shape)
     return int(column), int(row)
 

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Floats
-from normalgan.inference.network.framing import around, box_of
 from normalgan.inference.network.line_width import line_width
 from normalgan.inference.reading.picture import resize
+from normalgan.inference.regions import around, depth_of, extent_of
 
 __all__ = ["snap", "soft_edge"]
 
@@ -21,15 +21,15 @@ _ONE_SIDED = 0.97
 _OWN = 0.6
 """Share of ink that lies in the mask from which it is object although no region of it touches it."""
 _LARGE = 1024
-"""Longest side at which regions and lines are told apart; of a larger drawing only the last pixels are."""
+"""Longest side at which regions and lines are separated; larger drawings are decided at half their size."""
 _MERGED = 1.5
-"""Times as wide as a line is where two lines meet in a tip."""
+"""Width of the ink where two lines meet in a tip, as a multiple of a line's width."""
 _TIP = 0.25
 """Longest tip, as a share of what the object spans."""
 _TOUCHING, _FINER = 1.3, 1.25
 """How far from the inside a line's middle may be, in halves of its width; and the step between widths."""
 _WINDOW = 14
-"""Pixels; up to as many, a window is faster than distances."""
+"""Reach in pixels up to which dilation is faster than a distance transform."""
 _CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 _SQUARE, _WIDE = np.ones((3, 3), np.uint8), np.ones((5, 5), np.uint8)
 
@@ -58,9 +58,8 @@ def snap(mask: BoolMask, ink: Floats, reach: float) -> Floats:
     covered = np.zeros(mask.shape, np.float32)
     if not mask.any():
         return covered
-    top, bottom, left, right = box_of(mask)
     # A tip may be as far outside of the mask.
-    box = around(mask, int(_TIP * max(bottom - top, right - left)) + int(reach) + 4)
+    box = around(mask, int(_TIP * extent_of(mask)) + int(reach) + 4)
     lines = ink[box]
     darkest = cv2.dilate(lines, _WIDE)
     share = np.minimum(lines / np.maximum(darkest, _PALEST), 1)
@@ -80,15 +79,14 @@ def _body(mask: BoolMask, ink: Floats, inked: BoolMask, reach: float) -> BoolMas
     """
     shape = (mask.shape[0], mask.shape[1])
     if max(shape) > _LARGE:
-        # At half the size all is decided but the last pixels.
+        # Half the size decides everything except the last pixels.
         half = ((shape[0] + 1) // 2, (shape[1] + 1) // 2)
         small = resize(ink, half)
         rough = _body(resize(mask.astype(np.float32), half) > 0.5, small, small > _PALEST, reach / 2)
         return _finish(resize(rough.astype(np.float32), shape) > 0.5, inked)
     inside, thin = _divide(mask, inked, reach)
     whole = inside | _own_ink(mask, inside, inked)
-    top, bottom, left, right = box_of(mask)
-    return whole | _tips(whole, inked, thin & ~inside, max(bottom - top, right - left))
+    return whole | _tips(whole, inked, thin & ~inside, extent_of(mask))
 
 
 def _finish(rough: BoolMask, inked: BoolMask) -> BoolMask:
@@ -133,7 +131,7 @@ def _divide(mask: BoolMask, inked: BoolMask, reach: float) -> tuple[BoolMask, Bo
     inside: BoolMask = np.take(whole & (among > 0.5), labels)
     mixed = free & ~np.take(whole, labels)
     if mixed.any():
-        # Far from any line, nothing is known but the mask.
+        # Far from any line, only the mask is known.
         inside |= _meet(mask, mixed, within | beyond | clear, reach)
     return inside, np.take(narrow, labels)
 
@@ -200,8 +198,7 @@ def _tips(body: BoolMask, inked: BoolMask, slits: BoolMask, span: int) -> BoolMa
         return np.zeros_like(body)
     count, found, stats, _ = cv2.connectedComponentsWithStats(loose.view(np.uint8), connectivity=8)
     labels = np.asarray(found, np.int32)
-    padded = np.pad((inked | slits).view(np.uint8), 1)
-    depth = cv2.distanceTransform(padded, cv2.DIST_L2, 5)[1:-1, 1:-1]
+    depth = depth_of(inked | slits)
     width = line_width(inked)
     # Where a line leaves the body, the corners between them make it wider.
     away = cv2.distanceTransform((~body).view(np.uint8), cv2.DIST_L2, 5)

@@ -35,7 +35,7 @@ class Backend(Protocol):
             hints: (4, S, S) unit normals at the hints, and where they are; None for no hints.
 
         Returns:
-            (S, S, 3) vectors in camera space, as long as an object is probable, and the confidence κ (S, S)
-            or None.
+            (S, S, 3) vectors in camera space, whose length is the probability of an object, and the
+            confidence κ (S, S) or None.
         """
         ...

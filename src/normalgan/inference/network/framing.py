@@ -1,6 +1,5 @@
 """Framing: the square of a drawing that a model is shown, and the way back."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Self
 
@@ -10,12 +9,10 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import Floats
 from normalgan.inference.medians import median
+from normalgan.inference.regions import Bounds, box_of
 from normalgan.normals import normalize
 
-__all__ = ["Bounds", "Frame", "around", "bounds_of", "box_of", "united"]
-
-Bounds = tuple[int, int, int, int]
-"""First row, row after the last, first column, column after the last."""
+__all__ = ["Frame", "bounds_of"]
 
 
 @dataclass(frozen=True)
@@ -119,37 +116,3 @@ def bounds_of(ink: Floats) -> Bounds:
     (1, 3, 1, 4)
     """
     return box_of(ink > 0.1)
-
-
-def box_of(marked: NDArray[np.bool_]) -> Bounds:
-    """Return the bounding box of marked pixels (H, W); an empty one if nothing is.
-
-    >>> box_of(np.pad(np.ones((2, 3), bool), 1))
-    (1, 3, 1, 4)
-    """
-    left, top, width, height = cv2.boundingRect(marked.view(np.uint8))
-    return top, top + height, left, left + width
-
-
-def around(marked: NDArray[np.bool_], room: int) -> tuple[slice, slice]:
-    """Return the part of a picture (H, W) around the marked pixels, with a margin.
-
-    All of it if nothing is marked.
-
-    >>> around(np.pad(np.ones((2, 3), bool), 5), 1)
-    (slice(4, 8, None), slice(4, 9, None))
-    """
-    top, bottom, left, right = box_of(marked)
-    if top == bottom:
-        return np.s_[:, :]
-    return np.s_[max(top - room, 0) : bottom + room, max(left - room, 0) : right + room]
-
-
-def united(boxes: Iterable[Bounds]) -> Bounds:
-    """Return the box that holds several; there is one at least.
-
-    >>> united([(1, 3, 1, 4), (0, 2, 2, 9)])
-    (0, 3, 1, 9)
-    """
-    top, bottom, left, right = zip(*boxes, strict=True)
-    return min(top), max(bottom), min(left), max(right)

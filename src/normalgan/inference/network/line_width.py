@@ -5,17 +5,18 @@ import numpy as np
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.inference.medians import median
-from normalgan.inference.network.framing import Frame, around
+from normalgan.inference.network.framing import Frame
+from normalgan.inference.regions import around, depth_of
 from normalgan.line_widths import DRAWN_WIDTH, LineWidths
 
 __all__ = ["areas", "line_width", "middle", "render_model_input"]
 
 _FINER = 4
-"""Lines are thinned with as many pixels a side for each of the model."""
+"""Pixels a side, for each pixel of the model, at which lines are thinned."""
 _ROUGH = 2
-"""As many are enough to tell that a line is far from too thin or too wide."""
+"""The same for a first look: whether all lines are far from too thin and too wide."""
 _THIN = 0.02
-"""Half as wide as this share of the model's side a line is at least before it is an area."""
+"""Least half width of an area, as a share of the model's side; what is thinner is a line."""
 
 
 def render_model_input(ink: Floats, frame: Frame, widths: LineWidths) -> Floats:
@@ -32,10 +33,10 @@ def render_model_input(ink: Floats, frame: Frame, widths: LineWidths) -> Floats:
     if _is_known(ink, frame, widths):
         return frame.cut(ink)
     whole = _finer(frame, _FINER).marked(ink)
-    # Nothing is done about what is empty, which is most of the frame of a drawing that is not square.
+    # Empty parts, which are most of the frame of a long drawing, are skipped.
     box = around(whole, 2 * _FINER)
     inked = whole[box]
-    depth = _depth(inked)
+    depth = depth_of(inked)
     width = _width(inked, depth)
     thick = areas(inked, width, depth, frame.size * _FINER)
     if thick.any():
@@ -66,7 +67,7 @@ def _is_known(ink: Floats, frame: Frame, widths: LineWidths) -> bool:
     """
     marked = _finer(frame, _ROUGH).marked(ink)
     inked = marked[around(marked, 1)]
-    depth = _depth(inked)
+    depth = depth_of(inked)
     known = widths[0] * _ROUGH + 1 <= _width(inked, depth) <= widths[1] * _ROUGH - 1
     return known and float(depth.max()) + 1 <= _THIN * frame.size * _ROUGH
 
@@ -84,7 +85,7 @@ def line_width(inked: BoolMask) -> float:
     5
     """
     inked = inked[around(inked, 1)]
-    return _width(inked, _depth(inked))
+    return _width(inked, depth_of(inked))
 
 
 def _width(inked: BoolMask, depth: Floats) -> float:
@@ -144,10 +145,3 @@ def _edge(inked: BoolMask, thick: BoolMask) -> BoolMask:
     inner = cv2.erode(thick.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
     onto = cv2.dilate((inked & ~thick).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
     return thick & ~inner & ~onto
-
-
-def _depth(inked: BoolMask) -> Floats:
-    """Return how far inside the ink each pixel lies, (H, W), 1 at its edge."""
-    padded = cv2.copyMakeBorder(inked.view(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
-    depth = cv2.distanceTransform(padded, cv2.DIST_L2, 5)
-    return np.asarray(depth[1:-1, 1:-1], np.float32)

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from functools import cache
 from itertools import islice
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import onnxruntime
@@ -103,19 +104,7 @@ class OnnxBackend:
                 f"{path} is not a model that ONNX Runtime can run: {brief(error)[:200].rstrip('.')}."
             ) from error
         self._path = path
-        side = (inputs.get("sketch") or [None])[-1]
-        fits = [_fits(inputs.get(name), channels, side) for name, channels in (("sketch", 1), ("hints", 4))]
-        if len(inputs) != 2 or not all(fits) or "normal" not in self._outputs:
-            raise InputError(
-                f"{path} takes {_listed(inputs)} and gives {_listed(self._outputs)}, which is not what "
-                "`normalgan export` writes: sketch and hints of one fixed size, and normal."
-            )
-        if not SMALLEST <= side <= LARGEST:
-            raise InputError(
-                f"the model {path} predicts pictures of {side} × {side} pixels; "
-                f"{SMALLEST} to {LARGEST} a side are possible."
-            )
-        self.size: int = side
+        self.size = _side_of(path, inputs, self._outputs)
         """Side of the model's pictures in pixels."""
         try:
             self.line_widths = line_widths_of(self.notes)
@@ -193,6 +182,23 @@ def _limit_memory() -> None:
         "Cpu", onnxruntime.OrtAllocatorType.ORT_ARENA_ALLOCATOR, 0, onnxruntime.OrtMemType.DEFAULT
     )
     onnxruntime.create_and_register_allocator(where, onnxruntime.OrtArenaCfg({"max_mem": MEMORY}))
+
+
+def _side_of(path: Path, inputs: dict[str, list[Any]], outputs: list[str]) -> int:
+    """Return the side in pixels of a model's pictures; raise `InputError` if it is not a generator."""
+    side = (inputs.get("sketch") or [None])[-1]
+    fits = [_fits(inputs.get(name), channels, side) for name, channels in (("sketch", 1), ("hints", 4))]
+    if len(inputs) != 2 or not all(fits) or "normal" not in outputs:
+        raise InputError(
+            f"{path} takes {_listed(inputs)} and gives {_listed(outputs)}, which is not what "
+            "`normalgan export` writes: sketch and hints of one fixed size, and normal."
+        )
+    if not SMALLEST <= side <= LARGEST:
+        raise InputError(
+            f"the model {path} predicts pictures of {side} × {side} pixels; "
+            f"{SMALLEST} to {LARGEST} a side are possible."
+        )
+    return int(side)
 
 
 def _listed(names: Iterable[str]) -> str:

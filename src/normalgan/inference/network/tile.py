@@ -13,9 +13,9 @@ from normalgan.inference.reading.picture import resize
 __all__ = ["Tile", "check_tile", "middle", "repeats", "resize_tile", "wrapped"]
 
 Tile = Literal["both", "x", "y"]
-"""Ways in which a picture is repeated: side by side (x), one above the other (y)."""
+"""Directions in which a picture repeats: side by side (x), one above the other (y)."""
 _REACH = 4
-"""Pixels beyond an edge that count when a picture is enlarged; two do."""
+"""Pixels beyond an edge that are kept when a picture is enlarged; interpolation needs two."""
 
 
 def check_tile(tile: str | None) -> None:

@@ -10,8 +10,8 @@ import numpy as np
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.inference.network.extension import extend
-from normalgan.inference.network.framing import around
 from normalgan.inference.preparation import Prepared
+from normalgan.inference.regions import around, depth_of
 from normalgan.weights.shipped import REFINER
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ RIM = 16
 _ENLARGED = 1.2
 """How much larger than the model's a map must be to be refined."""
 _LARGEST = 4.0
-"""At most as many pixels for each of the model are refined; what is larger is enlarged from there."""
+"""Largest scale, in pixels for each pixel of the model, that is refined; the rest is enlarging."""
 
 
 @dataclass(frozen=True)
@@ -145,9 +145,8 @@ def planes(normals: Floats, ink: Floats, mask: BoolMask) -> Floats:
         ink: (H, W) in [0, 1].
         mask: (H, W), the object, which does not go on beyond the picture's edge.
     """
-    depth = cv2.distanceTransform(np.pad(mask.astype(np.uint8), 1), cv2.DIST_L2, 5)[1:-1, 1:-1]
     out = np.empty((6, *mask.shape), np.float32)
     out[:3] = np.moveaxis(normals, -1, 0)
     out[3], out[4] = ink, mask
-    np.minimum(depth / RIM, 1, out=out[5])
+    np.minimum(depth_of(mask) / RIM, 1, out=out[5])
     return out

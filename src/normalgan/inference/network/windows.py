@@ -21,7 +21,7 @@ __all__ = ["Window", "predict_windows", "repeated", "windows"]
 _SIDE = 1.5
 """Side of a window, as a share of the drawing's longer side."""
 _IN = 6
-"""In how many windows each place of a repeated drawing lies, along each way, at the least."""
+"""Least number of windows that hold each place of a repeated drawing, along each direction."""
 
 
 @dataclass(frozen=True)

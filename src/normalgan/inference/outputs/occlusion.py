@@ -1,4 +1,4 @@
-"""Occlusion: how much of the light from all around each place of a surface gets, from heights and normals."""
+"""Occlusion: how much ambient light reaches each place of a surface, from heights and normals."""
 
 import cv2
 import numpy as np
@@ -10,14 +10,14 @@ from normalgan.inference.reading.picture import fitted, resize
 __all__ = ["occlusion"]
 
 _SIDE = 512
-"""Longest side at which it is worked out; occlusion is smooth."""
+"""Longest side at which it is computed; occlusion is smooth."""
 _WAYS = 12
-"""Directions in which is looked."""
+"""Number of directions that are searched."""
 _REACH = 0.12
 """Reach of the search, as a share of the longer side."""
 _STEPS = 7
 _BIAS = 0.12
-"""Less than this is noise of the heights, and at the rim of their steepness."""
+"""Least rise, as a sine, that occludes; less is noise of the heights, or their steepness at the rim."""
 
 
 def occlusion(height: Floats, normals: Floats, mask: NDArray[np.bool_], longest: int | None = None) -> Floats:

@@ -21,6 +21,7 @@ Pixels = NDArray[np.uint8]
 Opacity = NDArray[np.bool_] | Floats
 
 _PAPER = (0.020, 0.022, 0.026)  # linear; darker than the clay in its shadow
+_GAP = 2  # pixels between the pictures of a sheet
 _FINE = 4  # samples a side of a pixel of the ball, for a smooth edge
 
 
@@ -74,36 +75,35 @@ def lit(normals: Floats, opacity: Opacity, azimuth: float, elevation: float = 25
     return to_srgb(picture)
 
 
-def turn(normals: Floats, opacity: Opacity, frames: int = 24, elevation: float = 25.0) -> list[Pixels]:
+def turn(normals: Floats, opacity: Opacity, frames: int) -> list[Pixels]:
     """Return pictures of a map while the lamp circles it once, clockwise from the upper left.
 
     Args:
         normals: (H, W, 3) unit normals.
         opacity: (H, W), 1 on the object.
         frames: number of pictures.
-        elevation: elevation of the lamp in degrees.
 
     Raises:
         InputError: if there are no frames.
     """
     if frames < 1:
         raise InputError(f"a turn of the light has one picture or more, not {frames}.")
-    return [lit(normals, opacity, 135 - 360 * i / frames, elevation) for i in range(frames)]
+    return [lit(normals, opacity, 135 - 360 * i / frames) for i in range(frames)]
 
 
-def sheet(pictures: list[Pixels], columns: int = 4, gap: int = 2) -> Pixels:
-    """Return pictures of one size side by side, row by row, with a gap in pixels between them.
+def sheet(pictures: list[Pixels], columns: int = 4) -> Pixels:
+    """Return pictures of one size side by side, row by row, with a gap of `_GAP` pixels between them.
 
-    >>> sheet([np.zeros((4, 6, 3), np.uint8)] * 3, columns=2, gap=1).shape
-    (9, 13, 3)
+    >>> sheet([np.zeros((4, 6, 3), np.uint8)] * 3, columns=2).shape
+    (10, 14, 3)
     """
     height, width = pictures[0].shape[:2]
     columns = min(columns, len(pictures))
     rows = -(-len(pictures) // columns)
-    whole = np.empty((rows * (height + gap) - gap, columns * (width + gap) - gap, 3), np.uint8)
+    whole = np.empty((rows * (height + _GAP) - _GAP, columns * (width + _GAP) - _GAP, 3), np.uint8)
     whole[:] = to_srgb(np.array(_PAPER, np.float32))
     for i, picture in enumerate(pictures):
-        top, left = i // columns * (height + gap), i % columns * (width + gap)
+        top, left = i // columns * (height + _GAP), i % columns * (width + _GAP)
         whole[top : top + height, left : left + width] = picture
     return whole
 

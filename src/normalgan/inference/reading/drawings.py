@@ -1,7 +1,6 @@
 """Drawings of the user's own: finding and reading them and their painted hints; the one reader."""
 
 from collections.abc import Sequence
-from glob import glob
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +22,6 @@ __all__ = [
     "SUFFIXES",
     "SVG_SIDE",
     "find_companion",
-    "find_drawings",
     "is_drawing",
     "read_content",
     "read_drawing",
@@ -42,43 +40,6 @@ SMALLEST, LARGEST = 8, 8192
 """Least and greatest side in pixels: less holds no line, more is a mistake or a decompression bomb."""
 MOST_BYTES = 2**29
 """Larger files are refused; the largest picture has as many with 16 bits a channel, not packed at all."""
-
-
-def find_drawings(
-    source: str | Sequence[str], ending: str = "_normal.png", companions: Sequence[str] = ()
-) -> list[Path]:
-    """Return the drawings in a folder, matched by a glob, or listed, in order of their names.
-
-    Args:
-        source: folder, glob, file or a list of them.
-        ending: outputs are named after the drawing's stem with this ending.
-        companions: files next to a drawing, named its stem plus one of these, such as ``_hints``, are not
-            drawings.
-
-    Raises:
-        InputError: if a named file is missing, nothing is found, or two have the same name.
-    """
-    paths: list[Path] = []
-    for entry in [source] if isinstance(source, str) else source:
-        if Path(entry).is_dir():
-            found = [path for path in Path(entry).iterdir() if is_drawing(path)]
-        elif Path(entry).is_file():
-            found = [Path(entry)]
-        else:
-            found = [Path(match) for match in glob(entry, recursive=True) if Path(match).is_file()]
-        if not found:
-            raise InputError(
-                f"no sketch found at {entry!r}; give a folder, a file or a glob of {' '.join(SUFFIXES)}."
-            )
-        if not Path(entry).is_file():
-            found = without_companions(found, companions)
-        paths += sorted(path for path in found if path not in paths)  # patterns may overlap
-    by_name: dict[str, Path] = {}
-    for path in paths:
-        other = by_name.setdefault(path.stem, path)
-        if other is not path:
-            raise InputError(f"{other} and {path} would both be written as {path.stem}{ending}; rename one.")
-    return paths
 
 
 def is_drawing(path: Path) -> bool:

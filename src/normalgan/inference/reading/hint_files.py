@@ -10,7 +10,7 @@ import numpy as np
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
-from normalgan.files.limits import read_bounded
+from normalgan.files.limits import read_named
 from normalgan.inference.reading.drawings import read_hints
 from normalgan.normals import LEAST_Z, normalize
 
@@ -106,10 +106,7 @@ def _is_number(value: Any) -> bool:
 
 
 def _parsed(path: Path) -> Any:
-    try:
-        content = read_bounded(path, MOST_LISTED)
-    except OSError as error:
-        raise InputError(f"the hints {path} cannot be read: {error.strerror}.") from None
+    content = read_named(path, "the hints", MOST_LISTED)
     try:
         return json.loads(content)  # of bytes it finds the encoding, with a byte order mark too
     except json.JSONDecodeError as error:

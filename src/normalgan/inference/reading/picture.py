@@ -11,7 +11,17 @@ from normalgan.arrays import Floats
 from normalgan.decoding import Decoded, FileNotes
 from normalgan.inference.reading.drawings import SVG_SIDE, read_pixels, to_unit
 
-__all__ = ["MOST_WORKED", "Picture", "Resize", "fitted", "read_picture", "resize", "to_picture", "to_pixels"]
+__all__ = [
+    "MOST_WORKED",
+    "Picture",
+    "Resize",
+    "fitted",
+    "fitted_within",
+    "read_picture",
+    "resize",
+    "to_picture",
+    "to_pixels",
+]
 
 MOST_WORKED = 2048
 """Longest side in pixels at which a drawing is worked on; maps of larger ones are enlarged to their size."""
@@ -65,14 +75,25 @@ def resize(picture: Floats, shape: tuple[int, int]) -> Floats:
     return np.asarray(cv2.resize(picture, shape[::-1], interpolation=method), np.float32)
 
 
-def fitted(shape: tuple[int, int], longest: int) -> tuple[int, int]:
-    """Return (H, W) of the same proportions whose longer side is ``longest``.
+def fitted(shape: tuple[int, int], longest: int | None) -> tuple[int, int]:
+    """Return (H, W) of the same proportions whose longer side is ``longest``; unchanged if that is None.
 
     >>> fitted((300, 600), 1024)
     (512, 1024)
     """
+    if longest is None:
+        return shape
     scale = longest / max(shape)
     return max(round(shape[0] * scale), 1), max(round(shape[1] * scale), 1)
+
+
+def fitted_within(shape: tuple[int, int], longest: int) -> tuple[int, int]:
+    """Return (H, W) of the same proportions whose longer side is at most ``longest``.
+
+    >>> fitted_within((300, 600), 1024), fitted_within((300, 600), 300)
+    ((300, 600), (150, 300))
+    """
+    return fitted(shape, min(longest, max(shape)))
 
 
 def read_picture(path: Path, content: bytes | None = None, longest: int | None = None) -> Picture:

@@ -1,0 +1,74 @@
+"""Regions: the bounding boxes and the depths of marked pixels."""
+
+from collections.abc import Iterable
+from typing import Literal
+
+import cv2
+import numpy as np
+
+from normalgan.arrays import BoolMask, Floats
+
+__all__ = ["Bounds", "around", "box_of", "depth_of", "extent_of", "united"]
+
+Bounds = tuple[int, int, int, int]
+"""First row, row after the last, first column, column after the last."""
+
+
+def box_of(marked: BoolMask) -> Bounds:
+    """Return the bounding box of marked pixels (H, W); an empty one if nothing is.
+
+    >>> box_of(np.pad(np.ones((2, 3), bool), 1))
+    (1, 3, 1, 4)
+    """
+    left, top, width, height = cv2.boundingRect(marked.view(np.uint8))
+    return top, top + height, left, left + width
+
+
+def around(marked: BoolMask, room: int) -> tuple[slice, slice]:
+    """Return the part of a picture (H, W) around the marked pixels, with a margin.
+
+    All of it if nothing is marked.
+
+    >>> around(np.pad(np.ones((2, 3), bool), 5), 1)
+    (slice(4, 8, None), slice(4, 9, None))
+    """
+    top, bottom, left, right = box_of(marked)
+    if top == bottom:
+        return np.s_[:, :]
+    return np.s_[max(top - room, 0) : bottom + room, max(left - room, 0) : right + room]
+
+
+def extent_of(marked: BoolMask) -> int:
+    """Return the longer side in pixels of the bounding box of marked pixels (H, W); 0 if nothing is.
+
+    >>> extent_of(np.pad(np.ones((2, 3), bool), 1))
+    3
+    """
+    top, bottom, left, right = box_of(marked)
+    return max(bottom - top, right - left)
+
+
+def depth_of(marked: BoolMask, metric: Literal[3, 5] = 5) -> Floats:
+    """Return how far (H, W), in pixels, each marked pixel is from one that is not; 0 off them.
+
+    Beyond the picture's border nothing is marked.
+
+    Args:
+        marked: (H, W).
+        metric: side of the window by which OpenCV measures; 3 is faster, 5 more exact.
+
+    >>> depth_of(np.ones((3, 3), bool), 3).round().tolist()
+    [[1.0, 1.0, 1.0], [1.0, 2.0, 1.0], [1.0, 1.0, 1.0]]
+    """
+    padded = cv2.copyMakeBorder(marked.view(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
+    return np.asarray(cv2.distanceTransform(padded, cv2.DIST_L2, metric)[1:-1, 1:-1], np.float32)
+
+
+def united(boxes: Iterable[Bounds]) -> Bounds:
+    """Return the box that holds several; there is one at least.
+
+    >>> united([(1, 3, 1, 4), (0, 2, 2, 9)])
+    (0, 3, 1, 9)
+    """
+    top, bottom, left, right = zip(*boxes, strict=True)
+    return min(top), max(bottom), min(left), max(right)
