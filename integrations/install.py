@@ -5,8 +5,8 @@
     python integrations/install.py godot4 --to my_game/
     python integrations/install.py krita --normalgan ~/normalgan/.venv/bin/normalgan
 
-The programs are inkscape, gimp3 (or gimp2 for GIMP 2.10), krita, blender, aseprite, godot4 (or godot3 for Godot 3)
-and comfyui.
+The programs are inkscape, gimp3 (or gimp2 for GIMP 2.10), krita, blender, aseprite, godot4 (or godot3 for
+Godot 3) and comfyui.
 
 It needs the standard library alone. What an earlier install put there is replaced.
 """
@@ -96,8 +96,8 @@ ADD_ONS = {
     ),
     "gimp3": AddOn(
         (GIMP3 or CONFIG / "GIMP" / "3.0") / "plug-ins",
-        (("normalgan_layer.py", "normalgan_layer/"),),
-        "normalgan_layer",
+        (("normalgan_gimp3.py", "normalgan_gimp3/"),),
+        "normalgan_gimp3",
         True,
         GIMP_THEN,
     ),

@@ -17,6 +17,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 ADD_ONS = ROOT / "integrations"
+GIMP = {"gimp2": "normalgan_layer", "gimp3": "normalgan_gimp3"}
+"""The plug-ins of GIMP's versions, which look for a program in a folder of its name."""
 COMMAND = "normalgan_command.py"
 PAGES = "../../"
 CARD_FRONT = """---
@@ -72,11 +74,11 @@ def add_ons() -> dict[str, dict[str, Path]]:
         },
         **{
             name: {
-                "normalgan_layer/normalgan_layer.py": ADD_ONS / name / "normalgan_layer.py",
-                f"normalgan_layer/{COMMAND}": command,
-                "normalgan_layer/LICENSE": licence,
+                f"{folder}/{folder}.py": ADD_ONS / name / f"{folder}.py",
+                f"{folder}/{COMMAND}": command,
+                f"{folder}/LICENSE": licence,
             }
-            for name in ("gimp2", "gimp3")
+            for name, folder in GIMP.items()
         },
         "inkscape": {
             **under("inkscape", "normalgan/"),
@@ -107,7 +109,7 @@ def write_zip(path: Path, files: Mapping[str, Path]) -> None:
         for name, source in sorted(files.items()):
             entry = zipfile.ZipInfo(name)  # of 1980, so that two builds are the same
             entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = (0o755 if source.name == "normalgan_layer.py" else 0o644) << 16
+            entry.external_attr = (0o755 if source.stem in GIMP.values() else 0o644) << 16
             archive.writestr(entry, source.read_bytes())
 
 

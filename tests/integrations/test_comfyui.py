@@ -137,7 +137,7 @@ def test_a_command_of_the_search_path_is_noted_by_its_place(
     command = own_command(tmp_path)
     monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
     install("gimp3", tmp_path, "--to", str(tmp_path / "plug-ins"), "--normalgan", "normalgan")
-    note = tmp_path / "plug-ins" / "normalgan_layer" / "normalgan_path.txt"
+    note = tmp_path / "plug-ins" / "normalgan_gimp3" / "normalgan_path.txt"
     assert note.read_text(encoding="utf-8").strip() == str(command)
 
 

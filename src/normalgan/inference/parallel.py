@@ -32,8 +32,8 @@ def stream(jobs: Sequence[J], work: Callable[[J], R]) -> Iterator[tuple[J, R | E
     threads with one-core networks keep all cores busy. A network over all cores would wait for the serial
     rest of each job.
 
-    >>> list(stream([1, 2], lambda j: 10 // (j - 1)))
-    [(1, ZeroDivisionError('integer division or modulo by zero')), (2, 10)]
+    >>> list(stream([1, 2], lambda job: {2: 10}[job]))
+    [(1, KeyError(1)), (2, 10)]
     """
     count = workers(len(jobs))
     pool = ThreadPoolExecutor(count)
