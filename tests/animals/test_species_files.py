@@ -25,8 +25,8 @@ def extents(species: str) -> list[float]:
     rng = np.random.default_rng([zlib.crc32(species.encode()), 0])
     parts = SPECIES[species].grow(None, rng)
     corners = [part.reach() for part in parts if not part.carve]
-    low, high = np.min([low for low, _ in corners], axis=0), np.max([high for _, high in corners], axis=0)
-    return [len(parts), *np.round(high - low, 4).tolist()]
+    low, high = np.stack([low for low, _ in corners]), np.stack([high for _, high in corners])
+    return [len(parts), *(round(float(side), 4) for side in high.max(0) - low.min(0))]
 
 
 def test_every_file_is_a_species_and_every_plan_has_one() -> None:

@@ -67,7 +67,9 @@ def test_normals_that_cancel_give_way_to_the_flat_one(renderer: Renderer) -> Non
     vertices = np.array([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], dtype=np.float32)
     mesh = Mesh("flat", vertices, np.array([[0, 1, 2]], dtype=np.int32), np.zeros((3, 3), dtype=np.float32))
     maps = renderer.render(mesh, camera_at(mesh, 0, 0, 0), 32)
-    np.testing.assert_allclose(maps.normal[maps.mask], np.tile([0, 0, 1], (maps.mask.sum(), 1)), atol=1e-6)
+    np.testing.assert_allclose(
+        maps.normal[maps.mask], np.tile([0.0, 0.0, 1.0], (int(maps.mask.sum()), 1)), atol=1e-6
+    )
 
 
 @both

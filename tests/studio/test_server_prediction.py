@@ -299,7 +299,7 @@ def test_the_map_at_a_pin_is_the_pins_normal_and_areas_are_turned(model: Path, t
         {"x": 78, "y": 60, "normal": [1, 0, 0]},
         {"x": 70, "y": 80, "normal": [0, 0.6, 0.8], "reach": 4},
     ]
-    area = {"points": [40, 40, 60, 40, 60, 50, 40, 50], "normal": [0, -0.6, 0.8]}
+    area: dict[str, Any] = {"points": [40, 40, 60, 40, 60, 50, 40, 50], "normal": [0, -0.6, 0.8]}
     stroke = {"points": [84, 40, 94, 44], "normal": [0, 0, 1], "size": 8}
     with serving(model, tmp_path) as client:
         bare = decode(predicted(client)[..., :3])

@@ -65,7 +65,7 @@ def iou(mask: NDArray[np.bool_] | None, truth: NDArray[np.bool_]) -> float:
     """Return the intersection over union; 0 for a drawing that was refused."""
     if mask is None:
         return 0.0
-    return float((mask & truth).sum() / max((mask | truth).sum(), 1))
+    return int((mask & truth).sum()) / max(int((mask | truth).sum()), 1)
 
 
 def measure_pages(views: Path, measured: Measured) -> None:

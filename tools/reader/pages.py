@@ -1066,7 +1066,7 @@ class _Style:
         self.overshoot = rng.choice([0, 0.006, 0.02]) if rough else 0
         self.taper = rng.choice([0, 0.4, 0.8]) if rng.random() < 0.4 else 0
         self.pressure = rng.uniform(0.3, 1) if rng.random() < 0.4 * rough else 0
-        self.missed = rng.choice([0, 0, 0.3, 0.8])
+        self.missed = float(rng.choice([0, 0, 0.3, 0.8]))
         self.construction = kind == "sketchy" and rng.random() < 0.5
         self.hatched = rng.random() < (0.02 if kind == "clean" else 0.07)
         self.blacks = rng.random() < (0.12 if kind == "clean" else 0.2) and kind not in (

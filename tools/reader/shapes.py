@@ -141,11 +141,9 @@ def smoothed(path: Points, closed: bool) -> Points:
 
 def doodle(rng: Rng, kind: str | None = None) -> Shape:
     """Return a figure of round and pointed parts, as children and sign painters draw."""
-    kind = kind or rng.choice(
-        ["figure", "animal", "blob", "thing", "stick", "ring", "snow", "frame", "wire", "plain"],
-        p=[0.16, 0.13, 0.1, 0.12, 0.06, 0.1, 0.03, 0.02, 0.04, 0.24],
-    )
-    return _Doodle(rng).draw(kind)
+    kinds = ["figure", "animal", "blob", "thing", "stick", "ring", "snow", "frame", "wire", "plain"]
+    shares = [0.16, 0.13, 0.1, 0.12, 0.06, 0.1, 0.03, 0.02, 0.04, 0.24]
+    return _Doodle(rng).draw(kind or str(rng.choice(kinds, p=shares)))
 
 
 def sheet(rng: Rng, sides: NDArray[np.floating]) -> Shape:
@@ -159,7 +157,9 @@ def sheet(rng: Rng, sides: NDArray[np.floating]) -> Shape:
     t = np.linspace(0, 2 * np.pi, 160, endpoint=False)
     power = rng.choice([1.0, 0.6, 0.3]) if round_ else 0.05
     c, s = np.cos(t), np.sin(t)
-    unit = np.stack([np.sign(c) * np.abs(c) ** power, np.sign(s) * np.abs(s) ** power], 1)
+    unit: NDArray[np.floating] = np.stack(
+        [np.sign(c) * np.abs(c) ** power, np.sign(s) * np.abs(s) ** power], 1
+    )
     if not round_:
         corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], np.float32)
         unit = _dense(corners + rng.choice([0.0, 0.03]) * rng.normal(0, 1, (4, 2)).astype(np.float32))
@@ -188,11 +188,11 @@ class _Doodle:
         wobble: float | None = None,
     ) -> Points:
         rng = self.rng
-        power = squareness if squareness is not None else rng.choice([1.0, 1.0, 1.0, 0.7, 0.45])
+        power = float(rng.choice([1.0, 1.0, 1.0, 0.7, 0.45])) if squareness is None else squareness
         t = np.linspace(0, 2 * np.pi, 72, endpoint=False) + rng.uniform(0, 6.28)
         c, s = np.cos(t), np.sin(t)
         x, y = np.sign(c) * np.abs(c) ** power, np.sign(s) * np.abs(s) ** power
-        wobble = rng.choice([0, 0.02, 0.06, 0.12]) if wobble is None else wobble
+        wobble = float(rng.choice([0, 0.02, 0.06, 0.12])) if wobble is None else wobble
         if wobble:
             k = rng.integers(2, 6)
             r = 1 + wobble * np.sin(k * t + rng.uniform(0, 6.28)) + wobble / 2 * np.sin((k + 3) * t)
@@ -417,7 +417,7 @@ class _Doodle:
                         self.bare.append(
                             np.stack([end, end + rng.uniform(0.02, 0.06) * tip]).astype(np.float32)
                         )
-        body = self.ellipse(0.5, cy, wide, high, squareness=rng.choice([0.3, 1.0]))
+        body = self.ellipse(0.5, cy, wide, high, squareness=float(rng.choice([0.3, 1.0])))
         self.parts.append((body, True))
         if neck > 0:
             ends = np.array([[0.5, cy - high], [0.5, hy + head * 0.8]], np.float32)
@@ -590,7 +590,7 @@ class _Doodle:
             size = rng.uniform(0.1, 0.3)
             flat = size * (1.0 if rng.random() < 0.4 else rng.uniform(0.3, 1))
             outline = self.ellipse(
-                0.5, 0.5, size, flat, turn=rng.uniform(0, 3.14), wobble=rng.choice([0, 0.03])
+                0.5, 0.5, size, flat, turn=rng.uniform(0, 3.14), wobble=float(rng.choice([0, 0.03]))
             )
         else:
             n = rng.integers(3, 7)
@@ -651,7 +651,9 @@ class _Doodle:
             for _ in range(rng.integers(1, 5)):
                 cx, cy = rng.uniform(low * 0.7 + high * 0.3, low * 0.3 + high * 0.7)
                 rx, ry = rng.uniform(0.02, 0.07, 2)
-                self.details.append(_closed(self.ellipse(cx, cy, rx, ry, squareness=rng.choice([0.3, 1.0]))))
+                self.details.append(
+                    _closed(self.ellipse(cx, cy, rx, ry, squareness=float(rng.choice([0.3, 1.0]))))
+                )
         if rng.random() < 0.3:
             self.parts.insert(
                 0,
@@ -790,7 +792,7 @@ class _Doodle:
                 self._bar((0.5 - wide, 0.5 + y * high), (0.5 + wide, 0.5 + y * high), width)
         else:  # rings: tyres, doughnuts, frames
             r, share = rng.uniform(0.2, 0.4), rng.uniform(0.3, 0.8)
-            square = rng.choice([1.0, 1.0, 0.3])
+            square = float(rng.choice([1.0, 1.0, 0.3]))
             flat = rng.uniform(0.6, 1)
             self.parts.append((self.ellipse(0.5, 0.5, r, r * flat, squareness=square, wobble=0), True))
             shift = rng.normal(0, 0.1, 2) * r * (1 - share)

@@ -67,8 +67,8 @@ def _field(parts: Sequence[Part], spacing: float) -> Volume:
     corners = [part.reach() for part in fine if not part.carve]
     # Blends swell the union by at most a sixth of their width: two cells more than the margin hold that.
     pad = (_MARGIN + 2) * spacing
-    low = np.min([corner[0] for corner in corners], axis=0) - pad
-    high = np.max([corner[1] for corner in corners], axis=0) + pad
+    low = np.stack([corner[0] for corner in corners]).min(0) - pad
+    high = np.stack([corner[1] for corner in corners]).max(0) + pad
     nx, ny, nz = np.ceil((high - low) / spacing).astype(int) + 1
     field = sample(fine, Grid(low, spacing, (int(nx), int(ny), int(nz))))
     return drop_crumbs(fill_voids(ndimage.gaussian_filter(field, 0.7, truncate=2.9)))

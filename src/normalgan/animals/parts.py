@@ -61,7 +61,7 @@ class Part:
     def reach(self) -> tuple[Doubles, Doubles]:
         """Return the lowest and highest corner, (3,) each, of a box that holds it."""
         boxes = [shape.reach() for shape in self.shapes]
-        return np.min([low for low, _ in boxes], axis=0), np.max([high for _, high in boxes], axis=0)
+        return np.stack([low for low, _ in boxes]).min(0), np.stack([high for _, high in boxes]).max(0)
 
     def thickened(self, thinnest: float) -> Self:
         """Return a copy whose radii are at least ``thinnest``."""

@@ -70,7 +70,7 @@ def _seam(at: ArrayLike, radii: ArrayLike) -> Sweep:
 def on_skull(aside: float, up: float, out: float = 1.0) -> Doubles:
     """Return the point (3,) of the head ``aside`` degrees to the right and ``up`` above its middle."""
     way = ray(np.deg2rad(aside), np.deg2rad(up))
-    return way / np.linalg.norm(way / SKULL) * out
+    return way / float(np.linalg.norm(way / SKULL)) * out
 
 
 def _skull(cheeks: float = 0.0) -> list[Part]:

@@ -204,8 +204,7 @@ def smooth_minimum(a: Volume, b: Volume, width: float) -> Volume:
     if width <= 0:
         return np.minimum(a, b)
     near = np.maximum(np.float32(width) - np.abs(a - b), 0) / np.float32(width)
-    rounded: Volume = np.minimum(a, b) - near * near * near * np.float32(width / 6)
-    return rounded
+    return np.asarray(np.minimum(a, b) - near * near * near * np.float32(width / 6), np.float32)
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 
 from normalgan.batch import Batch
@@ -71,7 +72,7 @@ class Submission:
                 f"{path} has the shape {pixels.shape}; a normal map of this benchmark has {size} × {size} "
                 "pixels in colour."
             )
-        normals = 2 * pixels[..., :3] - 1
+        normals: NDArray[np.floating] = 2 * pixels[..., :3] - 1
         length = np.linalg.norm(normals, axis=-1, keepdims=True)
         if pixels.shape[2] == 4:
             present = pixels[..., 3:] > 0.5

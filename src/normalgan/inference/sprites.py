@@ -224,7 +224,7 @@ def _offset(changes: Floats, side: int) -> int | None:
     """Return the offset of the grid on which the changes lie; None if they do not."""
     by_offset = _by_offset(changes, side)
     offset = int(by_offset.argmax())
-    if by_offset[offset] < _ON_GRID * max(by_offset.sum(), 1e-6):
+    if by_offset[offset] < _ON_GRID * max(float(by_offset.sum()), 1e-6):
         return None
     lines = np.flatnonzero(changes[offset::side])
     if len(lines) < _LEAST_LINES or len(lines) < _BUSY * (np.ptp(lines) + 1):

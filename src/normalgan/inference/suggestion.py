@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.arrays import Floats
+from normalgan.arrays import BoolMask, Floats
 from normalgan.inference.reading.picture import fitted_within, resize
 from normalgan.inference.regions import depth_of, extent_of
 from normalgan.normals import normalize
@@ -89,7 +89,7 @@ def suggest(
     gain = bent.copy()
     if confidence is not None:
         gain = 0.7 * _peaked(uncertainty(resize(confidence, shape)) * counts, reach / 2) + 0.3 * bent
-    free = depth > min(1, 0.8 * depth.max())
+    free: BoolMask = np.asarray(depth > min(1, 0.8 * float(depth.max())))
     if lines is not None:
         off = _depth(resize(lines.astype(np.float32), shape) < _INKED)
         if (free & (off > 1)).any():

@@ -85,7 +85,7 @@ def _mask(renderer: Renderer) -> None:
         seen_by = camera(ellipsoid(), field_of_view)
         mask = _render(renderer, ellipsoid(), seen_by).mask
         true = exact_ellipsoid(RADII, seen_by, _SIZE).mask
-        share = (mask & true).sum() / max((mask | true).sum(), 1)
+        share = int((mask & true).sum()) / max(int((mask | true).sum()), 1)
         did = f"shares {share:.0%} of the mask with the true {_projection(field_of_view)} one of an ellipsoid"
         asked = "the object must be where the camera's window shows it, one sample at each pixel's centre"
         demand(share > 0.98, renderer, did, asked)

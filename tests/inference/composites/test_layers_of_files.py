@@ -455,7 +455,7 @@ def test_a_vector_mask_of_photoshop_cuts_its_layer() -> None:
 
     found = alpha_of(photoshop(mask).layers[0]) > 127
     rows, columns = np.nonzero(found)
-    assert (columns.max(), rows.max()) == (59, 39)  # half of 120 × 80
+    assert (int(columns.max()), int(rows.max())) == (59, 39)  # half of 120 × 80
     assert found[30, 50]
 
 
@@ -479,7 +479,8 @@ def test_a_fill_layer_of_photoshop_without_pixels_fills_its_mask() -> None:
     assert [each.name for each in found.layers] == ["body", "shade"]
     shape = alpha_of(found.layers[1]) > 127
     rows, columns = np.nonzero(shape)
-    assert (columns.min(), columns.max(), rows.min(), rows.max()) == (30, 89, 20, 59)
+    box = [int(each) for each in (columns.min(), columns.max(), rows.min(), rows.max())]
+    assert box == [30, 89, 20, 59]
     assert (found.layers[1].pixels[5, 5, :3] == (255, 0, 0)).all()
     assert not found.notes.text
 

@@ -109,7 +109,7 @@ def test_heights_of_a_batch_have_one_scale(here: Path) -> None:
         assert generate("fox.png", "cub.png", "--height", "png", "-o", scale, *asked) == 0
         tops[scale] = {name: int(read(f"{scale}/{name}_height.png").max()) for name in ("fox", "cub")}
     assert generate("fox.png", "cub.png", "--height", "tiff", "-o", "exact") == 0
-    spans = {name: float(np.ptp(read(f"exact/{name}_height.tiff"))) for name in ("fox", "cub")}
+    spans = {name: float(np.ptp(read(f"exact/{name}_height.tiff").astype(float))) for name in ("fox", "cub")}
     assert tops["own"] == {"fox": 65535, "cub": 65535}
     assert tops["batch"]["fox"] == 65535
     for scale, white in (("batch", spans["fox"]), ("80", 80)):
@@ -124,7 +124,7 @@ def test_the_frames_of_a_moving_drawing_have_the_scale_of_the_batch_once(here: P
     for scale in ([], ["--height-scale", "batch"]):
         assert generate("both.gif", "fox.png", "--height", "png", "-o", f"levels{len(scale)}", *scale) == 0
     assert generate("both.gif", "--height", "tiff", "-o", "exact") == 0
-    spans = [float(np.ptp(read(f"exact/both_000{i}_height.tiff"))) for i in (1, 2)]
+    spans = [float(np.ptp(read(f"exact/both_000{i}_height.tiff").astype(float))) for i in (1, 2)]
     for folder in ("levels0", "levels2"):
         tops = [int(read(f"{folder}/both_000{i}_height.png").max()) for i in (1, 2)]
         assert tops[1] / tops[0] == pytest.approx(spans[1] / spans[0], rel=1e-2), folder

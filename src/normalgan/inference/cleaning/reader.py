@@ -107,7 +107,8 @@ def _by_tone(ink: Floats, grey: Floats) -> Floats:
         grey: (h, w), brightness.
     """
     flat = np.asarray(_steps(grey) < _ONE_TONE, np.uint8)
-    count, labels = cv2.connectedComponents(flat, connectivity=4)
+    count, found = cv2.connectedComponents(flat, connectivity=4)
+    labels = np.asarray(found, np.int32)
     sizes = np.bincount(labels.ravel(), minlength=count)
     votes = np.bincount(labels.ravel(), weights=ink.ravel(), minlength=count) / np.maximum(sizes, 1)
     unsure = (votes > _DOUBT) & (votes < 1 - _DOUBT)

@@ -39,8 +39,8 @@ def find_figures(decision: Decision, reading: Reading, shape: tuple[int, int]) -
     presence = reading.presence_at(size)
     inked = decision.ink > 0.35
     body = (presence > 0.5) | inked
-    count, labels, measured, _ = cv2.connectedComponentsWithStats(body.astype(np.uint8), connectivity=8)
-    stats = np.asarray(measured, np.int32)
+    count, found, measured, _ = cv2.connectedComponentsWithStats(body.astype(np.uint8), connectivity=8)
+    labels, stats = np.asarray(found, np.int32), np.asarray(measured, np.int32)
     areas = stats[:, cv2.CC_STAT_AREA].astype(np.float64)
     areas[0] = 0
     large = np.flatnonzero(areas > _ALIKE * areas.max(initial=0))

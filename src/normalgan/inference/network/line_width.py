@@ -111,11 +111,11 @@ def areas(inked: BoolMask, width: float, depth: Floats, side: int) -> BoolMask:
         return core
     away = cv2.distanceTransform((~core).astype(np.uint8), cv2.DIST_L2, 5)
     thick: BoolMask = inked & np.asarray(away <= 1.2 * thickest)
-    count, labels = cv2.connectedComponents(inked.astype(np.uint8), connectivity=8)
+    count, found = cv2.connectedComponents(inked.astype(np.uint8), connectivity=8)
+    labels = np.asarray(found, np.int32)
     whole = np.maximum(np.bincount(labels.ravel(), minlength=count), 1)  # ink may be everywhere
     share = np.bincount(labels[thick], minlength=count) / whole
-    found: BoolMask = thick | (inked & (share > 0.5)[labels])
-    return found
+    return np.asarray(thick | (inked & (share > 0.5)[labels]))
 
 
 def middle(inked: BoolMask, width: float, thick: BoolMask) -> BoolMask:

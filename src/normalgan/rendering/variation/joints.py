@@ -1,7 +1,7 @@
 """Joints without a skeleton: limbs are found on the surface and bent, each at a place where it is thin."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,7 +98,7 @@ def find_joints(points: Doubles, faces: NDArray[np.integer], rng: np.random.Gene
     graph, whole = _graph(places, place_of[faces])
 
     def distances(start: int) -> Doubles:
-        return np.asarray(dijkstra(graph, indices=start))  # type: ignore[call-overload]  # stubs lack csr_array
+        return np.asarray(cast("Any", dijkstra)(graph, indices=start))  # some stubs lack csr_array
 
     nearest = distances(int(np.argmax(whole)))
     reached: list[Doubles] = []
