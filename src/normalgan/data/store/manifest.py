@@ -50,7 +50,7 @@ class Manifest:
             noun: the word for a mesh in messages.
 
         Raises:
-            InputError: if of a split no mesh could be rendered.
+            InputError: if no mesh of a split could be rendered.
         """
         stores, reasons = {}, {}
         for split, store in self.stores(folder).items():

@@ -151,8 +151,8 @@ def _meet(mask: BoolMask, mixed: BoolMask, sure: BoolMask, reach: float) -> Bool
 def _own_ink(mask: BoolMask, inside: BoolMask, inked: BoolMask) -> BoolMask:
     """Return the ink of an object: the lines that bound it, each to its own width, and those in it.
 
-    Lines are discs about their middle. A disc belongs to the object if it touches its inside, or if its
-    middle is in the mask, as that of a leg that is a single line.
+    A line is treated as discs along its middle. A disc belongs to the object if it touches its inside, or if
+    its middle is in the mask, as that of a leg that is a single line.
     """
     lines = inked.view(np.uint8)
     depth = cv2.distanceTransform(lines, cv2.DIST_L2, 5)

@@ -30,7 +30,7 @@ class RidgesAndValleys(OutlinedDrawing):
     Ridges and valleys here are apparent ones (Judd, Durand, Adelson, "Apparent Ridges for Line Drawing",
     SIGGRAPH 2007): where the normal turns fastest per length in the picture. The extremes of curvature
     itself (Ohtake, Belyaev, Seidel, "Ridge-Valley Lines on Meshes via Implicit Surface Fitting", SIGGRAPH
-    2004) were tried and left: they do not know of the viewer, and run in streaks along limbs and tails.
+    2004) were tried and left: they do not depend on the view, and run in streaks along limbs and tails.
 
     Args:
         line_width: width of contours in pixels of the sketch, at any sketch size.
