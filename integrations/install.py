@@ -89,8 +89,8 @@ ADD_ONS = {
     ),
     "gimp2": AddOn(
         CONFIG / "GIMP" / "2.10" / "plug-ins",
-        (("normalgan_layer.py", "normalgan_layer/"),),
-        "normalgan_layer",
+        (("normalgan_gimp2.py", "normalgan_gimp2/"),),
+        "normalgan_gimp2",
         True,
         GIMP_THEN,
     ),

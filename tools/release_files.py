@@ -17,8 +17,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 ADD_ONS = ROOT / "integrations"
-GIMP = {"gimp2": "normalgan_layer", "gimp3": "normalgan_gimp3"}
-"""The plug-ins of GIMP's versions, which look for a program in a folder of its name."""
+GIMP = {"gimp2": "normalgan_gimp2", "gimp3": "normalgan_gimp3"}
+"""The plug-ins of GIMP's versions. GIMP looks for a program in a folder of the same name."""
 COMMAND = "normalgan_command.py"
 PAGES = "../../"
 CARD_FRONT = """---

@@ -88,13 +88,13 @@ def query() -> None:
         Declared(INT32, b"run-mode", b"The run mode { RUN-INTERACTIVE (0), RUN-NONINTERACTIVE (1) }"),
         Declared(IMAGE, b"image", b"The image"),
         Declared(DRAWABLE, b"drawable", b"The layer that holds the drawing"),
-        Declared(FLOAT, b"strength", b"What slopes are multiplied by; 1 as painted"),
+        Declared(FLOAT, b"strength", b"What slopes are multiplied by; 1 as predicted"),
     )
     given = (Declared * 1)(Declared(LAYER, b"layer", b"The new layer"))
     gimp.gimp_install_procedure(
         NAME,
-        b"Paint the normal map of a drawing",
-        b"Paints the normal map of the layer with normalgan, as a new layer above it.",
+        b"Predict the normal map of a drawing",
+        b"Predicts the normal map of the layer with normalgan, as a new layer above it.",
         b"The normalgan authors",
         b"MIT",
         b"2026",
@@ -117,7 +117,7 @@ def checked(answer: int) -> int:
 
 
 def normal_layer(image: int, drawable: int, strength: float) -> int:
-    """Paint the normal map of a layer, and return the new layer above it.
+    """Predict the normal map of a layer, and return the new layer above it.
 
     Args:
         image: that the layer is in.
