@@ -15,13 +15,43 @@ import argparse
 import os
 import shutil
 import sys
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 COMMAND = "normalgan_command.py"
-CONFIG = Path(os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config")
-DATA = Path(os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share")
+
+
+def programs(system: str, home: Path, set_to: Mapping[str, str]) -> dict[str, Path]:
+    """Return the folder in which each program keeps its settings and what its user adds, without its version.
+
+    Args:
+        system: as of `sys.platform`.
+        home: the user's folder.
+        set_to: the environment.
+    """
+    if system == "win32":
+        data = Path(set_to.get("APPDATA") or home / "AppData" / "Roaming")
+        config, blender, inkscape = data, data / "Blender Foundation" / "Blender", data / "inkscape"
+    elif system == "darwin":
+        config = data = home / "Library" / "Application Support"
+        blender, inkscape = data / "Blender", data / "org.inkscape.Inkscape" / "config" / "inkscape"
+    else:
+        config = Path(set_to.get("XDG_CONFIG_HOME") or home / ".config")
+        data = Path(set_to.get("XDG_DATA_HOME") or home / ".local" / "share")
+        blender, inkscape = config / "blender", config / "inkscape"
+    aseprite = config / ("aseprite" if system.startswith("linux") else "Aseprite")
+    return {
+        "aseprite": aseprite,
+        "blender": blender,
+        "gimp": config / "GIMP",
+        "inkscape": inkscape,
+        "krita": data / "krita",
+    }
+
+
+PROGRAMS = programs(sys.platform, Path.home(), os.environ)
 
 
 @dataclass(frozen=True)
@@ -45,11 +75,11 @@ class AddOn:
 
 def newest(program: str, versions: str) -> Path | None:
     """Return the settings of the newest version of a program that was used here, or None."""
-    used = [path for path in (CONFIG / program).glob(versions) if path.name.replace(".", "").isdigit()]
+    used = [path for path in PROGRAMS[program].glob(versions) if path.name.replace(".", "").isdigit()]
     return max(used, key=lambda path: [int(part) for part in path.name.split(".")], default=None)
 
 
-BLENDER, GIMP3 = newest("blender", "*.*"), newest("GIMP", "3.*")
+BLENDER, GIMP3 = newest("blender", "*.*"), newest("gimp", "3.*")
 
 GIMP_THEN = "Start GIMP anew: Filters > Map > Normal map of the drawing (normalgan)."
 KRITA_THEN = (
@@ -60,7 +90,7 @@ GODOT_THEN = (
 )
 ADD_ONS = {
     "inkscape": AddOn(
-        CONFIG / "inkscape" / "extensions",
+        PROGRAMS["inkscape"] / "extensions",
         (("normalgan_light.inx", "normalgan/"), ("normalgan_light.py", "normalgan/")),
         "normalgan",
         True,
@@ -88,28 +118,28 @@ ADD_ONS = {
         "Edit > Preferences > Add-ons: enable normalgan. Then Add > Image > Drawing with Normal Map.",
     ),
     "gimp2": AddOn(
-        CONFIG / "GIMP" / "2.10" / "plug-ins",
+        PROGRAMS["gimp"] / "2.10" / "plug-ins",
         (("normalgan_gimp2.py", "normalgan_gimp2/"),),
         "normalgan_gimp2",
         True,
         GIMP_THEN,
     ),
     "gimp3": AddOn(
-        (GIMP3 or CONFIG / "GIMP" / "3.0") / "plug-ins",
+        (GIMP3 or PROGRAMS["gimp"] / "3.0") / "plug-ins",
         (("normalgan_gimp3.py", "normalgan_gimp3/"),),
         "normalgan_gimp3",
         True,
         GIMP_THEN,
     ),
     "krita": AddOn(
-        DATA / "krita" / "pykrita",
+        PROGRAMS["krita"] / "pykrita",
         (("normalgan_krita", "normalgan_krita"), ("normalgan_krita.desktop", "")),
         "normalgan_krita",
         True,
         KRITA_THEN,
     ),
     "aseprite": AddOn(
-        CONFIG / "aseprite" / "scripts",
+        PROGRAMS["aseprite"] / "scripts",
         (("normalgan.lua", ""),),
         "",
         False,

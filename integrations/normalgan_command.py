@@ -24,6 +24,9 @@ REMEDY = (
 """What to do where no command is found."""
 
 
+NO_WINDOW = getattr(subprocess, "CREATE_NO_WINDOW", 0)
+"""On Windows, a command that is started from a program without a console would open one."""
+
 PAUSE = 0.05
 """Seconds between two looks at whether the command has ended: the program stays usable."""
 
@@ -84,6 +87,7 @@ class Running:
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
                 stderr=self._said,
+                creationflags=NO_WINDOW,
             )
         except OSError as error:
             self._said.close()

@@ -2,7 +2,6 @@
 
 import builtins
 import importlib.util
-import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -10,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
-from add_ons import DOG, ROOT, install, own_command
+from add_ons import DOG, install
 from PIL import Image
 
 import normalgan
@@ -129,20 +128,3 @@ def test_without_normalgan_one_sentence_says_what_to_do(node: Any, monkeypatch: 
     monkeypatch.setattr(builtins, "__import__", without)
     with pytest.raises(RuntimeError, match="install it into the Python that runs ComfyUI"):
         call(node, image=image, green="up")
-
-
-def test_a_command_of_the_search_path_is_noted_by_its_place(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    command = own_command(tmp_path)
-    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
-    install("gimp3", tmp_path, "--to", str(tmp_path / "plug-ins"), "--normalgan", "normalgan")
-    note = tmp_path / "plug-ins" / "normalgan_gimp3" / "normalgan_path.txt"
-    assert note.read_text(encoding="utf-8").strip() == str(command)
-
-
-def test_every_add_on_can_be_installed(tmp_path: Path) -> None:
-    names = {path.name for path in (ROOT / "integrations").iterdir() if path.is_dir()} - {"__pycache__"}
-    for name in names:
-        assert "Installed in" in install(name, tmp_path, "--to", str(tmp_path / name))
-        assert list((tmp_path / name).rglob("*"))

@@ -104,7 +104,7 @@ def _read(path: Path) -> Any:
         return load_yaml(text)
     except FileNotFoundError:
         names, given = shipped_names(), path.with_suffix("")
-        hint = did_you_mean(str(given), names) or did_you_mean(given.name, names)
+        hint = did_you_mean(given.as_posix(), names) or did_you_mean(given.name, names)
         hint = hint or f" Those of the package, such as paper and quickstart, are in {shipped_folder()}."
         raise InputError(f"there is no configuration file {path}.{hint}") from None
     except OSError as error:

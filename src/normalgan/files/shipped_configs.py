@@ -23,9 +23,10 @@ def find_beside(given: str) -> Path:
     Args:
         given: a path, such as ``configs/fourleg/split.json``, from the working directory.
     """
-    shipped = shipped_folder() / given.removeprefix("configs/")
-    ours = given.startswith("configs/") and not Path(given).exists() and shipped.is_file()
-    return shipped if ours else Path(given)
+    path = Path(given)
+    shipped = shipped_folder().joinpath(*path.parts[1:])
+    ours = path.parts[:1] == ("configs",) and not path.exists() and shipped.is_file()
+    return shipped if ours else path
 
 
 def find_config(given: str) -> str:
@@ -34,7 +35,7 @@ def find_config(given: str) -> str:
     Args:
         given: a path, or a name such as ``paper``; as in a clone, ``configs/paper.yaml`` names the same one.
     """
-    name = given.removeprefix("configs/").removesuffix(".yaml")
+    name = Path(given).as_posix().removeprefix("configs/").removesuffix(".yaml")
     if Path(given).exists() or name not in shipped_names():
         return given
     return str(shipped_folder() / f"{name}.yaml")

@@ -1,0 +1,71 @@
+"""The installer of the add-ons: where each goes, and the command that is noted beside it."""
+
+import os
+import runpy
+from pathlib import Path, PurePath
+
+import pytest
+from add_ons import ROOT, install, own_command
+
+
+@pytest.mark.parametrize(
+    ("system", "set_to", "expected"),
+    [
+        (
+            "linux",
+            {},
+            {
+                "aseprite": ".config/aseprite",
+                "blender": ".config/blender",
+                "gimp": ".config/GIMP",
+                "inkscape": ".config/inkscape",
+                "krita": ".local/share/krita",
+            },
+        ),
+        (
+            "win32",
+            {"APPDATA": "home/Roaming"},
+            {
+                "aseprite": "Roaming/Aseprite",
+                "blender": "Roaming/Blender Foundation/Blender",
+                "gimp": "Roaming/GIMP",
+                "inkscape": "Roaming/inkscape",
+                "krita": "Roaming/krita",
+            },
+        ),
+        (
+            "darwin",
+            {},
+            {
+                "aseprite": "Library/Application Support/Aseprite",
+                "blender": "Library/Application Support/Blender",
+                "gimp": "Library/Application Support/GIMP",
+                "inkscape": "Library/Application Support/org.inkscape.Inkscape/config/inkscape",
+                "krita": "Library/Application Support/krita",
+            },
+        ),
+    ],
+)
+def test_programs_keep_what_users_add_elsewhere_on_each_system(
+    system: str, set_to: dict[str, str], expected: dict[str, str]
+) -> None:
+    programs = runpy.run_path(str(ROOT / "integrations" / "install.py"))["programs"]
+    found = programs(system, PurePath("home"), set_to)
+    assert {name: PurePath(path).relative_to("home").as_posix() for name, path in found.items()} == expected
+
+
+def test_a_command_of_the_search_path_is_noted_by_its_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    command = own_command(tmp_path)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
+    install("gimp3", tmp_path, "--to", str(tmp_path / "plug-ins"), "--normalgan", "normalgan")
+    note = tmp_path / "plug-ins" / "normalgan_gimp3" / "normalgan_path.txt"
+    assert note.read_text(encoding="utf-8").strip() == str(command)
+
+
+def test_every_add_on_can_be_installed(tmp_path: Path) -> None:
+    names = {path.name for path in (ROOT / "integrations").iterdir() if path.is_dir()} - {"__pycache__"}
+    for name in names:
+        assert "Installed in" in install(name, tmp_path, "--to", str(tmp_path / name))
+        assert list((tmp_path / name).rglob("*"))
