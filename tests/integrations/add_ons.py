@@ -22,6 +22,11 @@ PATIENCE = 800  # seconds for a program to do its work; one that waits for a cli
 
 def own_command(folder: Path) -> Path:
     """Write a script that runs the normalgan of this checkout, wherever and by whomever it is started."""
+    if sys.platform == "win32":
+        script = folder / "normalgan.cmd"
+        source = f'@set "PYTHONPATH={ROOT / "src"}"\n@"{sys.executable}" -m normalgan %*\n'
+        script.write_text(source, encoding="utf-8")
+        return script
     script = folder / "normalgan"
     source = f"PYTHONPATH='{ROOT / 'src'}' exec '{sys.executable}' -m normalgan \"$@\""
     script.write_text(f"#!/bin/sh\n{source}\n", encoding="utf-8")

@@ -5,7 +5,10 @@ import runpy
 from pathlib import Path, PurePath
 
 import pytest
-from add_ons import ROOT, install, own_command
+from add_ons import DOG, ROOT, install, own_command
+from PIL import Image
+
+from normalgan.normals import read_png
 
 
 @pytest.mark.parametrize(
@@ -61,7 +64,23 @@ def test_a_command_of_the_search_path_is_noted_by_its_place(
     monkeypatch.setenv("PATH", str(tmp_path), prepend=os.pathsep)
     install("gimp3", tmp_path, "--to", str(tmp_path / "plug-ins"), "--normalgan", "normalgan")
     note = tmp_path / "plug-ins" / "normalgan_gimp3" / "normalgan_path.txt"
-    assert note.read_text(encoding="utf-8").strip() == str(command)
+    assert Path(note.read_text(encoding="utf-8").strip()).samefile(command)
+
+
+def test_what_is_installed_calls_the_command_that_is_noted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """On whatever system: no add-on's program is needed for it."""
+    monkeypatch.delenv("NORMALGAN", raising=False)
+    install("gimp3", tmp_path, "--to", str(tmp_path / "plug-ins"), "--normalgan", str(own_command(tmp_path)))
+    called = runpy.run_path(str(tmp_path / "plug-ins" / "normalgan_gimp3" / "normalgan_command.py"))
+    drawing = tmp_path / "a dog.png"
+    drawing.write_bytes(DOG.read_bytes())
+    assert called["predict"](drawing, tmp_path / "dog_normal.png") == ""
+    with Image.open(DOG) as picture:
+        assert read_png(tmp_path / "dog_normal.png")[0].shape == (picture.height, picture.width, 3)
+    with pytest.raises(called["CommandError"], match=r"^normalgan: no sketch found at "):
+        called["predict"](tmp_path / "none.png", tmp_path / "none_normal.png")
 
 
 def test_every_add_on_can_be_installed(tmp_path: Path) -> None:

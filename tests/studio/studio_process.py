@@ -4,9 +4,9 @@ import http.client
 import json
 import os
 import re
-import select
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -79,8 +79,10 @@ def served(model: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[St
 
 def _port(process: "subprocess.Popen[str]", patience: float = 60) -> int:
     assert process.stdout is not None
-    ready, _, _ = select.select([process.stdout], [], [], patience)
-    line = process.stdout.readline() if ready else ""
+    late = threading.Timer(patience, process.kill)
+    late.start()
+    line = process.stdout.readline()
+    late.cancel()
     found = re.search(r"http://127\.0\.0\.1:(\d+)/", line)
     if found is None:
         process.kill()

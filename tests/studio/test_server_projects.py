@@ -258,7 +258,7 @@ def test_a_project_whose_name_came_decomposed_is_opened_and_kept(client: TestCli
 def test_a_folder_that_cannot_be_used_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(
-        InputError, match=r"projects cannot be kept in .*file/sub: .*; give another --projects"
+        InputError, match=r"projects cannot be kept in .*file.sub: .*; give another --projects"
     ):
         DocumentStore(tmp_path / "file" / "sub")
 
