@@ -2,8 +2,6 @@
 
 import io
 import multiprocessing
-import os
-import signal
 import subprocess
 import sys
 import threading
@@ -12,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+import psutil
 import pytest
 from PIL import Image, PngImagePlugin
 
@@ -70,10 +69,12 @@ def test_a_crash_is_told_and_the_next_picture_is_read(pool: process._Pool) -> No
     child = pool._idle[0]._process
     read_pixels(Path("a.png"), grey(1))
     pool._idle[0]._ready = True
-    os.kill(child.pid, signal.SIGSTOP)  # so that it ends while a picture is waited for
-    killer = threading.Timer(0.5, os.kill, (child.pid, signal.SIGKILL))
+    psutil.Process(child.pid).suspend()  # so that it ends while a picture is waited for
+    killer = threading.Timer(0.5, child.kill)
     killer.start()
-    with pytest.raises(InputError, match=r"^b\.png cannot be decoded: its decoder crashed \(SIGKILL\)\.$"):
+    with pytest.raises(
+        InputError, match=r"^b\.png cannot be decoded: its decoder crashed \((SIGKILL|exit code 1)\)\.$"
+    ):
         read_pixels(Path("b.png"), grey(2))
     assert read_pixels(Path("c.png"), grey(3)).pixels[0, 0] == 3
     pool._idle[0]._process.kill()  # while it waits
@@ -86,7 +87,7 @@ def test_the_clock_ends_what_takes_no_processor_time(
 ) -> None:
     read_pixels(Path("a.png"), grey(1))
     monkeypatch.setattr(process, "PATIENCE", 0.5)
-    os.kill(pool._idle[0]._process.pid, signal.SIGSTOP)
+    psutil.Process(pool._idle[0]._process.pid).suspend()
     with pytest.raises(InputError, match=r"b\.png cannot be decoded: it takes more than 0 seconds"):
         read_pixels(Path("b.png"), grey(2))
 
@@ -98,7 +99,7 @@ def test_a_child_that_does_not_start_is_no_fault_of_the_picture(
     with pytest.raises(RunError, match="process that decodes pictures does not start: ModuleNotFoundError"):
         read_pixels(Path("a.png"), grey(1))
     monkeypatch.setattr(sys, "executable", "/nowhere/python")
-    with pytest.raises(RunError, match="no process can be started to decode pictures: No such file"):
+    with pytest.raises(RunError, match=r"no process can be started to decode pictures: .+\.$"):
         read_pixels(Path("a.png"), grey(1))
 
 
