@@ -36,7 +36,7 @@ class StageMetrics(nn.Module):
         with_presence: bool = False,
     ) -> None:
         super().__init__()
-        more = [MaskIoU(), Coverage()] if with_presence else []
+        more: list[list[MapMetric]] = [[MaskIoU()], [Coverage()]] if with_presence else []
         self.stage = stage
         self.rows = nn.ModuleDict(
             {
