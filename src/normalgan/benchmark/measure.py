@@ -3,9 +3,10 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any, Self, cast
+from typing import Any, Self
 
 import torch
+from lightning.fabric.utilities import move_data_to_device
 from torch import Tensor
 
 from normalgan.batch import Batch
@@ -18,7 +19,7 @@ from normalgan.metrics import METRICS, MapMetric, angular_error
 from normalgan.metrics.collection import check_names
 from normalgan.weights.class_spec import ANY_NUMBER, ClassSpec
 
-__all__ = ["OWN", "HintTests", "Measured", "measure", "more_metrics", "moved", "true_float32"]
+__all__ = ["OWN", "HintTests", "Measured", "measure", "more_metrics", "true_float32"]
 
 OWN = "own"
 """Stands for the hints of the method's own sampler."""
@@ -110,7 +111,7 @@ def measure(method: Method, batches: Iterable[Batch], tests: HintTests, device: 
     hints_given = 0
     with true_float32():
         for batch in batches:
-            here = moved(batch, device)
+            here: Batch = move_data_to_device(batch, device)
             target, mask, names = here["normal"], here["mask"], here["name"]
             bare = method.predict(here, None)
             error = angular_error(bare[:, :3], target).cpu()
@@ -147,8 +148,3 @@ def true_float32() -> Iterator[None]:
         yield
     finally:
         torch.backends.cudnn.allow_tf32 = before
-
-
-def moved(batch: Batch, device: torch.device) -> Batch:
-    """Return the batch on a device."""
-    return cast(Batch, {k: v.to(device) if isinstance(v, Tensor) else v for k, v in batch.items()})
