@@ -149,7 +149,7 @@ def test_from_a_plan_to_a_report(tmp_path: Path, capsys: pytest.CaptureFixture[s
     (checkpoint,) = (out / "pix2pix" / "seed0" / "checkpoints").glob("0*.ckpt")
     shutil.copy(checkpoint, tmp_path / "model.ckpt")
     weights = tmp_path / "model.safetensors"
-    assert main(["export", str(checkpoint), "--format", "safetensors", "-o", str(weights)]) == 0
+    assert main(["export", str(checkpoint), "-o", str(weights)]) == 0
     table = (out / "table.md").read_text(encoding="utf-8")
     for model in (tmp_path / "model.ckpt", weights):
         capsys.readouterr()
