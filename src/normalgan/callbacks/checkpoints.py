@@ -139,7 +139,7 @@ def named_checkpoint(last: Path, name: str) -> Path:
 
     Args:
         last: ``last.ckpt`` of the run.
-        name: which one.
+        name: ``last`` or ``best``.
 
     Raises:
         InputError: if there is no best one.

@@ -55,7 +55,7 @@ class StageMetrics(nn.Module):
         """Count one batch in one of the rows; see `angular_error` for the shapes.
 
         Args:
-            row: which one.
+            row: name of the row.
             preds: (N, 3, H, W) predicted normals, of any length.
             target: (N, 3, H, W) true unit normals.
             mask: (N, 1, H, W), 1 where pixels count.
