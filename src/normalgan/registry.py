@@ -16,7 +16,7 @@ from typing import Any, Generic, TypeVar
 
 from normalgan.errors import brief, did_you_mean
 
-__all__ = ["LeftOut", "Registry", "find_imported", "offered", "offerer", "summary"]
+__all__ = ["LeftOut", "Registry", "class_path", "find_imported", "offered", "offerer", "summary"]
 
 T = TypeVar("T")
 C = TypeVar("C", bound=type[Any])
@@ -214,6 +214,15 @@ def find_imported(name: str, base: type[T]) -> type[T] | None:
             if named and not inspect.isabstract(cls):
                 return cls
     return None
+
+
+def class_path(cls: type[Any]) -> str:
+    """Return the path in dots by which settings name a class.
+
+    >>> class_path(LeftOut)
+    'normalgan.registry.LeftOut'
+    """
+    return f"{cls.__module__}.{cls.__qualname__}"
 
 
 def summary(cls: type[Any]) -> str:

@@ -8,7 +8,7 @@ from jsonargparse import Namespace
 
 from normalgan.cli.late_imports import gc_paused
 from normalgan.cli.light_parser import LightParser
-from normalgan.registry import LeftOut, Registry, summary
+from normalgan.registry import LeftOut, Registry, class_path, summary
 
 __all__ = ["Kind", "build_parser", "run", "show"]
 
@@ -89,7 +89,7 @@ def _as_json(
             "kind": kind,
             "name": cls.__name__,
             "setting": settings.get(kind),
-            "class_path": f"{cls.__module__}.{cls.__qualname__}",
+            "class_path": class_path(cls),
             "package": registry.package(cls.__name__),
             "summary": summary(cls),
         }
