@@ -237,5 +237,5 @@ def summary(cls: type[Any]) -> str:
 
 
 def offerer(entry: EntryPoint) -> str:
-    """Return the package that an entry point is of, with its version; empty if that is not known."""
+    """Return the package that an entry point belongs to, with its version; empty if it is unknown."""
     return f"{entry.dist.name} {entry.dist.version}" if entry.dist else ""

@@ -51,7 +51,7 @@ class Evaluation:
     """Measures methods on one test split with the same hints.
 
     Args:
-        plan: which hints.
+        plan: the benchmark, which says the test hints.
         shared: settings with the data of all rows.
         test_alone: whether only the test split is rendered, because nothing is trained.
     """

@@ -132,7 +132,7 @@ class Plan:
 
     @property
     def counts(self) -> list[int]:
-        """The numbers of hints that are measured, rising."""
+        """The numbers of hints that are measured, in ascending order."""
         return sorted({0, self.hints, *self.hint_counts})
 
     def row(self, name: str) -> Row:

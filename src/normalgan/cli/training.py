@@ -56,7 +56,7 @@ __all__ = ["NormalGANCLI", "resolved_settings", "run", "training_parser"]
 class NormalGANCLI(LightningCLI):
     """fit, validate, test, predict, and render.
 
-    The file that ``ckpt_path`` names decides on the model: a checkpoint, safetensors or ONNX. ``last`` and
+    The file that ``ckpt_path`` names determines the model: a checkpoint, safetensors or ONNX. ``last`` and
     ``best`` name checkpoints in the run's folder, ``shipped`` the weights that come with the package; predict
     uses these if none are named. The path is taken out of the settings before Lightning sees it, because
     Lightning would build whatever class a checkpoint names. Only fit gets it back, after the checkpoint was
@@ -135,7 +135,7 @@ class NormalGANCLI(LightningCLI):
             self.config["ckpt_path"] = None
             size, default = self.config["data"]["size"], parser.get_default("data.size")
             self.saved = read_saved_model(path, self.command, size, default)
-            # Other settings follow from these, so that they must be there.
+            # Other settings are derived from these two, so they must be present.
             linked = ["--trainer.default_root_dir=.", f"--data.size={size}"]
             given = parser.parse_args([*linked, *args], defaults=False)
             self._use_settings_of(self.saved, given.as_dict().get("model", {}))

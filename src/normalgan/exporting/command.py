@@ -57,7 +57,7 @@ def build_parser() -> LightParser:
         "-o",
         "--output",
         default="model.onnx",
-        help=f"where the model goes; its ending decides on the format: {named} (default %(default)s)",
+        help=f"where the model goes; its ending determines the format: {named} (default %(default)s)",
     )
     parser.add_argument(
         "--opset",
