@@ -176,7 +176,10 @@ def test_mistakes_are_told_before_anything_starts(capsys: pytest.CaptureFixture[
         (["--config", fourlegs, "--config", fourlegs], "but was given 2"),
         (["--config", fourlegs, "--rows", "paper,their"], "the plan has no row their"),
         (["--config", fourlegs, "--budget", "soon"], "the budget 'soon' is not a span of time"),
-        (["--config", fourlegs, "--seeds", "one"], "--seeds was given 'one'; use whole numbers"),
+        (
+            ["--config", fourlegs, "--seeds", "1.5"],
+            'argument "seeds", item 1: expected a whole number, not 1.5.',
+        ),
         (["--config", fourlegs, "--cheat", "1"], "there is no setting cheat"),
     ):
         assert main(["benchmark", *arguments]) == 2

@@ -3,7 +3,7 @@
 import re
 from collections import Counter
 from copy import deepcopy
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
@@ -12,7 +12,7 @@ import yaml
 from normalgan.cli.config_files import check_config
 from normalgan.cli.light_parser import LightParser
 from normalgan.cli.parser_errors import refusal
-from normalgan.errors import InputError, did_you_mean
+from normalgan.errors import InputError
 from normalgan.files.shipped_configs import find_config
 from normalgan.ranges import Count, NonNegative, PositiveInt, check_ranges
 
@@ -216,10 +216,6 @@ def read_yaml(path: str | Path) -> Settings:
 
 def _read(kind: type[Part], content: Settings, where: str, **given: Any) -> Part:
     """Build a dataclass from a file's fields and known ones."""
-    known = {field.name for field in fields(kind)} - set(given)
-    for name in content.keys() - known:
-        near = did_you_mean(str(name), known)
-        raise InputError(f"{where} cannot be used: there is no setting {name} in it.{near}")
     parser = LightParser()
     parser.add_class_arguments(kind, skip=set(given))
     try:
