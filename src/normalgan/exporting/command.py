@@ -14,7 +14,7 @@ from normalgan.errors import InputError, RunError, unwritable
 from normalgan.files.writing import write_bytes
 from normalgan.warning_filters import filter_warnings
 
-__all__ = ["SUFFIXES", "TOLERANCE", "build_parser", "export", "run"]
+__all__ = ["SUFFIXES", "TOLERANCE", "build_parser", "run"]
 
 _ONNX = ".onnx"
 SUFFIXES = {_ONNX: "ONNX", ".safetensors": "safetensors", ".pt": "TorchScript", ".pt2": "torch.export"}
@@ -36,7 +36,7 @@ def run(arguments: list[str]) -> int:
     target = _check(options)
     with warnings.catch_warnings():
         filter_warnings()
-        print(export(options.model, target, options))
+        print(_export(options, target))
     return 0
 
 
@@ -76,13 +76,8 @@ def build_parser() -> LightParser:
     return parser
 
 
-def export(name: str, target: Path, options: Namespace) -> str:
+def _export(options: Namespace, target: Path) -> str:
     """Write the model, and return the report for the user.
-
-    Args:
-        name: name of the file to read; ``shipped`` for the one in the package.
-        target: the file to write.
-        options: as `build_parser` gives them.
 
     Raises:
         InputError: if the model cannot be used or the file not be written.
@@ -93,7 +88,7 @@ def export(name: str, target: Path, options: Namespace) -> str:
         from normalgan.exporting.deployed import load
         from normalgan.exporting.formats import FORMATS
 
-    (model, notes), form = load(name, options.size, options.licence), FORMATS[target.suffix.lower()]
+    (model, notes), form = load(options.model, options.size, options.licence), FORMATS[target.suffix.lower()]
     content = form.write(model, notes.metadata())
     if options.opset is not None:
         from normalgan.exporting.onnx_file import lowered  # late: other formats do without the package onnx
