@@ -24,9 +24,9 @@ __all__ = [
     "total_variation",
 ]
 
-PICTURE = 170
+_SIDE = 170
 """The side of a picture in the units in which distances from the contour are given."""
-RIM, DEEP = 1, 10
+_RIM_WIDTH, _DEEP_FROM = 1, 10
 """In these units: up to the first from the contour is the rim, farther than the second is deep inside."""
 EDGES = (0, 1, 2, 3, 4, 6, 8, 10, 16, 24, math.inf)
 """Edges of the bins of distance, in 170ths of the picture; a bin has its lower edge."""
@@ -112,8 +112,8 @@ class ReliefMetric(MapMetric):
         self.invalid = self.invalid + (inside & ~finite).sum()
         values = torch.where(inside & finite, values, 0.0)
         distance = distance_from_contour(presence(target)).to(preds.device)
-        unit = max(preds.shape[2:]) / PICTURE
-        zones = [distance >= 0, distance <= max(RIM * unit, 0.5), distance > DEEP * unit]
+        unit = max(preds.shape[2:]) / _SIDE
+        zones = [distance >= 0, distance <= max(_RIM_WIDTH * unit, 0.5), distance > _DEEP_FROM * unit]
         zones += [
             (distance >= low * unit) & ((distance < high * unit) | math.isinf(high))
             for low, high in pairwise(EDGES)
