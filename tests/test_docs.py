@@ -79,7 +79,7 @@ def test_python_of_the_public_face_runs_and_commands_read_what_its_ten_lines_sav
     assert len([line for line in ten.splitlines() if line.strip()]) <= 10
     run_python(ROOT / "docs" / "python.md", tmp_path)
     monkeypatch.chdir(tmp_path)
-    assert main(["export", "mine.ckpt", "-o", "model.safetensors", "--format", "safetensors"]) == 0
+    assert main(["export", "mine.ckpt", "-o", "model.safetensors"]) == 0
     sketch = str(ROOT / "examples" / "sketches" / "horse.png")
     command = [
         "predict",

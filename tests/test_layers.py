@@ -14,7 +14,7 @@ SOURCE = Path(__file__).parents[1] / "src" / "normalgan"
 RINGS = {
     "the ground": (
         {"errors", "batch", "arrays", "version"},
-        {"files", "registry", "line_widths", "contracts", "ranges"},
+        {"files", "registry", "line_widths", "contracts", "ranges", "graphs"},
         {"normals", "commit", "seeds", "progress", "decoding", "warning_filters"},
     ),
     "the method": (

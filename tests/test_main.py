@@ -28,15 +28,12 @@ def test_version(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().out == f"normalgan {normalgan.__version__}\n"
 
 
-@pytest.mark.parametrize(("given", "meant"), [("ftt", "fit"), ("predit", "predict"), ("tests", "test")])
-def test_an_unknown_command_is_answered_by_its_near_miss(
-    capsys: pytest.CaptureFixture[str], given: str, meant: str
-) -> None:
-    assert main([given]) == 2
+def test_an_unknown_command_is_answered_by_its_near_miss(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["ftt"]) == 2
     said = capsys.readouterr()
     assert said.out == ""
     assert said.err == (
-        f"normalgan: no command named '{given}'. Did you mean {meant}? "
+        "normalgan: no command named 'ftt'. Did you mean fit? "
         "The commands are fit, validate, test, predict, render, sketch, generate, convert, mcp, studio, "
         "export, benchmark, models, plugins, completion.\n"
     )

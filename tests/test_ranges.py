@@ -25,6 +25,7 @@ class Pen:
     shares: list[Share] = field(default_factory=list)
     name: str = "pen"
     tip: Literal["round", "flat"] | None = None
+    tips: list[Literal["round", "flat"]] = field(default_factory=list)
     spacing: Positive | Literal["auto"] = "auto"
 
     def __post_init__(self) -> None:
@@ -47,7 +48,8 @@ class Pen:
         ({"strength": (0.5, 2)}, "two numbers, low then high, from 0 to 1."),
         ({"spacing": 0}, "spacing of Pen is 0; it must be more than 0."),
         ({"tip": "soft"}, "tip of Pen is 'soft'; it must be 'round' or 'flat'."),
-        ({"shares": [0.5, 2]}, "shares of Pen is [0.5, 2]; each number must be from 0 to 1."),
+        ({"tips": ["flat", "soft"]}, "each must be 'round' or 'flat'."),
+        ({"shares": [0.5, 2]}, "shares of Pen is [0.5, 2]; each must be from 0 to 1."),
     ],
 )
 def test_what_lies_outside_a_range_is_told(settings: dict[str, object], sentence: str) -> None:
@@ -57,7 +59,7 @@ def test_what_lies_outside_a_range_is_told(settings: dict[str, object], sentence
 
 
 def test_what_lies_inside_passes() -> None:
-    Pen(0, 0.1, 89.9, (0.0, 0.0), [0.0, 1.0], "pen", "flat", 0.5)
+    Pen(0, 0.1, 89.9, (0.0, 0.0), [0.0, 1.0], "pen", "flat", ["flat"], 0.5)
 
 
 def test_a_class_may_give_its_values_by_name() -> None:

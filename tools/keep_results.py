@@ -5,7 +5,7 @@ tools/keep_results.py runs/a/results.json runs/b/results.json -o both.json: rows
 tools/keep_results.py runs/placement/results.json --by-mesh angular_mean --without distance -o p.json
 tools/keep_results.py animals/evaluation.json -o docs/results/shipped_animals.json: of --evaluate
 
-Figures by view are left out, and numbers are rounded to four digits.
+Numbers are rounded to four digits.
 """
 
 import json
@@ -30,7 +30,7 @@ ALIKE = ("plan", "scale", "images", "specification", "size")
 def keep(
     reports: Sequence[Mapping[str, Any]], by_mesh: Sequence[str] = (), without: Sequence[str] = ()
 ) -> dict[str, Any]:
-    """Return one report of all runs, a row after the other, its seeds in order, without figures by view.
+    """Return one report of all runs, a row after the other, its seeds in order.
 
     Args:
         reports: as `normalgan benchmark` writes them.
@@ -40,7 +40,7 @@ def keep(
     Raises:
         InputError: if they are of different plans, budgets or tests, or have a run twice.
     """
-    first, left_out = reports[0], {"views", "names", *without}  # the names are those of the views
+    first, left_out = reports[0], set(without)
     for name in ALIKE:
         if any(report.get(name) != first.get(name) for report in reports):
             raise InputError(f"the reports differ in {name}; only such that were measured alike become one.")

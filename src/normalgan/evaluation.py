@@ -157,14 +157,15 @@ class Evaluation(LightningModule):
     def on_test_model_eval(self) -> None:
         """Switch to evaluation, but keep the noise on if asked."""
         super().on_test_model_eval()
-        self._keep_noise()
+        self.keep_noise()
 
     def on_predict_model_eval(self) -> None:
         """Switch to evaluation, but keep the noise on if asked."""
         super().on_predict_model_eval()
-        self._keep_noise()
+        self.keep_noise()
 
-    def _keep_noise(self) -> None:
+    def keep_noise(self) -> None:
+        """Switch the noise on again after `eval`, if it is kept at test."""
         if self.noise_at_test:
             for module in self.generator.modules():
                 if isinstance(module, nn.Dropout):

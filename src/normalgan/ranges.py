@@ -101,7 +101,7 @@ def check_ranges(settings: Any, values: Mapping[str, Any] | None = None) -> None
             pair = isinstance(given, list | tuple)
             numbers = given if pair else [given]
             if any(number not in allowed for number in numbers) or (pair and not _rising(numbers)):
-                right = "it must be" if given is value else "each number must be"
+                right = "it must be" if given is value else "each must be"
                 right += " two numbers, low then high," if pair else ""
                 shown = repr(value) if isinstance(value, str) else value
                 raise InputError(f"{name} of {kind.__name__} is {shown}; {right} {allowed}.")
@@ -130,13 +130,13 @@ def _given(hint: Any, value: Any) -> list[tuple[Any, Range | _Choice]]:
     if get_origin(hint) is Literal:
         return [(value, _Choice(get_args(hint)))]
     inner = [each for each in get_args(hint) if each not in (type(None), ...)]
+    if isinstance(value, Mapping):
+        return [pair for item in value.values() for pair in _given(inner[-1], item)]
+    if isinstance(value, list | tuple) and get_origin(hint) in (list, tuple):
+        return [pair for item in value for pair in _given(inner[0], item)]
     literals = [each for each in inner if get_origin(each) is Literal]
     words = _Choice(tuple(word for each in literals for word in get_args(each)))
     if value in words or (literals and literals == inner):
         return [(value, words)]
     inner = [each for each in inner if each not in literals]  # another type may take the value
-    if isinstance(value, Mapping):
-        return [pair for item in value.values() for pair in _given(inner[-1], item)]
-    if isinstance(value, list | tuple) and get_origin(hint) in (list, tuple):
-        return [pair for item in value for pair in _given(inner[0], item)]
     return [pair for each in inner for pair in _given(each, value)]

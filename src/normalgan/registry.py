@@ -16,7 +16,7 @@ from typing import Any, Generic, TypeVar
 
 from normalgan.errors import brief, did_you_mean
 
-__all__ = ["LeftOut", "Registry", "find_imported", "offered", "offerer", "summary"]
+__all__ = ["LeftOut", "Registry", "class_path", "find_imported", "offered", "offerer", "summary"]
 
 T = TypeVar("T")
 C = TypeVar("C", bound=type[Any])
@@ -216,6 +216,15 @@ def find_imported(name: str, base: type[T]) -> type[T] | None:
     return None
 
 
+def class_path(cls: type[Any]) -> str:
+    """Return the path in dots by which settings name a class.
+
+    >>> class_path(LeftOut)
+    'normalgan.registry.LeftOut'
+    """
+    return f"{cls.__module__}.{cls.__qualname__}"
+
+
 def summary(cls: type[Any]) -> str:
     """Return the first line of a class's own docstring; empty if it has none.
 
@@ -228,5 +237,5 @@ def summary(cls: type[Any]) -> str:
 
 
 def offerer(entry: EntryPoint) -> str:
-    """Return the package that an entry point is of, with its version; empty if that is not known."""
+    """Return the package that an entry point belongs to, with its version; empty if it is unknown."""
     return f"{entry.dist.name} {entry.dist.version}" if entry.dist else ""

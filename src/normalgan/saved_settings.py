@@ -1,14 +1,28 @@
 """SavedSettings: a LightningModule whose checkpoints hold classes and settings as text."""
 
+from collections.abc import Mapping
+from functools import partial
 from inspect import signature
 from typing import Any
 
 from lightning.pytorch import LightningModule
 from lightning.pytorch.utilities.parsing import AttributeDict
 
-from normalgan.weights.checkpoint import PICTURE_SIZE, settings_to_save, uncompiled
+from normalgan.registry import class_path
+from normalgan.weights.checkpoint import (
+    DEFAULT_OPTIMIZER,
+    MADE_IN_PYTHON,
+    OF_TORCH,
+    PICTURE_SIZE,
+    REGISTRIES,
+    uncompiled,
+)
+from normalgan.weights.class_spec import ANY_NUMBER, ClassSpec, is_plain
 
-__all__ = ["SavedSettings"]
+__all__ = ["SavedSettings", "settings_to_save"]
+
+_OF_TRAINING = {"compile"}
+"""Arguments of the model that say how to train on this machine; they are not saved."""
 
 
 class SavedSettings(LightningModule):
@@ -45,3 +59,42 @@ class SavedSettings(LightningModule):
         """
         dropped = signature(type(self)).parameters.keys() - self.hparams.keys()
         return {**{name: getattr(self, name) for name in dropped if hasattr(self, name)}, **self.hparams}
+
+
+def settings_to_save(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the arguments of a model as a checkpoint holds them: classes and values instead of objects.
+
+    Objects that plain values cannot describe are only named; such a model can be continued in Python.
+
+    Args:
+        given: as Lightning saves them: configurations, if the command line built the model, or the objects.
+    """
+    saved: dict[str, Any] = {"_instantiator": "lightning.pytorch.cli.instantiate_module"}
+    for name, value in given.items():
+        if name in _OF_TRAINING:
+            continue
+        if name in OF_TORCH:
+            saved[name] = _optimizer_to_save(value)
+        elif name in REGISTRIES and value is not None and not isinstance(value, Mapping):
+            part = ClassSpec.of_object(value)
+            saved[name] = _made_in_python(value) if part is None else part.to_dict()
+        else:
+            saved[name] = value
+    return saved
+
+
+def _optimizer_to_save(value: Any) -> Any:
+    if value is None or isinstance(value, str | Mapping):
+        return value
+    if getattr(value, "__module__", None) == "normalgan.gan" and value.__qualname__ == "_rmsprop":
+        return DEFAULT_OPTIMIZER
+    kind, settings = (value.func, value.keywords) if isinstance(value, partial) else (value, {})
+    plain = not getattr(value, "args", ()) and all(is_plain(each, ANY_NUMBER) for each in settings.values())
+    if plain and isinstance(kind, type):
+        return ClassSpec(class_path(kind), dict(settings)).to_dict()
+    return _made_in_python(kind)
+
+
+def _made_in_python(value: object) -> dict[str, str]:
+    kind = value if hasattr(value, "__qualname__") else type(value)
+    return {MADE_IN_PYTHON: f"{kind.__module__}.{kind.__qualname__}"}

@@ -6,7 +6,6 @@ import torch
 from scipy.spatial import cKDTree
 
 from normalgan.benchmark.accumulator import Accumulator
-from normalgan.metrics.contour import distance_from_contour
 
 CPU = torch.device("cpu")
 SIZE = 64
@@ -33,7 +32,7 @@ def accumulator(samples: tuple[torch.Tensor, ...]) -> Accumulator:
     accumulator = Accumulator(CPU)
     for i, name in enumerate(("a/0", "b/0")):
         predicted, target, mask, where = (each[i : i + 1] for each in samples)
-        accumulator.update(predicted, target, mask, where, distance_from_contour(mask), [name])
+        accumulator.update(predicted, target, mask, where, [name])
     return accumulator
 
 
@@ -83,7 +82,7 @@ def test_errors_by_distance_are_all_errors(accumulator: Accumulator) -> None:
     bins = accumulator.by_distance()["170ths"]
     counts = np.array([one["pixels"] for one in bins], float)
     angles = np.array([one["angular_mean"] for one in bins], float)
-    assert counts.sum() == sum(accumulator.by_view()["pixels"])
+    assert counts.sum() == sum(mesh["pixels"] or 0 for mesh in accumulator.by_mesh().values())
     assert (counts * angles).sum() / counts.sum() == pytest.approx(
         accumulator.figures()["angular_mean"], abs=1e-3
     )
@@ -95,13 +94,15 @@ def test_the_calibration_curve_is_that_of_the_confidence(
 ) -> None:
     curve = accumulator.calibration()
     assert curve is not None
-    assert sum(point["pixels"] for point in curve) == sum(accumulator.by_view()["pixels"])
+    assert sum(point["pixels"] for point in curve) == sum(
+        mesh["pixels"] or 0 for mesh in accumulator.by_mesh().values()
+    )
     weighted = sum(point["pixels"] * abs(point["observed"] - point["predicted"]) for point in curve)
     error = accumulator.figures()["calibration_error"]
     assert error == pytest.approx(weighted / sum(point["pixels"] for point in curve))
     assert "calibration_error" not in accumulator.by_mesh()["a"]
     bare = Accumulator(CPU)
     predicted, target, mask, where = samples
-    bare.update(predicted[:, :3], target, mask, where, distance_from_contour(mask), ["a/0", "b/0"])
+    bare.update(predicted[:, :3], target, mask, where, ["a/0", "b/0"])
     assert bare.calibration() is None
     assert bare.figures().items() <= accumulator.figures().items()

@@ -127,8 +127,7 @@ def test_from_a_plan_to_a_report(tmp_path: Path, capsys: pytest.CaptureFixture[s
     placed = {f"{name}-3" for name in ("uniform", "curvature", "farthest", "worst")}
     asked = {"0", "5", "20", "own", *placed, "degrees-10", "pixels-2"}
     for run in by_row.values():
-        assert run["figures"].keys() == run["meshes"].keys() == run["views"].keys() == asked
-        assert len(run["names"]) == len(run["views"]["0"]["angular_mean"]) == 3
+        assert run["figures"].keys() == run["meshes"].keys() == asked
     assert by_row["worst"]["figures"]["own"] == {**by_row["worst"]["figures"]["worst-3"], "hints": 3}
     assert {name: len(curve) for name, curve in by_row["worst"]["pins"].items()} == {
         "worst": 3,
@@ -150,7 +149,7 @@ def test_from_a_plan_to_a_report(tmp_path: Path, capsys: pytest.CaptureFixture[s
     (checkpoint,) = (out / "pix2pix" / "seed0" / "checkpoints").glob("0*.ckpt")
     shutil.copy(checkpoint, tmp_path / "model.ckpt")
     weights = tmp_path / "model.safetensors"
-    assert main(["export", str(checkpoint), "--format", "safetensors", "-o", str(weights)]) == 0
+    assert main(["export", str(checkpoint), "-o", str(weights)]) == 0
     table = (out / "table.md").read_text(encoding="utf-8")
     for model in (tmp_path / "model.ckpt", weights):
         capsys.readouterr()
@@ -177,7 +176,10 @@ def test_mistakes_are_told_before_anything_starts(capsys: pytest.CaptureFixture[
         (["--config", fourlegs, "--config", fourlegs], "but was given 2"),
         (["--config", fourlegs, "--rows", "paper,their"], "the plan has no row their"),
         (["--config", fourlegs, "--budget", "soon"], "the budget 'soon' is not a span of time"),
-        (["--config", fourlegs, "--seeds", "one"], "--seeds was given 'one'; use whole numbers"),
+        (
+            ["--config", fourlegs, "--seeds", "1.5"],
+            'argument "seeds", item 1: expected a whole number, not 1.5.',
+        ),
         (["--config", fourlegs, "--cheat", "1"], "there is no setting cheat"),
     ):
         assert main(["benchmark", *arguments]) == 2

@@ -1,6 +1,6 @@
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 import yaml
@@ -115,11 +115,11 @@ def test_our_plans_have_every_row_of_the_comparison(name: str) -> None:
         (plan(images="many"), ["plan.yaml", "images", "a whole number, not many"]),
         (plan(sedes=[1]), ["there is no setting sedes", "Did you mean seeds?"]),
         (plan(seeds=[]), ["a plan needs seeds"]),
-        (plan(seeds=[-1]), ["seeds of Plan is [-1]; each number must be 0 or more"]),
+        (plan(seeds=[-1]), ["seeds of Plan is [-1]; each must be 0 or more"]),
         (plan(checkpoint="first"), ["checkpoint", "first"]),
         (plan(reference="theirs"), ["the plan has no row theirs; it has mean, paper"]),
         (plan(rows=3), ["are not a list of settings"]),
-        (plan(placements=["best"], placement_counts=[3]), ["no placement 'best'", "uniform, curvature"]),
+        (plan(placements=["best"], placement_counts=[3]), ["placements", "'curvature'", "not best"]),
         (
             plan(test_data={"size": 32}),
             ["medium, meshes, ", "test_views alone, not size"],
@@ -152,7 +152,7 @@ def test_a_mistake_is_answered_by_a_sentence(tmp_path: Path, wrong: Any, words: 
 def test_the_names_of_placements_are_those_that_there_are() -> None:
     from normalgan.benchmark import hints, plan
 
-    assert tuple(hints._SAMPLERS) == plan.PLACEMENTS
+    assert tuple(hints._SAMPLERS) == get_args(plan.Placement)
 
 
 def test_the_matrix_trains_each_placement_at_each_count() -> None:

@@ -7,10 +7,6 @@ from command import CONF, Bench, left_in, run
 
 PLUGINS = {
     "model.generator": ("UnetGenerator", "Generator", "UNetGenerator"),
-    "model.discriminator": ("PatchDiscriminators", "Discriminator", "PatchDiscriminator"),
-    "model.hint_sampler": ("UniformHint", "HintSampler", "UniformHints"),
-    "model.objective": ("Waserstein", "AdversarialObjective", "Wasserstein"),
-    "data.renderer": ("Embree", "Renderer", "EmbreeRenderer"),
     "data.lines": ("SugestiveContours", "LineDrawing", "SuggestiveContours"),
 }
 
@@ -25,8 +21,8 @@ def test_an_unknown_plugin_is_answered_by_its_near_miss(setting: str) -> None:
     run("fit", f"--{setting}", PLUGINS[setting][0]).refused(near_miss(setting))
 
 
-@pytest.mark.parametrize("setting", ["model.generator", "data.lines"])
-def test_an_unknown_plugin_in_a_file_is_answered_by_its_near_miss(setting: str, tmp_path: Path) -> None:
+def test_an_unknown_plugin_in_a_file_is_answered_by_its_near_miss(tmp_path: Path) -> None:
+    setting = "data.lines"
     given, (section, name) = PLUGINS[setting][0], setting.split(".")
     short, nested = tmp_path / "short.yaml", tmp_path / "nested.yaml"
     short.write_text(f"{section}:\n  {name}: {given}\n")
@@ -45,12 +41,7 @@ def test_an_unknown_plugin_in_a_file_is_answered_by_its_near_miss(setting: str, 
         ),
         ("model: {hint_sampler: 3}", ["3 is no HintSampler", "CurvatureHints"]),
         ("model: {generator_optimizer: RMSProp}", ["no Optimizer named 'RMSProp'. Did you mean RMSprop?"]),
-        ("model: {lr_scheduler: {class_path: StepLr}}", ["no LRScheduler", "Did you mean StepLR?"]),
         ("model: {lr_scheduler: {class_path: StepLR}}", ["model.lr_scheduler", "missing: step_size"]),
-        (
-            "data: {augmentation: Augment}",
-            ["no BatchAugmentation named 'Augment'. Did you mean Augmentation?"],
-        ),
         ("trainer: {callbacks: [{class_path: EarlyStoping}]}", ["Did you mean EarlyStopping?"]),
         (
             "model: {generator: {class_path: UNetGenerator, init_args: {widht: 4}}}",
@@ -60,25 +51,18 @@ def test_an_unknown_plugin_in_a_file_is_answered_by_its_near_miss(setting: str, 
             "model: {generator: {class_path: UNetGenerator, init_args: {width: wide}}}",
             ["a whole number, not wide"],
         ),
-        ("model: {discriminator: {class_path: UNetDiscriminator, init_args: {wdth: 1}}}", ["mean width?"]),
         ("data: {views: {margin: wide}}", ['"data.views.margin": expected a number, not wide.']),
-        ("data: {size: large}", ['argument "data.size": expected a whole number, not large.']),
-        ("data: {animals: {species: birds}}", ['"data.animals.species": expected a list, not birds.']),
         ("data: {animals: 30}", ["data.animals is a group of settings, such as data.animals.count, not 30"]),
-        ("data: {sizes: 32}", ["there is no setting data.sizes. Did you mean data.size?"]),
         ("data: {views: {margn: 0.1}}", ["no setting data.views.margn. Did you mean data.views.margin?"]),
         ("data: {meshes: {a: 1}}", ["expected text or a list or null, not {'a': 1}"]),
         ("data: {split: {fractions: [0.5, 0.5]}}", ["expected a tuple with 3 elements, not [0.5, 0.5]."]),
         ("data:", ['"data" in the configuration', "is empty"]),
         ("trainer: 3", ['"trainer" in the configuration', "is 3"]),
-        ("trainer: {max_epoch: 3}", ["Did you mean trainer.max_epochs?"]),
         ("trainer: {max_epochs: many}", ["expected a whole number or null, not many."]),
         ("output: {engine: unity}", ["there is no setting output.engine."]),
-        ("output: {bits: 12}", ["expected one of 8, 16, not 12."]),
         ("data: [1", ["bad.yaml is not YAML: line 1: "]),
         ("data:\n\tsize: 3", ["bad.yaml is not YAML: line 2: "]),
         ("just words", ["bad.yaml holds no settings"]),
-        ("", ["bad.yaml holds no settings"]),
         ("\x00\x01", ["bad.yaml is not a text in YAML"]),
     ],
 )
@@ -119,11 +103,6 @@ def test_options_are_checked_like_settings(bench: Bench, tmp_path: Path) -> None
     run("fit", "--config").refused("--config: expected one argument")
     run("fit", "--config", tmp_path / "gone.yaml").refused("there is no configuration file", "gone.yaml")
     run("fit", "--config", tmp_path).refused("cannot be read: Is a directory")
-
-
-@pytest.mark.parametrize("spelling", ["--config={}", "-c{}"])
-def test_a_configuration_is_looked_at_however_it_is_given(tmp_path: Path, spelling: str) -> None:
-    run("fit", spelling.format(tmp_path / "gone.yaml")).refused("gone.yaml")
 
 
 def test_the_folder_of_the_run_can_be_none(bench: Bench, tmp_path: Path) -> None:

@@ -79,14 +79,12 @@ def test_an_option_is_kept_by_another_class_that_has_it() -> None:
     assert parsed.lines.init_args.line_width == 3
 
 
-@pytest.mark.parametrize("way", ["option", "file"])
 def test_fit_gives_a_third_partys_style_its_own_settings(
-    way: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file = tmp_path / "a.yaml"
     file.write_text(yaml.safe_dump({"data": {"lines": {"class_path": GAPS}}}))
-    arguments = ["--data.lines", GAPS] if way == "option" else ["--config", str(file)]
-    assert main(["fit", *arguments, "--print_config"]) == 0
+    assert main(["fit", "--config", str(file), "--print_config"]) == 0
     lines = yaml.safe_load(capsys.readouterr().out)["data"]["lines"]
     assert lines["init_args"] == {"line_width": 7.5, "strength": 3.0}
 

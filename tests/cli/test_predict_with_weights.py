@@ -19,7 +19,7 @@ def make_weights(trained: Path, tmp_path_factory: pytest.TempPathFactory) -> Pat
     """The weights of the trained run."""
     path = tmp_path_factory.mktemp("weights") / "Run.SafeTensors"
     checkpoint = trained / "checkpoints" / "last.ckpt"
-    assert main(["export", str(checkpoint), "-o", str(path), "--format", "safetensors"]) == 0
+    assert main(["export", str(checkpoint), "-o", str(path)]) == 0
     return path
 
 

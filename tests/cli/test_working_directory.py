@@ -61,7 +61,7 @@ def save(path: Path, generator: str, hint_sampler: Any) -> None:
 def test_inference_does_not_need_the_hint_sampler(folder: Path, sampler: dict[str, Any]) -> None:
     save(folder / "m.ckpt", "normalgan.models.UNetGenerator", sampler)
     assert normalgan.load("m.ckpt").backend.size == 32
-    done = run("export", "m.ckpt", "-o", "m.safetensors", "--format", "safetensors")
+    done = run("export", "m.ckpt", "-o", "m.safetensors")
     assert done.code == 0, done.err
     assert normalgan.load("m.safetensors").backend.size == 32
     drawing = Path(__file__).parents[2] / "examples" / "sketches" / "fox.png"
@@ -87,11 +87,11 @@ def test_export_and_load_import_a_generator_of_the_working_directory(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     save(folder / "m.ckpt", "own_nets.OwnGenerator", {"class_path": "normalgan.hints.NoHints"})
-    run("export", "m.ckpt", "-o", "m.safetensors", "--format", "safetensors").refused(
+    run("export", "m.ckpt", "-o", "m.safetensors").refused(
         "no Generator named 'own_nets.OwnGenerator'", "run python -m normalgan in the folder of own_nets"
     )
     monkeypatch.syspath_prepend(str(folder))
-    done = run("export", "m.ckpt", "-o", "m.safetensors", "--format", "safetensors")
+    done = run("export", "m.ckpt", "-o", "m.safetensors")
     assert done.code == 0, done.err
     for model in ("m.ckpt", "m.safetensors"):
         sys.modules.pop("own_nets", None)

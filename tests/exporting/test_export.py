@@ -39,7 +39,7 @@ def test_the_model_that_is_read_is_not_written_over(
 ) -> None:
     (tmp_path / "m.safetensors").write_bytes(b"weights")
     path = tmp_path / "m.safetensors"
-    assert export(path, tmp_path / ".." / tmp_path.name / path.name, "--format", "safetensors") == 2
+    assert export(path, tmp_path / ".." / tmp_path.name / path.name) == 2
     assert "is an input and would be overwritten" in capsys.readouterr().err
     assert path.read_bytes() == b"weights"
 
@@ -142,12 +142,12 @@ def test_half_precision_halves_the_file_and_keeps_the_normals(
     assert (tmp_path / "half.onnx").read_bytes() == (folder / "half.onnx").read_bytes()
 
 
-@pytest.mark.parametrize("form", ["torchscript", "pt2"])
-def test_the_formats_of_torch_paint_the_same(exported: Export, tmp_path: Path, form: str) -> None:
+@pytest.mark.parametrize("suffix", [".pt", ".pt2"])
+def test_the_formats_of_torch_predict_the_same(exported: Export, tmp_path: Path, suffix: str) -> None:
     folder, generator = exported
-    target = tmp_path / ("m.pt" if form == "torchscript" else "m.pt2")
-    assert export(folder / "last.ckpt", target, "--format", form) == 0
-    run = FORMATS[form].read(target.read_bytes())
+    target = tmp_path / f"m{suffix}"
+    assert export(folder / "last.ckpt", target) == 0
+    run = FORMATS[suffix].read(target.read_bytes())
     for count in (1, 4):
         sketch, hints = examples(count, 32, seed=11)
         outputs = np.concatenate(run(sketch, hints), axis=1)
@@ -198,7 +198,7 @@ def test_the_size_comes_from_the_run(tmp_path: Path, capsys: pytest.CaptureFixtu
     checkpoint = tmp_path / "run" / "checkpoints" / "last.ckpt"
     checkpoint.parent.mkdir(parents=True)
     save(checkpoint, "ResidualUNetGenerator")
-    arguments = ["export", str(checkpoint), "-o", str(tmp_path / "m.pt"), "--format", "torchscript"]
+    arguments = ["export", str(checkpoint), "-o", str(tmp_path / "m.pt")]
     assert main(arguments) == 2
     said = "does not say the size of its pictures; give the --data.size of its training"
     assert said in capsys.readouterr().err
@@ -218,25 +218,18 @@ def test_the_size_comes_from_the_run(tmp_path: Path, capsys: pytest.CaptureFixtu
     [
         (["gone.ckpt"], "there is no checkpoint gone.ckpt"),
         (["text.ckpt"], "damaged or no checkpoint"),
-        (
-            ["good.ckpt", "--format", "tflite"],
-            "there is no format 'tflite'; it is one of onnx, safetensors, torchscript, pt2",
-        ),
-        (
-            ["good.ckpt", "-o", "m.pt"],
-            "--output m.pt must end in .onnx, which --format onnx writes, or pass --format torchscript.",
-        ),
-        (["good.ckpt", "-o", "m.pt2", "--format", "pt2", "--half"], "--half is for onnx and safetensors"),
+        (["good.ckpt", "-o", "m.tflite"], "m.tflite must end in .onnx, .safetensors, .pt, .pt2"),
+        (["good.ckpt", "-o", "m.pt2", "--half"], "--half is for .onnx and .safetensors"),
         (["good.ckpt", "--opset", "9"], "opset"),
         (
-            ["good.ckpt", "-o", "m.pt2", "--format", "pt2", "--opset", "17"],
-            "--opset is for onnx; leave it out, or write pt2 without it.",
+            ["good.ckpt", "-o", "m.pt2", "--opset", "17"],
+            "--opset is for .onnx; leave it out, or write .pt2 without it.",
         ),
         (["good.ckpt", "--size", "40"], "sides that are multiples of 32, not 40"),
         (["good.ckpt", "--licence", "two\nlines"], "--licence is one line"),
         (["good.ckpt", "--halve"], "there is no setting halve"),
         (["old.ckpt"], "cannot be built here"),
-        (["good.ckpt", "-o", "text.ckpt/m.safetensors", "--format", "safetensors"], "text.ckpt"),
+        (["good.ckpt", "-o", "text.ckpt/m.safetensors"], "text.ckpt"),
     ],
 )
 def test_what_cannot_be_exported_is_refused_in_a_sentence(

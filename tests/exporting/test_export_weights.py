@@ -16,7 +16,7 @@ torch.set_num_threads(1)
 
 
 def export(checkpoint: Path, target: Path, *more: str) -> int:
-    given = ["export", str(checkpoint), "-o", str(target), "--size", "32", "--format", "safetensors"]
+    given = ["export", str(checkpoint), "-o", str(target), "--size", "32"]
     return main([*given, *more])
 
 
@@ -49,7 +49,7 @@ def test_weights_are_exported_as_their_checkpoint_is(tmp_path: Path) -> None:
     save(tmp_path / "last.ckpt", "ResidualUNetGenerator")
     first, again = tmp_path / "first.safetensors", tmp_path / "again.safetensors"
     assert export(tmp_path / "last.ckpt", first, "--licence", "CC0") == 0
-    assert main(["export", str(first), "-o", str(again), "--format", "safetensors"]) == 0
+    assert main(["export", str(first), "-o", str(again)]) == 0
     assert again.read_bytes() == first.read_bytes()
-    assert main(["export", str(first), "-o", str(again), "--format", "safetensors", "--licence", "MIT"]) == 0
+    assert main(["export", str(first), "-o", str(again), "--licence", "MIT"]) == 0
     assert read_weights(again).notes.licence == "MIT"

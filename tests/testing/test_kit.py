@@ -65,13 +65,6 @@ def quota(right: Any, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Any
     return where * (where.flatten().cumsum(0).view(where.shape) <= 60)
 
 
-def a_number_for_each_pixel(right: Any, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Any:
-    where = torch.zeros_like(mask)
-    for place, one in zip(where, mask, strict=True):
-        place[one > 0] = (torch.rand(int(one.sum()), generator=rng) > 0.5).float()
-    return where
-
-
 def into_the_mask(right: Any, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Any:
     where = right(normal, mask, rng)
     mask[..., ::2] = 0
@@ -111,7 +104,7 @@ SAMPLERS = broken(
         ),
         "Moody": (
             of_its_own_state,
-            "gave other hints under the same seed; all randomness must come from rng",
+            "returned something else under the same seed; all randomness must come from rng",
         ),
         "SeedsPython": (
             lambda right, *given: random.seed(1) or right(*given),
@@ -128,10 +121,6 @@ SAMPLERS = broken(
         "Quota": (
             quota,
             "changed the hints of a sample when another one of the batch was changed; a sample must not",
-        ),
-        "ANumberForEachPixel": (
-            a_number_for_each_pixel,
-            "changed the hints of a sample when another one of the batch was changed",
         ),
         "IntoTheMask": (
             into_the_mask,
@@ -639,10 +628,6 @@ AUGMENTATIONS = broken(
             lambda right, batch, seed: {**right(batch, seed), **{k: batch[k] for k in batch if k == "hints"}},
             r"left hints [\d.]+° from the normals where they lie",
         ),
-        "Unseeded": (
-            lambda right, batch, seed: right(batch, seed) if float(torch.rand(())) < 0.5 else batch,
-            "(.*otherwise under the same seed|drew from or seeded)",
-        ),
     },
 )
 
@@ -847,10 +832,6 @@ def into_the_maps(right: Any, view: View, rng: np.random.Generator) -> Any:
     return right(view, rng)
 
 
-def trembling(right: Any, points: Any, width: Any, rng: np.random.Generator) -> Any:
-    return right(points + np.random.default_rng().normal(0, 0.1, points.shape), width, rng)
-
-
 LINE_STYLES: Cases = [
     *broken(
         *(Outline, "ink", HERE),
@@ -874,14 +855,6 @@ LINE_STYLES: Cases = [
             "Black": (
                 lambda right, points, width, rng: Stroke(points, width, np.full(len(points), 255.0)),
                 "traced a stroke of darkness .* to .*; darkness lies from 0, paper, to 1",
-            ),
-            "Trembles": (
-                trembling,
-                "traced the same view twice differently under one seed; the same view and rng",
-            ),
-            "Shakes": (
-                lambda right, *given: (np.random.rand(), right(*given))[1],  # noqa: NPY002
-                "drew from or seeded numpy's global random state",
             ),
         },
     ),
@@ -950,6 +923,11 @@ def test_a_class_inside_a_function_is_told_off() -> None:
         ConformanceError, match=r"Inner cannot be imported as .*<locals>\.Inner; YAML and check"
     ):
         check(Inner())
+
+
+@pytest.mark.parametrize("kind", [HintSampler, LineDrawing, BatchAugmentation])
+def test_the_seed_of_every_kind_that_draws_is_checked(kind: type) -> None:
+    assert {"the same under a seed", "global randomness left alone"} <= {each.name for each in checks(kind)}
 
 
 def test_checks_are_assertions_with_names_of_their_own() -> None:

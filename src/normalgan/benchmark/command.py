@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from jsonargparse import Namespace
+from jsonargparse.typing import NonNegativeInt
 
 from normalgan.benchmark.plan import Plan, is_plan, read_plan
 from normalgan.benchmark.scale import Scale, read_budget, read_scale
@@ -49,8 +50,7 @@ def run(arguments: list[str]) -> int:
         rows = options.rows.split(",") if options.rows else [row.name for row in plan.rows]
         for name in rows:
             plan.row(name)
-        seeds = _seeds(options.seeds) or plan.seeds
-        return actions.compare(plan, scale, out or Path("runs/benchmark"), rows, seeds)
+        return actions.compare(plan, scale, out or Path("runs/benchmark"), rows, options.seeds or plan.seeds)
 
 
 def build_parser() -> LightParser:
@@ -76,7 +76,7 @@ def build_parser() -> LightParser:
         "evaluation.json, which is not written without it",
     )
     parser.add_argument("--rows", type=str | None, help="names of rows, with commas; by default all")
-    parser.add_argument("--seeds", type=str, nargs="+", help="seeds in place of the plan's")
+    parser.add_argument("--seeds", type=NonNegativeInt, nargs="+", help="seeds in place of the plan's")
     parser.add_argument(
         "--images", type=int | None, help="images that each generator learns from, in place of the plan's"
     )
@@ -153,12 +153,3 @@ def _read(options: Namespace) -> tuple[Plan, Scale]:
     if options.images is not None:
         plan = replace(plan, images=options.images)
     return plan, read_scale(overlays, options.set or (), seconds)
-
-
-def _seeds(given: list[str] | None) -> list[int]:
-    for text in given or ():
-        if not text.isdecimal():
-            raise InputError(
-                f"--seeds was given {text!r}; use whole numbers, 0 or more, with spaces between."
-            )
-    return [int(text) for text in given or ()]

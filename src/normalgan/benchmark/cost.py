@@ -8,11 +8,12 @@ from pathlib import Path
 from time import perf_counter
 
 import torch
+from lightning.fabric.utilities import move_data_to_device
 from torch import nn
 from torch.utils.flop_counter import FlopCounterMode
 
 from normalgan.batch import Batch
-from normalgan.benchmark.measure import moved, true_float32
+from normalgan.benchmark.measure import true_float32
 from normalgan.benchmark.methods import Method
 from normalgan.version import __version__
 
@@ -45,7 +46,7 @@ def images_per_second(method: Method, batch: Batch, device: torch.device, second
         device: where to predict.
         seconds: duration; at least one batch is measured, after one to warm up.
     """
-    here = moved(batch, device)
+    here: Batch = move_data_to_device(batch, device)
     with true_float32():
         method.predict(here, None)
         _wait(device)

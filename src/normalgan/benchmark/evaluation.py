@@ -10,12 +10,13 @@ from typing import Any
 
 import numpy as np
 import torch
+from lightning.fabric.utilities import move_data_to_device
 
 from normalgan.arrays import Floats
 from normalgan.batch import Batch
 from normalgan.benchmark.cost import describe_machine, describe_versions, flops, images_per_second
 from normalgan.benchmark.hints import hint_points, placements
-from normalgan.benchmark.measure import HintTests, measure, more_metrics, moved, true_float32
+from normalgan.benchmark.measure import HintTests, measure, more_metrics, true_float32
 from normalgan.benchmark.methods import (
     Method,
     constant_method,
@@ -50,7 +51,7 @@ class Evaluation:
     """Measures methods on one test split with the same hints.
 
     Args:
-        plan: which hints.
+        plan: the benchmark, which says the test hints.
         shared: settings with the data of all rows.
         test_alone: whether only the test split is rendered, because nothing is trained.
     """
@@ -142,7 +143,7 @@ class Evaluation:
     def _pins(self, method: Method, strategy: Strategy) -> list[float]:
         """Return the mean errors after 0, 1, … pins that a simulated user gives."""
         with true_float32():
-            batches = (moved(batch, self.device) for batch in self.batches())
+            batches = (move_data_to_device(batch, self.device) for batch in self.batches())
             return pin_curve([pin_one_by_one(method, one, strategy, self.plan.pins) for one in batches])
 
     @cached_property
@@ -154,7 +155,7 @@ class Evaluation:
 
     def predict_shown(self, method: Method) -> Floats:
         """Return a method's predictions for the gallery's samples with the hints of table 1, (K, 3, H, W)."""
-        batch = moved(self.shown, self.device)
+        batch: Batch = move_data_to_device(self.shown, self.device)
         hints = None
         if method.takes_hints:
             where = hint_points(batch["mask"], batch["name"], self.plan.hint_seed, self.plan.hints)

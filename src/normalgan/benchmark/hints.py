@@ -64,7 +64,7 @@ def placements(names: Sequence[str], counts: Sequence[int]) -> dict[str, HintSam
     """Return a sampler for each name and count, under the name that its figures have in the table.
 
     Args:
-        names: keys of `PLACEMENTS`.
+        names: how hints are placed; see `normalgan.benchmark.plan.Placement`.
         counts: hints of each sample.
 
     >>> list(placements(["uniform", "worst"], [3, 10]))

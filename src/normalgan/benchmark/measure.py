@@ -3,9 +3,10 @@
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import Any, Self, cast
+from typing import Any, Self
 
 import torch
+from lightning.fabric.utilities import move_data_to_device
 from torch import Tensor
 
 from normalgan.batch import Batch
@@ -16,10 +17,9 @@ from normalgan.hints import HintSampler, hints_at
 from normalgan.hints.draw import draw_hints_by_name
 from normalgan.metrics import METRICS, MapMetric, angular_error
 from normalgan.metrics.collection import check_names
-from normalgan.metrics.contour import distance_from_contour
 from normalgan.weights.class_spec import ANY_NUMBER, ClassSpec
 
-__all__ = ["OWN", "HintTests", "Measured", "measure", "more_metrics", "moved", "true_float32"]
+__all__ = ["OWN", "HintTests", "Measured", "measure", "more_metrics", "true_float32"]
 
 OWN = "own"
 """Stands for the hints of the method's own sampler."""
@@ -32,17 +32,13 @@ class Measured:
     Args:
         figures: over all samples, such as ``angular_mean``; None where it is undefined or a map was not
             finite.
-        names: names of the samples, ``mesh/view``.
         meshes: figures by mesh.
-        views: pixels that count, mean errors and n_z biases, each a list in the order of the names.
         distance: errors by distance from the contour; see `Accumulator.by_distance`.
         calibration: curve of the confidence; None if there is none.
     """
 
     figures: dict[str, Figure]
-    names: list[str]
     meshes: dict[str, dict[str, Figure]]
-    views: dict[str, dict[str, list[Any]]]
     distance: dict[str, dict[str, list[Figure]]]
     calibration: dict[str, list[dict[str, float]] | None]
 
@@ -51,9 +47,7 @@ class Measured:
         """Return the figures of the accumulated predictions, by the hints that were given."""
         return cls(
             figures={given: one.figures() for given, one in gathered.items()},
-            names=next(iter(gathered.values())).names,
             meshes={given: one.by_mesh() for given, one in gathered.items()},
-            views={given: one.by_view() for given, one in gathered.items()},
             distance={given: one.by_distance() for given, one in gathered.items()},
             calibration={given: one.calibration() for given, one in gathered.items()},
         )
@@ -114,24 +108,22 @@ def measure(method: Method, batches: Iterable[Batch], tests: HintTests, device: 
         device: where to predict and measure.
     """
     gathered = {given: Accumulator(device, tests.metrics) for given in tests.names}
-    hints_given = samples = 0
+    hints_given = 0
     with true_float32():
         for batch in batches:
-            here = moved(batch, device)
+            here: Batch = move_data_to_device(batch, device)
             target, mask, names = here["normal"], here["mask"], here["name"]
-            distance = distance_from_contour(batch["mask"])
             bare = method.predict(here, None)
             error = angular_error(bare[:, :3], target).cpu()
             for given, drawn in _hints(method.sampler, batch, error, tests):
                 hints, where = drawn.to(device), drawn[:, 3:].to(device)
                 predicts = method.takes_hints and bool(where.any())
                 predicted = method.predict(here, hints) if predicts else bare
-                gathered[given].update(predicted, target, mask, where, distance, names)
+                gathered[given].update(predicted, target, mask, where, names)
                 if given == OWN:
                     hints_given += int(where.sum())
-            samples += len(names)
     measured = Measured.of(gathered)
-    measured.figures[OWN]["hints"] = hints_given / max(samples, 1)
+    measured.figures[OWN]["hints"] = hints_given / max(gathered[OWN].samples, 1)
     return measured
 
 
@@ -156,8 +148,3 @@ def true_float32() -> Iterator[None]:
         yield
     finally:
         torch.backends.cudnn.allow_tf32 = before
-
-
-def moved(batch: Batch, device: torch.device) -> Batch:
-    """Return the batch on a device."""
-    return cast(Batch, {k: v.to(device) if isinstance(v, Tensor) else v for k, v in batch.items()})

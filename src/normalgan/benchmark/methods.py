@@ -99,10 +99,7 @@ def weights_method(weights: Weights, device: torch.device) -> Method:
 def model_method(model: NormalGAN) -> Method:
     """Return a model as a method; noise at test time depends on the samples alone."""
     model.eval()
-    if model.noise_at_test:
-        for module in model.generator.modules():
-            if isinstance(module, nn.Dropout):
-                module.train()
+    model.keep_noise()
 
     def predict(batch: Batch, hints: Tensor | None) -> Tensor:
         devices = [] if batch["sketch"].device.type == "cpu" else [batch["sketch"].device]

@@ -36,7 +36,7 @@ def draw_methods(lines: Sequence[Line], caption: str) -> bytes:
 
     Args:
         lines: the methods, top to bottom; at least one.
-        caption: above all.
+        caption: title of the picture.
     """
     samples = lines[0].rows
     width = _LABEL + len(samples) * 2 * (_CELL + _GAP) + 3 * _GAP * len(samples)

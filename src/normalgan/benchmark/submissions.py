@@ -24,6 +24,7 @@ from normalgan.files.json_files import read_json
 from normalgan.files.writing import write_bytes
 from normalgan.hints import NoHints, UniformHints
 from normalgan.inference.reading.drawings import read_pixels, to_unit
+from normalgan.normals import encode_grey
 
 __all__ = ["SUBMISSION", "Submission", "read_submission", "write_inputs"]
 
@@ -127,16 +128,11 @@ def write_inputs(folder: Path, batch: Batch, counts: Sequence[int], seed: int) -
         counts: numbers of hints; the largest number is written.
         seed: seed of the hints.
     """
-    import cv2
-
     most = max(counts, default=0)
     for i, name in enumerate(batch["name"]):
-        paper = np.rint(255 * (1 - batch["sketch"][i, 0].numpy())).astype(np.uint8)
-        done, png = cv2.imencode(".png", paper)
-        if not done:
-            raise RuntimeError("OpenCV could not write a PNG.")
-        write_bytes(folder / "sketches" / f"{name}.png", png.tobytes())
-        width = paper.shape[1]
+        ink = batch["sketch"][i, 0].numpy()
+        write_bytes(folder / "sketches" / f"{name}.png", encode_grey(1 - ink))
+        width = ink.shape[1]
         points = []
         for place in hint_order(batch["mask"][i], name, seed, most).tolist():
             row, column = divmod(place, width)

@@ -39,7 +39,7 @@ def read_state(run: Run, evaluation: str) -> State:
     """Return the state of a run.
 
     Args:
-        run: which one.
+        run: the run, whose folder may be missing.
         evaluation: the hash of how it is measured; a result of a different one does not count.
 
     Raises:

@@ -33,8 +33,8 @@ __all__ = [
 class LastCheckpoint(ModelCheckpoint):
     """Saves ``last.ckpt`` after every epoch, so that a killed run loses at most one epoch.
 
-    A run that ``max_steps`` or ``max_time`` stops within an epoch saves it after its last batch. Saved later,
-    the epoch would count as complete.
+    A run that ``max_steps`` or ``max_time`` stops within an epoch saves it after its last batch. If it were
+    saved later, the epoch would count as complete.
 
     Since 2.6, Lightning's own ``save_last`` saves only together with a new best, and before the end of an
     epoch that is not validated, so that resuming goes wrong.
@@ -139,7 +139,7 @@ def named_checkpoint(last: Path, name: str) -> Path:
 
     Args:
         last: ``last.ckpt`` of the run.
-        name: which one.
+        name: ``last`` or ``best``.
 
     Raises:
         InputError: if there is no best one.

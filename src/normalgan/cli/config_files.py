@@ -9,7 +9,7 @@ from typing import Any
 import yaml
 
 from normalgan.errors import InputError, did_you_mean
-from normalgan.files.limits import MOST_SETTINGS, load_yaml, read_bounded, yaml_limit_error
+from normalgan.files.limits import MOST_SETTINGS, load_yaml, read_named, yaml_limit_error
 from normalgan.files.shipped_configs import shipped_folder, shipped_names
 
 __all__ = ["check_config", "load_bounded", "with_environment"]
@@ -97,18 +97,16 @@ def _variable(found: re.Match[str], safe: bool) -> str:
 
 def _read(path: Path) -> Any:
     """Return the content of a file."""
-    try:
-        text = read_bounded(path, MOST_SETTINGS).decode("utf-8")
-        if excess := yaml_limit_error(text):
-            raise InputError(f"the configuration {path} {excess}; settings need no such thing.")
-        return load_yaml(text)
-    except FileNotFoundError:
+    if not path.exists():
         names, given = shipped_names(), path.with_suffix("")
         hint = did_you_mean(given.as_posix(), names) or did_you_mean(given.name, names)
         hint = hint or f" Those of the package, such as paper and quickstart, are in {shipped_folder()}."
-        raise InputError(f"there is no configuration file {path}.{hint}") from None
-    except OSError as error:
-        raise InputError(f"the configuration {path} cannot be read: {error.strerror}.") from None
+        raise InputError(f"there is no configuration file {path}.{hint}")
+    try:
+        text = read_named(path, "the configuration", MOST_SETTINGS).decode("utf-8")
+        if excess := yaml_limit_error(text):
+            raise InputError(f"the configuration {path} {excess}; settings need no such thing.")
+        return load_yaml(text)
     except yaml.MarkedYAMLError as error:
         line = f"line {error.problem_mark.line + 1}: " if error.problem_mark else ""
         raise InputError(f"the configuration {path} is not YAML: {line}{error.problem}.") from None

@@ -3,8 +3,6 @@
 from pathlib import Path
 from typing import Literal
 
-from jsonargparse import Namespace
-
 from normalgan.cli.light_parser import LightParser
 from normalgan.cli.number_types import Strength
 from normalgan.errors import InputError, unwritable
@@ -13,7 +11,7 @@ from normalgan.inference.conversion import map_of_heights, read_map, with_detail
 from normalgan.inference.outputs.height import Height
 from normalgan.normals import Bits, Green
 
-__all__ = ["build_parser", "convert", "run"]
+__all__ = ["build_parser", "run"]
 
 _Kind = Literal["normal", "height"]
 
@@ -22,9 +20,34 @@ def run(arguments: list[str]) -> int:
     """Convert what the arguments name and return the exit code.
 
     Raises:
-        InputError: if an argument cannot be used.
+        InputError: if a map cannot be read or written, or the arguments do not go together.
     """
-    return convert(build_parser().parse_args(arguments))
+    settings = build_parser().parse_args(arguments)
+    output = Path(settings.output)
+    if settings["from"] == "height" and settings.scale is None:
+        raise InputError("a height map needs --scale: the pixels from black to white.")
+    if output.resolve() == Path(settings.map).resolve():
+        raise InputError(f"{output} is an input and would be overwritten; give another output (-o).")
+    if settings["from"] == "height":
+        found = map_of_heights(settings.map, settings.scale)
+    else:
+        found = read_map(settings.map, settings.from_y)
+    found = found.stronger(settings.strength)
+    if settings.detail is not None:
+        found = with_detail(found, read_map(settings.detail, settings.detail_y))
+    try:
+        if settings.to == "height":
+            form: Literal["png", "tiff"] = "png" if output.suffix.lower() == ".png" else "tiff"
+            if output.suffix.lower() not in {".png", ".tif", ".tiff"}:
+                raise InputError(f"the height map {output} must end in .png, .tif or .tiff.")
+            height = Height(form, settings.scale if form == "png" else None)
+            write_bytes(output, height.encode(found)[height.endings[0]])
+        else:
+            found.save(output, settings.bits, settings.y, alpha=bool((found.alpha < 1).any()))
+    except OSError as error:
+        raise unwritable(f"the map cannot be written to {output}: {error.strerror}.", error) from None
+    print(output)
+    return 0
 
 
 def build_parser() -> LightParser:
@@ -76,36 +99,3 @@ def build_parser() -> LightParser:
         help="where green points in the details (default %(default)s)",
     )
     return parser
-
-
-def convert(settings: Namespace) -> int:
-    """Convert a map; return the exit code.
-
-    Raises:
-        InputError: if it cannot be read or written, or the settings do not go together.
-    """
-    output = Path(settings.output)
-    if settings["from"] == "height" and settings.scale is None:
-        raise InputError("a height map needs --scale: the pixels from black to white.")
-    if output.resolve() == Path(settings.map).resolve():
-        raise InputError(f"{output} is an input and would be overwritten; give another output (-o).")
-    if settings["from"] == "height":
-        found = map_of_heights(settings.map, settings.scale)
-    else:
-        found = read_map(settings.map, settings.from_y)
-    found = found.stronger(settings.strength)
-    if settings.detail is not None:
-        found = with_detail(found, read_map(settings.detail, settings.detail_y))
-    try:
-        if settings.to == "height":
-            form: Literal["png", "tiff"] = "png" if output.suffix.lower() == ".png" else "tiff"
-            if output.suffix.lower() not in {".png", ".tif", ".tiff"}:
-                raise InputError(f"the height map {output} must end in .png, .tif or .tiff.")
-            height = Height(form, settings.scale if form == "png" else None)
-            write_bytes(output, height.encode(found)[height.endings[0]])
-        else:
-            found.save(output, settings.bits, settings.y, alpha=bool((found.alpha < 1).any()))
-    except OSError as error:
-        raise unwritable(f"the map cannot be written to {output}: {error.strerror}.", error) from None
-    print(output)
-    return 0

@@ -31,26 +31,18 @@ from normalgan.inference.predict_job import written_for
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.reading.drawings import MOST_BYTES
 
-__all__ = ["generate", "run"]
+__all__ = ["run"]
 
 
 def run(arguments: list[str]) -> int:
-    """Predict the named drawings and return the exit code.
-
-    Raises:
-        InputError: if an argument cannot be used.
-    """
-    parser = build_parser(engine_of(arguments))
-    options = [option for action in parser._actions for option in action.option_strings]
-    return generate(parser.parse_args(as_shell_means(arguments, options)))
-
-
-def generate(settings: Namespace) -> int:
     """Predict and write the maps; return the exit code, 1 if some of several drawings could not be used.
 
     Raises:
         InputError: if nothing can be done: a setting or the only drawing cannot be used.
     """
+    parser = build_parser(engine_of(arguments))
+    options = [option for action in parser._actions for option in action.option_strings]
+    settings = parser.parse_args(as_shell_means(arguments, options))
     decoding.start()  # while the model is loaded
     packing = _packing(settings)
     _check_explained(settings, packing)

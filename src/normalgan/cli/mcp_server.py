@@ -117,7 +117,7 @@ class Tools:
         from normalgan.inference.sprites import Sprite
 
         with _tool_errors():
-            where = None if mask is None else mask if mask in _SOURCES else str(self._inside(mask))
+            where = self._mask(mask)
             sprite, picture = Sprite(detail, pixel_art), as_picture(self._inside(drawing), size)
             preds = self._load()(picture, hints, where, size, tile)
             preds = sprite(preds, picture).stronger(strength)
@@ -196,7 +196,7 @@ class Tools:
         from normalgan.inference.pipeline import predict
 
         with _tool_errors():
-            where = None if mask is None else mask if mask in _SOURCES else str(self._inside(mask))
+            where = self._mask(mask)
             path, folder, predictor = self._inside(drawing), self._inside(output), self._load()
             picture, backend = as_picture(path), predictor.backend
             prepared = prepare_any(picture, predictor.size, mask=where, line_widths=backend.line_widths)
@@ -228,6 +228,12 @@ class Tools:
             raise InputError(f"{name} lies outside {self.root}; name a file in that folder.")
         return path
 
+    def _mask(self, mask: str | None) -> str | None:
+        """Return a source of masks as it is, or the file of a mask below the root."""
+        from normalgan.inference.mask.masks import SOURCES
+
+        return mask if mask is None or mask in SOURCES else str(self._inside(mask))
+
     def _answer(self, target: Path, preds: "NormalMap") -> dict[str, Any]:
         height, width = preds.mask.shape
         return {
@@ -237,9 +243,6 @@ class Tools:
             "object_share": round(float(preds.mask.mean()), 3),
             "warning": preds.warning,
         }
-
-
-_SOURCES = ("outline", "model", "reader")
 
 
 @contextmanager

@@ -4,11 +4,9 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
-from jsonargparse import Namespace
-
 from normalgan.cli.light_parser import LightParser
 
-__all__ = ["build_parser", "run", "show"]
+__all__ = ["build_parser", "run"]
 
 
 def run(arguments: list[str]) -> int:
@@ -17,22 +15,7 @@ def run(arguments: list[str]) -> int:
     Raises:
         InputError: if there is no such option.
     """
-    return show(build_parser().parse_args(arguments))
-
-
-def build_parser() -> LightParser:
-    """Return the parser of the command line."""
-    parser = LightParser(
-        prog="normalgan models",
-        usage="%(prog)s [--json]",
-        description="List the model that comes with the package and those that were fetched from an address.",
-    )
-    parser.add_argument("--json", action="store_true", help="print JSON, for programs")
-    return parser
-
-
-def show(settings: Namespace) -> int:
-    """Print the list; return the exit code."""
+    settings = build_parser().parse_args(arguments)
     # Late: ONNX Runtime takes a third of a second.
     from normalgan.files.addresses import kept_files
     from normalgan.inference.network.onnx_backend import find_model
@@ -49,6 +32,17 @@ def show(settings: Namespace) -> int:
         ]
         print(f"{model['name']}\n  {model['path']}\n  {', '.join(about)}")
     return 0
+
+
+def build_parser() -> LightParser:
+    """Return the parser of the command line."""
+    parser = LightParser(
+        prog="normalgan models",
+        usage="%(prog)s [--json]",
+        description="List the model that comes with the package and those that were fetched from an address.",
+    )
+    parser.add_argument("--json", action="store_true", help="print JSON, for programs")
+    return parser
 
 
 _SHOWN = ("model", "pixels", "licence", "version")

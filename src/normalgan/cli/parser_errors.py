@@ -68,7 +68,8 @@ def explain(message: str, plugins: Mapping[str, Registry[Any]], settings: Sequen
         bounds = re.sub(r"v([<>]=?)", r"\1 ", found[2])
         return f"{where}{value} is out of range; it must be {bounds}."
     if found := re.search(r"Not of type \w+: .*: '?([^'\n]*)", message):
-        return f"{where}expected a number, not {found[1]}."
+        whole = "whole " if re.fullmatch(r"[+-]?\d*\.\d+", found[1]) else ""
+        return f"{where}expected a {whole}number, not {found[1]}."
     if found := re.search(r"Option '(.+?)' is not accepted(.*)", message):
         return f"{where}there is no setting {found[1]!r} in it.{found[2]}"
     if found := re.search(r"Expected a dot import path string: (.+)", message):

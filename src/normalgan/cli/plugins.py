@@ -4,13 +4,11 @@ import json
 from collections.abc import Mapping
 from typing import Any, Literal
 
-from jsonargparse import Namespace
-
 from normalgan.cli.late_imports import gc_paused
 from normalgan.cli.light_parser import LightParser
-from normalgan.registry import LeftOut, Registry, summary
+from normalgan.registry import LeftOut, Registry, class_path, summary
 
-__all__ = ["Kind", "build_parser", "run", "show"]
+__all__ = ["Kind", "build_parser", "run"]
 
 Kind = Literal[
     "renderer",
@@ -29,12 +27,22 @@ Kind = Literal[
 
 
 def run(arguments: list[str]) -> int:
-    """List the plug-ins that the arguments ask for and return the exit code.
+    """List the plug-ins that the arguments ask for and return the exit code, 0 even if some were left out.
 
     Raises:
         InputError: if there is no such kind or option.
     """
-    return show(build_parser().parse_args(arguments))
+    settings = build_parser().parse_args(arguments)
+    # Late: networks and samplers need torch, which takes seconds; mistakes in options are reported first.
+    with gc_paused():
+        from normalgan.cli.discovery import REGISTRIES, SETTINGS, misplaced
+
+    chosen = {kind: REGISTRIES[kind] for kind in REGISTRIES if settings.kind in {None, kind}}
+    for registry in chosen.values():
+        registry.discover()
+    left_out = [left for registry in chosen.values() for left in registry.left_out] + misplaced()
+    print((_as_json if settings.json else _as_text)(chosen, SETTINGS, left_out))
+    return 0
 
 
 def build_parser() -> LightParser:
@@ -47,20 +55,6 @@ def build_parser() -> LightParser:
     parser.add_argument("--kind", type=Kind | None, help="list plug-ins of this kind only")
     parser.add_argument("--json", action="store_true", help="print JSON, for programs")
     return parser
-
-
-def show(settings: Namespace) -> int:
-    """Print the list and return the exit code, which is 0 even if plug-ins were left out."""
-    # Late: networks and samplers need torch, which takes seconds; mistakes in options are reported first.
-    with gc_paused():
-        from normalgan.cli.discovery import REGISTRIES, SETTINGS, misplaced
-
-    chosen = {kind: REGISTRIES[kind] for kind in REGISTRIES if settings.kind in {None, kind}}
-    for registry in chosen.values():
-        registry.discover()
-    left_out = [left for registry in chosen.values() for left in registry.left_out] + misplaced()
-    print((_as_json if settings.json else _as_text)(chosen, SETTINGS, left_out))
-    return 0
 
 
 def _as_text(
@@ -89,7 +83,7 @@ def _as_json(
             "kind": kind,
             "name": cls.__name__,
             "setting": settings.get(kind),
-            "class_path": f"{cls.__module__}.{cls.__qualname__}",
+            "class_path": class_path(cls),
             "package": registry.package(cls.__name__),
             "summary": summary(cls),
         }

@@ -11,7 +11,7 @@ from normalgan.weights.checkpoint import Checkpoint, read_checkpoint
 from normalgan.weights.file import SUFFIXES, Weights, find_weights, read_weights
 from normalgan.weights.shipped import SHIPPED, SHIPPED_NAME
 
-__all__ = ["SavedModel", "announce", "find_model", "read_saved_model"]
+__all__ = ["SavedModel", "announce", "find_model", "ignored_settings", "read_saved_model"]
 
 
 @dataclass(frozen=True)
@@ -110,3 +110,34 @@ def _to_predict(path: Path, command: str, weights: Weights) -> SavedModel:
     except InputError as error:
         raise InputError(f"the model in {path} cannot be built here: {error}") from error
     return SavedModel(path, trained, weights=weights)
+
+
+def ignored_settings(given: Mapping[str, Any], trained: Mapping[str, Any]) -> list[str]:
+    """Return the names of given settings, in dots, that differ from those of a model's training.
+
+    Args:
+        given: settings of the model that the command was given, nested.
+        trained: those that it was trained with.
+
+    >>> ignored_settings({"n_critic": 5, "seed": 0}, {"n_critic": 5, "seed": 1})
+    ['seed']
+    """
+    names: list[str] = []
+    for name in sorted(given.keys() & trained.keys()):
+        value, before = given[name], trained[name]
+        if isinstance(value, Mapping) and isinstance(before, Mapping) and _same_class(value, before):
+            of_class = ignored_settings(value.get("init_args") or {}, before.get("init_args") or {})
+            names += [f"{name}.{argument}" for argument in of_class]
+        elif _as_yaml(value) != _as_yaml(before):
+            names.append(name)
+    return names
+
+
+def _same_class(a: Mapping[str, Any], b: Mapping[str, Any]) -> bool:
+    """Compare by package and name, because a package may export a class from several modules."""
+    one, other = (str(spec.get("class_path")).split(".") for spec in (a, b))
+    return (one[0], one[-1]) == (other[0], other[-1])
+
+
+def _as_yaml(value: Any) -> Any:
+    return list(value) if isinstance(value, tuple) else value

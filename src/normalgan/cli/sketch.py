@@ -4,20 +4,18 @@ import re
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 from jsonargparse import Namespace
 from jsonargparse.typing import NonNegativeInt
 from numpy.typing import NDArray
 
 from normalgan.animals import SPECIES, Animal
-from normalgan.arrays import Floats
 from normalgan.cli.light_parser import LightParser
 from normalgan.cli.number_types import Degrees, Margin, Side
 from normalgan.cli.parser_errors import refusal
 from normalgan.errors import InputError, did_you_mean, unwritable
 from normalgan.files.writing import write_bytes
-from normalgan.normals import encode_png, paint_flat
+from normalgan.normals import encode_grey, encode_png, paint_flat
 from normalgan.registry import Registry
 from normalgan.rendering import EmbreeRenderer, MeshSource, Renderer, find_meshes
 from normalgan.rendering.cameras import framed, look_at_origin
@@ -32,9 +30,9 @@ from normalgan.rendering.samples import draw_ink, draw_strokes, no_lines
 from normalgan.rendering.strokes.svg import to_svg
 from normalgan.rendering.view import View
 
-__all__ = ["PLUGINS", "build_parser", "draw", "find_source", "run"]
+__all__ = ["build_parser", "run"]
 
-PLUGINS: dict[str, Registry[Any]] = {"renderer": RENDERERS, "lines": LINE_DRAWINGS, "styles": LINE_DRAWINGS}
+_PLUGINS: dict[str, Registry[Any]] = {"renderer": RENDERERS, "lines": LINE_DRAWINGS, "styles": LINE_DRAWINGS}
 """The registry behind each setting that names a plug-in."""
 
 
@@ -42,7 +40,7 @@ def run(arguments: list[str]) -> int:
     """Draw the mesh of the arguments and return the exit code.
 
     Raises:
-        InputError: if an argument cannot be used.
+        InputError: if an argument cannot be used, or the files cannot be written.
     """
     for registry in (RENDERERS, LINE_DRAWINGS):
         registry.load_entry_points()
@@ -53,7 +51,33 @@ def run(arguments: list[str]) -> int:
         raise
     except (ValueError, TypeError) as error:
         raise InputError(f"a setting cannot be used: {refusal(error)}") from error
-    draw(settings)
+    kind = _check(settings)
+    mesh, seen = _load(settings)
+    rotation = look_at_origin(settings.azimuth, settings.elevation, settings.roll)
+    camera = framed(seen, rotation, settings.field_of_view, settings.margin)
+    settings.renderer.check()
+    view = View(mesh, camera, settings.renderer, settings.size)
+    steps = ("lines", "hand", "medium")
+    rngs = dict(zip(steps, np.random.default_rng(settings.seed).spawn(len(steps)), strict=True))
+    strokes, maps = draw_strokes(view, settings.lines, settings.hand, rngs.__getitem__)
+    if not strokes:
+        where = f"{settings.mesh} at azimuth {settings.azimuth:g} and elevation {settings.elevation:g}"
+        raise no_lines(settings.lines, where, settings.size)
+    try:
+        if kind == ".svg":
+            write_bytes(settings.output, to_svg(strokes, settings.size).encode())
+        else:
+            ink = draw_ink(strokes, settings.size, settings.medium, rngs.__getitem__)
+            write_bytes(settings.output, encode_grey(1 - ink))
+        if settings.normal is not None:
+            # Opaque on the object: by colour alone a hole looks like a surface that faces the viewer.
+            flat = paint_flat(maps.normal, maps.mask)
+            write_bytes(settings.normal, encode_png(flat, alpha=maps.mask.astype(np.float32)))
+    except OSError as error:
+        raise unwritable(
+            f"the drawing cannot be written to {error.filename}: {error.strerror}.", error
+        ) from error
+    print(settings.output, *([settings.normal] if settings.normal else []), sep="\n")
     return 0
 
 
@@ -64,7 +88,7 @@ def build_parser() -> LightParser:
         usage="%(prog)s MESH [-o FILE.svg|FILE.png] [--SETTING VALUE]...",
         description="Draw a mesh from a view in a style.",
     )
-    parser.plugins = PLUGINS
+    parser.plugins = _PLUGINS
     parser.add_argument(
         "mesh",
         help="a mesh file, or an embedded animal: a species such as horse, or one of its kind: horse-7",
@@ -136,47 +160,9 @@ def _add_view(parser: LightParser) -> None:
     parser.add_argument("--crease_angle", type=float | None, help="degrees from which an edge is sharp")
 
 
-def draw(settings: Namespace) -> None:
-    """Draw and write the files.
-
-    Args:
-        settings: the arguments of `build_parser`, with the classes built.
-
-    Raises:
-        InputError: if they cannot be used, or the files cannot be written.
-    """
-    kind = _check(settings)
-    mesh, seen = _load(settings)
-    rotation = look_at_origin(settings.azimuth, settings.elevation, settings.roll)
-    camera = framed(seen, rotation, settings.field_of_view, settings.margin)
-    settings.renderer.check()
-    view = View(mesh, camera, settings.renderer, settings.size)
-    steps = ("lines", "hand", "medium")
-    rngs = dict(zip(steps, np.random.default_rng(settings.seed).spawn(len(steps)), strict=True))
-    strokes, maps = draw_strokes(view, settings.lines, settings.hand, rngs.__getitem__)
-    if not strokes:
-        where = f"{settings.mesh} at azimuth {settings.azimuth:g} and elevation {settings.elevation:g}"
-        raise no_lines(settings.lines, where, settings.size)
-    try:
-        if kind == ".svg":
-            write_bytes(settings.output, to_svg(strokes, settings.size).encode())
-        else:
-            ink = draw_ink(strokes, settings.size, settings.medium, rngs.__getitem__)
-            write_bytes(settings.output, _png(ink))
-        if settings.normal is not None:
-            # Opaque on the object: by colour alone a hole looks like a surface that faces the viewer.
-            flat = paint_flat(maps.normal, maps.mask)
-            write_bytes(settings.normal, encode_png(flat, alpha=maps.mask.astype(np.float32)))
-    except OSError as error:
-        raise unwritable(
-            f"the drawing cannot be written to {error.filename}: {error.strerror}.", error
-        ) from error
-    print(settings.output, *([settings.normal] if settings.normal else []), sep="\n")
-
-
 def _load(settings: Namespace) -> tuple[Mesh, NDArray[np.floating]]:
     """Return the mesh, and the vertices (V, 3) that set the frame: of a clip, at all its times."""
-    source = find_source(settings.mesh, settings.orientation, settings.crease_angle)
+    source = _find_source(settings.mesh, settings.orientation, settings.crease_angle)
     if settings.clip is None:
         if settings.time is not None:
             raise InputError("a time needs a clip; name one with --clip.")
@@ -194,7 +180,7 @@ def _load(settings: Namespace) -> tuple[Mesh, NDArray[np.floating]]:
     return meshes.mesh(time), meshes.hull
 
 
-def find_source(name: str, orientation: str | None = None, crease_angle: float | None = None) -> MeshSource:
+def _find_source(name: str, orientation: str | None = None, crease_angle: float | None = None) -> MeshSource:
     """Return the mesh file of this name or, if there is none, the embedded animal.
 
     Raises:
@@ -228,9 +214,3 @@ def _check(settings: Namespace) -> str:
             f"a medium is made of pixels; write {settings.output} as .png, or leave the medium out."
         )
     return kind
-
-
-def _png(ink: Floats) -> bytes:
-    """Return black ink on white paper."""
-    _, buffer = cv2.imencode(".png", np.rint(255 * (1 - ink)).astype(np.uint8))
-    return buffer.tobytes()

@@ -3,7 +3,7 @@
 import signal
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from inspect import getdoc
 from pathlib import Path
@@ -35,12 +35,11 @@ from normalgan.callbacks.checkpoints import (
 from normalgan.callbacks.display import NetworkSummary, WideProgressBar
 from normalgan.cli.config_files import check_config, load_bounded, with_environment
 from normalgan.cli.discovery import load_plugins
-from normalgan.cli.ignored_settings import given_names, ignored_settings
 from normalgan.cli.normal_map_writer import NormalMapWriter
 from normalgan.cli.parser import Parser, help_of, with_shipped_configs
 from normalgan.cli.parser_errors import refusal
 from normalgan.cli.safe_config import SAFE_CONFIG, allow_known_classes_only, check_outputs
-from normalgan.cli.saved_model import SavedModel, announce, find_model, read_saved_model
+from normalgan.cli.saved_model import SavedModel, announce, find_model, ignored_settings, read_saved_model
 from normalgan.cli.trainer import RenderingTrainer, SaveConfig, check_trainer
 from normalgan.cli.training_help import SECTIONS, asked_for
 from normalgan.cli.training_settings import add_settings
@@ -57,7 +56,7 @@ __all__ = ["NormalGANCLI", "resolved_settings", "run", "training_parser"]
 class NormalGANCLI(LightningCLI):
     """fit, validate, test, predict, and render.
 
-    The file that ``ckpt_path`` names decides on the model: a checkpoint, safetensors or ONNX. ``last`` and
+    The file that ``ckpt_path`` names determines the model: a checkpoint, safetensors or ONNX. ``last`` and
     ``best`` name checkpoints in the run's folder, ``shipped`` the weights that come with the package; predict
     uses these if none are named. The path is taken out of the settings before Lightning sees it, because
     Lightning would build whatever class a checkpoint names. Only fit gets it back, after the checkpoint was
@@ -78,7 +77,6 @@ class NormalGANCLI(LightningCLI):
         self.held = held
         self.safe = safe
         self.saved: SavedModel | None = None  # None if the command makes a new model, or needs none
-        self.given = given_names(*with_shipped_configs(arguments), "model")
         super().__init__(
             NormalGAN,
             MeshDataModule,
@@ -137,7 +135,10 @@ class NormalGANCLI(LightningCLI):
             self.config["ckpt_path"] = None
             size, default = self.config["data"]["size"], parser.get_default("data.size")
             self.saved = read_saved_model(path, self.command, size, default)
-            self._use_settings_of(self.saved)
+            # Other settings are derived from these two, so they must be present.
+            linked = ["--trainer.default_root_dir=.", f"--data.size={size}"]
+            given = parser.parse_args([*linked, *args], defaults=False)
+            self._use_settings_of(self.saved, given.as_dict().get("model", {}))
             announce(self.saved, self.command)
 
     def before_instantiate_classes(self) -> None:
@@ -200,11 +201,9 @@ class NormalGANCLI(LightningCLI):
         used.append(NormalMapWriter(output["folder"], outputs_of(output), output["strength"]))
         return trainer
 
-    def _use_settings_of(self, saved: SavedModel) -> None:
-        """Replace settings by those of a saved model, and warn of settings that are ignored."""
-        defaults = self.parser.get_defaults()["model"].as_dict()
-        settings = {k: v for k, v in self.config["model"].as_dict().items() if k in saved.trained}
-        if lost := ignored_settings(settings, defaults, saved.trained, self.given):
+    def _use_settings_of(self, saved: SavedModel, given: Mapping[str, Any]) -> None:
+        """Replace settings by those of a saved model, and warn of given ones that are ignored."""
+        if lost := ignored_settings(given, saved.trained):
             names = ", ".join(f"model.{name}" for name in lost)
             warnings.warn(
                 f"{saved.path} was trained with other settings, which are kept: {names}.", stacklevel=2

@@ -14,10 +14,12 @@ from normalgan.errors import InputError, RunError, unwritable
 from normalgan.files.writing import write_bytes
 from normalgan.warning_filters import filter_warnings
 
-__all__ = ["HALVED", "SUFFIXES", "TOLERANCE", "build_parser", "export", "run"]
+__all__ = ["SUFFIXES", "TOLERANCE", "build_parser", "run"]
 
-SUFFIXES = {"onnx": ".onnx", "safetensors": ".safetensors", "torchscript": ".pt", "pt2": ".pt2"}
-HALVED = ("onnx", "safetensors")
+_ONNX = ".onnx"
+SUFFIXES = {_ONNX: "ONNX", ".safetensors": "safetensors", ".pt": "TorchScript", ".pt2": "torch.export"}
+"""The formats by the ending of the file to write."""
+_HALVED = (_ONNX, ".safetensors")
 _Opset = Literal[15, 16, 17, 18, 19, 20, 21]
 """Versions of ONNX's operators that a model can be written with; ONNX converts none of ours below 15."""
 TOLERANCE = 1e-3
@@ -34,7 +36,7 @@ def run(arguments: list[str]) -> int:
     target = _check(options)
     with warnings.catch_warnings():
         filter_warnings()
-        print(export(options.model, target, options))
+        print(_export(options, target))
     return 0
 
 
@@ -42,7 +44,7 @@ def build_parser() -> LightParser:
     """Return the parser of the command line."""
     parser = LightParser(
         prog="normalgan export",
-        usage="%(prog)s MODEL -o MODEL.onnx [--half] [--format onnx|safetensors|torchscript|pt2]",
+        usage="%(prog)s MODEL -o MODEL.onnx|.safetensors|.pt|.pt2 [--half]",
         description="Write a trained generator as a file that runs without this package, or as its weights.",
     )
     parser.add_argument(
@@ -50,9 +52,13 @@ def build_parser() -> LightParser:
         help="a file that `normalgan fit` saved, such as last.ckpt, a .safetensors or .onnx of such a model, "
         "or shipped for that of the package",
     )
-    parser.add_argument("-o", "--output", default="model.onnx", help="where the model goes")
-    named = ", ".join(f"{name} ({suffix})" for name, suffix in SUFFIXES.items())
-    parser.add_argument("--format", default="onnx", help=named)
+    named = ", ".join(f"{suffix} ({name})" for suffix, name in SUFFIXES.items())
+    parser.add_argument(
+        "-o",
+        "--output",
+        default="model.onnx",
+        help=f"where the model goes; its ending determines the format: {named} (default %(default)s)",
+    )
     parser.add_argument(
         "--opset",
         type=_Opset | None,
@@ -70,13 +76,8 @@ def build_parser() -> LightParser:
     return parser
 
 
-def export(name: str, target: Path, options: Namespace) -> str:
+def _export(options: Namespace, target: Path) -> str:
     """Write the model, and return the report for the user.
-
-    Args:
-        name: name of the file to read; ``shipped`` for the one in the package.
-        target: the file to write.
-        options: as `build_parser` gives them.
 
     Raises:
         InputError: if the model cannot be used or the file not be written.
@@ -87,7 +88,7 @@ def export(name: str, target: Path, options: Namespace) -> str:
         from normalgan.exporting.deployed import load
         from normalgan.exporting.formats import FORMATS
 
-    (model, notes), form = load(name, options.size, options.licence), FORMATS[options.format]
+    (model, notes), form = load(options.model, options.size, options.licence), FORMATS[target.suffix.lower()]
     content = form.write(model, notes.metadata())
     if options.opset is not None:
         from normalgan.exporting.onnx_file import lowered  # late: other formats do without the package onnx
@@ -115,21 +116,17 @@ def export(name: str, target: Path, options: Namespace) -> str:
 
 def _check(options: Namespace) -> Path:
     """Return the file to write, or raise `InputError` if the options do not go together."""
-    if options.format not in SUFFIXES:
-        raise InputError(f"there is no format {options.format!r}; it is one of {', '.join(SUFFIXES)}.")
-    suffix = SUFFIXES[options.format]
-    if Path(options.output).suffix.lower() != suffix:
-        fits = [f"--format {name}" for name, ending in SUFFIXES.items() if options.output.endswith(ending)]
-        other = f", or pass {fits[0]}" if fits else ""
+    suffix = Path(options.output).suffix.lower()
+    if suffix not in SUFFIXES:
         raise InputError(
-            f"--output {options.output} must end in {suffix}, which --format {options.format} writes{other}."
+            f"--output {options.output} must end in {', '.join(SUFFIXES)}, which names the format."
         )
-    if options.half and options.format not in HALVED:
+    if options.half and suffix not in _HALVED:
         raise InputError(
-            f"--half is for {' and '.join(HALVED)}; leave it out, or write {options.format} without it."
+            f"--half is for {' and '.join(_HALVED)}; leave it out, or write {suffix} without it."
         )
-    if options.opset is not None and options.format != "onnx":
-        raise InputError(f"--opset is for onnx; leave it out, or write {options.format} without it.")
+    if options.opset is not None and suffix != _ONNX:
+        raise InputError(f"--opset is for {_ONNX}; leave it out, or write {suffix} without it.")
     if options.licence is not None and not re.fullmatch(r"[^\x00-\x1f]{1,500}", options.licence):
         raise InputError("--licence is one line of at most 500 characters.")
     if Path(options.output).resolve() == Path(options.model).resolve():

@@ -148,15 +148,15 @@ def read_safetensors(content: bytes) -> Run:
     return _tensors(Deployed(weights.generator(), weights.notes.size))
 
 
-FORMATS = {
-    "onnx": Format(write_onnx, read_onnx, halve_onnx),
-    "safetensors": Format(
+FORMATS = {  # by the ending of a file
+    ".onnx": Format(write_onnx, read_onnx, halve_onnx),
+    ".safetensors": Format(
         write_safetensors,
         read_safetensors,
         lambda content: parse_weights(content).halved().to_bytes(),
     ),
-    "torchscript": Format(write_torchscript, read_torchscript),
-    "pt2": Format(write_program, read_program),
+    ".pt": Format(write_torchscript, read_torchscript),
+    ".pt2": Format(write_program, read_program),
 }
 
 

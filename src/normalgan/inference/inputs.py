@@ -12,7 +12,7 @@ from normalgan.arrays import BoolMask, Floats
 from normalgan.decoding import Decoded
 from normalgan.decoding.decoders.pictures import plain, reduced, turned_upright
 from normalgan.errors import InputError, brief
-from normalgan.inference.mask.masks import MODEL, OUTLINE, READER, MaskOrSource, load_mask, mask_of
+from normalgan.inference.mask.masks import SOURCES, MaskOrSource, load_mask, mask_of
 from normalgan.inference.preparation import Prepared, prepare
 from normalgan.inference.reading.drawings import LARGEST, SMALLEST
 from normalgan.inference.reading.hint_files import Hints, load_hints, parse_hints
@@ -82,8 +82,8 @@ def check_any(
     """
     check_size(size)
     picture = as_picture(image, size)
-    if isinstance(mask, str) and mask in {OUTLINE, MODEL, READER}:
-        return picture, mask, as_hints(hints, picture.shape)
+    if isinstance(mask, str) and (source := SOURCES.get(mask)):
+        return picture, source, as_hints(hints, picture.shape)
     return picture, as_mask(mask, picture.shape), as_hints(hints, picture.shape)
 
 

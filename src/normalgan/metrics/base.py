@@ -12,14 +12,14 @@ from normalgan.errors import InputError
 from normalgan.metrics.functional import angular_error, l1_distance, l2_distance, unit_vectors
 from normalgan.registry import Registry
 
-__all__ = ["BINS_PER_DEGREE", "METRICS", "MapMetric", "NormalMapMetric", "unit_of"]
+__all__ = ["BINS_PER_DEGREE", "FRACTION", "METRICS", "MapMetric", "NormalMapMetric", "unit_of", "whole"]
 
 BINS_PER_DEGREE = 100
 
 # Sums are whole numbers of these fractions: exact, the same in any order and on any number of processes,
 # safe when Lightning's `bf16-true` casts the module, and at home on devices without float64 (Apple's).
 # An int64 then holds 10^10 pixels even if every one is 180° off.
-_FRACTION = 2.0**-20
+FRACTION = 2.0**-20
 _SQUARE_FRACTION = 2.0**-14
 
 
@@ -132,18 +132,16 @@ class NormalMapMetric(MapMetric):
 
         self.count = self.count + inside.sum()
         self.invalid = self.invalid + (inside & ~finite).sum()
-        self.angle_sum = self.angle_sum + _whole(_by_image(angle), _FRACTION)
-        self.angle_square_sum = self.angle_square_sum + _whole(_by_image(angle.square()), _SQUARE_FRACTION)
-        self.l1_sum = self.l1_sum + _whole(_by_image(l1), _FRACTION)
-        self.l2_sum = self.l2_sum + _whole(_by_image(l2), _FRACTION)
+        self.angle_sum = self.angle_sum + whole(_by_image(angle), FRACTION)
+        self.angle_square_sum = self.angle_square_sum + whole(_by_image(angle.square()), _SQUARE_FRACTION)
+        self.l1_sum = self.l1_sum + whole(_by_image(l1), FRACTION)
+        self.l2_sum = self.l2_sum + whole(_by_image(l2), FRACTION)
         bins = len(self.histogram)
         bin_of = (angle[valid] * BINS_PER_DEGREE).long().clamp(max=bins - 1)
         self.histogram = self.histogram + torch.bincount(bin_of, minlength=bins)
         pixels = inside.sum((1, 2, 3))
         self.image_count = self.image_count + (pixels > 0).sum()
-        self.image_angle_sum = self.image_angle_sum + _whole(
-            _by_image(angle) / pixels.clamp(min=1), _FRACTION
-        )
+        self.image_angle_sum = self.image_angle_sum + whole(_by_image(angle) / pixels.clamp(min=1), FRACTION)
 
     def compute(self) -> Tensor:
         """Return the metric of all batches so far, a float32 scalar; nan as the class says."""
@@ -156,7 +154,7 @@ class NormalMapMetric(MapMetric):
 
     def mean(self, total: Tensor) -> Tensor:
         """Return a sum of the state, in fractions, as a mean over pixels."""
-        return total.float() * _FRACTION / self.count
+        return total.float() * FRACTION / self.count
 
     def mean_square_angle(self) -> Tensor:
         """Return the mean over the pixels of the squared angle, in degrees²."""
@@ -164,7 +162,7 @@ class NormalMapMetric(MapMetric):
 
     def mean_image_angle(self) -> Tensor:
         """Return the mean over the images of their mean angle, in degrees."""
-        return self.image_angle_sum.float() * _FRACTION / self.image_count
+        return self.image_angle_sum.float() * FRACTION / self.image_count
 
 
 def _by_image(errors: Tensor) -> Tensor:
@@ -172,6 +170,6 @@ def _by_image(errors: Tensor) -> Tensor:
     return errors.sum((1, 2, 3))
 
 
-def _whole(sums: Tensor, fraction: float) -> Tensor:
-    """Return the sum over the images, each rounded to a multiple of the fraction."""
-    return (sums / fraction).round().long().sum()
+def whole(sums: Tensor, fraction: float) -> Tensor:
+    """Return the sum over the images, (N, ...), each rounded to a multiple of the fraction, in fractions."""
+    return (sums / fraction).round().long().sum(0)

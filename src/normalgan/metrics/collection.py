@@ -1,6 +1,7 @@
 """All metrics of normal maps, with shared state."""
 
 from collections.abc import Sequence
+from itertools import chain
 
 from torchmetrics import Metric, MetricCollection
 
@@ -14,6 +15,7 @@ from normalgan.metrics.angular import (
 )
 from normalgan.metrics.base import MapMetric
 from normalgan.metrics.distance import MeanL1, MeanL2
+from normalgan.metrics.relief import RELIEF
 
 __all__ = ["FIGURES", "PRESENCE", "THRESHOLDS", "check_names", "normal_map_metrics"]
 
@@ -34,7 +36,7 @@ PRESENCE = ("mask_iou", "coverage")
 
 def check_names(more: Sequence[MapMetric]) -> None:
     """Raise `InputError` if two metrics have the same name, among the extra ones or with ours."""
-    seen = {*FIGURES, *PRESENCE}
+    seen = {*FIGURES, *PRESENCE, *RELIEF}
     for metric in more:
         if metric.figure in seen:
             raise InputError(
@@ -46,7 +48,7 @@ def check_names(more: Sequence[MapMetric]) -> None:
 def normal_map_metrics(
     prefix: str = "",
     more: Sequence[MapMetric] = (),
-    own: Sequence[MapMetric] = (),
+    own: Sequence[Sequence[MapMetric]] = (),
 ) -> MetricCollection:
     """Return the metrics of normal maps, sharing one state: `update` works once for all of them.
 
@@ -56,7 +58,7 @@ def normal_map_metrics(
 
     Args:
         prefix: put before each name, such as ``val/``.
-        own: further metrics of this package, such as `MaskIoU`; their names are reserved.
+        own: groups of further metrics of this package, each of which share one state.
         more: additional metrics, copied and named by their `figure`.
 
     Raises:
@@ -81,7 +83,7 @@ def normal_map_metrics(
     metrics |= {share.figure: share for share in (ShareBelow(t) for t in THRESHOLDS)}
     known = sorted(metrics)
     check_names(more)
-    metrics |= {metric.figure: metric.clone() for metric in (*own, *more)}
+    groups = [known, *([metric.figure for metric in group] for group in (*own, *([each] for each in more)))]
+    metrics |= {metric.figure: metric.clone() for metric in (*chain(*own), *more)}
     # Groups given, not found out: torchmetrics would update each metric once to compare their states.
-    groups = [known, *([metric.figure] for metric in (*own, *more))]
     return MetricCollection(metrics, prefix=prefix or None, compute_groups=groups)  # type: ignore[arg-type]

@@ -1,10 +1,11 @@
 """The distance of pixels from the object's contour."""
 
+import cv2
 import numpy as np
 import torch
-from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt
 from torch import Tensor
+
+from normalgan.arrays import BoolMask, Floats
 
 __all__ = ["distance_from_contour"]
 
@@ -26,12 +27,11 @@ def distance_from_contour(mask: Tensor) -> Tensor:
         [0.0, 0.5, 1.5, 2.5]
     """
     inside = mask[:, 0].cpu().numpy() > 0.5
-    distances = [_of_one(one) for one in inside]
-    return torch.from_numpy(np.stack(distances)).float()[:, None]
+    return torch.from_numpy(np.stack([_of_one(one) for one in inside]))[:, None]
 
 
-def _of_one(inside: NDArray[np.bool_]) -> NDArray[np.float64]:
+def _of_one(inside: BoolMask) -> Floats:
     if inside.all():
-        return np.full(inside.shape, np.inf)
-    distance = np.asarray(distance_transform_edt(inside))
-    return np.where(inside, distance - 0.5, 0.0)
+        return np.full(inside.shape, np.inf, np.float32)
+    distance = cv2.distanceTransform(inside.view(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    return np.where(inside, distance - np.float32(0.5), np.float32(0))

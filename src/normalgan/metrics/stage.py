@@ -36,7 +36,7 @@ class StageMetrics(nn.Module):
         with_presence: bool = False,
     ) -> None:
         super().__init__()
-        more = [MaskIoU(), Coverage()] if with_presence else []
+        more: list[list[MapMetric]] = [[MaskIoU()], [Coverage()]] if with_presence else []
         self.stage = stage
         self.rows = nn.ModuleDict(
             {
@@ -55,7 +55,7 @@ class StageMetrics(nn.Module):
         """Count one batch in one of the rows; see `angular_error` for the shapes.
 
         Args:
-            row: which one.
+            row: name of the row.
             preds: (N, 3, H, W) predicted normals, of any length.
             target: (N, 3, H, W) true unit normals.
             mask: (N, 1, H, W), 1 where pixels count.

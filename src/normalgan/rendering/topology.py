@@ -3,8 +3,9 @@
 import numpy as np
 
 from normalgan.arrays import BoolMask, Indices
+from normalgan.graphs import connected
 
-__all__ = ["bodies", "components", "neighbours", "seams"]
+__all__ = ["bodies", "neighbours", "seams"]
 
 
 def neighbours(faces: Indices) -> tuple[Indices, Indices, BoolMask]:
@@ -42,11 +43,10 @@ def bodies(faces: Indices) -> tuple[Indices, BoolMask]:
     """
     first, second, alike = neighbours(faces)
     count = len(faces)
-    body = components(count, first, second)
+    body = connected(count, np.column_stack([first, second]))
     other = np.where(alike, 0, count)
-    label = components(
-        2 * count, np.r_[first, first + count], np.r_[second + other, second + count - other]
-    ).reshape(2, count)
+    copies = np.r_[first, first + count], np.r_[second + other, second + count - other]
+    label = connected(2 * count, np.column_stack(copies)).reshape(2, count)
     # The first face of a body stays; faces whose flipped copy is connected to it are flipped.
     _, leaders = np.unique(body, return_index=True)
     chosen = label[0, leaders][body]
@@ -70,21 +70,11 @@ def seams(faces: Indices, soft: BoolMask) -> tuple[Indices, Indices]:
     opposite = start == end
     at_start = np.where(opposite, after_second, second)
     at_end = np.where(opposite, second, after_second)
-    one, other = np.r_[first[soft], after_first[soft]], np.r_[at_start[soft], at_end[soft]]
-    corner = components(faces.size, one, other)
+    meeting = np.r_[first[soft], after_first[soft]], np.r_[at_start[soft], at_end[soft]]
+    corner = connected(faces.size, np.column_stack(meeting))
     _, member = np.unique(corner, return_index=True)
     return faces.ravel()[member], corner.reshape(-1, 3)
 
 
 def _next_corner(half_edges: Indices) -> Indices:
     return half_edges - half_edges % 3 + (half_edges + 1) % 3
-
-
-def components(count: int, first: Indices, second: Indices) -> Indices:
-    """Return the (count,) number, from 0, of the component of each node of a graph given by its edges."""
-    from scipy.sparse import coo_array  # half a second, only when a mesh is read
-    from scipy.sparse.csgraph import connected_components
-
-    graph = coo_array((np.ones(len(first), dtype=np.int8), (first, second)), shape=(count, count))
-    _, labels = connected_components(graph, directed=False)
-    return labels.astype(np.int64)

@@ -31,7 +31,7 @@ from normalgan.inference.edits import (
     tilt,
 )
 from normalgan.inference.forms import KINDS, Form, feather, give_form
-from normalgan.inference.mask.masks import MODEL, OUTLINE, MaskOrSource, mask_of
+from normalgan.inference.mask.masks import MODEL, OUTLINE, MaskOrSource, MaskSource, mask_of
 from normalgan.inference.reading.hint_files import Hints, parse_hints
 from normalgan.inference.reading.picture import Picture, read_picture
 from normalgan.inference.structures import KINDS as STRUCTURES
@@ -97,7 +97,7 @@ class DrawingRequest:
 
     picture: bytes | NDArray[np.uint8]
     hints: Any
-    mask: bytes | str | None
+    mask: bytes | MaskSource | None
     areas: Any = ()
     mask_strokes: Any = ()
     form: Any = None

@@ -4,6 +4,7 @@ import json
 from typing import Any
 
 import torch
+from lightning.fabric.utilities import move_data_to_device
 from torch import Tensor
 
 from normalgan.batch import Batch
@@ -12,9 +13,10 @@ from normalgan.hints import hints_at
 from normalgan.testing.conformance import (
     Check,
     demand,
-    device_list,
-    global_randomness_untouched,
+    device_check,
     held_to_contract,
+    seed_checks,
+    untouched,
 )
 from normalgan.testing.pictures import batch
 
@@ -31,11 +33,12 @@ def augmentation_checks() -> list[Check[BatchAugmentation]]:
         Check(
             "vectors turned with their pixels", _turned, "normals and hints must be moved and turned alike"
         ),
-        Check("the same changes under a seed", _seeded, "seed alone may decide"),
-        Check("global randomness left alone", _no_global, "all randomness comes from seed"),
+        *seed_checks(lambda augmentation, seed: _tensors(augmentation(_given(), seed)), "seed"),
         Check("arguments left as they are", _untouched, "the batch belongs to the caller"),
         Check("settings for a record", _described, "describe must return plain values for JSON"),
-        Check("every device there is", _devices, "tensors must be made on the device of the batch"),
+        device_check(
+            lambda augmentation, device: _tensors(augmentation(move_data_to_device(_given(), device), 4))
+        ),
     ]
 
 
@@ -100,26 +103,10 @@ def _turned(augmentation: BatchAugmentation) -> None:
         )
 
 
-def _seeded(augmentation: BatchAugmentation) -> None:
-    first = augmentation(_given(), 5)
-    torch.rand(3)  # another global state
-    again = augmentation(_given(), 5)
-    names = [n for n, v in first.items() if isinstance(v, Tensor) and not torch.equal(v, again[n])]  # type: ignore[literal-required]
-    did = f"changed {', '.join(names)} otherwise under the same seed"
-    demand(not names, augmentation, did, "all randomness must come from seed, so that a resumed run repeats")
-
-
-def _no_global(augmentation: BatchAugmentation) -> None:
-    with global_randomness_untouched(augmentation):
-        augmentation(_given(), 2)
-
-
 def _untouched(augmentation: BatchAugmentation) -> None:
     given = _given()
-    kept = {name: value.clone() for name, value in given.items() if isinstance(value, Tensor)}
-    augmentation(given, 3)
-    names = [name for name, value in kept.items() if not torch.equal(value, given[name])]  # type: ignore[literal-required]
-    demand(not names, augmentation, f"changed the {', '.join(names)} it was given", "copy it")
+    with untouched(augmentation, _tensors(given)):
+        augmentation(given, 3)
 
 
 def _described(augmentation: BatchAugmentation) -> None:
@@ -128,9 +115,5 @@ def _described(augmentation: BatchAugmentation) -> None:
     demand(isinstance(again, dict), augmentation, f"describes itself as {settings!r}", "it must be a mapping")
 
 
-def _devices(augmentation: BatchAugmentation) -> None:
-    for device in device_list():
-        given = {k: v.to(device) if isinstance(v, Tensor) else v for k, v in _given().items()}
-        got = augmentation(given, 4)  # type: ignore[arg-type]
-        places = {v.device for v in got.values() if isinstance(v, Tensor)}
-        demand(places == {device}, augmentation, f"left {device}", "it must stay on the device of the batch")
+def _tensors(batch: Batch) -> list[Tensor]:
+    return [value for value in batch.values() if isinstance(value, Tensor)]

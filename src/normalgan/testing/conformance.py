@@ -6,7 +6,7 @@ import random
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 import torch
@@ -18,11 +18,14 @@ __all__ = [
     "Check",
     "ConformanceError",
     "demand",
+    "device_check",
     "device_list",
     "global_randomness_untouched",
     "held_to_contract",
     "promised",
+    "seed_checks",
     "untouched",
+    "untouched_check",
 ]
 
 T = TypeVar("T")
@@ -151,6 +154,68 @@ def untouched(plugin: object, tensors: Sequence[torch.Tensor]) -> Iterator[None]
     yield
     same = all(torch.equal(one, other) for one, other in zip(tensors, kept, strict=True))
     demand(same, plugin, "changed the tensors it was given", "they belong to the caller; copy them")
+
+
+def seed_checks(run: Callable[[T, int], Sequence[Any]], source: str) -> list[Check[T]]:
+    """Return the checks that the seed alone decides on what a plug-in returns.
+
+    Args:
+        run: runs the plug-in with a seed, and returns tensors or arrays.
+        source: where its random numbers must come from, such as ``rng``.
+    """
+
+    def repeats(plugin: T) -> None:
+        first = run(plugin, 4)
+        torch.rand(3)  # another global state
+        np.random.rand(3)  # noqa: NPY002
+        again = run(plugin, 4)
+        same = len(first) == len(again) and all(
+            np.array_equal(np.asarray(one), np.asarray(other))
+            for one, other in zip(first, again, strict=True)
+        )
+        asked = f"all randomness must come from {source}, so that a resumed run repeats"
+        demand(same, plugin, "returned something else under the same seed", asked)
+
+    def leaves_global(plugin: T) -> None:
+        with global_randomness_untouched(plugin):
+            run(plugin, 0)
+
+    return [
+        Check("the same under a seed", repeats, f"{source} alone may decide"),
+        Check("global randomness left alone", leaves_global, f"all randomness comes from {source}"),
+    ]
+
+
+def untouched_check(run: Callable[[T, Any], object], given: Callable[[], Sequence[torch.Tensor]]) -> Check[T]:
+    """Return the check that a plug-in does not change its arguments.
+
+    Args:
+        run: runs the plug-in on tensors.
+        given: makes the tensors.
+    """
+
+    def leaves(plugin: T) -> None:
+        tensors = given()
+        with untouched(plugin, tensors):
+            run(plugin, tensors)
+
+    return Check("arguments left as they are", leaves, "they belong to the caller")
+
+
+def device_check(run: Callable[[T, torch.device], Sequence[torch.Tensor]]) -> Check[T]:
+    """Return the check that a plug-in works on every device there is.
+
+    Args:
+        run: runs the plug-in with inputs on a device, and returns its outputs.
+    """
+
+    def stays(plugin: T) -> None:
+        for device in device_list():
+            for output in run(plugin, device):
+                did = f"returned something on {output.device} for inputs on {device}"
+                demand(output.device == device, plugin, did, "it must stay on the device of its input")
+
+    return Check("every device there is", stays, "tensors must be made on the device of the input")
 
 
 def device_list() -> list[torch.device]:

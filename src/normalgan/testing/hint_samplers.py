@@ -8,11 +8,11 @@ from normalgan.hints.draw import check_hint_shape, check_hint_values
 from normalgan.testing.conformance import (
     Check,
     demand,
-    device_list,
-    global_randomness_untouched,
+    device_check,
     held_to_contract,
     promised,
-    untouched,
+    seed_checks,
+    untouched_check,
 )
 from normalgan.testing.pictures import pictures
 from normalgan.testing.settings import settings_checks
@@ -30,11 +30,10 @@ def hint_sampler_checks() -> list[Check[HintSampler]]:
         Check("hints on the object", _on_object, _WHERE),
         Check("pictures without an object", _empty, "a picture without an object gets no hints"),
         Check("batches of other sizes", _sizes, "every size of picture and batch must do"),
-        Check("the same hints under a seed", _seeded, "rng alone may decide"),
-        Check("global randomness left alone", _no_global, "all randomness comes from rng"),
+        *seed_checks(lambda sampler, seed: [_sample(sampler, *pictures(2), seed)], "rng"),
         Check("samples apart from one another", _independent, "a sample must not depend on its neighbours"),
-        Check("arguments left as they are", _untouched, "the normals and the mask belong to the caller"),
-        Check("every device there is", _devices, "tensors must be made on the device of normal"),
+        untouched_check(lambda sampler, given: _sample(sampler, *given), lambda: pictures(2)),
+        device_check(_on_device),
     ]
 
 
@@ -74,20 +73,6 @@ def _sizes(sampler: HintSampler) -> None:
         _sample(sampler, *pictures(count, height, width))
 
 
-def _seeded(sampler: HintSampler) -> None:
-    normal, mask = pictures(2)
-    first = _sample(sampler, normal, mask, seed=1)
-    torch.rand(3)  # another global state
-    same = torch.equal(first, _sample(sampler, normal, mask, seed=1))
-    did = "gave other hints under the same seed"
-    demand(same, sampler, did, "all randomness must come from rng, so that a resumed run repeats")
-
-
-def _no_global(sampler: HintSampler) -> None:
-    with global_randomness_untouched(sampler):
-        _sample(sampler, *pictures(2))
-
-
 def _independent(sampler: HintSampler) -> None:
     normal, mask = pictures(3)
     other_normal, other_mask = normal.clone(), mask.clone()
@@ -100,13 +85,6 @@ def _independent(sampler: HintSampler) -> None:
         demand(torch.equal(one[1:], other[1:]), sampler, did, asked)
 
 
-def _untouched(sampler: HintSampler) -> None:
-    normal, mask = pictures(2)
-    with untouched(sampler, [normal, mask]):
-        _sample(sampler, normal, mask)
-
-
-def _devices(sampler: HintSampler) -> None:
-    for device in device_list():
-        normal, mask = (part.to(device) for part in pictures(2))
-        _sample(sampler, normal, mask)
+def _on_device(sampler: HintSampler, device: torch.device) -> list[Tensor]:
+    normal, mask = (part.to(device) for part in pictures(2))
+    return [_sample(sampler, normal, mask)]

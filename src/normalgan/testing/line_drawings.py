@@ -3,8 +3,10 @@
 import copy
 from collections.abc import Sequence
 from functools import cache
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from normalgan.animals import Animal
 from normalgan.rendering.checks import check_strokes
@@ -16,9 +18,9 @@ from normalgan.rendering.view import View
 from normalgan.testing.conformance import (
     Check,
     demand,
-    global_randomness_untouched,
     held_to_contract,
     promised,
+    seed_checks,
 )
 from normalgan.testing.settings import frozen_check, settings_checks
 from normalgan.testing.solids import away, camera
@@ -41,8 +43,7 @@ def line_drawing_checks() -> list[Check[LineDrawing]]:
         Check("ink about an animal", _ink, _STROKES),
         Check("views of other sizes and cameras", _views, "every size and camera must do"),
         Check("an empty view", _empty, "a view that shows nothing gets no strokes"),
-        Check("the same strokes under a seed", _seeded, "rng alone may decide"),
-        Check("global randomness left alone", _no_global, "all randomness comes from rng"),
+        *seed_checks(_parts, "rng"),
         Check("the view left as it is", _untouched, "the maps of the view belong to all styles"),
     ]
 
@@ -109,21 +110,9 @@ def _empty(style: LineDrawing) -> None:
     demand(ink == 0, style, "drew something in a view that shows nothing", "it must draw nothing there")
 
 
-def _seeded(style: LineDrawing) -> None:
-    np.random.rand(3)  # noqa: NPY002 -- another global state
-    one, other = _trace(style, _view(), seed=4), _trace(style, _view(), seed=4)
-    same = len(one) == len(other) and all(
-        np.array_equal(getattr(a, name), getattr(b, name))
-        for a, b in zip(one, other, strict=False)
-        for name in ("points", "width", "darkness")
-    )
-    asked = "the same view and rng must give the same strokes, for samples are kept by their settings"
-    demand(same, style, "traced the same view twice differently under one seed", asked)
-
-
-def _no_global(style: LineDrawing) -> None:
-    with global_randomness_untouched(style):
-        _trace(style, _view())
+def _parts(style: LineDrawing, seed: int) -> list[NDArray[Any]]:
+    strokes = _trace(style, _view(), seed)
+    return [part for stroke in strokes for part in (stroke.points, stroke.width, stroke.darkness)]
 
 
 def _untouched(style: LineDrawing) -> None:

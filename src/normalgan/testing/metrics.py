@@ -4,7 +4,7 @@ import torch
 from torch import Tensor
 
 from normalgan.metrics import MapMetric
-from normalgan.testing.conformance import Check, demand, device_list, untouched
+from normalgan.testing.conformance import Check, demand, device_list, untouched_check
 from normalgan.testing.pictures import pictures
 
 __all__ = ["metric_checks"]
@@ -20,7 +20,7 @@ def metric_checks() -> list[Check[MapMetric]]:
         Check("batches of any size", _batches, "the batches that samples come in must not matter"),
         Check("several processes", _processes, "states must be added with a dist_reduce_fx"),
         Check("reset", _reset, "after reset it must start from nothing"),
-        Check("arguments left as they are", _untouched, "what it is given belongs to the caller"),
+        untouched_check(_value, _samples),
         Check("every device there is", _devices, "states must be added by add_state"),
     ]
 
@@ -106,12 +106,6 @@ def _reset(metric: MapMetric) -> None:
     fresh.reset()
     fresh.update(*_samples())
     _same(metric, _value(metric, _samples()), fresh.compute(), "after it was reset")
-
-
-def _untouched(metric: MapMetric) -> None:
-    given = _samples()
-    with untouched(metric, given):
-        _value(metric, given)
 
 
 def _devices(metric: MapMetric) -> None:

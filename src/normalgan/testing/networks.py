@@ -8,7 +8,7 @@ import torch
 from torch import Tensor, nn
 
 from normalgan.models.condition import make_condition
-from normalgan.testing.conformance import Check, demand, device_list, untouched
+from normalgan.testing.conformance import Check, demand, device_check, untouched_check
 from normalgan.testing.pictures import batch
 
 __all__ = ["Answer", "given", "network_checks"]
@@ -35,9 +35,9 @@ def network_checks(size: int, answer: Answer[N], sees_normals: bool, contract: s
         Check("looking at its input", lambda n: _looking(n, size, answer, sees_normals), contract),
         Check("repeating itself", lambda n: _repeating(n, size, answer), contract),
         Check("pictures apart", lambda n: _independence(n, size, answer), contract),
-        Check("arguments left as they are", lambda n: _leaving(n, size, answer), contract),
+        untouched_check(lambda n, tensors: answer(n.eval(), *tensors), lambda: given(2, size)),
         Check("a state that can be loaded", lambda n: _state(n, size, answer), "load_state_dict must do"),
-        Check("every device there is", lambda n: _devices(n, size, answer), "it must stay on its device"),
+        device_check(lambda n, device: _on_device(n, size, answer, device)),
     ]
 
 
@@ -124,14 +124,6 @@ def _independence(network: N, size: int, answer: Answer[N]) -> None:
         )
 
 
-@torch.no_grad()
-def _leaving(network: N, size: int, answer: Answer[N]) -> None:
-    """Demand that the inputs are not modified."""
-    condition, normal = given(2, size)
-    with untouched(network, [condition, normal]):
-        answer(network.eval(), condition, normal)
-
-
 def _state(network: N, size: int, answer: Answer[N]) -> None:
     """Check that after training the state_dict alone determines the output."""
     trained, fresh = copy.deepcopy(network).train(), copy.deepcopy(network)
@@ -153,11 +145,9 @@ def _state(network: N, size: int, answer: Answer[N]) -> None:
 
 
 @torch.no_grad()
-def _devices(network: N, size: int, answer: Answer[N]) -> None:
-    """Demand that the output is on the device of the network and its input."""
-    for device in device_list():
-        condition, normal = (part.to(device) for part in given(1, size))
-        for part in answer(network.to(device).eval(), condition, normal):
-            did = f"answered on {part.device} to pictures on {device}"
-            demand(part.device == device, network, did, "it must stay on the device of its input")
-    network.cpu()
+def _on_device(network: N, size: int, answer: Answer[N], device: torch.device) -> tuple[Tensor, ...]:
+    inputs = (part.to(device) for part in given(1, size))
+    try:
+        return answer(network.to(device).eval(), *inputs)
+    finally:
+        network.cpu()

@@ -112,10 +112,9 @@ def _penalty(objective: AdversarialObjective) -> None:
     demand(penalties[0] == penalties[1], objective, "returned two penalties under one seed of torch", asked)
     if penalties[0].requires_grad:
         torch.autograd.grad(penalties[0], list(critic.parameters()), allow_unused=True)
-    elif penalties[0] != 0:
-        demand(
-            False, objective, "returned a penalty without a gradient", "it must teach the critic something"
-        )
+    else:
+        asked = "it must teach the critic something"
+        demand(penalties[0] == 0, objective, "returned a penalty without a gradient", asked)
 
 
 def _after_step(objective: AdversarialObjective) -> None:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from normalgan.normals import angles
 from normalgan.rendering.cameras import Camera
 from normalgan.rendering.checks import check_maps
 from normalgan.rendering.maps import Maps
@@ -15,7 +16,7 @@ from normalgan.testing.conformance import (
     promised,
 )
 from normalgan.testing.settings import frozen_check, settings_checks
-from normalgan.testing.solids import RADII, away, bowl, camera, degrees, ellipsoid, exact_ellipsoid
+from normalgan.testing.solids import RADII, away, bowl, camera, ellipsoid, exact_ellipsoid
 
 __all__ = ["renderer_checks"]
 
@@ -96,7 +97,7 @@ def _normals(renderer: Renderer) -> None:
         seen_by = camera(ellipsoid(), field_of_view)
         maps, true = _render(renderer, ellipsoid(), seen_by), exact_ellipsoid(RADII, seen_by, _SIZE)
         both = maps.mask & true.mask
-        error = float(degrees(maps.normal[both], true.normal[both]).mean()) if both.any() else np.nan
+        error = float(angles(maps.normal[both], true.normal[both]).mean()) if both.any() else np.nan
         did = f"is {error:.1f}° off from the true {_projection(field_of_view)} normals of an ellipsoid"
         asked = "normals are in camera space, x to the right, y up and z to the viewer, row 0 on top"
         demand(error < 1, renderer, did, asked)

@@ -12,10 +12,10 @@ from docstring_parser import DocstringStyle, parse
 from jsonargparse import ArgumentParser
 from torch import nn
 
-from normalgan.registry import summary
+from normalgan.registry import class_path, summary
 from normalgan.testing.conformance import Check, demand
 
-__all__ = ["as_config", "class_path", "frozen_check", "settings_checks", "settings_of"]
+__all__ = ["as_config", "frozen_check", "settings_checks", "settings_of"]
 
 T = TypeVar("T")
 
@@ -67,7 +67,7 @@ def _importable(plugin: object) -> None:
     demand(
         found is cls,
         plugin,
-        f"cannot be imported as {cls.__module__}.{cls.__qualname__}",
+        f"cannot be imported as {class_path(cls)}",
         "YAML and checkpoints name a class by its module, so define it at the top of one",
     )
     demand(
@@ -156,11 +156,6 @@ def _pickled(plugin: object) -> None:
         "is another one after pickle",
         "worker processes must get the same settings",
     )
-
-
-def class_path(cls: type[Any]) -> str:
-    """Return the dotted path of a class."""
-    return f"{cls.__module__}.{cls.__qualname__}"
 
 
 def settings_of(cls: type[Any]) -> dict[str, inspect.Parameter]:

@@ -3,16 +3,13 @@
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 from trimesh.creation import icosphere
 
-from normalgan.arrays import Doubles
-from normalgan.normals import angles
 from normalgan.rendering.cameras import Camera, framed, look_at_origin
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 
-__all__ = ["RADII", "away", "bowl", "camera", "degrees", "ellipsoid", "exact_ellipsoid"]
+__all__ = ["RADII", "away", "bowl", "camera", "ellipsoid", "exact_ellipsoid"]
 
 RADII = (1.0, 0.6, 0.4)
 """Half the axes of the ellipsoid that renderers are checked with: another one along x, y and z."""
@@ -62,8 +59,3 @@ def exact_ellipsoid(radii: tuple[float, float, float], seen_by: Camera, size: in
     normal = (points / np.square(radii)) @ seen_by.rotation.T * mask[..., None]
     normal /= np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-12)
     return Maps(normal.astype(np.float32), depth.astype(np.float32), mask)
-
-
-def degrees(one: NDArray[np.floating], other: NDArray[np.floating]) -> Doubles:
-    """Return the angles in degrees between vectors (..., 3)."""
-    return np.asarray(angles(one.astype(np.float64), other.astype(np.float64)))

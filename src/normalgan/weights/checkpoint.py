@@ -4,7 +4,6 @@ import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path, PurePath
 from typing import Any
 
@@ -21,7 +20,7 @@ from normalgan.hints import HINT_SAMPLERS
 from normalgan.line_widths import USUAL_WIDTHS, check_line_widths
 from normalgan.losses import ADVERSARIAL_OBJECTIVES, RECONSTRUCTIONS
 from normalgan.models import DISCRIMINATORS, GENERATORS
-from normalgan.registry import Registry, find_imported
+from normalgan.registry import Registry, class_path, find_imported
 from normalgan.weights.class_spec import ANY_NUMBER, LARGEST, ClassSpec, is_plain
 from normalgan.weights.file import SUFFIXES, Weights, read_weights
 from normalgan.weights.local_classes import find_local, where_classes_are_looked_for
@@ -29,33 +28,37 @@ from normalgan.weights.metadata import ModelMetadata
 from normalgan.weights.network import check_fit
 
 __all__ = [
+    "DEFAULT_OPTIMIZER",
+    "MADE_IN_PYTHON",
+    "OF_TORCH",
     "PICTURE_SIZE",
+    "REGISTRIES",
     "Checkpoint",
     "read_checkpoint",
     "read_model",
-    "settings_to_save",
     "uncompiled",
 ]
 
-_REGISTRIES: dict[str, tuple[Registry[Any], int]] = {
+REGISTRIES: dict[str, tuple[Registry[Any], int]] = {
     "generator": (GENERATORS, LARGEST),
     "discriminator": (DISCRIMINATORS, LARGEST),
     "hint_sampler": (HINT_SAMPLERS, LARGEST),
     "objective": (ADVERSARIAL_OBJECTIVES, ANY_NUMBER),  # weights of losses, which take no memory
     "reconstruction": (RECONSTRUCTIONS, ANY_NUMBER),
 }
-_OF_TORCH: dict[str, type[Any]] = {
+"""The registry of each argument that is a class of ours, and the largest number among its settings."""
+OF_TORCH: dict[str, type[Any]] = {
     "generator_optimizer": Optimizer,
     "discriminator_optimizer": Optimizer,
     "lr_scheduler": LRScheduler,
 }
-_DEFAULT_OPTIMIZER = "normalgan.gan._rmsprop"
-_PYTHON = "made_in_python"
+"""The base of each argument that makes an object of torch."""
+DEFAULT_OPTIMIZER = "normalgan.gan._rmsprop"
+MADE_IN_PYTHON = "made_in_python"
+"""The only key of an argument whose object plain values cannot describe."""
 _COMPILED = "_orig_mod."
 PICTURE_SIZE = "picture_size"
 """The entry of a checkpoint that holds the side of its pictures in pixels."""
-_OF_TRAINING = {"compile"}
-"""Arguments of the model that say how to train on this machine; they are not saved."""
 _RENAMED_SETTINGS = {"steadiness": "distractor_consistency"}
 """Settings of checkpoints from before version 0.1.0 by their present names. Class paths need no table:
 within a package a class is found by its short name (`Registry.find`)."""
@@ -146,7 +149,7 @@ class Checkpoint:
                 if self.settings.get(name) is not None:
                     part, tensors = _part(name, self.settings[name]), self.tensors_of(name)
                     # Numbers that are not finite may be what someone wants to look into.
-                    check_fit(part, tensors, _REGISTRIES[name][0], finite=False)
+                    check_fit(part, tensors, REGISTRIES[name][0], finite=False)
         return settings
 
     def check_progress(self, loops: Mapping[str, Any]) -> None:
@@ -261,49 +264,6 @@ def uncompiled(name: str) -> str:
     return name.replace(_COMPILED, "")
 
 
-def settings_to_save(given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments of a model as a checkpoint holds them: classes and values instead of objects.
-
-    Objects that plain values cannot describe are only named; such a model can be continued in Python.
-
-    Args:
-        given: as Lightning saves them: configurations, if the command line built the model, or the objects.
-    """
-    saved: dict[str, Any] = {"_instantiator": "lightning.pytorch.cli.instantiate_module"}
-    for name, value in given.items():
-        if name in _OF_TRAINING:
-            continue
-        if name in _OF_TORCH:
-            saved[name] = _optimizer_to_save(value)
-        elif name in _REGISTRIES and value is not None and not isinstance(value, Mapping):
-            part = ClassSpec.of_object(value)
-            saved[name] = _made_in_python(value) if part is None else _as_configuration(part)
-        else:
-            saved[name] = value
-    return saved
-
-
-def _optimizer_to_save(value: Any) -> Any:
-    if value is None or isinstance(value, str | Mapping):
-        return value
-    if getattr(value, "__module__", None) == "normalgan.gan" and value.__qualname__ == "_rmsprop":
-        return _DEFAULT_OPTIMIZER
-    kind, settings = (value.func, value.keywords) if isinstance(value, partial) else (value, {})
-    named = isinstance(kind, type) and not getattr(value, "args", ())
-    if named and all(is_plain(setting, ANY_NUMBER) for setting in settings.values()):
-        return _as_configuration(ClassSpec(f"{kind.__module__}.{kind.__qualname__}", dict(settings)))
-    return _made_in_python(kind)
-
-
-def _as_configuration(part: ClassSpec) -> dict[str, Any]:
-    return {"class_path": part.name, "init_args": dict(part.settings)}
-
-
-def _made_in_python(value: object) -> dict[str, str]:
-    kind = value if hasattr(value, "__qualname__") else type(value)
-    return {_PYTHON: f"{kind.__module__}.{kind.__qualname__}"}
-
-
 @contextmanager
 def _named(path: Path) -> Iterator[None]:
     """Name the file whose model cannot be built."""
@@ -314,7 +274,7 @@ def _named(path: Path) -> Iterator[None]:
 
 
 def _part(name: str, value: Any) -> ClassSpec:
-    registry, largest = _REGISTRIES[name]
+    registry, largest = REGISTRIES[name]
     _check_named(name, value)
     part = ClassSpec.of(value, largest)
     cls = registry.find(part.name) or find_local(part.name, registry.base)
@@ -322,7 +282,7 @@ def _part(name: str, value: Any) -> ClassSpec:
         shown = part.name[:60]
         raise InputError(registry.explain_unknown(shown) + where_classes_are_looked_for(shown))
     own = registry.find(cls.__name__) is cls
-    return ClassSpec(cls.__name__ if own else f"{cls.__module__}.{cls.__qualname__}", part.settings)
+    return ClassSpec(cls.__name__ if own else class_path(cls), part.settings)
 
 
 def _unchecked_part(name: str, value: Any) -> ClassSpec | None:
@@ -330,8 +290,8 @@ def _unchecked_part(name: str, value: Any) -> ClassSpec | None:
 
     None if the object was made in Python from values that are not plain.
     """
-    registry, largest = _REGISTRIES[name]
-    if isinstance(value, dict) and value.keys() == {_PYTHON}:
+    registry, largest = REGISTRIES[name]
+    if isinstance(value, dict) and value.keys() == {MADE_IN_PYTHON}:
         return None
     part = ClassSpec.of(value, largest)
     return _part(name, value) if registry.find(part.name) else part
@@ -339,29 +299,27 @@ def _unchecked_part(name: str, value: Any) -> ClassSpec | None:
 
 def _configuration(name: str, value: Any) -> Any:
     """Return a setting of the model as a configuration names it."""
-    if name in _REGISTRIES:
+    if name in REGISTRIES:
         optional = name == "discriminator" and value is None
-        return None if optional else _as_named(value, _part(name, value).configuration(_REGISTRIES[name][0]))
+        return None if optional else _as_named(value, _part(name, value).configuration(REGISTRIES[name][0]))
     if name == "line_widths":
         return list(check_line_widths(value))
-    if name not in _OF_TORCH:
+    if name not in OF_TORCH:
         if name.startswith("_"):  # Lightning's, for a model of another class
             raise InputError(f"it has the setting {ascii(name)[:60]}, which no model of ours has.")
         return _number(name, value)
-    if value is None or value == _DEFAULT_OPTIMIZER:
+    if value is None or value == DEFAULT_OPTIMIZER:
         return value
     _check_named(name, value)
     part = ClassSpec.of(value, ANY_NUMBER)
-    base = _OF_TORCH[name]
+    base = OF_TORCH[name]
     cls = find_imported(part.name, base)
     if cls is None:
         raise InputError(
             f"its {name} is {part.name[:60]}; a checkpoint may name a class of torch.optim, or "
             f"another {base.__name__} that the configuration names too."
         )
-    return _as_named(
-        value, {"class_path": f"{cls.__module__}.{cls.__qualname__}", "init_args": dict(part.settings)}
-    )
+    return _as_named(value, {**part.to_dict(), "class_path": class_path(cls)})
 
 
 def _as_named(value: Mapping[str, Any], found: dict[str, Any]) -> dict[str, Any]:
@@ -376,10 +334,10 @@ def _as_named(value: Mapping[str, Any], found: dict[str, Any]) -> dict[str, Any]
 
 
 def _check_named(name: str, value: Any) -> None:
-    if isinstance(value, dict) and value.keys() == {_PYTHON}:
+    if isinstance(value, dict) and value.keys() == {MADE_IN_PYTHON}:
         raise InputError(
-            f"its {name}, {ascii(value[_PYTHON])[:80]}, was made in Python of more than plain values; use "
-            "the checkpoint from there."
+            f"its {name}, {ascii(value[MADE_IN_PYTHON])[:80]}, was made in Python of more than plain values; "
+            "use the checkpoint from there."
         )
 
 

@@ -11,7 +11,7 @@ from jsonargparse import ArgumentParser
 from normalgan.errors import InputError, brief
 from normalgan.files.limits import MOST_DEPTH, MOST_NODES
 from normalgan.models.base import Network
-from normalgan.registry import Registry
+from normalgan.registry import Registry, class_path
 from normalgan.weights.local_classes import find_local, where_classes_are_looked_for
 
 __all__ = ["ANY_NUMBER", "LARGEST", "ClassSpec", "is_plain"]
@@ -76,11 +76,15 @@ class ClassSpec:
         if not all(is_plain(value, ANY_NUMBER) for value in settings.values()):
             return None
         kind = type(built)
-        return cls(f"{kind.__module__}.{kind.__qualname__}", {k: _lists(v) for k, v in settings.items()})
+        return cls(class_path(kind), {k: _lists(v) for k, v in settings.items()})
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the part as a configuration names it, by its own name."""
+        return {"class_path": self.name, "init_args": dict(self.settings)}
 
     def to_json(self) -> str:
         """Return the part as JSON."""
-        return json.dumps({"class_path": self.name, "init_args": dict(self.settings)})
+        return json.dumps(self.to_dict())
 
     @classmethod
     def from_json(cls, text: str) -> "ClassSpec":
@@ -106,7 +110,7 @@ class ClassSpec:
         if known is None:
             name = self.name[:60]
             raise InputError(registry.explain_unknown(name) + where_classes_are_looked_for(name))
-        return {"class_path": f"{known.__module__}.{known.__qualname__}", "init_args": dict(self.settings)}
+        return {**self.to_dict(), "class_path": class_path(known)}
 
     def build(self, registry: Registry[T]) -> T:
         """Return an instance of the class.

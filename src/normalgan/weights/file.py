@@ -12,7 +12,7 @@ from torch import Tensor
 
 from normalgan.errors import InputError, RunError, wants_memory
 from normalgan.files.addresses import local_file
-from normalgan.files.limits import read_bounded
+from normalgan.files.limits import read_named
 from normalgan.models import GENERATORS, Generator
 from normalgan.weights.metadata import ModelMetadata
 from normalgan.weights.network import build_generator, check_fit
@@ -115,11 +115,7 @@ def read_weights(path: Path) -> Weights:
     """
     if not path.is_file():
         raise InputError(f"there are no weights {path}; name a file that `normalgan export` wrote.")
-    try:
-        content = read_bounded(path)
-    except OSError as error:
-        raise InputError(f"the weights {path} cannot be read: {error.strerror}.") from None
-    return parse_weights(content, str(path), path.suffix.lower() == _ONNX)
+    return parse_weights(read_named(path, "the weights"), str(path), path.suffix.lower() == _ONNX)
 
 
 def _parse_safetensors(content: bytes) -> tuple[dict[str, str], dict[str, Tensor]]:

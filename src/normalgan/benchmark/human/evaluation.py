@@ -24,7 +24,6 @@ from normalgan.hints import hints_at
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.reading.drawings import read_drawing
 from normalgan.metrics import angular_error, without_hints
-from normalgan.metrics.contour import distance_from_contour
 from normalgan.rendering.renderers.embree import EmbreeRenderer
 
 __all__ = ["COUNTS", "Measurement", "measure_drawings", "sample_of"]
@@ -148,7 +147,6 @@ def measure_drawings(
                 batch["normal"],
                 batch["mask"],
                 hints[:, 3:],
-                distance_from_contour(batch["mask"]),
                 batch["name"],
             )
             record["figures"][str(count)] = _of_one(predicted, batch, hints[:, 3:])

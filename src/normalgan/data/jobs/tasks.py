@@ -55,7 +55,7 @@ class ShardTask:
 
     Args:
         url: the folder of the data set.
-        shard: which one.
+        shard: number of the shard.
         recipe: how samples are made.
         sources: the meshes it has views of, by name.
         failed: reasons why meshes must not be tried, by name.

@@ -220,8 +220,8 @@ def _check_green(normal: Floats, mask: BoolMask) -> None:
 def _outwardness(normal: Floats, mask: BoolMask) -> tuple[float, float]:
     """Return how far vectors along the outline of an object point outward, in x and in y: 1 all, -1 none.
 
-    Where a surface turns out of sight it points outward, whatever it is; a picture that the object fills, or
-    that cuts it off, has no outline there, and gives 0.
+    At an object's outline its surface always points outward. Where the picture's border cuts the object there
+    is no outline; without any outline the result is 0.
 
     Args:
         normal: (H, W, 3), y up.

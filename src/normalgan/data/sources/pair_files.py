@@ -17,7 +17,7 @@ from normalgan.arrays import BoolMask
 from normalgan.data.sources.pair import PAIRS_VERSION, Pair, background
 from normalgan.data.splits import SPLITS
 from normalgan.errors import InputError, did_you_mean, with_subject
-from normalgan.files.limits import read_bounded
+from normalgan.files.limits import read_named
 from normalgan.inference.inputs import AnyPicture, as_picture
 from normalgan.inference.reading.drawings import is_drawing, read_normals, read_pixels
 from normalgan.inference.reading.hint_files import load_hints
@@ -80,7 +80,7 @@ class PairFiles:
         """
         digest = hashlib.sha256(json.dumps([PAIRS_VERSION, self.name, self.green]).encode())
         for path in (self.sketch, self.normal, self.mask, self.hints):
-            digest.update(b"none" if path is None else hashlib.sha256(_bytes(path)).digest())
+            digest.update(b"none" if path is None else hashlib.sha256(read_named(path)).digest())
         return digest.hexdigest()
 
     def load(self) -> Pair:
@@ -235,7 +235,7 @@ def _listed(path: Path, left_out: list[str]) -> Iterator[PairFiles]:
     """Yield the pairs in a CSV, whose paths start from its folder; note those that lack a file."""
     right = f"its first line names columns, {', '.join(COLUMNS[:2])} and optionally {', '.join(COLUMNS[2:])}"
     try:
-        text = _bytes(path).decode("utf-8-sig")
+        text = read_named(path).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise InputError(f"{path} is not a text in UTF-8; {right}.") from None
     reader = csv.DictReader(io.StringIO(text), skipinitialspace=True)
@@ -282,10 +282,3 @@ def _object(vectors: NDArray[np.floating], alpha: NDArray[np.floating] | None) -
     if not found.any():
         raise InputError("the normal map shows nothing but its background.")
     return found
-
-
-def _bytes(path: Path) -> bytes:
-    try:
-        return read_bounded(path)
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror}.") from None

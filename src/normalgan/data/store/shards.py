@@ -166,7 +166,7 @@ class ShardedSamples:
         return self.layout.mesh_and_view(place)[0] in (failed or {})
 
     def read_shard(self, shard: int) -> dict[str, NDArray[Any]]:
-        """Return a shard's samples, `indices`, stacked, by name of the array; raises as `read` does."""
+        """Return the samples of a shard, stacked, by name of the array; raises as `read` does."""
         places = self.layout.indices(shard)
         stacked = self._select_or_make(shard, slice(places.start, places.stop))
         if not self.left_out:
@@ -222,7 +222,7 @@ def write_shard(
 
     Args:
         storage: the folder of the data set.
-        shard: which one.
+        shard: number of the shard.
         samples: a sample for each place, a blank one for a mesh that failed.
         failed: why a mesh of the shard could not be rendered, by name.
 

@@ -5,9 +5,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Floats
+from normalgan.graphs import connected
 from normalgan.inference.cleaning.reader import Reading
 from normalgan.inference.composites.cells import Cell
-from normalgan.inference.composites.groups import connected
 from normalgan.inference.composites.islands import in_rows
 from normalgan.inference.mask.decision import Decision
 from normalgan.inference.reading.drawings import SMALLEST

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.decoding import Decoded
+from normalgan.graphs import connected
 from normalgan.inference.cleaning.silhouette import is_silhouette
 from normalgan.inference.composites.cells import Cell
-from normalgan.inference.composites.groups import connected
 from normalgan.inference.composites.sheets import predict_sheet
 from normalgan.inference.composites.tile_grid import TileGrid
 from normalgan.inference.mask.masks import MaskOrSource

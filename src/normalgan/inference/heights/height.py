@@ -2,10 +2,11 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage, sparse
+from scipy import ndimage
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
+from normalgan.graphs import connected
 from normalgan.inference.heights.height_pyramid import double, halve
 from normalgan.inference.heights.multigrid import Relaxation
 from normalgan.inference.heights.surface import Surface
@@ -97,10 +98,9 @@ def _parts(mask: NDArray[np.bool_], tile: Tile | None) -> tuple[NDArray[np.int32
         return parts, count
     one, other = np.concatenate(pairs, 1)
     both = (one > 0) & (other > 0)
-    joined = sparse.coo_array((np.ones(both.sum()), (one[both], other[both])), shape=(count + 1,) * 2)
-    number, labels = sparse.csgraph.connected_components(joined, directed=False)
+    labels = connected(count + 1, np.column_stack([one[both], other[both]]))
     # What is off the mask is joined with nothing, and stays number 0.
-    return np.asarray(labels[parts], np.int32), number - 1
+    return np.asarray(labels[parts], np.int32), int(labels.max())
 
 
 def _enlarged(normals: Floats, mask: NDArray[np.bool_], jumps: float, tile: Tile | None) -> Floats:

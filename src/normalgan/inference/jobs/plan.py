@@ -9,7 +9,7 @@ from typing import Literal
 from normalgan.errors import InputError, unwritable
 from normalgan.inference.jobs.folders import find_drawings, search
 from normalgan.inference.mask.masks import ENDINGS as MASK_ENDINGS
-from normalgan.inference.mask.masks import MODEL, OUTLINE, READER
+from normalgan.inference.mask.masks import SOURCES, MaskSource
 from normalgan.inference.outputs import OUTPUTS
 from normalgan.inference.reading.drawings import SUFFIXES, find_companion
 from normalgan.inference.reading.hint_files import ENDINGS as HINT_ENDINGS
@@ -52,14 +52,14 @@ class DrawingFiles:
         drawing: its file, or a name for standard input.
         content: the content of standard input.
         hints: the file of its hints.
-        mask: the file of its mask, or one of `OUTLINE`, `MODEL` and `READER`.
+        mask: the file of its mask, or one of the sources of masks.
         below: the folder below the output that its map goes to.
     """
 
     drawing: Path
     content: bytes | None = None
     hints: Path | None = None
-    mask: Path | str | None = None
+    mask: Path | MaskSource | None = None
     below: Path = Path()
 
     @property
@@ -102,7 +102,7 @@ def find_files(
     Args:
         sketches: files, folders and globs.
         hints: a file or a folder.
-        mask: a file, a folder, or one of `OUTLINE`, `MODEL` and `READER`.
+        mask: a file, a folder, or one of the sources of masks.
 
     Raises:
         InputError: if something is missing.
@@ -157,10 +157,8 @@ def companions_of(ending: str) -> tuple[str, ...]:
 
 def _with_companions(read: Sequence[DrawingFiles], hints: str | None, mask: str | None) -> list[DrawingFiles]:
     of_hints = _companions(read, hints, "hints", HINT_ENDINGS)
-    of_masks: list[Path | str | None] = (
-        [mask] * len(read)
-        if mask in {OUTLINE, MODEL, READER}
-        else [*_companions(read, mask, "mask", MASK_ENDINGS)]
+    of_masks: list[Path | MaskSource | None] = (
+        [SOURCES[mask]] * len(read) if mask in SOURCES else [*_companions(read, mask, "mask", MASK_ENDINGS)]
     )
     found = zip(read, of_hints, of_masks, strict=True)
     return [replace(each, hints=own, mask=where) for each, own, where in found]

@@ -1,16 +1,32 @@
 """Masks: pictures that say where the object is in a drawing."""
 
 from pathlib import Path
+from typing import Literal
 
 from normalgan.arrays import BoolMask
 from normalgan.errors import InputError
 from normalgan.inference.reading.picture import Picture, read_picture
 
-__all__ = ["ENDINGS", "MODEL", "OUTLINE", "READER", "MaskOrSource", "load_mask", "mask_of"]
+__all__ = [
+    "ENDINGS",
+    "MODEL",
+    "OUTLINE",
+    "READER",
+    "SOURCES",
+    "MaskOrSource",
+    "MaskSource",
+    "load_mask",
+    "mask_of",
+]
 
-OUTLINE, MODEL, READER = "outline", "model", "reader"
+MaskSource = Literal["outline", "model", "reader"]
 """Where a mask may come from: what lines enclose, the network of normals, or the reader's vote."""
-MaskOrSource = BoolMask | str | None
+OUTLINE: MaskSource = "outline"
+MODEL: MaskSource = "model"
+READER: MaskSource = "reader"
+SOURCES: dict[str, MaskSource] = {OUTLINE: OUTLINE, MODEL: MODEL, READER: READER}
+"""The sources by the words that users give."""
+MaskOrSource = BoolMask | MaskSource | None
 """The object (h, w), or where it comes from; None is the opacity if that tells, else the reader."""
 
 ENDINGS = ("_mask.png", ".png")

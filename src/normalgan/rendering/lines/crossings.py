@@ -6,8 +6,8 @@ from typing import Self
 import numpy as np
 
 from normalgan.arrays import BoolMask, Doubles, Floats, Indices
+from normalgan.graphs import connected
 from normalgan.rendering.strokes.chain import chain
-from normalgan.rendering.topology import components
 
 __all__ = ["PAIRS", "Crossed", "Crossings", "Line", "Pair", "crossings", "places"]
 
@@ -69,7 +69,7 @@ class Crossings:
         points, links = solid._links()
         # An extra point without strength joins three lines that meet.
         strength = np.append(solid.strength, np.full(len(points) - len(solid.points), -np.inf))
-        group = components(len(points), links[:, 0], links[:, 1])
+        group = connected(len(points), links)
         links = links[_groups(points, strength, group, seed, shortest)[group[links[:, 0]]]]
         found = []
         for path in chain(points, links):

@@ -17,11 +17,11 @@ def shape_operators(surface: Surface, normals: Doubles, smoothing: float) -> Dou
     """Return the shape operator at each vertex, (V, 3, 3), symmetric.
 
     A step s along the surface turns the normal by ``S s``; ``S n = 0``, and ``u · S u`` is the curvature
-    along the unit tangent u, positive where the surface bends away from the normal, as a ball's does. Per
-    face, S is the least-squares fit to the differences of the normals along its three sides; turned into
-    each corner's tangent plane, the faces around are averaged by the share of their area that is nearest
-    to the corner (Rusinkiewicz, "Estimating Curvatures and Their Derivatives on Triangle Meshes",
-    3DPVT 2004, sections 3.1 to 3.3).
+    along the unit tangent u, positive where the surface bends away from the normal, as a ball's does. For
+    each face, S is fitted to the differences of the normals along its three sides by least squares. At a
+    vertex it is the average over the faces around, turned into the tangent plane there. A face's weight is
+    the part of its area that is nearest to the vertex (Rusinkiewicz, "Estimating Curvatures and Their
+    Derivatives on Triangle Meshes", 3DPVT 2004, sections 3.1 to 3.3).
 
     Args:
         surface: the mesh.

@@ -7,11 +7,11 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from normalgan.arrays import BoolMask, Doubles, Indices
+from normalgan.graphs import connected
 from normalgan.rendering.gltf.nodes import world_matrices
 from normalgan.rendering.rigs.animations import track_at
 from normalgan.rendering.rigs.rig import Rig
 from normalgan.rendering.rigs.skinning import posed_vertices
-from normalgan.rendering.topology import components
 
 __all__ = [
     "FRAMES",
@@ -110,7 +110,7 @@ def _hang_together(points: Doubles, owners: Indices, parents: Indices, moving: B
         raise LooseRigError(f"its {len(points)} vertices hang on {loose} loose trees of nodes; join them")
     while True:
         child = np.flatnonzero(parents >= 0)
-        tree = components(len(parents), child, parents[child])[owners]
+        tree = connected(len(parents), np.column_stack([child, parents[child]]))[owners]
         names, sizes = np.unique(tree, return_counts=True)
         if len(names) == 1:
             return parents

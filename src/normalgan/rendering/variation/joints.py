@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Doubles
-from normalgan.rendering.topology import components
+from normalgan.graphs import connected
 from normalgan.rendering.variation.bending import Deformed
 
 if TYPE_CHECKING:
@@ -155,12 +155,12 @@ def _graph(places: Doubles, faces: NDArray[np.integer]) -> tuple["csr_array", Bo
     from scipy.spatial import cKDTree
 
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    part = components(len(places), *edges.T)
+    part = connected(len(places), edges)
     pairs = cKDTree(places).query_pairs(_CLOTH, output_type="ndarray")
     links = pairs[part[pairs[:, 0]] != part[pairs[:, 1]]]
     edges = np.unique(np.sort(np.concatenate([edges, links]), axis=1), axis=0)
     lengths = np.linalg.norm(places[edges[:, 0]] - places[edges[:, 1]], axis=1)
     both = np.concatenate([edges, edges[:, ::-1]])
     graph = coo_array((np.tile(lengths, 2) + 1e-9, both.T), shape=(len(places), len(places))).tocsr()
-    part = components(len(places), *edges.T)
+    part = connected(len(places), edges)
     return graph, part == np.bincount(part).argmax()

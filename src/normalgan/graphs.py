@@ -1,0 +1,26 @@
+"""Graphs: which items are connected by pairs of them."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from normalgan.arrays import Indices
+
+__all__ = ["connected"]
+
+
+def connected(count: int, pairs: ArrayLike) -> Indices:
+    """Return a number for each item, (count,), from 0, the same for items that pairs connect.
+
+    Args:
+        count: number of items.
+        pairs: (E, 2) indices of the items; may be empty.
+
+    >>> connected(4, [(0, 2), (2, 3)]).tolist()
+    [0, 1, 0, 0]
+    """
+    from scipy.sparse import coo_array  # here: it takes half a second to import
+    from scipy.sparse.csgraph import connected_components
+
+    first, second = np.asarray(pairs, np.intp).reshape(-1, 2).T
+    graph = coo_array((np.ones(len(first), np.int8), (first, second)), (count, count))
+    return np.asarray(connected_components(graph, directed=False)[1], np.int64)
