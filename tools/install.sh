@@ -23,6 +23,10 @@ fi
 # uv resolves in a second what takes pip forty, and unpacks in parallel. Where it cannot install, because only pip knows
 # of a mirror for example, pip does.
 "$venv/bin/pip" install --quiet uv || say "uv cannot be installed; pip takes some minutes more."
+# Neither compiles what it installs, as most modules are never imported: pip would take a minute for PyTorch alone.
+with_pip() {
+    "$venv/bin/pip" install --no-compile "$@"
+}
 with_uv() {
     UV_HTTP_RETRIES=1 "$venv/bin/uv" pip install --quiet --python "$venv/bin/python" "$@" 2>/dev/null
 }
@@ -34,13 +38,13 @@ if ! "$venv/bin/python" -c 'import importlib.metadata as m; m.version("torch")' 
         say "Installing PyTorch for the CPU …"
         with_uv --torch-backend cpu "$torch" || {
             say "PyTorch's own index of CPU builds is out of reach; asking pip's index instead."
-            "$venv/bin/pip" install "$torch"
+            with_pip "$torch"
         }
     else
         say "Installing PyTorch …"
-        with_uv "$torch" || "$venv/bin/pip" install --quiet "$torch"
+        with_uv "$torch" || with_pip --quiet "$torch"
     fi
 fi
 say "Installing normalgan …"
 # pyrender asks for a PyOpenGL that has no wheel; without the flag older pips complain at length.
-with_uv --editable ".$extras" || "$venv/bin/pip" install --quiet --use-pep517 --editable ".$extras"
+with_uv --editable ".$extras" || with_pip --quiet --use-pep517 --editable ".$extras"
