@@ -79,7 +79,7 @@ def test_what_is_installed_calls_the_command_that_is_noted(
     assert called["predict"](drawing, tmp_path / "dog_normal.png") == ""
     with Image.open(DOG) as picture:
         assert read_png(tmp_path / "dog_normal.png")[0].shape == (picture.height, picture.width, 3)
-    with pytest.raises(called["CommandError"], match=r"^normalgan: no sketch found at "):
+    with pytest.raises(called["CommandError"], match=r"(?m)^normalgan: no sketch found at "):
         called["predict"](tmp_path / "none.png", tmp_path / "none_normal.png")
 
 
