@@ -110,14 +110,21 @@ def serving(model: Path, projects: Path, *more: str) -> Iterator[Server]:
         server.stop()
 
 
-@pytest.fixture(scope="module")
-def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
-    """A studio that paints a ramp and, near hints, what they say; one for all tests of a module."""
+@pytest.fixture(scope="session")
+def only_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    """A studio that paints a ramp and, near hints, what they say; one for all tests of this process."""
     from onnx_models import write_model
 
     folder = tmp_path_factory.mktemp("studio")
     with serving(write_model(folder / "ramp.onnx", reach=3), folder / "projects") as running:
         yield running
+
+
+@pytest.fixture(scope="module")
+def server(only_server: Server) -> Server:
+    """That studio, which has forgotten what other modules did."""
+    only_server.reset()
+    return only_server
 
 
 class Studio:
@@ -172,32 +179,39 @@ class Studio:
 
     def on_board(self, x: float, y: float) -> tuple[float, float]:
         """Return where a point of the drawing is on the screen."""
-        return self._on(self.page.locator("#board"), x, y, margin=24)
+        (at,) = self._on(self.page.locator("#board"), (x, y))
+        return at
 
     def on_result(self, x: float, y: float) -> tuple[float, float]:
         """Return where a point of the drawing is on the screen, in the pane of the result."""
-        return self._on(self.page.locator("#overlay"), x, y, margin=24)
+        (at,) = self._on(self.page.locator("#overlay"), (x, y))
+        return at
 
-    def _on(self, canvas: "Locator", x: float, y: float, margin: float = 0) -> tuple[float, float]:
+    def along(self, *points: Point) -> list[Point]:
+        """Return where points of the drawing are on the screen, asked for once: it stays while one draws."""
+        return self._on(self.page.locator("#board"), *points)
+
+    def _on(self, canvas: "Locator", *points: Point) -> list[Point]:
         box = canvas.bounding_box()
         assert box is not None
-        margin = min(margin, box["width"] / 20)
+        margin = min(24, box["width"] / 20)
         scale = min((box["width"] - 2 * margin) / self.size[0], (box["height"] - 2 * margin) / self.size[1])
         left = box["x"] + (box["width"] - scale * self.size[0]) / 2
         top = box["y"] + (box["height"] - scale * self.size[1]) / 2
-        return left + scale * x, top + scale * y
+        return [(left + scale * x, top + scale * y) for x, y in points]
 
-    def line(self, *points: tuple[float, float]) -> None:
+    def line(self, *points: Point) -> None:
         """Draw with the mouse through points of the drawing."""
-        self.page.mouse.move(*self.on_board(*points[0]))
+        first, *others = self.along(*points)
+        self.page.mouse.move(*first)
         self.page.mouse.down()
-        for point in points[1:]:
-            self.page.mouse.move(*self.on_board(*point))
+        for point in others:
+            self.page.mouse.move(*point)
         self.page.mouse.up()
 
     def circle(self, x: float = SIDE / 2, y: float = SIDE / 2, radius: float = RADIUS) -> None:
         """Draw a circle with the mouse."""
-        angles = [2 * math.pi * i / 40 for i in range(41)]
+        angles = [2 * math.pi * i / 24 for i in range(25)]
         self.line(*((x + radius * math.cos(a), y + radius * math.sin(a)) for a in angles))
 
     @contextmanager

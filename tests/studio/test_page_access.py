@@ -236,7 +236,7 @@ def test_narrow_windows_stack_the_panes(opened: "Browser", server: Server, width
             assert box["x"] + box["width"] <= width
 
 
-@pytest.mark.parametrize(("width", "height"), [(844, 390), (667, 375), (1024, 600)])
+@pytest.mark.parametrize(("width", "height"), [(667, 375), (1024, 600)])
 def test_in_low_windows_the_panes_stay_side_by_side_and_every_tool_is_seen(
     opened: "Browser", server: Server, width: int, height: int
 ) -> None:
