@@ -18,10 +18,11 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
+from chromium import Complaints, storage
 from chromium import page as open_page
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, Locator, Page, Request
+    from playwright.sync_api import Browser, BrowserContext, Locator, Page, Request
 
 SIDE = 256
 """Of the drawings."""
@@ -141,8 +142,12 @@ class Studio:
         page.add_init_script(
             "addEventListener('DOMContentLoaded', () => { document.documentElement.dataset.held = 1e9; })"
         )
-        page.goto(url)
-        page.wait_for_selector("html[data-ready]")
+        self.open(url)
+
+    def open(self, url: str) -> None:
+        """Go to the studio's address, and wait until the page is there."""
+        self.page.goto(url)
+        self.page.wait_for_selector("html[data-ready]")
 
     def new(self, width: int = SIDE, height: int = SIDE) -> None:
         """Begin with an empty drawing; there must be nothing unsaved."""
@@ -399,9 +404,10 @@ def sending_nothing_late(page: "Page") -> Iterator[None]:
     def ended(request: "Request") -> None:
         under_way.discard(request)
 
-    page.on("request", begun)
-    page.on("requestfinished", ended)
-    page.on("requestfailed", ended)
+    listeners: list[tuple[Any, Callable[[Request], None]]]
+    listeners = [("request", begun), ("requestfinished", ended), ("requestfailed", ended)]
+    for event, listener in listeners:
+        page.on(event, listener)
     yield
     if page.is_closed():
         return
@@ -411,6 +417,8 @@ def sending_nothing_late(page: "Page") -> Iterator[None]:
     while under_way:
         assert time.monotonic() < end, f"{[request.url for request in under_way]} have no answer"
         page.wait_for_timeout(10)
+    for event, listener in listeners:
+        page.remove_listener(event, listener)
 
 
 @contextmanager
@@ -422,10 +430,56 @@ def open_studio(
         yield Studio(page, url)
 
 
+class OnlyPage:
+    """One page for the tests of a module: its files are loaded once, which takes longer than most tests do.
+
+    Args:
+        context: its storage.
+        server: that it comes from.
+    """
+
+    def __init__(self, context: "BrowserContext", server: Server) -> None:
+        self._context, self._server = context, server
+        page = context.new_page()
+        self._complaints = Complaints(page)
+        self._studio = Studio(page, server.url)
+        self._size, self._fresh = page.viewport_size, True
+
+    @contextmanager
+    def renewed(self, tolerate: tuple[str, ...] = ()) -> Iterator[Studio]:
+        """Open the studio in a storage that is empty again; on leaving, it must have logged nothing else."""
+        if not self._fresh:
+            self._forget()
+        self._fresh = False
+        with sending_nothing_late(self._studio.page):
+            yield self._studio
+        self._complaints.check(tolerate)
+
+    def _forget(self) -> None:
+        page = self._studio.page
+        page.goto(f"{self._server.url}page/icon.svg")  # of the same origin, but without a program
+        page.evaluate("sessionStorage.clear()")
+        session = self._context.new_cdp_session(page)
+        origin = self._server.url.rstrip("/")
+        session.send("Storage.clearDataForOrigin", {"origin": origin, "storageTypes": "all"})
+        session.detach()
+        self._context.clear_permissions()
+        if self._size is not None:
+            page.set_viewport_size(self._size)
+        self._studio.open(self._server.url)
+
+
+@pytest.fixture(scope="module")
+def only_page(opened: "Browser", server: Server) -> Iterator[OnlyPage]:
+    """The page of a module."""
+    with storage(opened, width=1200, height=700) as context:
+        yield OnlyPage(context, server)
+
+
 @pytest.fixture
-def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
+def studio(only_page: OnlyPage) -> Iterator[Studio]:
     """An empty drawing."""
-    with open_studio(opened, server.url) as page:
+    with only_page.renewed() as page:
         page.new()
         yield page
 

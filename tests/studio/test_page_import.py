@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 from PIL import Image
-from studio_page import SIDE, Server, Studio, open_studio, serving
+from studio_page import SIDE, OnlyPage, Server, Studio, open_studio, serving
 
 from normalgan.decoding import DecodedLayer
 from normalgan.inference.composites.layers import encode_layers
@@ -43,10 +43,10 @@ STACK = [
 
 
 @pytest.fixture
-def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
+def studio(only_page: OnlyPage, server: Server) -> Iterator[Studio]:
     """An empty drawing, and the panel of layers."""
     server.reset()
-    with open_studio(opened, server.url, tolerate=("status of 400",)) as page:
+    with only_page.renewed(tolerate=("status of 400",)) as page:
         page.page.locator("#layers-toggle").click()
         page.new()
         yield page

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from studio_page import SIDE, Hand, Point, Server, Studio, open_studio
+from studio_page import SIDE, Hand, OnlyPage, Point, Server, Studio, open_studio
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -17,10 +17,10 @@ MIDDLE = SIDE / 2
 
 
 @pytest.fixture
-def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
+def studio(only_page: OnlyPage, server: Server) -> Iterator[Studio]:
     """An empty drawing, the panel of layers, and how many bytes of which layers were sent to be painted."""
     server.reset()
-    with open_studio(opened, server.url) as page:
+    with only_page.renewed() as page:
         page.page.locator("#layers-toggle").click()
         page.new()
         page.page.evaluate(

@@ -78,7 +78,7 @@ def test_a_mesh_that_kills_its_worker_again_and_again_fails_alone(
 ) -> None:
     monkeypatch.setenv("PYTHONPATH", str(HERE), prepend=os.pathsep)
     with pytest.warns(UserWarning, match="^the mesh b is left out: it kills the process that renders it"):
-        folder = render(tmp_path / "cache", "local:2", dies_at="b")
+        folder = render(tmp_path / "cache", "local:1", dies_at="b")
     harmless = replace(recipe(dies_at="b"), renderer=MoodyRenderer(fails_at="b"))
     with pytest.warns(UserWarning, match="the mesh b is left out"):
         other = render(tmp_path / "other", made_by=harmless)
