@@ -458,6 +458,7 @@ class OnlyPage:
     def _forget(self) -> None:
         page = self._studio.page
         page.goto(f"{self._server.url}page/icon.svg")  # of the same origin, but without a program
+        page.mouse.up()  # a test that has failed may have left it down
         page.evaluate("sessionStorage.clear()")
         session = self._context.new_cdp_session(page)
         origin = self._server.url.rstrip("/")
