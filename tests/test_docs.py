@@ -59,6 +59,7 @@ def run_code(code: str, folder: Path) -> None:
     assert done.returncode == 0, done.stderr[-3000:]
 
 
+@pytest.mark.slow  # imports all there is
 def test_python_of_the_plugins_runs(tmp_path: Path) -> None:
     run_python(ROOT / "docs" / "plugins.md", tmp_path)
 

@@ -198,6 +198,7 @@ def test_training_lowers_the_error(tmp_path: Path) -> None:
     assert after < 25
 
 
+@pytest.mark.slow  # trains twice
 def test_steadiness_holds_the_map_against_strokes_that_say_nothing(tmp_path: Path) -> None:
     """Two runs of the same network, seed and batches."""
     unseen = batch(64)

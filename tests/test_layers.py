@@ -13,7 +13,7 @@ from interpreter import loaded
 SOURCE = Path(__file__).parents[1] / "src" / "normalgan"
 RINGS = {
     "the ground": (
-        {"errors", "batch", "arrays", "version"},
+        {"errors", "batch", "arrays", "vectors", "version"},
         {"files", "registry", "line_widths", "contracts", "ranges", "graphs"},
         {"normals", "commit", "seeds", "progress", "decoding", "warning_filters"},
     ),
@@ -173,6 +173,12 @@ def test_light_rooms_do_not_load_torch() -> None:
     seen = loaded("; ".join(f"import normalgan.{name.removesuffix('.__init__')}" for name in modules))
     assert "numpy" in seen
     assert not seen & TRAINING
+
+
+@pytest.mark.slow  # imports torch
+def test_workers_that_load_samples_do_not_load_what_trains() -> None:
+    # Each of them is a process of its own, which would take twice as long to start.
+    assert not loaded("import normalgan.data.loading.stream") & {"lightning", "torchmetrics"}
 
 
 @pytest.mark.parametrize(

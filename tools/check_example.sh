@@ -75,6 +75,6 @@ assert saved["class_path"] == "normalgan_poisson.PoissonHints", saved
 assert saved["init_args"]["distance"] == 6, saved
 CHECK
 step "its plan"
-(cd example && "$work/venv/bin/normalgan" benchmark --config plan.yaml)
+(cd example && "$work/venv/bin/normalgan" benchmark --config plan.yaml --rows poisson,uniform --images 16)
 grep -q 'hints scattered evenly' example/runs/benchmark/table.md
 step "all as it should be"

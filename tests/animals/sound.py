@@ -13,7 +13,7 @@ COARSE = 6_000  # faces of the quick tests
 
 def coarse(species: str, seed: int, pose: str | None = None) -> Mesh:
     """Return one individual with fewer faces than usual: at that size thin parts would break off first."""
-    return to_mesh(species, SPECIES[species].grow(pose, np.random.default_rng(seed)), COARSE)
+    return to_mesh(f"{species} {pose}", SPECIES[species].grow(pose, np.random.default_rng(seed)), COARSE)
 
 
 def check_closed(mesh: Mesh) -> trimesh.Trimesh:

@@ -133,15 +133,15 @@ def test_batches_asked_for_after_training_are_tensors_to_use(
 @pytest.mark.filterwarnings("ignore:This DataLoader will create:UserWarning")
 @pytest.mark.filterwarnings("ignore:Checkpoint directory .* exists:UserWarning")
 # Lightning makes the iterator before it sets the epoch.
-@pytest.mark.parametrize("workers", [0, 1, pytest.param(4, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("workers", [0, 1])
 def test_training_order_goes_on_when_resumed(meshes: Path, cache: Path, tmp_path: Path, workers: int) -> None:
-    unbroken = seen_in(data(meshes, cache, workers=workers), tmp_path / "a", epochs=3)
-    seen_in(data(meshes, cache, workers=workers), tmp_path / "b", epochs=2)
+    unbroken = seen_in(data(meshes, cache, workers=workers), tmp_path / "a", epochs=2)
+    seen_in(data(meshes, cache, workers=workers), tmp_path / "b", epochs=1)
     torch.manual_seed(99)
-    resumed = seen_in(data(meshes, cache, workers=workers), tmp_path / "b", 3, last(tmp_path / "b"))
+    resumed = seen_in(data(meshes, cache, workers=workers), tmp_path / "b", 2, last(tmp_path / "b"))
     listed = [[name for batch in seen.training for name in batch["name"]] for seen in (unbroken, resumed)]
-    assert len(listed[0]) == 18
-    assert listed[1] == listed[0][12:] != listed[0][6:12]
+    assert len(listed[0]) == 12
+    assert listed[1] == listed[0][6:] != listed[0][:6]
 
 
 @pytest.mark.filterwarnings("ignore:Checkpoint directory .* exists:UserWarning")

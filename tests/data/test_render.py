@@ -225,6 +225,7 @@ def test_a_renderer_that_does_not_run_here_says_so_before_any_work(tmp_path: Pat
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow  # every death costs the start of a process
 def test_a_mesh_that_kills_its_worker_is_left_out_and_the_others_are_rendered(tmp_path: Path) -> None:
     with pytest.warns(UserWarning, match="^the mesh b is left out: it kills the process that renders it"):
         folder = render(tmp_path, workers=1, dies_at="b")

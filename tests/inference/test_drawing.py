@@ -60,10 +60,8 @@ def write_figures(name: str) -> None:
 @pytest.mark.parametrize(
     ("write", "arguments"),
     [
-        (write_walk, ["walk.gif"]),
         (write_walk, ["walk.gif", "--bits", "16"]),
         (write_layers, ["parts.psd"]),
-        (write_layers, ["parts.psd", "--layers"]),
         (write_layers, ["parts.psd", "--layers", "--bits", "16"]),
         (write_figures, ["figures.png"]),
         (write_figures, ["figures.png", "--split", "auto"]),

@@ -62,6 +62,7 @@ def predicted(predictor: Predictor) -> NormalMap:
     return predictor(stones(), tile="both")
 
 
+@pytest.mark.slow
 def test_a_drawing_and_one_that_is_rolled_by_half_are_painted_alike(
     predictor: Predictor, predicted: NormalMap
 ) -> None:

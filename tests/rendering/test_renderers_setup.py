@@ -54,6 +54,7 @@ def test_a_machine_without_egl_is_told_what_to_install(platform: str, before: st
     assert last.endswith(message)
 
 
+@pytest.mark.slow
 @needs_opengl
 def test_a_process_that_rendered_ends_quietly_and_may_fork() -> None:
     script = (

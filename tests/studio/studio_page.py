@@ -18,10 +18,11 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
+from chromium import Complaints, storage
 from chromium import page as open_page
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, Locator, Page, Request
+    from playwright.sync_api import Browser, BrowserContext, Locator, Page, Request
 
 SIDE = 256
 """Of the drawings."""
@@ -110,14 +111,21 @@ def serving(model: Path, projects: Path, *more: str) -> Iterator[Server]:
         server.stop()
 
 
-@pytest.fixture(scope="module")
-def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
-    """A studio that paints a ramp and, near hints, what they say; one for all tests of a module."""
+@pytest.fixture(scope="session")
+def only_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+    """A studio that paints a ramp and, near hints, what they say; one for all tests of this process."""
     from onnx_models import write_model
 
     folder = tmp_path_factory.mktemp("studio")
     with serving(write_model(folder / "ramp.onnx", reach=3), folder / "projects") as running:
         yield running
+
+
+@pytest.fixture(scope="module")
+def server(only_server: Server) -> Server:
+    """That studio, which has forgotten what other modules did."""
+    only_server.reset()
+    return only_server
 
 
 class Studio:
@@ -134,8 +142,12 @@ class Studio:
         page.add_init_script(
             "addEventListener('DOMContentLoaded', () => { document.documentElement.dataset.held = 1e9; })"
         )
-        page.goto(url)
-        page.wait_for_selector("html[data-ready]")
+        self.open(url)
+
+    def open(self, url: str) -> None:
+        """Go to the studio's address, and wait until the page is there."""
+        self.page.goto(url)
+        self.page.wait_for_selector("html[data-ready]")
 
     def new(self, width: int = SIDE, height: int = SIDE) -> None:
         """Begin with an empty drawing; there must be nothing unsaved."""
@@ -172,32 +184,39 @@ class Studio:
 
     def on_board(self, x: float, y: float) -> tuple[float, float]:
         """Return where a point of the drawing is on the screen."""
-        return self._on(self.page.locator("#board"), x, y, margin=24)
+        (at,) = self._on(self.page.locator("#board"), (x, y))
+        return at
 
     def on_result(self, x: float, y: float) -> tuple[float, float]:
         """Return where a point of the drawing is on the screen, in the pane of the result."""
-        return self._on(self.page.locator("#overlay"), x, y, margin=24)
+        (at,) = self._on(self.page.locator("#overlay"), (x, y))
+        return at
 
-    def _on(self, canvas: "Locator", x: float, y: float, margin: float = 0) -> tuple[float, float]:
+    def along(self, *points: Point) -> list[Point]:
+        """Return where points of the drawing are on the screen, asked for once: it stays while one draws."""
+        return self._on(self.page.locator("#board"), *points)
+
+    def _on(self, canvas: "Locator", *points: Point) -> list[Point]:
         box = canvas.bounding_box()
         assert box is not None
-        margin = min(margin, box["width"] / 20)
+        margin = min(24, box["width"] / 20)
         scale = min((box["width"] - 2 * margin) / self.size[0], (box["height"] - 2 * margin) / self.size[1])
         left = box["x"] + (box["width"] - scale * self.size[0]) / 2
         top = box["y"] + (box["height"] - scale * self.size[1]) / 2
-        return left + scale * x, top + scale * y
+        return [(left + scale * x, top + scale * y) for x, y in points]
 
-    def line(self, *points: tuple[float, float]) -> None:
+    def line(self, *points: Point) -> None:
         """Draw with the mouse through points of the drawing."""
-        self.page.mouse.move(*self.on_board(*points[0]))
+        first, *others = self.along(*points)
+        self.page.mouse.move(*first)
         self.page.mouse.down()
-        for point in points[1:]:
-            self.page.mouse.move(*self.on_board(*point))
+        for point in others:
+            self.page.mouse.move(*point)
         self.page.mouse.up()
 
     def circle(self, x: float = SIDE / 2, y: float = SIDE / 2, radius: float = RADIUS) -> None:
         """Draw a circle with the mouse."""
-        angles = [2 * math.pi * i / 40 for i in range(41)]
+        angles = [2 * math.pi * i / 24 for i in range(25)]
         self.line(*((x + radius * math.cos(a), y + radius * math.sin(a)) for a in angles))
 
     @contextmanager
@@ -385,9 +404,10 @@ def sending_nothing_late(page: "Page") -> Iterator[None]:
     def ended(request: "Request") -> None:
         under_way.discard(request)
 
-    page.on("request", begun)
-    page.on("requestfinished", ended)
-    page.on("requestfailed", ended)
+    listeners: list[tuple[Any, Callable[[Request], None]]]
+    listeners = [("request", begun), ("requestfinished", ended), ("requestfailed", ended)]
+    for event, listener in listeners:
+        page.on(event, listener)
     yield
     if page.is_closed():
         return
@@ -397,6 +417,8 @@ def sending_nothing_late(page: "Page") -> Iterator[None]:
     while under_way:
         assert time.monotonic() < end, f"{[request.url for request in under_way]} have no answer"
         page.wait_for_timeout(10)
+    for event, listener in listeners:
+        page.remove_listener(event, listener)
 
 
 @contextmanager
@@ -408,10 +430,57 @@ def open_studio(
         yield Studio(page, url)
 
 
+class OnlyPage:
+    """One page for the tests of a module: its files are loaded once, which takes longer than most tests do.
+
+    Args:
+        context: its storage.
+        server: that it comes from.
+    """
+
+    def __init__(self, context: "BrowserContext", server: Server) -> None:
+        self._context, self._server = context, server
+        page = context.new_page()
+        self._complaints = Complaints(page)
+        self._studio = Studio(page, server.url)
+        self._size, self._fresh = page.viewport_size, True
+
+    @contextmanager
+    def renewed(self, tolerate: tuple[str, ...] = ()) -> Iterator[Studio]:
+        """Open the studio in a storage that is empty again; on leaving, it must have logged nothing else."""
+        if not self._fresh:
+            self._forget()
+        self._fresh = False
+        with sending_nothing_late(self._studio.page):
+            yield self._studio
+        self._complaints.check(tolerate)
+
+    def _forget(self) -> None:
+        page = self._studio.page
+        page.goto(f"{self._server.url}page/icon.svg")  # of the same origin, but without a program
+        page.mouse.up()  # a test that has failed may have left it down
+        page.evaluate("sessionStorage.clear()")
+        session = self._context.new_cdp_session(page)
+        origin = self._server.url.rstrip("/")
+        session.send("Storage.clearDataForOrigin", {"origin": origin, "storageTypes": "all"})
+        session.detach()
+        self._context.clear_permissions()
+        if self._size is not None:
+            page.set_viewport_size(self._size)
+        self._studio.open(self._server.url)
+
+
+@pytest.fixture(scope="module")
+def only_page(opened: "Browser", server: Server) -> Iterator[OnlyPage]:
+    """The page of a module."""
+    with storage(opened, width=1200, height=700) as context:
+        yield OnlyPage(context, server)
+
+
 @pytest.fixture
-def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
+def studio(only_page: OnlyPage) -> Iterator[Studio]:
     """An empty drawing."""
-    with open_studio(opened, server.url) as page:
+    with only_page.renewed() as page:
         page.new()
         yield page
 

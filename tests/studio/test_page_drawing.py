@@ -12,10 +12,9 @@ pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to s
 
 def test_nothing_lies_on_the_empty_paper(studio: Studio) -> None:
     """The first stroke may begin anywhere; samples are offered beside it."""
-    for x in range(8, SIDE, 24):
-        for y in range(8, SIDE, 24):
-            at = studio.on_board(x, y)
-            assert studio.page.evaluate("([x, y]) => document.elementFromPoint(x, y).id", at) == "board"
+    places = studio.along(*((x, y) for x in range(8, SIDE, 24) for y in range(8, SIDE, 24)))
+    there = "(places) => places.map(([x, y]) => document.elementFromPoint(x, y).id)"
+    assert set(studio.page.evaluate(there, places)) == {"board"}
     assert studio.page.locator("#samples button").count() == 3
 
 
@@ -162,21 +161,22 @@ ELLIPSE = [(128 + 80 * math.cos(k / 10), 128 + 60 * math.sin(k / 10)) for k in r
 def draw_and_hold(studio: Studio, way: list[tuple[float, float]]) -> None:
     """Draw a stroke and hold it still at its end until it is a shape."""
     page = studio.page
-    page.mouse.move(*studio.on_board(*way[0]))
+    first, *others, last = studio.along(*way)
+    page.mouse.move(*first)
     page.mouse.down()
-    for at in way[1:-1]:
-        page.mouse.move(*studio.on_board(*at))
+    for at in others:
+        page.mouse.move(*at)
     page.evaluate(HELD, 600)
     with studio.saying("Straightened."):
-        page.mouse.move(*studio.on_board(*way[-1]))
+        page.mouse.move(*last)
 
 
 def test_a_pause_within_a_stroke_loses_nothing_of_it(studio: Studio) -> None:
     page = studio.page
     draw_and_hold(studio, ELLIPSE)
     page.evaluate(HELD, 1e9)
-    for x in range(208, 252, 4):
-        page.mouse.move(*studio.on_board(x, 128))
+    for at in studio.along(*((x, 128) for x in range(208, 252, 4))):
+        page.mouse.move(*at)
     page.mouse.up()
     studio.save_as("paused")
     points = drawn_points(studio, "paused")
@@ -186,18 +186,19 @@ def test_a_pause_within_a_stroke_loses_nothing_of_it(studio: Studio) -> None:
 
 def test_a_busy_page_takes_no_stroke_for_one_that_is_held(studio: Studio) -> None:
     page = studio.page
-    page.evaluate(HELD, 4000)  # the machine that tests may itself pause
-    page.mouse.move(*studio.on_board(*ELLIPSE[0]))
+    page.evaluate(HELD, 2000)  # the machine that tests may itself pause
+    first, *others = studio.along(*ELLIPSE)
+    page.mouse.move(*first)
     page.mouse.down()
-    for number, at in enumerate(ELLIPSE[1:]):
+    for number, at in enumerate(others):
         if number == 40:
             page.evaluate(
                 """() => setTimeout(() => {
                   const start = performance.now();
-                  while (performance.now() - start < 5000);
+                  while (performance.now() - start < 2500);
                 })"""
             )
-        page.mouse.move(*studio.on_board(*at))
+        page.mouse.move(*at)
     page.mouse.up()
     page.locator("#history summary").click()
     rows = page.locator("#history-list button")

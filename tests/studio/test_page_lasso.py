@@ -11,20 +11,20 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
-from studio_page import SIDE, Server, Studio, open_studio
+from studio_page import SIDE, OnlyPage, Server, Studio
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser
+    pass
 
 pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
 PAPER = (240, 230, 205)
 
 
 @pytest.fixture
-def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
+def studio(only_page: OnlyPage, server: Server) -> Iterator[Studio]:
     """An empty drawing; no project is saved."""
     server.reset()
-    with open_studio(opened, server.url) as page:
+    with only_page.renewed() as page:
         page.new()
         yield page
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import pytest
-from studio_page import SIDE, Server, Studio, open_studio
+from studio_page import SIDE, OnlyPage, Server, Studio, open_studio
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -14,12 +14,12 @@ pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to s
 
 
 @pytest.fixture
-def studio(opened: "Browser", server: Server) -> Iterator[Studio]:
+def studio(only_page: OnlyPage) -> Iterator[Studio]:
     """An empty drawing, and what of it was sent: longer side of the map, base and bytes of each request.
 
     While ``holding``, answers to drafts wait in ``held``.
     """
-    with open_studio(opened, server.url) as page:
+    with only_page.renewed() as page:
         page.page.evaluate(
             """() => {
               window.sent = [];

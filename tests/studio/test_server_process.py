@@ -3,6 +3,7 @@ import http.client
 import json
 import re
 import signal
+import socket
 import subprocess
 import sys
 import threading
@@ -17,6 +18,7 @@ from normalgan.__main__ import main
 from normalgan.studio.document_store import DocumentStore
 
 
+@pytest.mark.slow  # starts two studios
 def test_a_server_killed_while_it_saves_leaves_a_whole_project(model: Path, tmp_path: Path) -> None:
     def filled(number: int) -> dict[str, object]:
         return document(strokes=[number] * 200_000)
@@ -51,7 +53,10 @@ def test_a_server_killed_while_it_saves_leaves_a_whole_project(model: Path, tmp_
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals that a process may answer")
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 0), (signal.SIGINT, 130)])
 def test_a_signal_ends_it_once_all_is_answered(model: Path, tmp_path: Path, number: int, code: int) -> None:
-    with running(model, tmp_path) as studio:
+    (tmp_path / "cat.png").write_bytes(png(circle()))
+    with running(model, tmp_path / "p", str(tmp_path / "cat.png")) as studio:
+        assert studio.ask("GET", "/api/open")[1] == {"kind": "drawing", "name": "cat"}
+        assert studio.ask("GET", "/api/open/file")[1] == png(circle())
         connection = send(studio, "/api/predict", asking(1, **slow()))
         until(lambda: studio.ask("GET", "/api/about")[0] == 200)
         studio.process.send_signal(number)
@@ -63,19 +68,18 @@ def test_a_signal_ends_it_once_all_is_answered(model: Path, tmp_path: Path, numb
         assert err == ("normalgan: stopped.\n" if code else "")
 
 
-def test_a_taken_port_is_told(served: Studio, model: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    for port, sentence in (
-        (
-            served.port,
-            f"normalgan: port {served.port} is taken, perhaps by another studio; give another --port",
-        ),
-        (70000, "normalgan: port is 70000; ports go from 1 to 65535, and 0 takes a free one."),
-    ):
-        assert main(["studio", "--model", str(model), "--port", str(port), "--no-browser"]) == 2
-        said = capsys.readouterr()
-        assert said.err.startswith(sentence)
-        assert said.out == ""
-        assert len(said.err.splitlines()) == 1
+def test_a_taken_port_is_told(model: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        taken = other.getsockname()[1]
+        for port, sentence in (
+            (taken, f"normalgan: port {taken} is taken, perhaps by another studio; give another --port"),
+            (70000, "normalgan: port is 70000; ports go from 1 to 65535, and 0 takes a free one."),
+        ):
+            assert main(["studio", "--model", str(model), "--port", str(port), "--no-browser"]) == 2
+            said = capsys.readouterr()
+            assert said.err.startswith(sentence)
+            assert said.out == ""
+            assert len(said.err.splitlines()) == 1
 
 
 @pytest.mark.parametrize(
@@ -95,13 +99,6 @@ def test_what_cannot_be_used_is_told_before_it_starts(
     said = capsys.readouterr().err
     assert sentence in said
     assert len(said.splitlines()) == 1
-
-
-def test_a_drawing_of_the_command_line_is_opened(model: Path, tmp_path: Path) -> None:
-    (tmp_path / "cat.png").write_bytes(png(circle()))
-    with running(model, tmp_path / "p", str(tmp_path / "cat.png")) as studio:
-        assert studio.ask("GET", "/api/open")[1] == {"kind": "drawing", "name": "cat"}
-        assert studio.ask("GET", "/api/open/file")[1] == png(circle())
 
 
 def test_help_and_imports_are_light(capsys: pytest.CaptureFixture[str]) -> None:

@@ -20,7 +20,9 @@ BACKGROUND = (60, 70, 80)
 LIGHT = (0.3, 0.7, 0.6)
 
 
-@pytest.fixture(scope="module", params=[True, False], ids=["webgl", "plain"])
+@pytest.fixture(
+    scope="module", params=[True, pytest.param(False, marks=pytest.mark.slow)], ids=["webgl", "plain"]
+)
 def webgl(request: pytest.FixtureRequest) -> bool:
     """First a browser with WebGL, then one without."""
     return bool(request.param)

@@ -12,6 +12,7 @@ from viewer_page import Viewer, open_viewer
 from chromium import browser
 from normalgan.inference.outputs.lighting import shade, to_srgb
 
+pytestmark = pytest.mark.slow  # a browser, which takes seconds to start
 SIDE = 120
 BACKGROUND = (60, 70, 80)
 QUARTER_TURN = 18  # presses of an arrow
@@ -56,7 +57,6 @@ def leaning_cone(side: int = 240) -> NDArray[np.float32]:
 @pytest.mark.parametrize(
     ("key", "times", "yaw", "pitch"),
     [
-        ("ArrowRight", 0, 0, 0),
         ("ArrowRight", QUARTER_TURN, 90, 0),
         ("ArrowLeft", 7, -35, 0),
         ("ArrowDown", 8, 0, 40),

@@ -45,10 +45,9 @@ def test_a_preempted_run_saves_and_says_where(bench: Bench, tmp_path: Path) -> N
         assert load(last)["epoch"] == 1
 
 
-@pytest.mark.parametrize("value", [".nan", ".inf"])
-def test_a_loss_that_is_no_number_stops_the_run(bench: Bench, tmp_path: Path, value: str) -> None:
+def test_a_loss_that_is_no_number_stops_the_run(bench: Bench, tmp_path: Path) -> None:
     spoil = ("--trainer.callbacks", "stoppers.SpoilAt", "--trainer.callbacks.epoch", 1)
-    batch = ("--trainer.callbacks.batch", 2, "--trainer.callbacks.value", value)
+    batch = ("--trainer.callbacks.batch", 2, "--trainer.callbacks.value", ".inf")
     outcome = bench.run("fit", tmp_path / "run", *MORE, *spoil, *batch)
     stopped = tmp_path / "run" / "checkpoints" / "stopped.ckpt"
     spoilt = next(line for line in outcome.out.splitlines() if line.startswith("spoilt")).split()[1:]

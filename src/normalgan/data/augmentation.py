@@ -15,10 +15,10 @@ from normalgan.contracts import class_name, describe, refused
 from normalgan.data.surface_marks import mark_surfaces
 from normalgan.errors import InputError
 from normalgan.losses.distractor_consistency import add_distractor_strokes
-from normalgan.metrics.functional import unit_vectors, unit_vectors_within
 from normalgan.ranges import NonNegative, Range, Share, check_ranges
 from normalgan.registry import Registry
 from normalgan.seeds import seed_torch
+from normalgan.vectors import unit_vectors, unit_vectors_within
 
 __all__ = [
     "AUGMENTATIONS",

@@ -7,7 +7,7 @@ from torch import Tensor
 
 from normalgan.batch import Batch
 from normalgan.data.loading.items import decode
-from normalgan.metrics import unit_vectors
+from normalgan.vectors import unit_vectors
 
 __all__ = ["ENOUGH", "mean_of_maps"]
 

@@ -4,13 +4,13 @@ import torch
 from torch import Tensor
 
 from normalgan.errors import InputError
+from normalgan.vectors import length, of_unit_size, unit_vectors
 
 __all__ = [
     "angular_error",
     "l1_distance",
     "l2_distance",
     "unit_vectors",
-    "unit_vectors_within",
     "without_hints",
 ]
 
@@ -37,8 +37,8 @@ def angular_error(preds: Tensor, target: Tensor) -> Tensor:
         >>> round(angular_error(up + right, right).item(), 3)
         45.0
     """
-    preds, target = (_of_unit_size(vectors) for vectors in _checked(preds, target))
-    across = _length(torch.linalg.cross(preds, target, dim=1))
+    preds, target = (of_unit_size(vectors) for vectors in _checked(preds, target))
+    across = length(torch.linalg.cross(preds, target, dim=1))
     along = (preds * target).sum(1, keepdim=True)
     degrees = torch.rad2deg(torch.atan2(across, along))
     silent = (preds == 0).all(1, keepdim=True) | (target == 0).all(1, keepdim=True)
@@ -87,38 +87,7 @@ def l2_distance(preds: Tensor, target: Tensor) -> Tensor:
         5.0
     """
     preds, target = _checked(preds, target)
-    return _length(preds - target)
-
-
-def unit_vectors(vectors: Tensor) -> Tensor:
-    """Return (N, 3, H, W) vectors scaled to length 1; the zero vector stays zero.
-
-    Example:
-        >>> unit_vectors(torch.tensor([3.0, 4.0, 0.0]).view(1, 3, 1, 1)).flatten().tolist()
-        [0.6000000238418579, 0.800000011920929, 0.0]
-    """
-    vectors = _of_unit_size(vectors.to(torch.promote_types(vectors.dtype, torch.float32)))
-    return vectors / _length(vectors).clamp(min=1.0)  # 1 at least of any vector but zero by now
-
-
-def unit_vectors_within(vectors: Tensor, mask: Tensor) -> Tensor:
-    """Return (N, 3, H, W) vectors scaled to length 1 where the mask is 1, and 0 where it is 0.
-
-    Faster than `unit_vectors`, for stored or interpolated normals, whose squares cannot overflow. Vectors
-    shorter than 1e-6 stay shorter than 1.
-
-    Args:
-        vectors: (N, 3, H, W) of float32 or float64.
-        mask: (N, 1, H, W) of the same type.
-
-    Example:
-        >>> vectors = torch.tensor([[3.0, 4.0, 0.0], [0.0, 0.0, 2.0]]).view(2, 3, 1, 1)
-        >>> unit_vectors_within(vectors, torch.tensor([1.0, 0.0]).view(2, 1, 1, 1)).flatten(1).tolist()
-        [[0.6000000238418579, 0.800000011920929, 0.0], [0.0, 0.0, 0.0]]
-    """
-    x, y, z = vectors.unbind(1)
-    length = torch.addcmul(torch.addcmul(x * x, y, y), z, z).sqrt()
-    return vectors * (mask / length.clamp(min=1e-6)[:, None])
+    return length(preds - target)
 
 
 def without_hints(mask: Tensor, where: Tensor) -> Tensor:
@@ -147,14 +116,3 @@ def _checked(preds: Tensor, target: Tensor) -> tuple[Tensor, Tensor]:
         )
     dtype = torch.promote_types(torch.promote_types(preds.dtype, target.dtype), torch.float32)
     return preds.to(dtype), target.to(dtype)
-
-
-def _of_unit_size(vectors: Tensor) -> Tensor:
-    """Scale each vector to a largest coordinate of ±1, so that its square cannot under- or overflow."""
-    largest = vectors.abs().amax(1, keepdim=True)
-    return vectors / torch.where(largest == 0, 1.0, largest)
-
-
-def _length(vectors: Tensor) -> Tensor:
-    """Return (N, 1, H, W) lengths; `torch.linalg.vector_norm` over dim 1 takes 16 times as long on a CPU."""
-    return vectors.square().sum(1, keepdim=True).sqrt()

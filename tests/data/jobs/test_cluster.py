@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from dask_processes import SOURCES, VIEWS, DaskCluster, finished, render, start_cluster, wait_for
+from dask_processes import DaskCluster, finished, render, start_cluster, wait_for
 from distributed import Client
 from toys import Octahedron, contents, recipe
 
@@ -18,6 +18,8 @@ from normalgan.data.render import render_samples
 from normalgan.data.store.layout import Layout
 from normalgan.data.store.shards import ShardedSamples
 from normalgan.errors import InputError, RunError
+
+pytestmark = pytest.mark.slow  # starts processes of its own
 
 
 @pytest.fixture(scope="module", name="pair")
@@ -29,17 +31,19 @@ def make_pair(tmp_path_factory: pytest.TempPathFactory) -> Iterator[DaskCluster]
         yield made
 
 
-def test_a_cluster_writes_the_same_bytes_as_this_process(tmp_path: Path, pair: DaskCluster) -> None:
+def test_a_cluster_writes_the_same_bytes_as_this_process(
+    tmp_path: Path, pair: DaskCluster, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)  # where the command was given, which relative paths refer to
     alone = render(tmp_path / "0")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        together = render(tmp_path / "1", pair.address)
+        together = render(Path("1"), pair.address)
     assert alone.name == together.name
-    assert contents(alone) == contents(together)
+    assert contents(alone) == contents(tmp_path / together)
     assert finished(tmp_path / "1") == 4
 
 
-@pytest.mark.slow  # starts processes of its own
 def test_a_cluster_finds_and_repairs_damage(tmp_path: Path, pair: DaskCluster) -> None:
     folder = render(tmp_path)
     whole = contents(folder)
@@ -52,15 +56,6 @@ def test_a_cluster_finds_and_repairs_damage(tmp_path: Path, pair: DaskCluster) -
     assert contents(folder) == whole
 
 
-def test_relative_paths_refer_to_where_the_command_was_given(
-    tmp_path: Path, pair: DaskCluster, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert finished(render(Path("cache"), pair.address).parent) == 4
-    assert (tmp_path / "cache").is_dir()
-
-
-@pytest.mark.slow  # starts processes of its own
 def test_one_worker_is_killed_and_one_joins_late_and_nothing_changes(tmp_path: Path) -> None:
     go = tmp_path / "go"
     slow: dict[str, Any] = {"waits_at": "d", "until": str(go)}  # of four shards, two
@@ -84,7 +79,6 @@ def test_one_worker_is_killed_and_one_joins_late_and_nothing_changes(tmp_path: P
     assert contents(folder) == contents(render(tmp_path / "alone", **slow))
 
 
-@pytest.mark.slow  # starts processes of its own
 def test_workers_of_another_version_are_refused(tmp_path: Path) -> None:
     go = tmp_path / "go"
     slow: dict[str, Any] = {"waits_at": "d", "until": str(go)}  # of four shards, two
@@ -120,7 +114,6 @@ def test_workers_of_another_version_are_refused(tmp_path: Path) -> None:
     assert contents(folder) == contents(render(tmp_path / "alone", **slow))
 
 
-@pytest.mark.slow  # starts processes of its own
 def test_a_worker_without_the_package_or_with_threads_is_refused(tmp_path: Path) -> None:
     blocker = tmp_path / "block.py"
     blocker.write_text("import sys\nsys.modules['normalgan.data.jobs.cluster_worker'] = None\n")
@@ -134,7 +127,6 @@ def test_a_worker_without_the_package_or_with_threads_is_refused(tmp_path: Path)
             render(tmp_path / "cache", dask_cluster.address)
 
 
-@pytest.mark.slow  # starts processes of its own
 def test_finished_shards_are_kept_when_the_scheduler_goes(tmp_path: Path) -> None:
     with start_cluster(tmp_path / "dask") as dask_cluster:
         dask_cluster.start_worker()
@@ -151,7 +143,6 @@ def test_finished_shards_are_kept_when_the_scheduler_goes(tmp_path: Path) -> Non
     assert 0 < finished(tmp_path / "cache") < 4
 
 
-@pytest.mark.slow  # starts processes of its own
 def test_a_result_that_is_lost_with_its_worker_is_computed_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -175,11 +166,6 @@ def test_a_result_that_is_lost_with_its_worker_is_computed_again(
             assert sorted([first, *outcomes]) == [(-3, 3), (-1, 1), (2, 2)]
 
 
-def test_memory_is_not_shared_with_a_cluster() -> None:
-    with pytest.raises(InputError, match="memory://x is invisible to other processes"):
-        render_samples("memory://x", SOURCES, VIEWS, recipe(), progress=False, cluster="local:1")
-
-
 @dataclass(frozen=True)
 class Local(Octahedron):
     """A mesh that is another one in every process, as a file may be on another machine."""
@@ -197,7 +183,6 @@ def test_a_mesh_that_a_worker_does_not_see_stops_the_run_with_its_address(
     assert finished(tmp_path) == 0
 
 
-@pytest.mark.slow  # starts processes of its own
 def test_a_store_that_a_worker_does_not_see_is_named(tmp_path: Path) -> None:
     shard = Layout(("a",), 2, 16).shard("train", 0)
     source = Octahedron("a")

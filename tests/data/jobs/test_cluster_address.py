@@ -2,9 +2,11 @@ import time
 from pathlib import Path
 
 import pytest
-from dask_processes import render, start_cluster
+from dask_processes import SOURCES, VIEWS, render, start_cluster
+from toys import recipe
 
 from normalgan.data.jobs import cluster, cluster_address
+from normalgan.data.render import render_samples
 from normalgan.errors import InputError, RunError
 
 
@@ -41,3 +43,8 @@ def test_a_cluster_without_workers_is_given_up_in_time(
 def test_a_name_that_is_no_cluster_is_refused(tmp_path: Path, where: str, message: str) -> None:
     with pytest.raises(InputError, match=message):
         render(tmp_path, where)
+
+
+def test_memory_is_not_shared_with_a_cluster() -> None:
+    with pytest.raises(InputError, match="memory://x is invisible to other processes"):
+        render_samples("memory://x", SOURCES, VIEWS, recipe(), progress=False, cluster="local:1")

@@ -84,18 +84,17 @@ def test_a_sample_depends_only_on_its_view_index() -> None:
 @pytest.mark.slow  # processes are spawned
 def test_batches_are_the_same_whatever_the_number_of_workers() -> None:
     epochs: dict[int, list[list[Batch]]] = {}
-    for workers in (0, 1, 2):
+    for workers in (0, 2):
         loader = Loaders(batch_size=2, workers=workers).shuffled(stream(views=3), seed=5)
         assert isinstance(loader.sampler, FreshViews)
         epochs[workers] = []
         for epoch in (0, 1):  # the workers persist, and see the epoch by the tickets
             loader.sampler.set_epoch(epoch)
             epochs[workers].append(list(loader))
-    for workers in (1, 2):
-        for given, expected in zip(epochs[workers], epochs[0], strict=True):
-            assert len(given) == 4  # the ninth sample is left out
-            for a, b in zip(given, expected, strict=True):
-                assert_same(a, b)
+    for given, expected in zip(epochs[2], epochs[0], strict=True):
+        assert len(given) == 4  # the ninth sample is left out
+        for a, b in zip(given, expected, strict=True):
+            assert_same(a, b)
     names = [{name for batch in epoch for name in batch["name"]} for epoch in epochs[0]]
     assert not names[0] & names[1]
 

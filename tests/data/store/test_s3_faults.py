@@ -75,7 +75,7 @@ def test_single_faults_are_not_noticed(
     assert stored(f"{bucket}/cache", tmp_path / "copy") == contents(whole)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", ["busy", "cut"])
 def test_a_server_that_goes_away_while_samples_are_written_costs_one_sentence(
     bucket: str, faults: Faults, kind: str, whole: Path, tmp_path: Path
 ) -> None:

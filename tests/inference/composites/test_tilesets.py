@@ -76,8 +76,9 @@ def pixels(path: str) -> Pixels:
     return np.asarray(Image.open(path))
 
 
-@pytest.mark.parametrize("mode", ["RGBA", "L", "P"])
-@pytest.mark.parametrize("options", [(), ("--detail", "0.5")], ids=["form", "detail"])
+@pytest.mark.parametrize(
+    ("mode", "options"), [("RGBA", ()), ("L", ()), ("P", ("--detail", "0.5"))], ids=["RGBA", "L", "P detail"]
+)
 def test_tiles_that_fit_have_the_same_normals_where_they_meet(
     here: Path, mode: str, options: tuple[str, ...]
 ) -> None:

@@ -9,7 +9,7 @@ from typing import get_args
 
 import pytest
 import yaml
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from normalgan.inference.outputs.engines import Engine, sidecar
@@ -42,6 +42,7 @@ def name_in(engine: Engine, text: str) -> str:
 
 
 @pytest.mark.parametrize("engine", get_args(Engine))
+@settings(max_examples=40)
 @given(name=NAMES)
 def test_the_name_of_a_map_is_one_string_and_nothing_else(engine: Engine, name: str) -> None:
     path, content = sidecar(engine, Path("/maps", f"{name}.png"))

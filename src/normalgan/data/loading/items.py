@@ -8,7 +8,7 @@ from torch.utils.data import default_collate
 
 from normalgan.batch import Batch
 from normalgan.errors import InputError
-from normalgan.metrics.functional import unit_vectors_within
+from normalgan.vectors import unit_vectors_within
 
 __all__ = ["Item", "SampleError", "collate_decoded", "decode", "to_item"]
 
