@@ -88,7 +88,7 @@ def test_generate_takes_the_file(exported: Export) -> None:
     assert (confidence is None) == (len(wanted) == 3)
 
 
-@pytest.mark.parametrize("opset", [15, 17, 21])
+@pytest.mark.parametrize("opset", [15, 21])
 def test_other_opsets_predict_the_same(exported: Export, tmp_path: Path, opset: int) -> None:
     folder, generator = exported
     target = tmp_path / "old.onnx"
@@ -174,9 +174,12 @@ def test_the_example_paints_a_map(exported: Export, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("kind", "more"), [(KINDS[0], ()), (KINDS[1], ("--half",))])
+@pytest.mark.parametrize(
+    ("kind", "name", "more"), [(KINDS[0], "m.pt", ()), (KINDS[1], "m.onnx", ("--half",))]
+)
 def test_a_file_that_paints_otherwise_is_not_written(
     kind: str,
+    name: str,
     more: tuple[str, ...],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
@@ -189,7 +192,7 @@ def test_a_file_that_paints_otherwise_is_not_written(
         return [output + np.float32(2e-3) for output in honest(*given)]  # type: ignore[arg-type]
 
     monkeypatch.setattr(comparison, "predict", shifted)
-    assert export(tmp_path / "last.ckpt", tmp_path / "new" / "m.onnx", *more) == 1
+    assert export(tmp_path / "last.ckpt", tmp_path / "new" / name, *more) == 1
     assert "differs from torch by 0.00" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["last.ckpt"]
 
