@@ -515,16 +515,20 @@ def test_undone_work_that_arrived_unanswered_is_taken_back(opened: "Browser", se
         wait_for_kept(studio, 0, 0)
 
 
-def test_a_stroke_that_goes_on_while_another_drawing_is_opened_is_in_neither(studio: Studio) -> None:
-    page = studio.page
-    page.mouse.move(*studio.on_board(40, 40))
-    page.mouse.down()
-    page.mouse.move(*studio.on_board(90, 90))
-    page.evaluate("document.getElementById('new').click()")
-    page.locator("#new-dialog").wait_for()
-    with studio.answering("new-dialog"):
-        page.evaluate("document.querySelector('#new-dialog button.strong').click()")
-    page.mouse.move(*studio.on_board(150, 150))
-    page.mouse.up()
-    assert page.locator("#undo").is_disabled()
-    assert not studio.inked(120, 120)
+def test_a_stroke_that_goes_on_while_another_drawing_is_opened_is_in_neither(
+    opened: "Browser", server: Server
+) -> None:
+    with open_studio(opened, server.url) as studio:
+        studio.new()
+        page = studio.page
+        page.mouse.move(*studio.on_board(40, 40))
+        page.mouse.down()
+        page.mouse.move(*studio.on_board(90, 90))
+        page.evaluate("document.getElementById('new').click()")
+        page.locator("#new-dialog").wait_for()
+        with studio.answering("new-dialog"):
+            page.evaluate("document.querySelector('#new-dialog button.strong').click()")
+        page.mouse.move(*studio.on_board(150, 150))
+        page.mouse.up()
+        assert page.locator("#undo").is_disabled()
+        assert not studio.inked(120, 120)
