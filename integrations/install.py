@@ -23,23 +23,23 @@ HERE = Path(__file__).resolve().parent
 COMMAND = "normalgan_command.py"
 
 
-def programs(system: str, home: Path, set_to: Mapping[str, str]) -> dict[str, Path]:
+def program_folders(system: str, home: Path, environment: Mapping[str, str]) -> dict[str, Path]:
     """Return the folder in which each program keeps its settings and what its user adds, without its version.
 
     Args:
         system: as of `sys.platform`.
         home: the user's folder.
-        set_to: the environment.
+        environment: its variables.
     """
     if system == "win32":
-        data = Path(set_to.get("APPDATA") or home / "AppData" / "Roaming")
+        data = Path(environment.get("APPDATA") or home / "AppData" / "Roaming")
         config, blender, inkscape = data, data / "Blender Foundation" / "Blender", data / "inkscape"
     elif system == "darwin":
         config = data = home / "Library" / "Application Support"
         blender, inkscape = data / "Blender", data / "org.inkscape.Inkscape" / "config" / "inkscape"
     else:
-        config = Path(set_to.get("XDG_CONFIG_HOME") or home / ".config")
-        data = Path(set_to.get("XDG_DATA_HOME") or home / ".local" / "share")
+        config = Path(environment.get("XDG_CONFIG_HOME") or home / ".config")
+        data = Path(environment.get("XDG_DATA_HOME") or home / ".local" / "share")
         blender, inkscape = config / "blender", config / "inkscape"
     aseprite = config / ("aseprite" if system.startswith("linux") else "Aseprite")
     return {
@@ -51,7 +51,7 @@ def programs(system: str, home: Path, set_to: Mapping[str, str]) -> dict[str, Pa
     }
 
 
-PROGRAMS = programs(sys.platform, Path.home(), os.environ)
+PROGRAMS = program_folders(sys.platform, Path.home(), os.environ)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from normalgan.normals import read_png
 
 
 @pytest.mark.parametrize(
-    ("system", "set_to", "expected"),
+    ("system", "environment", "expected"),
     [
         (
             "linux",
@@ -50,10 +50,10 @@ from normalgan.normals import read_png
     ],
 )
 def test_programs_keep_what_users_add_elsewhere_on_each_system(
-    system: str, set_to: dict[str, str], expected: dict[str, str]
+    system: str, environment: dict[str, str], expected: dict[str, str]
 ) -> None:
-    programs = runpy.run_path(str(ROOT / "integrations" / "install.py"))["programs"]
-    found = programs(system, PurePath("home"), set_to)
+    installer = runpy.run_path(str(ROOT / "integrations" / "install.py"))
+    found = installer["program_folders"](system, PurePath("home"), environment)
     assert {name: PurePath(path).relative_to("home").as_posix() for name, path in found.items()} == expected
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from studio_page import SIDE, Server
 from test_page_lasso import two_circles
-from test_page_storage import MB, write_noise
+from test_page_storage import KB, MB, write_noise
 
 from firefox import Firefox, firefox
 
@@ -49,9 +49,12 @@ def restored(running: Firefox) -> None:
     assert running.run("return document.querySelectorAll('#picture-list li').length") == 1
 
 
-def test_unsaved_work_with_a_picture_is_restored_in_firefox(server: Server, tmp_path: Path) -> None:
+@pytest.mark.parametrize("size", [KB, 64 * KB, 8 * MB])
+def test_unsaved_work_with_a_picture_is_restored_in_firefox(
+    server: Server, tmp_path: Path, size: int
+) -> None:
     server.reset()
-    write_noise(tmp_path / "noise.png", 8 * MB)
+    write_noise(tmp_path / "noise.png", size)
     with firefox(tmp_path / "profile") as running:
         start(running, server)
         draw(running, tmp_path / "noise.png")

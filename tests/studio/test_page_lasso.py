@@ -5,16 +5,13 @@ import io
 import math
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 from studio_page import SIDE, OnlyPage, Server, Studio
-
-if TYPE_CHECKING:
-    pass
 
 pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
 PAPER = (240, 230, 205)

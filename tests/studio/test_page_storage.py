@@ -79,7 +79,7 @@ def trace(studio: Studio, file: Path) -> None:
         studio.page.locator("#choose button[value=traced]").click()
 
 
-@pytest.mark.parametrize("size", [KB, 8 * MB], ids=["in the database", "in a file of its own"])
+@pytest.mark.parametrize("size", [KB, 64 * KB, 8 * MB])
 def test_unsaved_work_with_a_picture_is_restored(server: Server, tmp_path: Path, size: int) -> None:
     write_noise(tmp_path / "noise.png", size)
     with profile(tmp_path / "profile") as context:
