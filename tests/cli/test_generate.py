@@ -40,6 +40,43 @@ def on_object(normals: NDArray[np.float32]) -> NDArray[np.bool_]:
     return np.asarray(np.abs(normals[..., :2]).max(-1) > 0.02)
 
 
+def save(kind: str) -> str:
+    """Write the drawing in a format and return the file's name."""
+    grey = Image.fromarray(GREY)
+    match kind:
+        case "exif.jpg":
+            exif = Image.Exif()
+            exif[0x0112] = 8  # to be turned by 90° counter-clockwise
+            grey.transpose(Image.Transpose.ROTATE_270).save("a.jpg", exif=exif, quality=90)
+            return "a.jpg"
+        case "rgba.png":
+            Image.merge("RGBA", [Image.new("L", grey.size, 0)] * 3 + [Image.fromarray(255 - GREY)]).save(
+                "a.png"
+            )
+            return "a.png"
+        case "inverted.webp":
+            Image.fromarray(255 - GREY).save("a.webp", quality=90)
+            return "a.webp"
+        case "16.png":
+            Image.fromarray(GREY.astype(np.uint16) * 257).save("a.png")
+            return "a.png"
+        case _:
+            grey.convert("RGB").save(f"a.{kind}")
+    return f"a.{kind}"
+
+
+@pytest.mark.parametrize(
+    "kind",
+    ["png", "16.png", "rgba.png", "jpg", "exif.jpg", "webp", "inverted.webp", "bmp", "tif", "gif"],
+)
+def test_every_format_gives_the_same_map(here: Path, kind: str) -> None:
+    assert generate("fox.png", save(kind), "-o", "out") == 0
+    reference, other = predicted("out/fox_normal.png"), predicted("out/a_normal.png")
+    assert overlap(on_object(other), on_object(reference)) > 0.97
+    both = on_object(other) & on_object(reference)
+    assert np.abs(other - reference)[both].mean() < 0.02
+
+
 def test_an_svg_is_drawn_at_the_size_asked_for(here: Path) -> None:
     Path("ball.svg").write_text(SVG)
     y, x = np.mgrid[:200, :300] + 0.5
@@ -58,6 +95,7 @@ def test_an_svg_is_drawn_at_the_size_asked_for(here: Path) -> None:
     [
         (["--bits", "16"], "fox_normal.png"),
         (["--format", "exr"], "fox_normal.exr"),
+        (["--alpha", "--pad", "0"], "fox_normal.png"),
         (["--alpha", "--pad", "0", "--format", "tiff"], "fox_normal.tiff"),
     ],
 )
