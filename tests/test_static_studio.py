@@ -36,6 +36,7 @@ from normalgan.inference.suggestion import suggest, uncertainty
 from normalgan.normals import Bits
 from normalgan.studio.drawing_request import DrawingRequest
 from normalgan.studio.limits import TILE_SIDE
+from normalgan.studio.schemas import DrawingFields, parse
 from normalgan.weights.shipped import SHIPPED
 from pens import blob, outline
 from web_folder import serve
@@ -272,12 +273,11 @@ def test_regions_and_the_direction_brush_turn_what_python_turns(studio: "Page", 
     picture = cv2.imencode(".png", np.broadcast_to(ribs, (TILE_SIDE, TILE_SIDE)))[1].tobytes()
     # Two strokes of one structure that cross are one.
     areas = [area, *([{**area, "points": [100, 140, 160, 40]}] if "structure" in area else [])]
-    edited = DrawingRequest(grey[..., None], [], None, areas, structures={"ribs": picture}).edit(
-        predicted.extended, predicted.mask, grey.shape
-    )
+    more = {"areas": areas, "structures": {"ribs": base64.b64encode(picture).decode()}}
+    request = DrawingRequest.of(parse(DrawingFields, json.dumps(more).encode()), grey[..., None])
+    edited = request.edit(predicted.extended, predicted.mask, grey.shape)
     turned = np.abs(edited - predicted.extended).max(-1) > 0.1
     assert turned.sum() > 1500  # or it would be no test
-    more = {"areas": areas, "structures": {"ribs": base64.b64encode(picture).decode()}}
     found = decoded(studio.evaluate(ASK, [*encoded(as_rgba(grey)), more]), grey.shape)
     assert_near(found, replace(predicted, extended=edited), share=0.98, degrees=2)
     if "structure" in area:  # which is finer than what differs else

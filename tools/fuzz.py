@@ -268,17 +268,16 @@ def project() -> Read:
 
     with instrumented():
         from normalgan.studio.documents import check_document
-        from normalgan.studio.drawing_request import read_areas, take_drawing
-        from normalgan.studio.fields import parse_fields
+        from normalgan.studio.drawing_request import DrawingRequest
+        from normalgan.studio.schemas import DrawingFields, parse
     picture = np.full((32, 32, 1), 255, np.uint8)
 
     def read(data: bytes) -> None:
         with refusals():
             assert check_document(data)["width"] > 0
         with refusals():
-            taken = take_drawing(parse_fields(data), picture)
+            taken = DrawingRequest.of(parse(DrawingFields, data), picture)
             taken.digest()
-            read_areas(taken.areas)
             taken.read_hints((32, 32))
 
     return read

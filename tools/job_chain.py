@@ -62,7 +62,7 @@ def follow(what: str, drawing: Path) -> Chain:
             from normalgan.studio.predictor import Predictor
             from normalgan.weights.shipped import SHIPPED
 
-            Predictor(SHIPPED).predict(DrawingRequest(drawing.read_bytes(), [], None), [], None, lambda: None)
+            Predictor(SHIPPED).predict(DrawingRequest(drawing.read_bytes()), [], None, lambda: None)
     finally:
         sys.setprofile(None)
         threading.setprofile(None)

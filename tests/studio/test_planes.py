@@ -13,6 +13,7 @@ from studio_client import HEIGHT, WIDTH, Pixels, asking, circle, codes, serving
 from normalgan.errors import InputError
 from normalgan.studio.planes import CONTENT_TYPE, KeptPlanes, split_body
 from normalgan.studio.refusals import BehindError
+from normalgan.studio.schemas import DrawingsFields, parse
 
 ALL = [0, 0, WIDTH, HEIGHT]
 
@@ -30,6 +31,10 @@ def fields(number: int, base: int | None, box: list[int], **more: Any) -> dict[s
     asked = asking(number, base=base, planes=[plane(box)], **more)
     del asked["picture"]
     return asked
+
+
+def read(*args: Any, **more: Any) -> DrawingsFields:
+    return parse(DrawingsFields, json.dumps({**fields(*args), **more}).encode())
 
 
 def sent(client: TestClient, asked: dict[str, Any], *pixels: Pixels) -> Any:
@@ -71,33 +76,34 @@ def test_the_oldest_tabs_planes_are_forgotten() -> None:
     kept = KeptPlanes(most=2)
     pixels = memoryview(circle().tobytes())
     for number, tab in enumerate("abc", 1):
-        kept.take(tab, fields(number, None, ALL), pixels)
-    kept.take("c", fields(4, 3, [0, 0, 0, 0]), memoryview(b""))
+        kept.take(tab, read(number, None, ALL), pixels, number)
+    nothing = memoryview(b"")
+    kept.take("c", read(4, 3, [0, 0, 0, 0]), nothing, 4)
     with pytest.raises(BehindError, match="send it all"):
-        kept.take("a", fields(5, 1, [0, 0, 0, 0]), memoryview(b""))
-    kept.take("b", fields(6, 2, [0, 0, 0, 0], keep=False), memoryview(b""))
-    kept.take("b", fields(7, 2, [0, 0, 0, 0]), memoryview(b""))
+        kept.take("a", read(5, 1, [0, 0, 0, 0]), nothing, 5)
+    kept.take("b", read(6, 2, [0, 0, 0, 0]), nothing, 6, keep=False)
+    kept.take("b", read(7, 2, [0, 0, 0, 0]), nothing, 7)
 
 
 @pytest.mark.parametrize(
     ("change", "pixels", "complaint"),
     [
-        ({"planes": 3}, 0, "planes must be a list"),
-        ({"planes": [plane(ALL, name="fox")]}, 0, "planes must be a list"),
-        ({"planes": [plane(ALL, channels=2)]}, 0, "has 2 channels; it has 1 or 4"),
-        ({"planes": [plane(ALL, width=4000)]}, 0, "it has 16 to 2048 a side"),
+        ({"planes": 3}, 0, "planes is 3"),
+        ({"planes": [plane(ALL, name="fox")]}, 0, 'name is "fox"'),
+        ({"planes": [plane(ALL, channels=2)]}, 0, "channels is 2; it should be 1 or 4"),
+        ({"planes": [plane(ALL, width=4000)]}, 0, "width is 4000; it should be less than or equal to 2048"),
         ({"planes": [plane([0, 0, WIDTH + 1, 9])]}, 0, "left, top, right, bottom"),
         ({"planes": [plane([5, 0, 4, 9])]}, 0, "left, top, right, bottom"),
         ({"planes": [plane(ALL)]}, 5, "there are 5 bytes of pixels; the box of ink has"),
         ({"planes": [plane(ALL)]}, WIDTH * HEIGHT + 1, "the box of ink has"),
-        ({"planes": []}, 0, "planes must be a list"),
+        ({"planes": []}, 0, "planes is missing"),
         ({"planes": [plane([0, 0, 2, 2])]}, 4, "send all of it"),
-        ({"keep": 3}, WIDTH * HEIGHT, "keep is 3"),
+        ({"keep": 3}, WIDTH * HEIGHT, "keep is 3; it should be a valid boolean"),
     ],
 )
 def test_planes_that_do_not_fit_are_refused(change: dict[str, Any], pixels: int, complaint: str) -> None:
     with pytest.raises(InputError, match=complaint):
-        KeptPlanes().take("a", {**fields(1, None, ALL), **change}, memoryview(bytes(pixels)))
+        KeptPlanes().take("a", read(1, None, ALL, **change), memoryview(bytes(pixels)), 1)
 
 
 @pytest.mark.parametrize("cut", [b"", b"\x01", struct.pack("<I", 9) + b"{}"])

@@ -73,7 +73,7 @@ def test_a_file_of_several_pictures_says_how_many(
     assert differs.mean() < 2 < np.abs(pixels_of(found)[..., 0].astype(int) - np.roll(circle(), 18, 1)).mean()
     assert f"no {'page' if pages else 'frame'} 4" in away.json()["error"]
     assert (away.status_code, wrong.status_code) == (400, 400)
-    assert "part is 0" in wrong.json()["error"]
+    assert 'part is "0"' in wrong.json()["error"]
     assert (single["parts"], single["pages"]) == (1, False)
 
 
@@ -172,4 +172,4 @@ def test_another_way_to_import_is_refused(model: Path, tmp_path: Path) -> None:
     with serving(model, tmp_path) as client:
         answer = asked(client, png(circle()), "frames")
     assert answer.status_code == 400
-    assert 'as is "frames"; it must be one of "drawing", "layers"' in answer.json()["error"]
+    assert "as is \"frames\"; it should be 'drawing' or 'layers'" in answer.json()["error"]

@@ -234,12 +234,12 @@ def test_exports_and_heights_are_of_all_layers(model: Path, tmp_path: Path) -> N
 @pytest.mark.parametrize(
     ("layers", "sentence"),
     [
-        ([], "layers must be a list of 1 to 16."),
-        ([layer(n, "a", BACK) for n in range(MOST_LAYERS + 1)], "layers must be a list of 1 to 16."),
-        (["a"], "a layer is not a JSON object with fields in braces."),
-        ([layer(1, "a", BACK), layer(1, "b", BACK)], "there are two layers with the id 1."),
-        ([layer(-1, "a", BACK)], "id is -1; it must be a whole number from 0 to"),
-        ([layer(1, "", BACK), layer(2, "b", BACK)], 'name is ""; it must be a text of 1 to 80 characters.'),
+        ([], "layers is []; it should have at least 1 item"),
+        ([layer(n, "a", BACK) for n in range(MOST_LAYERS + 1)], "it should have at most 16 items"),
+        (["a"], 'layers[0] is "a"; it should be an object.'),
+        ([layer(1, "a", BACK), layer(1, "b", BACK)], "two layers have the same id."),
+        ([layer(-1, "a", BACK)], "layers[0].id is -1; it should be greater than or equal to 0."),
+        ([layer(1, "", BACK), layer(2, "b", BACK)], "a layer among others has a name."),
         ([layer(1, "a", BACK), layer(2, "b", BACK[:60])], "the layers are of different sizes"),
     ],
 )

@@ -110,7 +110,7 @@ def test_the_mask_brush_adds_to_the_object_and_cuts_from_it(model: Path, tmp_pat
         assert np.array_equal(before[:40], after[:40])
         wrong = client.post("/api/predict", json=asking(3, mask_strokes=[{"size": 4, "points": [1, 1]}]))
         assert wrong.status_code == 400
-        assert "stroke 1 of the mask" in wrong.json()["error"]
+        assert wrong.json()["error"] == "mask_strokes[0].adds is missing."
 
 
 def test_a_dab_of_the_mask_brush_closes_a_gap_in_the_outline(model: Path, tmp_path: Path) -> None:
@@ -342,8 +342,8 @@ def test_the_map_at_a_pin_is_the_pins_normal_and_areas_are_turned(model: Path, t
         )
         assert np.array_equal(many[74:86, 60:80], one[74:86, 60:80])
         assert np.abs(one[78, 70] - bare[78, 70]).max() > 0.1
-        far = [{**pins[0], "reach": -1}]
-        assert "reach is -1" in client.post("/api/predict", json=asking(6, hints=far)).json()["error"]
+        far = client.post("/api/predict", json=asking(6, hints=[{**pins[0], "reach": -1}]))
+        assert "hints[0].reach is -1" in far.json()["error"]
 
 
 def test_a_stroke_gives_a_structure_that_is_built_in_or_a_picture(model: Path, tmp_path: Path) -> None:
@@ -399,11 +399,11 @@ def test_a_layer_and_a_region_take_a_form(model: Path, tmp_path: Path) -> None:
         turned = {**area, "normal": [0, 0.8, 0.6]}
         assert at(52, 60, areas=[{**turned, "soft": 0}])[1] > 0.5 > at(52, 60, areas=[turned])[1]
         for name, wrong in (
-            ("the form is", {"form": {**form, "kind": "square"}}),
-            ("the form is", {"form": {**form, "bevel": 0}}),
-            ("the form is 3", {"form": 3}),
-            ("the form of area 1 is", {"areas": [{**area, "form": {"kind": "flat"}}]}),
-            ("soft of area 1 is 2", {"areas": [{**area, "soft": 2}]}),
+            ('form.kind is "square"', {"form": {**form, "kind": "square"}}),
+            ("form.bevel is 0", {"form": {**form, "bevel": 0}}),
+            ("form is 3", {"form": 3}),
+            ("areas[0].form.bevel is missing", {"areas": [{**area, "form": {"kind": "flat"}}]}),
+            ("areas[0].soft is 2", {"areas": [{**area, "soft": 2}]}),
         ):
             answer = client.post("/api/predict", json=asking(900, **wrong))
             assert (answer.status_code, answer.json()["error"].startswith(name)) == (400, True), answer.text

@@ -3,10 +3,11 @@
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Literal, get_args
+from typing import Annotated, Literal, get_args
 
 import cv2
 import numpy as np
+from annotated_types import Interval
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.inference.regions import around, depth_of
@@ -43,8 +44,8 @@ class Form:
     """
 
     kind: _Kind
-    bevel: float
-    strength: float
+    bevel: Annotated[float, Interval(gt=0, le=1)]
+    strength: Annotated[float, Interval(ge=0, le=1)]
 
 
 def give_form(normals: Floats, mask: BoolMask, area: Floats, form: Form) -> Floats:

@@ -7,6 +7,7 @@ from contextlib import asynccontextmanager
 from functools import partial
 from pathlib import Path
 
+from pydantic import ValidationError
 from starlette.applications import Starlette
 from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
@@ -23,7 +24,6 @@ from normalgan.studio.bodies import MOST_BYTES, check_type, read_body
 from normalgan.studio.document_routes import DocumentRoutes
 from normalgan.studio.document_store import DocumentStore
 from normalgan.studio.exports import with_export_menu
-from normalgan.studio.fields import take_choice
 from normalgan.studio.guard import Guard
 from normalgan.studio.limits import MOST_HINTS, MOST_SIDE, with_limits
 from normalgan.studio.opening import Opened
@@ -32,14 +32,13 @@ from normalgan.studio.pictures import import_layers, import_picture
 from normalgan.studio.prediction_routes import PredictionRoutes
 from normalgan.studio.predictor import Predictor
 from normalgan.studio.responses import ResponseMiddleware, failed, refused
+from normalgan.studio.schemas import ImportQuery, sentence_of
 from normalgan.version import __version__
 
 __all__ = ["PAGE", "build_app"]
 
 PAGE = Path(__file__).parent / "page"
 _AUTOSAVES = 50
-_WAYS = ("drawing", "layers")
-"""As what a picture is imported."""
 _SENTENCES = {404: "there is nothing at this address.", 405: "this address does not take that method."}
 
 
@@ -100,21 +99,25 @@ def _page_routes() -> tuple[str, list[BaseRoute]]:
     async def clay(_: Request) -> Response:
         return FileResponse(CLAY_FILE)  # the viewer's lit view looks like the previews of `generate`
 
-    def structure(request: Request) -> Response:  # not async: it may be made first
-        kind = take_choice(dict(request.path_params), "kind", structures.KINDS)
-        return Response(structures.tile_bytes(kind), media_type="application/octet-stream")
-
     files = StaticFiles(directory=PAGE)
     served = [
         route
         for at in (kept, "/page")
         for route in (
             Route(f"{at}/clay.json", clay),
-            Route(f"{at}/{structures.FILE.format('{kind}')}", structure),
+            *(
+                Route(f"{at}/{structures.FILE.format(kind)}", partial(_structure, kind))
+                for kind in structures.KINDS
+            ),
             Mount(at, files),
         )
     ]
     return f"{kept}/", [Route("/", index), *served]
+
+
+def _structure(kind: structures.Kind, _: Request) -> Response:
+    """Answer with a built-in structure; not async, as it may be made first."""
+    return Response(structures.tile_bytes(kind), media_type="application/octet-stream")
 
 
 def _about_route(predictor: Predictor) -> Route:
@@ -152,12 +155,12 @@ def _import_route() -> Route:
 
     async def import_(request: Request) -> Response:
         check_type(request, "image/", "application/octet-stream")
-        as_ = take_choice(dict(request.query_params), "as", _WAYS, "drawing")
-        part = request.query_params.get("part", "1")
-        if not (part.isascii() and part.isdecimal() and int(part[:9]) >= 1 and len(part) < 9):
-            raise InputError(f"part is {part[:20]}; it is the number of a page or frame, from 1.")
+        try:
+            asked = ImportQuery.model_validate_strings(dict(request.query_params))
+        except ValidationError as error:
+            raise InputError(sentence_of(error)) from None
         content = await read_body(request)
-        read = partial(import_picture, part=int(part)) if as_ == "drawing" else import_layers
+        read = partial(import_picture, part=asked.part) if asked.way == "drawing" else import_layers
         async with importing:
             return JSONResponse(await run_in_threadpool(read, content))
 

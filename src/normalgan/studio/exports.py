@@ -12,6 +12,7 @@ from typing import Final, Literal
 
 from PIL import Image
 
+from normalgan.errors import InputError
 from normalgan.inference.normal_map import Format, NormalMap
 from normalgan.inference.outputs import (
     OUTPUTS,
@@ -26,9 +27,8 @@ from normalgan.inference.outputs import (
 from normalgan.inference.outputs.engines import CONVENTIONS, Engine
 from normalgan.normals import Bits
 from normalgan.studio.drawing_request import read_png
-from normalgan.studio.fields import Fields, take_bytes, take_choice, take_integer, take_text
-from normalgan.studio.limits import LEAST_SIDE, MOST_SIDE
-from normalgan.studio.names import LONGEST, check_name
+from normalgan.studio.names import check_name
+from normalgan.studio.schemas import ExportFields
 
 __all__ = [
     "PRESETS",
@@ -259,38 +259,30 @@ def _preview(preds: NormalMap) -> bytes:
     return file.getvalue()
 
 
-def read_export_request(fields: Fields) -> ExportRequest:
+def read_export_request(fields: ExportFields) -> ExportRequest:
     """Return the export that a request asks for.
 
     Raises:
-        InputError: if a field cannot be used.
+        InputError: if there is none of that kind or format, or a picture is none.
     """
     formats = offered()
-    kind = take_choice(fields, "what", tuple(formats), "map")
-    chosen = take_choice(fields, "format", formats[kind], formats[kind][0])
-    y: Literal["up", "down"] = take_choice(fields, "y", ("up", "down"), "up")
-    alpha = take_choice(fields, "alpha", (False, True), False)
-    longest = None
-    if fields.get("size") is not None:
-        longest = take_integer(fields, "size", LEAST_SIDE, MOST_SIDE)
-    name = check_name(take_text(fields, "name", LONGEST) if "name" in fields else "drawing")
-    request = _request(name, kind, chosen, longest=longest, y=y, alpha=alpha)
+    kind = _known("what", fields.what, formats)
+    chosen = formats[kind][0] if fields.format is None else _known("format", fields.format, formats[kind])
+    name = check_name(fields.name)
+    request = _request(name, kind, chosen, longest=fields.size, y=fields.y, alpha=fields.alpha)
     if kind != "all":
         return request
-    return replace(request, line_art=_picture(fields, "line_art"), lit=_picture(fields, "lit_picture"))
+    for title, content in (("line art", fields.line_art), ("lit picture", fields.lit_picture)):
+        if content is not None:
+            read_png(title, content)  # what is no picture is none of the files
+    return replace(request, line_art=fields.line_art, lit=fields.lit_picture)
 
 
-def _picture(fields: Fields, field: str) -> bytes | None:
-    """Return the PNG in a field; None without one.
-
-    Raises:
-        InputError: if it is not a picture.
-    """
-    if fields.get(field) is None:
-        return None
-    content = take_bytes(fields, field)
-    read_png(field.replace("_", " "), content)  # what is no picture is none of the files
-    return content
+def _known(field: str, value: str, choices: Iterable[str]) -> str:
+    if value not in choices:
+        known = ", ".join(map(repr, choices))
+        raise InputError(f"{field} is {value[:40]!r}; it should be one of {known}.")
+    return value
 
 
 def _request(

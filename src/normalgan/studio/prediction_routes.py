@@ -17,22 +17,28 @@ from starlette.routing import Route
 from normalgan.errors import InputError, RunError
 from normalgan.inference.findings import Finding, finding_of, words_of
 from normalgan.inference.normal_map import NormalMap
-from normalgan.inference.reading.hint_files import parse_hints
 from normalgan.inference.suggestion import suggest, uncertainty
 from normalgan.normals import pixels_of
 from normalgan.studio.bodies import check_type, read_body, wait_disconnect
+from normalgan.studio.drawing_request import to_hints
 from normalgan.studio.exports import read_export_request
-from normalgan.studio.fields import LARGEST, Fields, parse_fields, take_choice, take_integer, take_text
 from normalgan.studio.layers import Layer, predict_layers, take_layers
-from normalgan.studio.limits import LEAST_SIDE, MOST_SIDE
 from normalgan.studio.planes import CONTENT_TYPE, KeptPlanes, split_body
 from normalgan.studio.predictor import Predictor
 from normalgan.studio.refusals import RefusedError
 from normalgan.studio.request_queue import RequestQueue, Stop
+from normalgan.studio.schemas import (
+    DrawingsFields,
+    ExportFields,
+    PredictFields,
+    SuggestFields,
+    parse,
+)
 
 __all__ = ["PredictionRoutes"]
 
 T = TypeVar("T")
+F = TypeVar("F", bound=DrawingsFields)
 
 
 class PredictionRoutes:
@@ -71,13 +77,9 @@ class PredictionRoutes:
         the network saw them among other layers.
         """
         start = time.perf_counter()
-        fields, layers = await self._asked(request)
-        longest = None
-        if fields.get("longest") is not None:
-            longest = take_integer(fields, "longest", LEAST_SIDE, MOST_SIDE)
-        stop = Stop() if take_choice(fields, "draft", (False, True), False) else None
-        changed_only = take_choice(fields, "changed_only", (False, True), False)
-        work = partial(self._map, layers, longest, stop, any_context=changed_only)
+        fields, layers = await self._asked(request, PredictFields)
+        stop = Stop() if fields.draft else None
+        work = partial(self._map, layers, fields.longest, stop, any_context=fields.changed_only)
         try:
             map_ = await self._ordered(self._quick, request, fields, work, stop=stop)
         except InputError as error:
@@ -89,28 +91,28 @@ class PredictionRoutes:
 
     async def suggest(self, request: Request) -> Response:
         """Answer with places where a hint would help."""
-        fields, layers = await self._asked(request)
-        work = partial(self._points, layers, take_integer(fields, "count", 1, 20, 5))
+        fields, layers = await self._asked(request, SuggestFields)
+        work = partial(self._points, layers, fields.count)
         points = await self._ordered(self._quick, request, fields, work)
         return _dropped() if points is None else JSONResponse({"points": points})
 
     async def uncertainty(self, request: Request) -> Response:
         """Answer with the model's uncertainty, W × H bytes as shares of 90°; empty without a confidence."""
         start = time.perf_counter()
-        fields, layers = await self._asked(request)
+        fields, layers = await self._asked(request, DrawingsFields)
         doubts = await self._ordered(self._quick, request, fields, partial(self._doubts, layers))
         return _dropped() if doubts is None else _pixels(*doubts, start)
 
     async def height(self, request: Request) -> Response:
         """Answer with heights, W × H floats, NaN off the object."""
         start = time.perf_counter()
-        fields, layers = await self._asked(request)
+        fields, layers = await self._asked(request, DrawingsFields)
         heights = await self._ordered(self._slow, request, fields, partial(self._heights, layers))
         return _dropped() if heights is None else _pixels(*heights, start)
 
     async def export(self, request: Request) -> Response:
         """Answer with a file as ``normalgan generate`` writes it."""
-        fields, layers = await self._asked(request)
+        fields, layers = await self._asked(request, ExportFields)
         work = partial(self._file, layers, fields)
         self._exports += 1  # none takes another one's place
         file = await self._ordered(self._slow, request, fields, work, f"{self._exports} ")
@@ -120,30 +122,28 @@ class PredictionRoutes:
         attachment = f"attachment; filename*=UTF-8''{quote(name, safe='')}"
         return Response(content, headers={"Content-Disposition": attachment}, media_type=_OCTETS)
 
-    async def _asked(self, request: Request) -> tuple[Fields, list[Layer]]:
+    async def _asked(self, request: Request, schema: type[F]) -> tuple[F, list[Layer]]:
         """Return the fields and the layers of a request: PNGs in JSON, or raw bytes of the changed part."""
         check_type(request, "application/json", CONTENT_TYPE)
-        body = await read_body(request)
+        content = await read_body(request)
         pixels = None
         if _is_raw(request):
-            fields, pixels = split_body(body)
-        else:
-            fields = parse_fields(body)
+            content, pixels = split_body(content)
+        fields = parse(schema, content)
         return fields, take_layers(fields, self._kept, pixels)
 
     async def _ordered(
         self,
         queue: RequestQueue,
         request: Request,
-        fields: Fields,
+        fields: DrawingsFields,
         work: Callable[[], T],
         apart: str = "",
         stop: Stop | None = None,
     ) -> T | None:
         """Return the result of the work in its turn; None if a newer request replaces it."""
-        tab = f"{request.url.path} {apart}{take_text(fields, 'tab', 64)}"
-        number = take_integer(fields, "number", 0, LARGEST)
-        return await queue.do(tab, number, work, partial(wait_disconnect, request), stop)
+        tab = f"{request.url.path} {apart}{fields.tab}"
+        return await queue.do(tab, fields.number, work, partial(wait_disconnect, request), stop)
 
     def _predict(
         self,
@@ -166,7 +166,7 @@ class PredictionRoutes:
     def _points(self, layers: Sequence[Layer], count: int) -> list[dict[str, object]]:
         predicted = self._predict(layers)
         given = [hint for layer in layers for hint in layer.drawing.hints]
-        hints = parse_hints(given, "the request", (predicted.mask.shape[0], predicted.mask.shape[1]))
+        hints = to_hints(given, (predicted.mask.shape[0], predicted.mask.shape[1]))
         mask = predicted.mask
         lines = _lines(layers, mask)
         found = suggest(predicted.extended, mask, predicted.confidence, hints.points, count, lines)
@@ -187,7 +187,7 @@ class PredictionRoutes:
         height = np.where(own.mask, own.height(), np.nan)
         return height.astype("<f4").tobytes(), predicted
 
-    def _file(self, layers: Sequence[Layer], fields: Fields) -> tuple[str, bytes]:
+    def _file(self, layers: Sequence[Layer], fields: ExportFields) -> tuple[str, bytes]:
         export = read_export_request(fields)
         return export.encode(self._predict(layers, export.longest))
 

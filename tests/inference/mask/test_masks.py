@@ -36,7 +36,7 @@ SEEN = [
 def test_every_door_takes_a_mask_for_the_same(image: Image.Image, tmp_path: Path) -> None:
     image.save(tmp_path / "mask.png")
     Image.new("L", (40, 30), 255).save(tmp_path / "sketch.png")
-    request = DrawingRequest((tmp_path / "sketch.png").read_bytes(), [], (tmp_path / "mask.png").read_bytes())
+    request = DrawingRequest((tmp_path / "sketch.png").read_bytes(), (tmp_path / "mask.png").read_bytes())
     given = [load_mask(tmp_path / "mask.png", (30, 40)), as_mask(image, (30, 40)), request.read_lines()[1]]
     for mask in given:
         np.testing.assert_array_equal(mask, OBJECT)
@@ -48,7 +48,7 @@ def test_every_door_takes_a_mask_for_the_same(image: Image.Image, tmp_path: Path
 def test_an_empty_mask_is_refused_at_every_door(image: Image.Image, tmp_path: Path) -> None:
     image.save(tmp_path / "mask.png")
     Image.new("L", (40, 30), 255).save(tmp_path / "sketch.png")
-    request = DrawingRequest((tmp_path / "sketch.png").read_bytes(), [], (tmp_path / "mask.png").read_bytes())
+    request = DrawingRequest((tmp_path / "sketch.png").read_bytes(), (tmp_path / "mask.png").read_bytes())
     with pytest.raises(InputError, match=r"^the mask .*mask\.png is empty; paint the object white"):
         load_mask(tmp_path / "mask.png", (30, 40))
     with pytest.raises(InputError, match=r"^the mask is empty; paint the object white"):

@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,12 +15,15 @@ from normalgan.files.limits import read_named
 from normalgan.inference.reading.drawings import read_hints
 from normalgan.normals import LEAST_Z, normalize
 
-__all__ = ["ENDINGS", "MOST_LISTED", "Hints", "load_hints", "parse_hints"]
+__all__ = ["ENDINGS", "MOST_LISTED", "Hints", "check_hints", "load_hints", "parse_hints"]
 
 ENDINGS = ("_hints.png", "_hints.json", ".json", ".png")
 """Endings of a drawing's file of hints, after its stem, in the order of the search."""
 MOST_LISTED = 2**24
 """Larger lists of hints are refused, in bytes; each hint takes some fifty."""
+
+Listed = tuple[float, float, tuple[float, float, float]]
+"""x, y and normal of a hint."""
 
 
 @dataclass(frozen=True)
@@ -65,16 +69,32 @@ def parse_hints(entries: Any, path: Path | str, shape: tuple[int, int]) -> Hints
         raise InputError(
             f'the hints {path} are not a list; they are like [{{"x": 10, "y": 20, "normal": [0, 0.6, 0.8]}}].'
         )
-    points, normals = [], []
+    listed = list[Listed]()
     for number, entry in enumerate(entries, 1):
         match entry:
             case {"x": x, "y": y, "normal": [nx, ny, nz]} if all(map(_is_number, (x, y, nx, ny, nz))):
-                pass
+                listed.append((x, y, (nx, ny, nz)))
             case _:
                 raise InputError(
                     f"hint {number} of {path} is {json.dumps(entry, default=repr)[:80]}; a hint has x, y "
                     "and a normal of three numbers."
                 )
+    return check_hints(listed, path, shape)
+
+
+def check_hints(listed: Iterable[Listed], path: Path | str, shape: tuple[int, int]) -> Hints:
+    """Return hints that lie on a drawing.
+
+    Args:
+        listed: x, y and normal of each, x and y in whole pixels of the drawing from its upper left.
+        path: their name in errors.
+        shape: (H, W) of the drawing.
+
+    Raises:
+        InputError: if one lies outside, or its normal is not of length 1 or looks away from the viewer.
+    """
+    points, normals = [], []
+    for number, (x, y, (nx, ny, nz)) in enumerate(listed, 1):
         if not (0 <= x < shape[1] and 0 <= y < shape[0]):
             raise InputError(
                 f"hint {number} of {path} lies at x {x:g}, y {y:g}, outside its drawing of "
