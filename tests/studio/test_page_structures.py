@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from studio_page import SIDE, Studio
+from studio_page import SIDE, Hand, Studio
 
 # A server and a browser take seconds to start; every test begins with a circle, painted.
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("ball")]
@@ -33,6 +33,18 @@ def picture(kind: str) -> bytes:
     x = np.arange(300) if kind == "ribs" else np.zeros(300)
     grey = np.rint(127 + 90 * np.sin(x / 5.3)).astype(np.uint8)
     return cv2.imencode(".png", np.broadcast_to(grey, (300, 300)))[1].tobytes()
+
+
+def test_a_finger_paints_a_structure(studio: Studio) -> None:
+    bare = result(studio)
+    studio.page.keyboard.press("Shift+W")
+    hand = Hand(studio)
+    with studio.repainting():
+        hand.put(studio.on_board(80, 120))
+        for x in range(90, 190, 10):
+            hand.move(studio.on_board(x, 122))
+        hand.lift()
+    assert differ(result(studio), bare) > 1
 
 
 def test_a_structure_is_painted_changed_undone_saved_and_opened_again(studio: Studio) -> None:
