@@ -11,11 +11,8 @@ import numpy as np
 from normalgan.arrays import Doubles, Indices
 from normalgan.errors import InputError, brief
 from normalgan.rendering.mesh_bytes import mesh_bytes
-from normalgan.rendering.mesh_limits import check_limits
-from normalgan.rendering.obj import read_obj
-from normalgan.rendering.off import read_off
 from normalgan.rendering.ply import read_ply
-from normalgan.rendering.polygons import BrokenMeshError
+from normalgan.rendering.polygons import BrokenMeshError, read_obj, read_off
 from normalgan.warning_filters import quiet_loggers
 
 __all__ = ["SUFFIXES", "Triangles", "read_triangles"]
@@ -56,7 +53,6 @@ def _parts(path: Path) -> list[Triangles]:
         raise InputError(f"{path} does not exist or is not a file; name a mesh file.")
     try:
         with _silence():
-            check_limits(path)
             if suffix in _POLYGONS:
                 polygons = _POLYGONS[suffix](mesh_bytes(path))
                 return [(polygons.vertices, polygons.triangles())]
@@ -71,7 +67,7 @@ def _parts(path: Path) -> list[Triangles]:
 
 
 def _gltf(path: Path) -> list[Triangles]:
-    from normalgan.rendering.gltf.surfaces import read_surfaces  # late: scipy takes half a second
+    from normalgan.rendering.gltf.scene import read_surfaces  # late: scipy takes half a second
 
     return list(read_surfaces(path))
 

@@ -16,12 +16,11 @@ from normalgan.errors import InputError
 from normalgan.files.source_hash import source_hash
 from normalgan.ranges import PositiveInt, check_ranges
 from normalgan.rendering.cameras import Views
-from normalgan.rendering.checks import check_mesh, check_strokes
 from normalgan.rendering.hand import Hand
-from normalgan.rendering.lines.base import LineDrawing
+from normalgan.rendering.lines.base import LineDrawing, check_strokes
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.media import Medium
-from normalgan.rendering.mesh import Mesh
+from normalgan.rendering.mesh import Mesh, check_mesh
 from normalgan.rendering.renderers.base import Renderer
 from normalgan.rendering.strokes import Stroke
 from normalgan.rendering.strokes.raster import rasterise

@@ -4,14 +4,22 @@ import numpy as np
 import pytest
 from ellipsoids import drawing, ellipsoid, rim
 
-from normalgan.rendering.hand.curves import begin_at, resample, turning
-from normalgan.rendering.hand.ends import miss_ends
-from normalgan.rendering.hand.noise import smooth_noise
-from normalgan.rendering.hand.omissions import forget, skip_parts
-from normalgan.rendering.hand.pieces import cut, in_order, inside
-from normalgan.rendering.hand.pressure import press
-from normalgan.rendering.hand.repeats import second_pass
-from normalgan.rendering.hand.wobble import round_off, stray
+from normalgan.rendering.hand.effects import (
+    begin_at,
+    cut,
+    forget,
+    in_order,
+    inside,
+    miss_ends,
+    press,
+    resample,
+    round_off,
+    second_pass,
+    skip_parts,
+    smooth_noise,
+    stray,
+    turning,
+)
 from normalgan.rendering.strokes import Stroke
 
 SIDE, STEP = 128.0, 0.5

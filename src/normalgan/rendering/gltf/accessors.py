@@ -5,8 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.rendering.gltf.container import Container, bad_gltf
-from normalgan.rendering.gltf.file import COMPONENTS, WIDTHS
+from normalgan.rendering.gltf.container import COMPONENTS, WIDTHS, Container, bad_gltf
 
 __all__ = ["MOST", "Array", "read_accessor"]
 

@@ -7,15 +7,20 @@ from typing import Annotated, Self, get_type_hints
 import numpy as np
 
 from normalgan.ranges import Range, Share, check_ranges
-from normalgan.rendering.hand.curves import resample
-from normalgan.rendering.hand.distortion import random_distortion
-from normalgan.rendering.hand.ends import miss_ends
-from normalgan.rendering.hand.following import follow
-from normalgan.rendering.hand.omissions import forget, skip_parts
-from normalgan.rendering.hand.pieces import cut, in_order, inside
-from normalgan.rendering.hand.pressure import press
-from normalgan.rendering.hand.repeats import second_pass
-from normalgan.rendering.hand.wobble import round_off, stray
+from normalgan.rendering.hand.distortion import follow, random_distortion
+from normalgan.rendering.hand.effects import (
+    cut,
+    forget,
+    in_order,
+    inside,
+    miss_ends,
+    press,
+    resample,
+    round_off,
+    second_pass,
+    skip_parts,
+    stray,
+)
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.strokes.stroke import Stroke
 

@@ -1,10 +1,9 @@
 from normalgan.rendering.lines.base import LINE_DRAWINGS, LineDrawing
 from normalgan.rendering.lines.brush import Brush
+from normalgan.rendering.lines.contours import OccludingContours, Silhouette
 from normalgan.rendering.lines.mixture import Mixture
 from normalgan.rendering.lines.object_space import ObjectSpaceSuggestive
-from normalgan.rendering.lines.occluding import OccludingContours
 from normalgan.rendering.lines.ridges import RidgesAndValleys
-from normalgan.rendering.lines.silhouette import Silhouette
 from normalgan.rendering.lines.suggestive import SuggestiveContours
 
 __all__ = [

@@ -7,13 +7,12 @@ import numpy as np
 
 from normalgan.arrays import Doubles, Floats
 from normalgan.ranges import NonNegative, Positive, PositiveInt, Range, check_ranges
+from normalgan.rendering.cameras import towards_eye
 from normalgan.rendering.lines.base import LINE_DRAWINGS
 from normalgan.rendering.lines.buffers import Buffers
-from normalgan.rendering.lines.inside import Inside
-from normalgan.rendering.lines.outlined import OutlinedDrawing
-from normalgan.rendering.lines.projection import towards_eye
-from normalgan.rendering.lines.shapes import Shape, shape_of
-from normalgan.rendering.lines.surface_lines import zero_marks
+from normalgan.rendering.lines.contours import OutlinedDrawing
+from normalgan.rendering.lines.surface import Shape, shape_of
+from normalgan.rendering.lines.surface_lines import Inside, zero_marks
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 

@@ -6,18 +6,16 @@ import numpy as np
 
 from normalgan.arrays import Doubles, Floats
 from normalgan.ranges import NonNegative, Positive, PositiveInt, check_ranges
-from normalgan.rendering.lines.apparent_ridges import apparent_curvature, extremes
+from normalgan.rendering.cameras import towards_eye
 from normalgan.rendering.lines.base import LINE_DRAWINGS
 from normalgan.rendering.lines.buffers import Buffers
-from normalgan.rendering.lines.inside import Inside
-from normalgan.rendering.lines.outlined import OutlinedDrawing
-from normalgan.rendering.lines.projection import towards_eye
-from normalgan.rendering.lines.shapes import Shape, shape_of
-from normalgan.rendering.lines.surface_lines import EdgeMarks
+from normalgan.rendering.lines.contours import OutlinedDrawing
+from normalgan.rendering.lines.surface import Shape, Surface, shape_of
+from normalgan.rendering.lines.surface_lines import EdgeMarks, Inside
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
-__all__ = ["RidgesAndValleys", "apparent_ridges"]
+__all__ = ["RidgesAndValleys", "apparent_curvature", "apparent_ridges", "extremes"]
 
 _FACING = 0.15  # below this n·v a ridge counts as a contour
 
@@ -101,3 +99,66 @@ def apparent_ridges(shape: Shape, eye: Doubles, sharpness: float) -> list[tuple[
     strength = np.where(peaked > sharpness * here**3, here, 0)
     towards = marks.take(shape.surface, facing) > _FACING
     return [(marks.only(kept), strength[kept]) for kept in (towards & bulging, towards & ~bulging)]
+
+
+_GRAZING = 0.1  # the least n·v; below it foreshortening would have no bound
+
+
+def apparent_curvature(shape: Shape, eye: Doubles) -> tuple[Doubles, Doubles]:
+    """Return the largest turn of the normal per length in the picture, (V,), and its direction, (V, 3).
+
+    With a and b the tangents towards and across the eye's direction, a step along a is shortened by n·v in
+    the picture and one along b is not. The view-dependent curvature is the largest singular value of the
+    shape operator after undoing that; the direction returned is the tangent whose picture is its right
+    singular vector (Judd, Durand, Adelson, "Apparent Ridges for Line Drawing", SIGGRAPH 2007, section 4).
+
+    Args:
+        shape: the mesh and its curvature.
+        eye: (V, 3) unit vectors to the eye.
+    """
+    normals, operators = shape.normals, shape.operators
+    facing = np.einsum("vc,vc->v", normals, eye)
+    towards = eye - facing[:, None] * normals
+    towards /= np.maximum(np.linalg.norm(towards, axis=1, keepdims=True), 1e-9)
+    across = np.cross(normals, towards)
+    lengthened = towards / np.maximum(facing, _GRAZING)[:, None]
+    steps = np.stack([lengthened, across], axis=2)  # (V, 3, 2): one pixel along each, on the surface
+    turns = operators @ steps
+    # The right singular vector of a matrix of two columns is the longer axis of its Gram matrix.
+    gram = turns.transpose(0, 2, 1) @ turns
+    xx, yy, xy = gram[:, 0, 0], gram[:, 1, 1], gram[:, 0, 1]
+    angle = np.arctan2(2 * xy, xx - yy) / 2
+    largest = (xx + yy) / 2 + np.hypot((xx - yy) / 2, xy)
+    along = np.einsum("vck,kv->vc", steps, np.stack([np.cos(angle), np.sin(angle)]))
+    return np.sqrt(largest), along
+
+
+def extremes(surface: Surface, values: Doubles, along: Doubles) -> tuple[EdgeMarks, Doubles]:
+    """Return where values (V,) are largest or smallest along a direction, and how peaked they are there.
+
+    The marks are zeros of the derivative. Directions have no sign: along an edge, that of its first vertex
+    counts. The peakedness is minus the second derivative, (N,), positive at a maximum.
+
+    Args:
+        surface: the mesh.
+        values: (V,).
+        along: (V, 3) tangents, whose lengths count.
+    """
+    rise = np.einsum("vc,vc->v", surface.slope(values), along)
+    one, other = surface.edges.T
+    sign = np.where(np.einsum("vc,vc->v", along[one], along[other]) < 0, -1.0, 1.0)
+    step = surface.vertices[other] - surface.vertices[one]
+    norm = np.maximum(np.linalg.norm(along, axis=1), 1e-12)
+    unit = along / norm[:, None]
+    # Least squares over the edges of a vertex: the change of the derivative along its direction.
+    ahead, behind = (step * unit[one]).sum(1), -(step * unit[other]).sum(1)
+    count = len(values)
+    change = np.bincount(one, (sign * rise[other] - rise[one]) * ahead, count)
+    change += np.bincount(other, (sign * rise[one] - rise[other]) * behind, count)
+    spread = np.bincount(one, ahead**2, count) + np.bincount(other, behind**2, count)
+    peaked = -change * norm / np.maximum(spread, 1e-12)
+    before, after = rise[one], sign * rise[other]
+    crossed = np.flatnonzero((before < 0) != (after < 0))
+    before, after = before[crossed], after[crossed]
+    marks = EdgeMarks(crossed, before / (before - after))
+    return marks, marks.take(surface, peaked)

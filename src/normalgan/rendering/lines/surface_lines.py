@@ -1,18 +1,20 @@
-"""Lines on a mesh: visible crossings of its edges, chained to paths in the picture."""
+"""Lines on a mesh: marks on its edges, chained to long, fading strokes inside an object."""
 
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
-from normalgan.arrays import BoolMask, Doubles, Indices
+from normalgan.arrays import BoolMask, Doubles, Floats, Indices
+from normalgan.rendering.cameras import project
 from normalgan.rendering.lines.buffers import Buffers
-from normalgan.rendering.lines.projection import project
 from normalgan.rendering.lines.surface import Surface
 from normalgan.rendering.strokes.chain import chain
+from normalgan.rendering.strokes.curves import SPACING, lengths_along, resample, smooth
+from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
-__all__ = ["EdgeMarks", "paths", "seen", "zero_marks"]
+__all__ = ["EdgeMarks", "Inside", "paths", "seen", "worthy_runs", "zero_marks"]
 
 _DEEPER = 0.004  # in units of the mesh; rounding and facets put points behind the depth buffer
 
@@ -78,3 +80,112 @@ def paths(surface: Surface, marks: EdgeMarks, place: Doubles) -> list[Indices]:
     here = corner[(corner >= 0).sum(axis=1) == 2]
     links = np.sort(here, axis=1)[:, 1:]
     return chain(place, np.unique(links, axis=0)) if len(links) else []
+
+
+_FINE = 0.25  # `SPACING` while smoothing
+_FAINTEST = 0.4  # share of its width that a stroke keeps where it is weakest
+
+
+@dataclass(frozen=True)
+class Inside:
+    """How strokes inside an object are drawn; lengths are fractions of the frame's side.
+
+    Args:
+        width: width of a strong stroke in pixels of the sketch.
+        strength: that a stroke must reach; it continues down to a third of it.
+        shortest: strokes shorter than this are left out.
+        bridge: gaps up to this do not break a stroke.
+        apart: strokes that on average keep nearer than this to a contour are left out.
+        smoothing: standard deviation of the smoothing of a stroke; a line on a mesh jerks from edge to edge.
+    """
+
+    width: float
+    strength: float
+    shortest: float
+    bridge: float
+    apart: float
+    smoothing: float = 0.006
+
+    def draw(
+        self,
+        surface: Surface,
+        view: View,
+        buffers: Buffers,
+        distance: Floats,
+        marks: EdgeMarks,
+        strength: Doubles,
+    ) -> list[Stroke]:
+        """Return the strokes along marks on a mesh.
+
+        Args:
+            surface: the mesh.
+            view: how it is seen.
+            buffers: buffers of the view; points that they do not show count as hidden.
+            distance: (H, W) in pixels of the buffers to the nearest contour.
+            marks: N places on edges of the mesh.
+            strength: (N,) of the line there.
+        """
+        place, visible = seen(view, buffers, marks.take(surface, surface.vertices))
+        kept = visible & (strength > 0)
+        marks, place, strength = marks.only(kept), place[kept], strength[kept]
+        column, row = np.floor(place * buffers.scale - buffers.corner).astype(np.int64).T
+        height, width = distance.shape
+        away = distance[row.clip(0, height - 1), column.clip(0, width - 1)] / buffers.side
+        strokes = []
+        for path in paths(surface, marks, place):
+            points, strong = place[path] / view.size, strength[path]
+            for part in worthy_runs(
+                points, strong, self.strength / 3, self.strength, self.bridge, self.shortest
+            ):
+                if away[path][part].mean() > self.apart:
+                    strokes.append(self._stroke(points[part] * view.size, strong[part], view.size))
+        return strokes
+
+    def _stroke(self, points: Doubles, strength: Doubles, size: int) -> Stroke:
+        along = lengths_along(points)
+        fine = resample(points, _FINE)
+        path = resample(smooth(fine, self.smoothing * size / _FINE), SPACING)
+        share = np.clip(strength / self.strength, 0, 1)
+        here = np.interp(np.linspace(0, along[-1], len(path)), along, share)
+        pressure = smooth(np.stack([here, here], axis=1), 3.0)[:, 0]
+        width = self.width * (_FAINTEST + (1 - _FAINTEST) * np.clip(pressure, 0, 1))
+        return Stroke(path, width, np.ones(len(path)))
+
+
+def worthy_runs(
+    points: Doubles, strength: Doubles, least: float, seed: float, bridge: float, shortest: float
+) -> list[slice]:
+    """Return the stretches of a path to draw, of at least two points each.
+
+    A stretch has a strength of at least ``least`` but for gaps up to ``bridge`` long, reaches ``seed``
+    somewhere, and is at least ``shortest`` long.
+
+    >>> points = np.stack([np.arange(8.0), np.zeros(8)], axis=1)
+    >>> strength = np.array([0, 2, 2, 0, 3, 2, 0, 2.0])
+    >>> worthy_runs(points, strength, least=1, seed=3, bridge=2, shortest=2)
+    [slice(1, 8, None)]
+    >>> worthy_runs(points, strength, least=1, seed=3, bridge=1, shortest=1)
+    [slice(4, 6, None)]
+
+    Args:
+        points: (P, 2) of the path.
+        strength: (P,).
+        least: strength down to which a stretch continues.
+        seed: strength that a stretch must reach.
+        bridge: in units of the points.
+        shortest: in units of the points, along the path.
+    """
+    along = lengths_along(points)
+    good = np.flatnonzero(strength >= least)
+    if not len(good):
+        return []
+    breaks = np.flatnonzero((np.diff(good) > 1) & (np.diff(along[good]) > bridge))
+    starts = good[np.concatenate([[0], breaks + 1])]
+    stops = good[np.concatenate([breaks, [len(good) - 1]])]
+    return [
+        slice(int(start), int(stop) + 1)
+        for start, stop in zip(starts, stops, strict=True)
+        if stop > start
+        and strength[start : stop + 1].max() >= seed
+        and along[stop] - along[start] >= shortest
+    ]

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation, Slerp
 from normalgan.arrays import Doubles
 from normalgan.rendering.gltf.accessors import read_accessor
 from normalgan.rendering.gltf.container import Container, bad_gltf
-from normalgan.rendering.gltf.nodes import Nodes
+from normalgan.rendering.gltf.scene import Nodes
 from normalgan.rendering.rigs.rig import Clip, Track
 
 __all__ = ["INTERPOLATIONS", "KINDS", "MOST_CHANNELS", "MOST_MOVED", "pose_at", "read_clips", "track_at"]

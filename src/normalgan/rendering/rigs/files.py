@@ -70,7 +70,7 @@ class RiggedFile:
         from normalgan.rendering.rigs.joints import LooseRigError
         from normalgan.rendering.rigs.posing import draw_pose
         from normalgan.rendering.rigs.reading import read_rig
-        from normalgan.rendering.rigs.skinning import posed_surface
+        from normalgan.rendering.rigs.rig import posed_surface
 
         rig = read_rig(Path(self.file.path))
         rng = rng_of(self.file.name, self.pose)

@@ -8,10 +8,9 @@ from scipy.spatial.transform import Rotation
 
 from normalgan.arrays import BoolMask, Doubles, Indices
 from normalgan.graphs import connected
-from normalgan.rendering.gltf.nodes import world_matrices
+from normalgan.rendering.gltf.scene import world_matrices
 from normalgan.rendering.rigs.animations import track_at
-from normalgan.rendering.rigs.rig import Rig
-from normalgan.rendering.rigs.skinning import posed_vertices
+from normalgan.rendering.rigs.rig import Rig, posed_vertices
 
 __all__ = [
     "FRAMES",

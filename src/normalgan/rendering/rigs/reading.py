@@ -9,9 +9,7 @@ from scipy.spatial import cKDTree
 from normalgan.arrays import Doubles, Indices
 from normalgan.rendering.gltf.accessors import read_accessor
 from normalgan.rendering.gltf.container import Container, bad_gltf, read_container, refusing_bad_gltf
-from normalgan.rendering.gltf.nodes import Nodes, read_nodes, shown_nodes
-from normalgan.rendering.gltf.surfaces import MODES, read_faces
-from normalgan.rendering.mesh_limits import check_limits
+from normalgan.rendering.gltf.scene import MODES, Nodes, read_faces, read_nodes, shown_nodes
 from normalgan.rendering.rigs.animations import read_clips
 from normalgan.rendering.rigs.rig import Piece, Rig, Skin
 
@@ -33,7 +31,6 @@ def read_rig(path: Path) -> Rig:
     """
     with refusing_bad_gltf(path):
         container = read_container(path)
-        check_limits(path)
         nodes = read_nodes(container)
         pieces = tuple(
             piece for index in shown_nodes(container, nodes) for piece in _pieces(container, nodes, index)
