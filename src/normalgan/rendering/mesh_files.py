@@ -21,22 +21,13 @@ from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_bytes import mesh_bytes
 from normalgan.rendering.repair import shade, weld, wind
 
-__all__ = [
-    "LOADER_VERSIONS",
-    "MeshFile",
-    "Orientation",
-    "Rotation",
-    "checked_rotation",
-    "find_meshes",
-    "place",
-    "read_orientations",
-]
+__all__ = ["MeshFile", "find_meshes", "place", "read_orientations"]
 
-LOADER_VERSIONS = {".obj": 3, ".off": 2}
+_LOADER_VERSIONS = {".obj": 3, ".off": 2}
 """Part of a fingerprint, 1 if not named: raise one when `MeshFile.load` returns another mesh than before."""
 
 
-Rotation = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
+_Rotation = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
 
 
 @dataclass(frozen=True)
@@ -51,7 +42,7 @@ class MeshFile:
     """
 
     path: str
-    rotation: Rotation | None = None
+    rotation: _Rotation | None = None
     inside_out: bool | None = None
     crease_angle: Annotated[float, Range(0, 180)] | None = None
 
@@ -59,7 +50,7 @@ class MeshFile:
         """Refuse a matrix that is not a rotation, and an angle that is out of range."""
         check_ranges(self)
         if self.rotation is not None:
-            object.__setattr__(self, "rotation", checked_rotation(self.path, self.rotation))
+            object.__setattr__(self, "rotation", _checked_rotation(self.path, self.rotation))
 
     @property
     def name(self) -> str:
@@ -72,7 +63,7 @@ class MeshFile:
         Raises:
             InputError: if the file cannot be read.
         """
-        version = LOADER_VERSIONS.get(Path(self.path).suffix.lower(), 1)
+        version = _LOADER_VERSIONS.get(Path(self.path).suffix.lower(), 1)
         settings = [version, self.name, self.rotation, self.inside_out, self.crease_angle]
         digest = hashlib.sha256(json.dumps(settings).encode())
         for path in (Path(self.path), *linked_buffers(Path(self.path))):
@@ -157,7 +148,7 @@ def find_meshes(
     known = {} if orientation is None else read_orientations(orientation)
     if orientation is not None and known.keys().isdisjoint(path.stem for path in paths):
         raise InputError(f"the orientation file {orientation} names none of the {len(paths)} meshes found.")
-    as_it_is = Orientation(None, None)
+    as_it_is = _Orientation(None, None)
     return [MeshFile(str(path), *known.get(path.stem, as_it_is), crease_angle) for path in paths]
 
 
@@ -180,14 +171,14 @@ def _paths(source: str) -> list[Path]:
     raise InputError(f"{source} is not a file, a folder or a pattern that matches a mesh file.")
 
 
-class Orientation(NamedTuple):
+class _Orientation(NamedTuple):
     """The orientation of one mesh; see `MeshFile`."""
 
-    rotation: Rotation | None
+    rotation: _Rotation | None
     inside_out: bool | None
 
 
-def read_orientations(path: str) -> dict[str, Orientation]:
+def read_orientations(path: str) -> dict[str, _Orientation]:
     """Return the orientations of a JSON file ``{"name": {"rotation": 3×3, "inside_out": bool}}``.
 
     Either entry may be missing: the mesh then keeps the rotation of its file, or its outside is detected.
@@ -201,17 +192,17 @@ def read_orientations(path: str) -> dict[str, Orientation]:
     return {name: _orientation(f"{path}, mesh {name!r}", entry) for name, entry in table.items()}
 
 
-def _orientation(where: str, entry: Any) -> Orientation:
+def _orientation(where: str, entry: Any) -> _Orientation:
     if not isinstance(entry, dict) or not entry.keys() <= {"rotation", "inside_out"}:
         raise InputError(f"{where}: an orientation has 'rotation' and 'inside_out', and nothing else.")
     inside_out = entry.get("inside_out")
     if not isinstance(inside_out, bool | None):
         raise InputError(f"{where}: 'inside_out' is {inside_out!r}; it must be true or false.")
     rotation = entry.get("rotation")
-    return Orientation(None if rotation is None else checked_rotation(where, rotation), inside_out)
+    return _Orientation(None if rotation is None else _checked_rotation(where, rotation), inside_out)
 
 
-def checked_rotation(where: str, rows: Any) -> Rotation:
+def _checked_rotation(where: str, rows: Any) -> _Rotation:
     """Return the rotation nearest to a matrix that is one up to rounding.
 
     Args:
@@ -222,7 +213,7 @@ def checked_rotation(where: str, rows: Any) -> Rotation:
         InputError: if they are not, or if they mirror, scale or shear.
 
     Example:
-        >>> checked_rotation("example", [[0, -1, 0], [1, 0, 0], [0, 0, 1]])[0]
+        >>> _checked_rotation("example", [[0, -1, 0], [1, 0, 0], [0, 0, 1]])[0]
         (0.0, -1.0, 0.0)
     """
     try:

@@ -14,7 +14,6 @@ import numpy as np
 from normalgan.arrays import BoolMask, Doubles, Indices
 
 __all__ = [
-    "MOST_CORNERS",
     "BrokenMeshError",
     "Polygons",
     "decode_text",
@@ -24,7 +23,7 @@ __all__ = [
     "read_off",
 ]
 
-MOST_CORNERS = 2**14
+_MOST_CORNERS = 2**14
 """More corners of a concave face are refused: cutting one takes up to the square of their number."""
 _STRAIGHT = 1e-4
 """Sine of an angle by which a corner may turn inwards without making its face concave: rounding."""
@@ -116,8 +115,8 @@ def _length(vectors: Doubles) -> Doubles:
 
 def _cut(points: Doubles) -> Indices:
     """Return the triangles (T, 3) of a polygon (C, 3), as indices of its corners, with its winding."""
-    if len(points) > MOST_CORNERS:
-        raise BrokenMeshError(f"a concave face has {len(points)} corners; up to {MOST_CORNERS} can be read")
+    if len(points) > _MOST_CORNERS:
+        raise BrokenMeshError(f"a concave face has {len(points)} corners; up to {_MOST_CORNERS} can be read")
     import mapbox_earcut
 
     flat = _flattened(points)

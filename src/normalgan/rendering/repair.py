@@ -5,9 +5,9 @@ import numpy as np
 from normalgan.arrays import BoolMask, Doubles, Indices
 from normalgan.graphs import connected
 
-__all__ = ["GRID", "bodies", "face_vectors", "neighbours", "seams", "shade", "weld", "wind"]
+__all__ = ["bodies", "face_vectors", "shade", "weld", "wind"]
 
-GRID = 2**20
+_GRID = 2**20
 """Vertices in one cell of a grid of this many cells a side are one vertex: a millionth of the size."""
 
 
@@ -26,13 +26,13 @@ def weld(vertices: Doubles, faces: Indices) -> tuple[Doubles, Indices]:
     if size == 0:
         return vertices[:0], faces[:0]
     # 21 bits for each axis: one integer for each cell sorts faster than three.
-    cells = np.rint(np.clip((vertices - low) / size, 0, 1) * GRID).astype(np.int64) @ [1 << 42, 1 << 21, 1]
+    cells = np.rint(np.clip((vertices - low) / size, 0, 1) * _GRID).astype(np.int64) @ [1 << 42, 1 << 21, 1]
     _, first, cell = np.unique(cells, return_index=True, return_inverse=True)
     vertices, faces = vertices[first], cell[faces]
 
     cross = face_vectors(vertices, faces)
     a, b, c = faces.T
-    sound = (a != b) & (b != c) & (c != a) & (np.linalg.norm(cross, axis=1) > (size / GRID) ** 2)
+    sound = (a != b) & (b != c) & (c != a) & (np.linalg.norm(cross, axis=1) > (size / _GRID) ** 2)
     faces = faces[sound]
     _, copies = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
     faces = faces[np.sort(copies)]
@@ -92,9 +92,9 @@ def shade(vertices: Doubles, faces: Indices, crease_angle: float | None) -> tupl
     flat = face_vectors(vertices, faces)
     flat /= np.linalg.norm(flat, axis=1, keepdims=True)
     if crease_angle is not None:
-        first, second, _ = neighbours(faces)
+        first, second, _ = _neighbours(faces)
         soft = np.einsum("ec,ec->e", flat[first], flat[second]) >= np.cos(np.deg2rad(crease_angle))
-        origin, faces = seams(faces, soft)
+        origin, faces = _seams(faces, soft)
         vertices = vertices[origin]
     angles = _corner_angles(vertices, faces)
     corners = faces.ravel()
@@ -117,7 +117,7 @@ def _corner_angles(vertices: Doubles, faces: Indices) -> Doubles:
     return np.asarray(np.arctan2(across, np.einsum("fkc,fkc->fk", to_next, to_last)))
 
 
-def neighbours(faces: Indices) -> tuple[Indices, Indices, BoolMask]:
+def _neighbours(faces: Indices) -> tuple[Indices, Indices, BoolMask]:
     """Return the pairs of faces that share an edge with each other and with no third face.
 
     Args:
@@ -150,7 +150,7 @@ def bodies(faces: Indices) -> tuple[Indices, BoolMask]:
     copy, others crosswise. An orientable body then splits into two mirrored components, and either is a
     consistent winding. Another (a Möbius strip) stays one component, and is not changed.
     """
-    first, second, alike = neighbours(faces)
+    first, second, alike = _neighbours(faces)
     count = len(faces)
     body = connected(count, np.column_stack([first, second]))
     other = np.where(alike, 0, count)
@@ -162,12 +162,12 @@ def bodies(faces: Indices) -> tuple[Indices, BoolMask]:
     return body, (label[0] != chosen) & (label[1] == chosen)
 
 
-def seams(faces: Indices, soft: BoolMask) -> tuple[Indices, Indices]:
+def _seams(faces: Indices, soft: BoolMask) -> tuple[Indices, Indices]:
     """Split vertices whose faces no soft edge connects.
 
     Args:
         faces: (F, 3) vertex indices.
-        soft: (E,) for each pair of `neighbours`, whether normals run smoothly across their edge.
+        soft: (E,) for each pair of `_neighbours`, whether normals run smoothly across their edge.
 
     Returns:
         origin: (V',) the old vertex of each new one.

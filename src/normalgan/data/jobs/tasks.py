@@ -23,7 +23,6 @@ __all__ = [
     "MeshTask",
     "ShardTask",
     "check_recipe",
-    "error_text",
     "find_damage",
     "render_shard",
     "try_mesh",
@@ -159,7 +158,7 @@ def _render(task: ShardTask) -> tuple[list[Sample], dict[str, str], dict[str, st
             except ChangedMeshError:
                 raise
             except Exception as error:  # a renderer or style may raise anything
-                failed[name] = error_text(error)
+                failed[name] = _error_text(error)
                 if not isinstance(error, InputError):
                     traces[name] = "".join(traceback.format_exception(error))
         samples.append(sample)
@@ -177,7 +176,7 @@ def validate_source(task: MeshTask) -> str | None:
     except ChangedMeshError:
         raise
     except Exception as error:  # somebody else's source may raise anything; the others can still be used
-        return error_text(error)
+        return _error_text(error)
     return None
 
 
@@ -192,10 +191,10 @@ def check_recipe(recipe: SampleRecipe) -> None:
     _once(f"recipe {recipe!r}", recipe.check)
 
 
-def error_text(error: BaseException) -> str:
+def _error_text(error: BaseException) -> str:
     """Return an error in one sentence; for a bug in a plug-in, with its type and line.
 
-    >>> error_text(InputError("horse has no legs.")), error_text(KeyError("legs"))
+    >>> _error_text(InputError("horse has no legs.")), _error_text(KeyError("legs"))
     ('horse has no legs.', "KeyError: 'legs'.")
     """
     if isinstance(error, InputError):

@@ -20,16 +20,11 @@ from normalgan.rendering.mesh_bytes import mesh_bytes
 
 __all__ = [
     "COMPONENTS",
-    "FREE_NUMBERS",
-    "FREE_VERTICES",
-    "MOST_PARTS",
-    "REPEATED",
     "WIDTHS",
     "Container",
     "bad_gltf",
     "has_skin",
     "linked_buffers",
-    "name_in_folder",
     "read_container",
     "refusing_bad_gltf",
 ]
@@ -39,13 +34,13 @@ COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 """Components of an element of each type of accessor."""
 
-FREE_NUMBERS = 2**22
+_FREE_NUMBERS = 2**22
 """Numbers that the accessors of a file may declare whatever its size; more need their bytes in the file."""
-FREE_VERTICES = 2**18
+_FREE_VERTICES = 2**18
 """The same of vertices in a scene, those of a repeated part counted each time."""
-MOST_PARTS = 5_000
+_MOST_PARTS = 5_000
 """More nodes, or more placed parts of meshes, are refused: each takes a millisecond and more."""
-REPEATED = 4
+_REPEATED = 4
 """How often the bytes of a file may be used; nearly all exporters use them once."""
 
 _SUFFIXES = (".glb", ".gltf")
@@ -194,7 +189,7 @@ def _buffer_file(path: Path, uri: str) -> Path:
     Raises:
         InputError: if it does not lie in the folder of the glTF, or is a pipe or a device.
     """
-    name = name_in_folder(uri)
+    name = _name_in_folder(uri)
     if name is None:
         raise InputError(f"{path} refers to {uri[:80]!r}, which does not lie in its folder.")
     # In a URI %20 is a space; some exporters mean the digits. From a folder "a%2fb", ".." would lead out.
@@ -206,10 +201,10 @@ def _buffer_file(path: Path, uri: str) -> Path:
     return file
 
 
-def name_in_folder(uri: str) -> str | None:
+def _name_in_folder(uri: str) -> str | None:
     """Return the path that a URI names relative to its file's folder; None if it leads out of it.
 
-    >>> name_in_folder("a%20b.bin"), name_in_folder("%2e%2e/b.bin"), name_in_folder("file:///etc/hostname")
+    >>> _name_in_folder("a%20b.bin"), _name_in_folder("%2e%2e/b.bin"), _name_in_folder("file:///etc/hostname")
     ('a b.bin', None, None)
     """
     try:
@@ -238,7 +233,7 @@ def _chunks(data: bytes) -> dict[int, bytes]:
 def _check_views(path: Path, tree: dict[str, Any], held: int) -> None:
     """Refuse views of buffers that repeat their bytes: each is copied, and each element of a short stride."""
     views = tree.get("bufferViews", [])
-    if sum(view["byteLength"] for view in views) > max(FREE_NUMBERS, REPEATED * held):
+    if sum(view["byteLength"] for view in views) > max(_FREE_NUMBERS, _REPEATED * held):
         raise InputError(f"{path} refers to the same bytes again and again; export it again.")
     for index, entry in enumerate(tree.get("accessors", [])):
         if "bufferView" not in entry or "byteStride" not in (view := views[entry["bufferView"]]):
@@ -256,7 +251,7 @@ def _check_counts(path: Path, tree: dict[str, Any], held: int) -> None:
     accessors, nodes = tree.get("accessors", []), tree.get("nodes", [])
     numbers = [entry["count"] * WIDTHS[entry["type"]] for entry in accessors]
     unbacked = sum(n for n, entry in zip(numbers, accessors, strict=True) if "bufferView" not in entry)
-    if sum(numbers) > max(FREE_NUMBERS, REPEATED * held) or unbacked > FREE_NUMBERS:
+    if sum(numbers) > max(_FREE_NUMBERS, _REPEATED * held) or unbacked > _FREE_NUMBERS:
         many = min(sum(numbers), 10**15)  # a number may have a thousand digits
         raise InputError(f"{path} declares {many} numbers, more than a mesh file can hold.")
     placed = Counter(node["mesh"] for node in nodes if "mesh" in node)
@@ -267,7 +262,9 @@ def _check_counts(path: Path, tree: dict[str, Any], held: int) -> None:
             largest = max((accessors[i]["count"] for i in used if i is not None), default=0)
             parts += max(placed[index], 1)
             vertices += largest * max(placed[index], 1)
-    if max(parts, len(nodes)) > MOST_PARTS:
-        raise InputError(f"{path} places {max(parts, len(nodes))} parts; join them to {MOST_PARTS} or fewer.")
-    if vertices > (most := max(FREE_VERTICES, held)):
+    if max(parts, len(nodes)) > _MOST_PARTS:
+        raise InputError(
+            f"{path} places {max(parts, len(nodes))} parts; join them to {_MOST_PARTS} or fewer."
+        )
+    if vertices > (most := max(_FREE_VERTICES, held)):
         raise InputError(f"{path} places {vertices} vertices; reduce it to {most} or fewer.")

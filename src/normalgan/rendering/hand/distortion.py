@@ -8,12 +8,12 @@ import numpy as np
 from normalgan.arrays import BoolMask, Doubles, Floats, Indices
 from normalgan.rendering.maps import Maps
 
-__all__ = ["CELLS", "KNOTS", "Distortion", "follow", "random_distortion"]
+__all__ = ["KNOTS", "Distortion", "follow", "random_distortion"]
 
-CELLS = 4
+_CELLS = 4
 """Cells of the spline on a side of the frame: displacements vary over about half of it."""
 _AROUND = 1  # cells around the frame; beyond them the displacement is that at their border
-KNOTS = CELLS + 2 * _AROUND + 3
+KNOTS = _CELLS + 2 * _AROUND + 3
 """Coefficients of the spline along each axis."""
 _SPREAD = 0.479  # of a product of two cubic B-splines with unit normal coefficients, averaged over a cell
 _STEEPEST = 0.45  # of the displacement, times the least stretch of the matrix: below 1, nothing folds over
@@ -90,11 +90,11 @@ class Distortion:
 
 def _spline(at: Doubles) -> tuple[Doubles, Doubles]:
     """Return the matrices (N, `KNOTS`) that take coefficients to values and to derivatives at (N,) places."""
-    knot = at * CELLS + _AROUND
-    held = knot.clip(0, CELLS + 2 * _AROUND)
+    knot = at * _CELLS + _AROUND
+    held = knot.clip(0, _CELLS + 2 * _AROUND)
     off = held[:, None] + 1 - np.arange(KNOTS)  # in cells from the middle of each cubic B-spline
     two, one = np.maximum(2 - np.abs(off), 0), np.maximum(1 - np.abs(off), 0)
-    inside = CELLS * (held == knot)[:, None]
+    inside = _CELLS * (held == knot)[:, None]
     return two * two * two / 6 - one * one * one / 1.5, (2 * one * one - two * two / 2) * np.sign(
         off
     ) * inside

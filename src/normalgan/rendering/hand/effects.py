@@ -13,23 +13,18 @@ from normalgan.rendering.strokes.curves import lengths_along
 from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = [
-    "DRIFT",
-    "TREMOR",
-    "WOBBLE",
     "begin_at",
     "cut",
     "forget",
     "in_order",
     "inside",
     "miss_ends",
-    "piece",
     "press",
     "resample",
     "round_off",
     "second_pass",
     "skip_parts",
     "smooth_noise",
-    "spline_weights",
     "stray",
     "turning",
 ]
@@ -48,7 +43,7 @@ def resample(stroke: Stroke, step: float) -> Stroke:
     return Stroke(np.stack([x, y], axis=1), width, darkness)
 
 
-def piece(stroke: Stroke, start: int, stop: int) -> Stroke:
+def _piece(stroke: Stroke, start: int, stop: int) -> Stroke:
     """Return the points ``start`` to ``stop`` (not included) as a stroke."""
     part = slice(start, stop)
     return Stroke(stroke.points[part], stroke.width[part], stroke.darkness[part])
@@ -89,10 +84,10 @@ _APART = 4  # knots between strokes, so that they share none: a cubic spans four
 _NOISE_SPREAD = np.sqrt(0.479)  # of a cubic B-spline with unit normal coefficients, averaged over a cell
 
 
-def spline_weights(at: Doubles) -> Doubles:
+def _spline_weights(at: Doubles) -> Doubles:
     """Return the weights (N, 4) of a uniform cubic B-spline's coefficients at fractions ``at`` of a cell.
 
-    >>> spline_weights(np.array([0.0])).round(3)
+    >>> _spline_weights(np.array([0.0])).round(3)
     array([[0.167, 0.667, 0.167, 0.   ]])
     """
     rest = 1 - at
@@ -123,7 +118,7 @@ def smooth_noise(
     at = np.repeat(starts, sizes) + (np.arange(sizes.sum()) - np.repeat(firsts, sizes)) * rate
     cell = np.floor(at).astype(int)
     coefficients = rng.standard_normal((int(knots.sum()), channels)) / _NOISE_SPREAD
-    weights = spline_weights(at - cell)
+    weights = _spline_weights(at - cell)
     return np.asarray(sum(weights[:, k, None] * coefficients[cell + k] for k in range(4)))
 
 
@@ -159,7 +154,7 @@ def cut(stroke: Stroke, cuts: float, step: float, side: float, rng: np.random.Ge
         if edges[-1] + shortest <= place <= count - 1 - shortest:
             edges.append(int(place))
     edges.append(count - 1)
-    return [piece(stroke, start, stop + 1) for start, stop in pairwise(edges)]
+    return [_piece(stroke, start, stop + 1) for start, stop in pairwise(edges)]
 
 
 def inside(strokes: Sequence[Stroke], maps: Maps) -> Doubles:
@@ -233,7 +228,7 @@ def skip_parts(
     longest = edges[np.argmax(edges[:, 1] - edges[:, 0])]
     enough = max(3, round(_SHORTEST * side / step))
     left = [(start, stop) for start, stop in edges if stop - start >= enough]
-    return [piece(stroke, start, stop) for start, stop in left or [longest] if stop - start > 1] or [stroke]
+    return [_piece(stroke, start, stop) for start, stop in left or [longest] if stop - start > 1] or [stroke]
 
 
 _LEAST = 0.4  # of the stroke: a second pass is no shorter
@@ -251,7 +246,7 @@ def second_pass(stroke: Stroke, side: float, rng: np.random.Generator) -> Stroke
     count = len(stroke.points)
     kept = min(max(3, round(rng.uniform(_LEAST, 1) * count)), count)
     start = int(rng.integers(count - kept + 1))
-    part = piece(stroke, start, start + kept)
+    part = _piece(stroke, start, start + kept)
     return Stroke(part.points + rng.normal(0, _OFFSET * side, 2), part.width, part.darkness)
 
 
@@ -277,7 +272,7 @@ def miss_ends(stroke: Stroke, overshoot: float, gap: float, step: float, rng: np
         if beyond and change:
             stroke = _longer(stroke, change, step)
         elif change and len(stroke.points) - change > 2:
-            stroke = piece(stroke, 0, len(stroke.points) - change)
+            stroke = _piece(stroke, 0, len(stroke.points) - change)
         stroke = Stroke(stroke.points[::-1], stroke.width[::-1], stroke.darkness[::-1])
     return stroke
 
@@ -355,8 +350,7 @@ def _lifted(count: int, taper: float, reach: float) -> Doubles:
     return factor
 
 
-DRIFT, WOBBLE, TREMOR = 0.6, 0.14, 0.025
-"""The wavelengths as fractions of the frame's side: aim, arm and fingers."""
+_WAVELENGTHS = (0.6, 0.14, 0.025)  # of the side; of drift (aim), wobble (arm) and tremor (fingers)
 
 
 def stray(
@@ -379,7 +373,7 @@ def stray(
     if not counts:
         return []
     shift = np.zeros((sum(counts), 2))
-    for amplitude, wavelength, source in zip(amplitudes, (DRIFT, WOBBLE, TREMOR), rng.spawn(3), strict=True):
+    for amplitude, wavelength, source in zip(amplitudes, _WAVELENGTHS, rng.spawn(3), strict=True):
         if amplitude:
             shift += amplitude * smooth_noise(counts, step, wavelength * side, 2, source)
     parts = np.split(shift, np.cumsum(counts)[:-1])

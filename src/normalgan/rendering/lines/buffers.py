@@ -1,16 +1,20 @@
 """Buffers: the larger maps in which lines are found, cropped to the object, and the rays of their pixels."""
 
+from abc import abstractmethod
 from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 
 from normalgan.arrays import BoolMask, Doubles, Floats
+from normalgan.ranges import Positive, PositiveInt, check_ranges
 from normalgan.rendering.cameras import Camera
+from normalgan.rendering.lines.base import LineDrawing
 from normalgan.rendering.maps import Maps
+from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
-__all__ = ["Buffers", "Sight", "sight"]
+__all__ = ["BufferedDrawing", "Buffers", "Sight", "sight"]
 
 _MARGIN = 4  # pixels kept about the object, so that filters meet the background before the border
 
@@ -104,3 +108,32 @@ def sight(camera: Camera, maps: Maps, window: tuple[slice, slice], side: int) ->
     x = (left + (right - left) * columns / side).astype(np.float32)
     y = (top + (bottom - top) * rows / side).astype(np.float32)
     return Sight(x, y, np.where(maps.mask, maps.depth, 0) * pixel)
+
+
+@dataclass(frozen=True)
+class BufferedDrawing(LineDrawing):
+    """Base of the styles that find lines in larger maps of the view.
+
+    Args:
+        line_width: width of a line in pixels of the sketch, at any sketch size.
+        resolution: side in pixels of the maps that lines are found in, rounded up to a multiple of the
+            sketch's; lines are placed between their pixels.
+
+    Raises:
+        InputError: if a setting is out of range.
+    """
+
+    line_width: Positive = 1.25
+    resolution: PositiveInt = 512
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
+
+    def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
+        """Return the strokes; see `LineDrawing.trace`."""
+        buffers = Buffers.of(view, self.resolution)
+        return [] if buffers is None else self._draw(view, buffers)
+
+    @abstractmethod
+    def _draw(self, view: View, buffers: Buffers) -> list[Stroke]:
+        """Return the strokes that a view's buffers show."""

@@ -9,9 +9,9 @@ import cv2
 import numpy as np
 
 from normalgan.arrays import BoolMask, Floats, Indices
-from normalgan.ranges import NonNegative, Positive, PositiveInt, Range, check_ranges
-from normalgan.rendering.lines.base import LINE_DRAWINGS, LineDrawing
-from normalgan.rendering.lines.buffers import Buffers, Sight
+from normalgan.ranges import NonNegative, Positive, Range
+from normalgan.rendering.lines.base import LINE_DRAWINGS
+from normalgan.rendering.lines.buffers import BufferedDrawing, Buffers, Sight
 from normalgan.rendering.lines.crossings import PAIRS, Crossed, Crossings, Line, crossings, places
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.strokes.curves import SPACING, resample, settle, smooth
@@ -23,10 +23,6 @@ __all__ = [
     "OutlinedDrawing",
     "Silhouette",
     "borders",
-    "creases",
-    "depth_gaps",
-    "distance_to",
-    "draw_border",
     "draw_curve",
     "mark",
     "occluding_contours",
@@ -35,77 +31,53 @@ __all__ = [
 
 @LINE_DRAWINGS.register
 @dataclass(frozen=True)
-class OccludingContours(LineDrawing):
+class OccludingContours(BufferedDrawing):
     """Silhouette and occluding contours, and the creases of angular objects if asked for.
 
     Args:
-        line_width: width of a line in pixels of the sketch, at any sketch size.
         gap: how far the surface must jump back for a contour, beyond what its slope explains, as a
             fraction of the frame's side; a contour that has begun continues down to a third of it.
         crease: angle in degrees between neighbouring normals from which an edge is drawn; None draws none.
         shortest: contours that span less than this fraction of the frame's side are left out.
-        resolution: side in pixels of the maps that lines are found in, rounded up to a multiple of the
-            sketch's; lines are placed between their pixels.
 
     Raises:
         InputError: if a setting is out of range.
     """
 
-    line_width: Positive = 1.25
     gap: Positive = 0.01
     crease: Annotated[float, Range(0, 180, above=True, below=True)] | None = None
     shortest: NonNegative = 0.012
-    resolution: PositiveInt = 512
 
-    def __post_init__(self) -> None:
-        check_ranges(self)
-
-    def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
-        """Return the strokes; see `LineDrawing.trace`."""
-        buffers = Buffers.of(view, self.resolution)
-        if buffers is None:
-            return []
+    def _draw(self, view: View, buffers: Buffers) -> list[Stroke]:
         lines = occluding_contours(buffers, self.gap, self.shortest)
         if self.crease is not None:
-            lines += creases(buffers.maps, self.crease).lines(0, self.shortest * buffers.side)
-        return [draw_border(line, buffers, self.line_width) for line in lines]
+            lines += _creases(buffers.maps, self.crease).lines(0, self.shortest * buffers.side)
+        return [_draw_border(line, buffers, self.line_width) for line in lines]
 
 
 def occluding_contours(buffers: Buffers, gap: float, shortest: float) -> list[Line]:
     """Return the occluding contours; lengths are fractions of the frame's side."""
     gap *= buffers.side
-    return depth_gaps(buffers.maps, buffers.sight, gap / 3).lines(gap, shortest * buffers.side)
+    return _depth_gaps(buffers.maps, buffers.sight, gap / 3).lines(gap, shortest * buffers.side)
 
 
 @LINE_DRAWINGS.register
 @dataclass(frozen=True)
-class Silhouette(LineDrawing):
+class Silhouette(BufferedDrawing):
     """The outline alone: where the object borders on the background, outside and through holes.
 
     Args:
-        line_width: width of the line in pixels of the sketch, at any sketch size.
         shortest: parts of the outline that span less than this fraction of the frame's side are left out.
-        resolution: side in pixels of the maps that the outline is found in, rounded up to a multiple of
-            the sketch's; it is placed between their pixels.
 
     Raises:
         InputError: if a setting is out of range.
     """
 
-    line_width: Positive = 1.25
     shortest: NonNegative = 0.05
-    resolution: PositiveInt = 512
 
-    def __post_init__(self) -> None:
-        check_ranges(self)
-
-    def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
-        """Return the strokes; see `LineDrawing.trace`."""
-        buffers = Buffers.of(view, self.resolution)
-        if buffers is None:
-            return []
+    def _draw(self, view: View, buffers: Buffers) -> list[Stroke]:
         lines = borders(buffers.maps.mask).lines(0, self.shortest * buffers.side)
-        return [draw_border(line, buffers, self.line_width) for line in lines]
+        return [_draw_border(line, buffers, self.line_width) for line in lines]
 
 
 def borders(mask: BoolMask) -> Crossings:
@@ -119,25 +91,32 @@ def borders(mask: BoolMask) -> Crossings:
     return crossings((pairs[0], pairs[1]), mask.shape[1])
 
 
-class OutlinedDrawing(LineDrawing):
-    """Draws the occluding contours, and leaves the lines inside to a style."""
+@dataclass(frozen=True)
+class OutlinedDrawing(BufferedDrawing):
+    """Base of the styles that draw the occluding contours and lines of their own inside.
 
-    # Each style declares them with its own defaults, and documents them for the command line.
-    line_width: float
-    interior_width: float
-    gap: float
-    shortest_contour: float
-    resolution: int
+    Args:
+        line_width: width of contours in pixels of the sketch, at any sketch size.
+        interior_width: width of the strokes inside in pixels of the sketch; 0 draws none.
+        gap: how far the surface must jump back for a contour, beyond what its slope explains, as a
+            fraction of the frame's side.
+        shortest_contour: contours that span less than this fraction of the frame's side are left out.
+        shortest: strokes inside that are shorter than this fraction of the frame's side are left out.
+        apart: a stroke inside that keeps nearer than this to a contour, on average, as a fraction of the
+            frame's side, is left out: it would only double the contour.
+    """
 
-    def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
-        """Return the strokes; see `LineDrawing.trace`."""
-        buffers = Buffers.of(view, self.resolution)
-        if buffers is None:
-            return []
+    interior_width: NonNegative = 0.9
+    gap: Positive = 0.01
+    shortest_contour: NonNegative = 0.012
+    shortest: NonNegative = 0.045
+    apart: NonNegative = 0.012
+
+    def _draw(self, view: View, buffers: Buffers) -> list[Stroke]:
         contours = occluding_contours(buffers, self.gap, self.shortest_contour)
-        strokes = [draw_border(line, buffers, self.line_width) for line in contours]
+        strokes = [_draw_border(line, buffers, self.line_width) for line in contours]
         if self.interior_width > 0:
-            distance = distance_to(mark(contours, buffers.maps.mask.shape))
+            distance = _distance_to(mark(contours, buffers.maps.mask.shape))
             strokes += self._draw_inside(view, buffers, distance)
         return strokes
 
@@ -160,7 +139,7 @@ def mark(lines: Sequence[Line], shape: tuple[int, ...]) -> BoolMask:
     return marks
 
 
-def distance_to(marks: BoolMask) -> Floats:
+def _distance_to(marks: BoolMask) -> Floats:
     """Return the distance in pixels from each pixel to the nearest marked one; huge if there is none.
 
     Chamfer distance with a 5 × 5 mask: within 2 % of the Euclidean one at a fraction of its cost.
@@ -176,7 +155,7 @@ _SLACK = 0.5  # pixels from the border of two pixels to their centres; the line 
 _JITTER = 1.5  # points over which a more precise line is smoothed
 
 
-def draw_border(line: Line, buffers: Buffers, width: float) -> Stroke:
+def _draw_border(line: Line, buffers: Buffers, width: float) -> Stroke:
     """Return the stroke along a line known only to pass between certain pixels."""
     path = settle(line.points, _STAIRS, _SLACK)
     return Stroke.even(resample(buffers.to_sketch(path), SPACING), width)
@@ -194,7 +173,7 @@ _MUCH = 3.0  # ratio above which a gap counts as much larger
 _BEYOND = np.float32(1e6)  # depth of the background, in units of the mesh: farther than any object
 
 
-def depth_gaps(maps: Maps, sight: Sight, least: float) -> Crossings:
+def _depth_gaps(maps: Maps, sight: Sight, least: float) -> Crossings:
     """Return where the surface jumps back by at least ``least`` pixels of its own size, from pixel to pixel.
 
     The expected depth change between neighbours lies between the predictions of both tangent planes and the
@@ -279,7 +258,7 @@ def _outdone(falls: Floats, first: Indices, shape: tuple[int, ...], axis: int) -
     return outdone
 
 
-def creases(maps: Maps, angle: float) -> Crossings:
+def _creases(maps: Maps, angle: float) -> Crossings:
     """Return where the normal turns by ``angle`` degrees or more from pixel to pixel, within the object.
 
     Where it does so over several pixels in a row, the sharpest turn counts.

@@ -7,7 +7,7 @@ import cv2
 import numpy as np
 
 from normalgan.arrays import BoolMask, Floats
-from normalgan.ranges import NonNegative, Positive, PositiveInt, Range, check_ranges
+from normalgan.ranges import NonNegative, Positive, Range
 from normalgan.rendering.lines.base import LINE_DRAWINGS
 from normalgan.rendering.lines.buffers import Buffers, Sight
 from normalgan.rendering.lines.contours import OutlinedDrawing, draw_curve
@@ -15,7 +15,7 @@ from normalgan.rendering.lines.crossings import PAIRS, Crossings, Line, crossing
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
-__all__ = ["SuggestiveContours", "smooth_normals", "valley_depth", "zero_crossings"]
+__all__ = ["SuggestiveContours"]
 
 _BAND = 0.003  # of the frame's side: normals this near a contour are mixed from two surfaces
 
@@ -30,38 +30,20 @@ class SuggestiveContours(OutlinedDrawing):
     on smoothed normals.
 
     Args:
-        line_width: width of contours in pixels of the sketch, at any sketch size.
-        interior_width: width of the strokes inside in pixels of the sketch; 0 draws none.
-        gap: how far the surface must jump back for a contour, beyond what its slope explains, as a
-            fraction of the frame's side.
         smoothing: standard deviation of the smoothing of the normals, as a fraction of the frame's side.
         strength: how sharp a valley must be for a stroke: t for a frame of side 1; a stroke that has begun
             continues down to a third of it.
         theta: degrees between normal and view vector below which no stroke is drawn.
-        shortest_contour: contours that span less than this fraction of the frame's side are left out.
-        shortest: strokes inside that span less than this fraction of the frame's side are left out.
-        apart: a stroke that keeps nearer than this to a contour, on average, as a fraction of the
-            frame's side, is left out: it would only double the contour.
-        resolution: side in pixels of the maps that lines are found in, rounded up to a multiple of the
-            sketch's; lines are placed between their pixels.
 
     Raises:
         InputError: if a setting is out of range.
     """
 
-    line_width: Positive = 1.25
     interior_width: NonNegative = 0.75
-    gap: Positive = 0.01
     smoothing: Positive = 0.008
     strength: Positive = 20.0
     theta: Annotated[float, Range(0, 90, below=True)] = 28.0
-    shortest_contour: NonNegative = 0.012
     shortest: NonNegative = 0.035
-    apart: NonNegative = 0.012
-    resolution: PositiveInt = 512
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
     def _draw_inside(self, view: View, buffers: Buffers, distance: Floats) -> list[Stroke]:
         """Return the suggestive contours; see `OutlinedDrawing._draw_inside`."""
@@ -75,11 +57,11 @@ class SuggestiveContours(OutlinedDrawing):
         """Return the lines inside, given each pixel's ``distance`` to the contours."""
         side = buffers.side
         known = buffers.maps.mask & (distance > _BAND * side)
-        normal = smooth_normals(buffers.maps.normal, known, self.smoothing * side)
-        f, slope, bend = valley_depth(normal, buffers.sight)
+        normal = _smooth_normals(buffers.maps.normal, known, self.smoothing * side)
+        f, slope, bend = _valley_depth(normal, buffers.sight)
         bend *= side * side
         deep = known & (f < np.cos(np.deg2rad(self.theta))) & (bend > self.strength / 3)
-        return zero_crossings(slope, bend, deep).lines(self.strength, self.shortest * side)
+        return _zero_crossings(slope, bend, deep).lines(self.strength, self.shortest * side)
 
     def _says_more(self, line: Line, distance: Floats, side: int) -> bool:
         """Return whether a line keeps away from contours; next to a contour it would only double it."""
@@ -89,7 +71,7 @@ class SuggestiveContours(OutlinedDrawing):
 _ROUNDING = 1e-6  # smaller slopes of n·v are rounding in single precision; planes have no valleys
 
 
-def smooth_normals(normal: Floats, known: BoolMask, sigma: float) -> Floats:
+def _smooth_normals(normal: Floats, known: BoolMask, sigma: float) -> Floats:
     """Return unit normals (H, W, 3) smoothed over ``sigma`` pixels, from those at ``known`` pixels alone.
 
     A normalised convolution: with background and contours not known, neither the far surface nor
@@ -107,7 +89,7 @@ def smooth_normals(normal: Floats, known: BoolMask, sigma: float) -> Floats:
     return smooth
 
 
-def valley_depth(normal: Floats, sight: Sight) -> tuple[Floats, Floats, Floats]:
+def _valley_depth(normal: Floats, sight: Sight) -> tuple[Floats, Floats, Floats]:
     """Return f = n·v, its slope g along the eye's direction in the picture, and the slope of g, (H, W) each.
 
     The direction is that of w, the projection of the view vector v to the tangent plane; g and its
@@ -134,7 +116,7 @@ def _along(field: Floats, right: Floats, down: Floats) -> Floats:
     return result
 
 
-def zero_crossings(slope: Floats, bend: Floats, valid: BoolMask) -> Crossings:
+def _zero_crossings(slope: Floats, bend: Floats, valid: BoolMask) -> Crossings:
     """Return where ``slope`` changes sign between two valid neighbours, to a fraction of a pixel.
 
     Their strength is ``bend`` at the pixel nearer to zero.

@@ -9,9 +9,9 @@ from scipy import sparse
 from normalgan.arrays import Doubles, Indices
 from normalgan.rendering.mesh import Mesh
 
-__all__ = ["Operator", "Shape", "Surface", "shape_of", "shape_operators", "smooth_normals"]
+__all__ = ["Shape", "Surface", "shape_of", "shape_operators", "smooth_normals"]
 
-Operator = Any  # a sparse matrix; SciPy's types are not generic over the other factor
+_Operator = Any  # a sparse matrix; SciPy's types are not generic over the other factor
 
 
 @dataclass(frozen=True)
@@ -35,8 +35,8 @@ class Surface:
     normals: Doubles
     edges: Indices
     sides: Indices
-    gradient: tuple[Operator, Operator, Operator]
-    average: Operator
+    gradient: tuple[_Operator, _Operator, _Operator]
+    average: _Operator
     spacing: float
 
     @classmethod
@@ -72,7 +72,7 @@ class Surface:
         return np.stack([part @ values for part in self.gradient], axis=1)
 
 
-def _gradient(vertices: Doubles, faces: Indices) -> tuple[Operator, Operator, Operator]:
+def _gradient(vertices: Doubles, faces: Indices) -> tuple[_Operator, _Operator, _Operator]:
     opposite = [vertices[faces[:, (k + 2) % 3]] - vertices[faces[:, (k + 1) % 3]] for k in range(3)]
     across = np.cross(opposite[0], opposite[1])  # twice the area, along the normal
     area = np.linalg.norm(across, axis=1)
@@ -84,14 +84,14 @@ def _gradient(vertices: Doubles, faces: Indices) -> tuple[Operator, Operator, Op
     columns = np.concatenate([faces[:, j] for _ in range(3) for j in range(3)])
     shape = (len(vertices), len(vertices))
 
-    def part(axis: int) -> Operator:
+    def part(axis: int) -> _Operator:
         values = np.concatenate([climbs[j][:, axis] for _ in range(3) for j in range(3)]) / around[rows]
         return sparse.csr_array((values, (rows, columns)), shape=shape)
 
     return part(0), part(1), part(2)
 
 
-def _average(edges: Indices, count: int) -> Operator:
+def _average(edges: Indices, count: int) -> _Operator:
     rows, columns = np.concatenate([edges, edges[:, ::-1]]).T
     degree = np.bincount(rows, minlength=count)
     values = np.concatenate([0.5 / degree[rows], np.where(degree == 0, 1.0, 0.5)])

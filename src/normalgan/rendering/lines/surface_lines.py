@@ -1,20 +1,24 @@
 """Lines on a mesh: marks on its edges, chained to long, fading strokes inside an object."""
 
+from abc import abstractmethod
 from dataclasses import dataclass
+from typing import ClassVar
 
 import cv2
 import numpy as np
 
 from normalgan.arrays import BoolMask, Doubles, Floats, Indices
-from normalgan.rendering.cameras import project
+from normalgan.ranges import NonNegative, Positive
+from normalgan.rendering.cameras import project, towards_eye
 from normalgan.rendering.lines.buffers import Buffers
-from normalgan.rendering.lines.surface import Surface
+from normalgan.rendering.lines.contours import OutlinedDrawing
+from normalgan.rendering.lines.surface import Shape, Surface, shape_of
 from normalgan.rendering.strokes.chain import chain
 from normalgan.rendering.strokes.curves import SPACING, lengths_along, resample, smooth
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
-__all__ = ["EdgeMarks", "Inside", "paths", "seen", "worthy_runs", "zero_marks"]
+__all__ = ["EdgeMarks", "SurfaceDrawing", "zero_marks"]
 
 _DEEPER = 0.004  # in units of the mesh; rounding and facets put points behind the depth buffer
 
@@ -51,7 +55,7 @@ def zero_marks(surface: Surface, field: Doubles, usable: BoolMask) -> EdgeMarks:
     return EdgeMarks(crossed, one / (one - other))
 
 
-def seen(view: View, buffers: Buffers, points: Doubles) -> tuple[Doubles, BoolMask]:
+def _seen(view: View, buffers: Buffers, points: Doubles) -> tuple[Doubles, BoolMask]:
     """Return the positions of points (N, 3) in the sketch, (N, 2), and which are visible.
 
     A point counts as visible if one of the nine pixels around it has the same depth: on a
@@ -66,7 +70,7 @@ def seen(view: View, buffers: Buffers, points: Doubles) -> tuple[Doubles, BoolMa
     return place, depth <= deep + _DEEPER
 
 
-def paths(surface: Surface, marks: EdgeMarks, place: Doubles) -> list[Indices]:
+def _paths(surface: Surface, marks: EdgeMarks, place: Doubles) -> list[Indices]:
     """Return the marks along each line, in order; two on sides of one face belong together.
 
     Args:
@@ -87,54 +91,62 @@ _FAINTEST = 0.4  # share of its width that a stroke keeps where it is weakest
 
 
 @dataclass(frozen=True)
-class Inside:
-    """How strokes inside an object are drawn; lengths are fractions of the frame's side.
+class SurfaceDrawing(OutlinedDrawing):
+    """Base of the styles that find the lines inside on the mesh, and draw them as long, fading strokes.
 
     Args:
-        width: width of a strong stroke in pixels of the sketch.
-        strength: that a stroke must reach; it continues down to a third of it.
-        shortest: strokes shorter than this are left out.
-        bridge: gaps up to this do not break a stroke.
-        apart: strokes that on average keep nearer than this to a contour are left out.
-        smoothing: standard deviation of the smoothing of a stroke; a line on a mesh jerks from edge to edge.
+        smoothing: standard deviation of the smoothing of the curvature, as a fraction of the object's
+            radius.
+        strength: that a stroke must reach; a stroke that has begun continues down to a third of it.
+        bridge: gaps up to this fraction of the frame's side do not break a stroke.
     """
 
-    width: float
-    strength: float
-    shortest: float
-    bridge: float
-    apart: float
-    smoothing: float = 0.006
+    smoothing: NonNegative = 0.015
+    strength: Positive = 1.0
+    bridge: NonNegative = 0.02
 
-    def draw(
+    _rounding: ClassVar[float] = 0.006
+    """Of the side: deviation of the smoothing of a stroke, as a line on a mesh jerks from edge to edge."""
+
+    @abstractmethod
+    def _find(self, shape: Shape, eye: Doubles) -> list[tuple[EdgeMarks, Doubles]]:
+        """Return where lines cross edges of the mesh, and how strong they are there, (N,).
+
+        Args:
+            shape: the mesh and its curvature.
+            eye: (V, 3) unit vectors to the eye.
+        """
+
+    def _draw_inside(self, view: View, buffers: Buffers, distance: Floats) -> list[Stroke]:
+        """Return the strokes along the lines; see `OutlinedDrawing._draw_inside`."""
+        shape = shape_of(view.mesh, self.smoothing)
+        eye = towards_eye(view.camera, shape.surface.vertices)
+        return [
+            stroke
+            for marks, strength in self._find(shape, eye)
+            for stroke in self._along(shape.surface, marks, strength, view, buffers, distance)
+        ]
+
+    def _along(
         self,
         surface: Surface,
+        marks: EdgeMarks,
+        strength: Doubles,
         view: View,
         buffers: Buffers,
         distance: Floats,
-        marks: EdgeMarks,
-        strength: Doubles,
     ) -> list[Stroke]:
-        """Return the strokes along marks on a mesh.
-
-        Args:
-            surface: the mesh.
-            view: how it is seen.
-            buffers: buffers of the view; points that they do not show count as hidden.
-            distance: (H, W) in pixels of the buffers to the nearest contour.
-            marks: N places on edges of the mesh.
-            strength: (N,) of the line there.
-        """
-        place, visible = seen(view, buffers, marks.take(surface, surface.vertices))
+        """Return the strokes along marks; points that the buffers do not show count as hidden."""
+        place, visible = _seen(view, buffers, marks.take(surface, surface.vertices))
         kept = visible & (strength > 0)
         marks, place, strength = marks.only(kept), place[kept], strength[kept]
         column, row = np.floor(place * buffers.scale - buffers.corner).astype(np.int64).T
         height, width = distance.shape
         away = distance[row.clip(0, height - 1), column.clip(0, width - 1)] / buffers.side
         strokes = []
-        for path in paths(surface, marks, place):
+        for path in _paths(surface, marks, place):
             points, strong = place[path] / view.size, strength[path]
-            for part in worthy_runs(
+            for part in _worthy_runs(
                 points, strong, self.strength / 3, self.strength, self.bridge, self.shortest
             ):
                 if away[path][part].mean() > self.apart:
@@ -144,15 +156,15 @@ class Inside:
     def _stroke(self, points: Doubles, strength: Doubles, size: int) -> Stroke:
         along = lengths_along(points)
         fine = resample(points, _FINE)
-        path = resample(smooth(fine, self.smoothing * size / _FINE), SPACING)
+        path = resample(smooth(fine, self._rounding * size / _FINE), SPACING)
         share = np.clip(strength / self.strength, 0, 1)
         here = np.interp(np.linspace(0, along[-1], len(path)), along, share)
         pressure = smooth(np.stack([here, here], axis=1), 3.0)[:, 0]
-        width = self.width * (_FAINTEST + (1 - _FAINTEST) * np.clip(pressure, 0, 1))
+        width = self.interior_width * (_FAINTEST + (1 - _FAINTEST) * np.clip(pressure, 0, 1))
         return Stroke(path, width, np.ones(len(path)))
 
 
-def worthy_runs(
+def _worthy_runs(
     points: Doubles, strength: Doubles, least: float, seed: float, bridge: float, shortest: float
 ) -> list[slice]:
     """Return the stretches of a path to draw, of at least two points each.
@@ -162,9 +174,9 @@ def worthy_runs(
 
     >>> points = np.stack([np.arange(8.0), np.zeros(8)], axis=1)
     >>> strength = np.array([0, 2, 2, 0, 3, 2, 0, 2.0])
-    >>> worthy_runs(points, strength, least=1, seed=3, bridge=2, shortest=2)
+    >>> _worthy_runs(points, strength, least=1, seed=3, bridge=2, shortest=2)
     [slice(1, 8, None)]
-    >>> worthy_runs(points, strength, least=1, seed=3, bridge=1, shortest=1)
+    >>> _worthy_runs(points, strength, least=1, seed=3, bridge=1, shortest=1)
     [slice(4, 6, None)]
 
     Args:

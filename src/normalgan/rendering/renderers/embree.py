@@ -12,10 +12,10 @@ from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers.base import RENDERERS, Renderer
 
-__all__ = ["CANCELLED", "EmbreeRenderer"]
+__all__ = ["EmbreeRenderer"]
 
 
-CANCELLED = 1e-4
+_CANCELLED = 1e-4
 """Interpolated normals shorter than this have cancelled each other out."""
 
 # The mesh rendered last and its scene, as views of a mesh are rendered in a row. It belongs to the process.
@@ -103,7 +103,7 @@ def _shade(
     normals = np.einsum("pk,pkc->pc", weights, mesh.normals[corners].astype(np.float64))
     flat = np.cross(edge1, edge2)
     # The corners' normals may cancel on a fold; then the normal of the triangle is used.
-    cancelled = _dot(normals, normals) < CANCELLED**2
+    cancelled = _dot(normals, normals) < _CANCELLED**2
     normals[cancelled] = flat[cancelled]
     # Seen from behind is what the triangle says, not the normal: on a coarse mesh a normal near the
     # silhouette may lean away from the viewer on a triangle that faces him.

@@ -15,10 +15,10 @@ from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers.base import RENDERERS, Renderer
 
-__all__ = ["FloatContext", "FloatFramebuffer", "PyrenderRenderer"]
+__all__ = ["PyrenderRenderer"]
 
 # One context for the process: deleting a second one would delete the shared EGL display.
-_context: "FloatContext | None" = None
+_context: "_FloatContext | None" = None
 
 
 @RENDERERS.register
@@ -47,7 +47,7 @@ class PyrenderRenderer(Renderer):
         _open_context()
 
 
-def _open_context() -> "FloatContext":
+def _open_context() -> "_FloatContext":
     """Return this process's context, made at the first call."""
     global _context  # noqa: PLW0603 -- see above
     if _context is None:
@@ -63,7 +63,7 @@ def _open_context() -> "FloatContext":
             )
         try:
             with warnings.catch_warnings(action="ignore"):  # of packages that pyrender imports
-                _context = FloatContext()
+                _context = _FloatContext()
         except Exception as error:  # missing libraries show as ImportError, AttributeError, AssertionError …
             raise InputError(
                 f"PyrenderRenderer needs OpenGL through EGL ({type(error).__name__}: {brief(error)}): "
@@ -75,12 +75,12 @@ def _open_context() -> "FloatContext":
 _SIZES = 3  # framebuffers kept at a time; one of 1024 pixels takes 20 MB
 
 
-class FloatFramebuffer:
+class _FloatFramebuffer:
     """A mixin for pyrender's ``Renderer``: one float32 sample a pixel, and our camera.
 
     pyrender itself multisamples and keeps 8 bits: along every silhouette that blends the object with the
     background, and normals end 0.2° off. Nor can its cameras shift their window. A mixin, put before
-    pyrender's class by `FloatContext`, so that this module loads where OpenGL is missing.
+    pyrender's class by `_FloatContext`, so that this module loads where OpenGL is missing.
     """
 
     viewport_width: int
@@ -141,7 +141,7 @@ class FloatFramebuffer:
         return np.frombuffer(pixels, dtype=np.float32).reshape(self.viewport_height, -1, 4)[::-1]
 
 
-class FloatContext:
+class _FloatContext:
     """An OpenGL context, a float framebuffer in it, and the mesh uploaded last.
 
     ``PYOPENGL_PLATFORM`` must be set before the first one is made.
@@ -153,7 +153,7 @@ class FloatContext:
         from pyrender.shader_program import ShaderProgramCache
 
         self._offscreen = pyrender.OffscreenRenderer(64, 64)
-        self._passes: Any = type("FloatRenderer", (FloatFramebuffer, Renderer), {"_kept": {}})(64, 64)
+        self._passes: Any = type("FloatRenderer", (_FloatFramebuffer, Renderer), {"_kept": {}})(64, 64)
         self._passes._program_cache = ShaderProgramCache(str(Path(__file__).parent / "shaders"))
         self._offscreen._renderer = self._passes
         # pyrender requires a camera in the scene, although its matrices are not used.

@@ -14,11 +14,6 @@ from numpy.typing import NDArray
 from normalgan.arrays import Doubles
 
 __all__ = [
-    "BELLY_SHARE",
-    "BLEND",
-    "CHOOSE",
-    "DEGREE",
-    "REACH",
     "Deformation",
     "Deformed",
     "Middle",
@@ -149,8 +144,8 @@ def _gaussian(offset: Doubles, width: float) -> Doubles:
     return np.asarray(np.exp(-np.einsum("vc,vc->v", offset, offset) / (2 * width**2)))
 
 
-DEGREE = 3
-CHOOSE = np.array([1.0, 3.0, 3.0, 1.0])
+_DEGREE = 3
+_CHOOSE = np.array([1.0, 3.0, 3.0, 1.0])
 
 
 def free_form(points: Doubles, low: Doubles, high: Doubles, pulls: Doubles) -> Deformed:
@@ -181,21 +176,21 @@ def free_form(points: Doubles, low: Doubles, high: Doubles, pulls: Doubles) -> D
 
 def _bernstein(share: Doubles) -> Deformed:
     """Return the (V, 4) Bernstein polynomials of degree 3 at places along an axis, and their slopes."""
-    k = np.arange(DEGREE + 1)
+    k = np.arange(_DEGREE + 1)
     t, rest = share[:, None], 1 - share[:, None]
     # 0 ** 0 is 1, and where the exponent would be -1 its factor is 0.
-    slopes = CHOOSE * (
-        k * t ** np.maximum(k - 1, 0) * rest ** (DEGREE - k)
-        - (DEGREE - k) * t**k * rest ** np.maximum(DEGREE - k - 1, 0)
+    slopes = _CHOOSE * (
+        k * t ** np.maximum(k - 1, 0) * rest ** (_DEGREE - k)
+        - (_DEGREE - k) * t**k * rest ** np.maximum(_DEGREE - k - 1, 0)
     )
-    return CHOOSE * t**k * rest ** (DEGREE - k), slopes
+    return _CHOOSE * t**k * rest ** (_DEGREE - k), slopes
 
 
-BELLY_SHARE = 0.4
+_BELLY_SHARE = 0.4
 """Where sections, going up, first have this share of the widest section's area, the legs end."""
-BLEND = 0.08
+_BLEND = 0.08
 """Half the height over which the lengthening of legs sets in, in radii of the object."""
-REACH = 3.0
+_REACH = 3.0
 """Standard deviations beyond which the surface does not count for a middle."""
 
 
@@ -215,7 +210,7 @@ def belly(points: Doubles, faces: NDArray[np.integer], up: int) -> float:
     height = (a + b + c)[:, up] / 3
     order = np.argsort(-height)
     section = np.cumsum(rising[order])[::-1]
-    wide = section >= BELLY_SHARE * section.max()
+    wide = section >= _BELLY_SHARE * section.max()
     return float(height[order][::-1][np.argmax(wide)])
 
 
@@ -229,9 +224,9 @@ def lengthen(points: Doubles, up: int, line: float, growth: float) -> Deformed:
         growth: negative to shorten.
     """
     # The integral of a step softened over 2 * BLEND, a parabola between two straight lines.
-    below = np.clip((line + BLEND - points[:, up]) / (2 * BLEND), 0.0, None)
+    below = np.clip((line + _BLEND - points[:, up]) / (2 * _BLEND), 0.0, None)
     inside = np.minimum(below, 1.0)
-    depth = 2 * BLEND * (inside**2 / 2 + (below - inside))
+    depth = 2 * _BLEND * (inside**2 / 2 + (below - inside))
     moved = points.copy()
     moved[:, up] -= growth * depth
     jacobian = np.tile(np.eye(3), (len(points), 1, 1))
@@ -274,7 +269,7 @@ class Middle:
         from scipy.spatial import cKDTree  # half a second: only when a mesh is varied
 
         near = cKDTree(points).sparse_distance_matrix(
-            cKDTree(self.places), REACH * self.width, output_type="coo_matrix"
+            cKDTree(self.places), _REACH * self.width, output_type="coo_matrix"
         )
         row, column = np.asarray(near.row), np.asarray(near.col)
         weight = self.areas[column] * np.exp(-((np.asarray(near.data) / self.width) ** 2) / 2)

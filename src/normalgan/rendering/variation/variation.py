@@ -8,7 +8,7 @@ import numpy as np
 from normalgan.arrays import Doubles
 from normalgan.ranges import Range, check_ranges
 
-__all__ = ["BUMPS", "PARTS", "Variation", "VariationDraws", "draw"]
+__all__ = ["PARTS", "Variation", "VariationDraws", "draw"]
 
 _Part = Annotated[float, Range(0, 0.9)]  # so that nothing shrinks to nothing
 
@@ -69,7 +69,7 @@ class Variation:
         return not any(getattr(self, field.name) for field in fields(self) if field.name != "asymmetry")
 
 
-PARTS, BUMPS = 3, 12
+PARTS, _BUMPS = 3, 12
 
 
 @dataclass(frozen=True)
@@ -112,9 +112,9 @@ def draw(rng: np.random.Generator) -> VariationDraws:
         twist=float(rng.uniform(-1, 1)),
         limbs=rng.uniform(-1, 1, 2),
         parts=rng.uniform(-1, 1, PARTS),
-        bumps=rng.uniform(-1, 1, BUMPS),
+        bumps=rng.uniform(-1, 1, _BUMPS),
         part_places=rng.uniform(0, 1, PARTS),
-        bump_places=rng.uniform(0, 1, BUMPS),
-        widths=rng.uniform(0, 1, PARTS + BUMPS),
+        bump_places=rng.uniform(0, 1, _BUMPS),
+        widths=rng.uniform(0, 1, PARTS + _BUMPS),
         lattice=rng.standard_normal((4, 4, 4, 3)).clip(-2, 2),
     )

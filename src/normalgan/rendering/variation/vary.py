@@ -33,21 +33,9 @@ from normalgan.rendering.variation.joints import find_joints
 from normalgan.rendering.variation.variation import PARTS, Variation, VariationDraws, draw
 from normalgan.seeds import rng_of
 
-__all__ = [
-    "BUMP_WIDTH",
-    "LEAST_VOLUME",
-    "LIMB_WIDTH",
-    "MIRROR",
-    "PART_WIDTH",
-    "VARIATION_VERSION",
-    "Object",
-    "Varied",
-    "cofactors",
-    "steps",
-    "vary",
-]
+__all__ = ["Varied", "vary"]
 
-LEAST_VOLUME = 0.1
+_LEAST_VOLUME = 0.1
 """A change that shrinks the space around a vertex to less than this, or inverts it, is too strong."""
 
 
@@ -71,11 +59,11 @@ def vary(mesh: Mesh, variation: Variation, rng: np.random.Generator) -> Mesh:
     frame = find_frame(mesh)
     points = frame.inward(mesh.vertices.astype(np.float64))
     normals = mesh.normals.astype(np.float64) @ frame.axes.T
-    thing = Object(points, normals, frame.areas, mesh.faces, frame.up)
+    thing = _Object(points, normals, frame.areas, mesh.faces, frame.up)
     draws, amount = draw(rng), 1.0
     while True:
-        moved, jacobian = in_turn(points, steps(thing, variation.times(amount), draws))
-        turned = cofactors(jacobian)
+        moved, jacobian = in_turn(points, _steps(thing, variation.times(amount), draws))
+        turned = _cofactors(jacobian)
         if _holds(jacobian, turned):
             break
         amount /= 2  # ends: without strength the Jacobian is the identity
@@ -98,7 +86,7 @@ def _bend_limbs(mesh: Mesh, most: float, rng: np.random.Generator) -> Mesh:
         axis /= np.linalg.norm(axis)
         angle = float(rng.uniform(-most, most))
         moved, jacobian = joint.bend(points, axis, angle)
-        turned = cofactors(jacobian)
+        turned = _cofactors(jacobian)
         if _holds(jacobian, turned):
             points, normals = moved, np.einsum("vij,vj->vi", turned, normals)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
@@ -108,7 +96,7 @@ def _bend_limbs(mesh: Mesh, most: float, rng: np.random.Generator) -> Mesh:
 def _holds(jacobian: Doubles, turned: Doubles) -> bool:
     """Return whether a deformation leaves enough space about each vertex; ``turned`` has its cofactors."""
     volume = np.einsum("vc,vc->v", jacobian[:, 0], turned[:, 0])  # a row times its cofactors: the determinant
-    return bool(volume.min() >= LEAST_VOLUME)
+    return bool(volume.min() >= _LEAST_VOLUME)
 
 
 def _lean(most: float, rng: np.random.Generator) -> Doubles:
@@ -121,24 +109,24 @@ def _lean(most: float, rng: np.random.Generator) -> Doubles:
     return np.asarray(Rotation.from_rotvec(angle * axis).as_matrix())
 
 
-def cofactors(matrices: Doubles) -> Doubles:
+def _cofactors(matrices: Doubles) -> Doubles:
     """Return the cofactors (V, 3, 3) of matrices (V, 3, 3): determinant times inverse transpose.
 
-    >>> cofactors(np.diag([2.0, 1.0, 1.0])[None])[0].diagonal()
+    >>> _cofactors(np.diag([2.0, 1.0, 1.0])[None])[0].diagonal()
     array([1., 2., 2.])
     """
     a, b, c = matrices[:, 0], matrices[:, 1], matrices[:, 2]
     return np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
 
 
-LIMB_WIDTH = 0.06
+_LIMB_WIDTH = 0.06
 """Standard deviation of the Gaussian that finds the middle of limbs, in radii of the object."""
-PART_WIDTH = (0.16, 0.35)
-BUMP_WIDTH = (0.06, 0.2)
-MIRROR = np.array([1.0, 1.0, -1.0])
+_PART_WIDTH = (0.16, 0.35)
+_BUMP_WIDTH = (0.06, 0.2)
+_MIRROR = np.array([1.0, 1.0, -1.0])
 
 
-class Object:
+class _Object:
     """A surface in the coordinates of its frame, with the measures that deformations need.
 
     Args:
@@ -154,8 +142,8 @@ class Object:
     ) -> None:
         self.points, self.normals, self.up = points, normals, up
         self.belly = belly(points, faces, up)
-        self.limbs = Middle.of(points, areas, LIMB_WIDTH)
-        self.trunk = Middle.of(points, areas, float(np.mean(PART_WIDTH)))
+        self.limbs = Middle.of(points, areas, _LIMB_WIDTH)
+        self.trunk = Middle.of(points, areas, float(np.mean(_PART_WIDTH)))
         self._cumulated = np.cumsum(areas) / areas.sum()
 
     def vertices_at(self, shares: Doubles) -> Indices:
@@ -163,7 +151,7 @@ class Object:
         return np.searchsorted(self._cumulated, shares).clip(0, len(self.points) - 1)
 
 
-def steps(thing: Object, strength: Variation, draws: VariationDraws) -> list[Deformation]:
+def _steps(thing: _Object, strength: Variation, draws: VariationDraws) -> list[Deformation]:
     """Return the deformations of one variation, in order.
 
     Args:
@@ -190,28 +178,28 @@ def steps(thing: Object, strength: Variation, draws: VariationDraws) -> list[Def
     ]
 
 
-def _parts(thing: Object, strength: Variation, draws: VariationDraws) -> list[Deformation]:
+def _parts(thing: _Object, strength: Variation, draws: VariationDraws) -> list[Deformation]:
     """Return the growth of parts, each with its mirror image; centres lie under the skin."""
     centres, _ = thing.trunk.at(thing.points[thing.vertices_at(draws.part_places)])
-    widths = PART_WIDTH[0] + draws.widths[:PARTS] * (PART_WIDTH[1] - PART_WIDTH[0])
+    widths = _PART_WIDTH[0] + draws.widths[:PARTS] * (_PART_WIDTH[1] - _PART_WIDTH[0])
     found: list[Deformation] = []
     for centre, width, growth in zip(centres, widths, strength.parts * draws.parts, strict=True):
         own, other = _sides(centre, float(width), strength.asymmetry)
         found.append(partial(swell, centre=centre, width=width, growth=own * growth))
-        found.append(partial(swell, centre=centre * MIRROR, width=width, growth=other * growth))
+        found.append(partial(swell, centre=centre * _MIRROR, width=width, growth=other * growth))
     return found
 
 
-def _bumps(thing: Object, strength: Variation, draws: VariationDraws) -> list[Deformation]:
+def _bumps(thing: _Object, strength: Variation, draws: VariationDraws) -> list[Deformation]:
     """Return the bumps and hollows, along the normal, each with its mirror image."""
     vertices = thing.vertices_at(draws.bump_places)
-    widths = BUMP_WIDTH[0] + draws.widths[PARTS:] * (BUMP_WIDTH[1] - BUMP_WIDTH[0])
+    widths = _BUMP_WIDTH[0] + draws.widths[PARTS:] * (_BUMP_WIDTH[1] - _BUMP_WIDTH[0])
     found: list[Deformation] = []
     for vertex, width, height in zip(vertices, widths, strength.bumps * draws.bumps, strict=True):
         centre, shift = thing.points[vertex], height * width * thing.normals[vertex]
         own, other = _sides(centre, float(width), strength.asymmetry)
         found.append(partial(bump, centre=centre, width=width, shift=own * shift))
-        found.append(partial(bump, centre=centre * MIRROR, width=width, shift=other * shift * MIRROR))
+        found.append(partial(bump, centre=centre * _MIRROR, width=width, shift=other * shift * _MIRROR))
     return found
 
 
@@ -223,7 +211,7 @@ def _sides(centre: Doubles, width: float, odd: float) -> tuple[float, float]:
 
 def _mirrored(pulls: Doubles, odd: float) -> Doubles:
     """Return the pulls of a lattice with this share of the difference between left and right."""
-    image = pulls[:, :, ::-1] * MIRROR
+    image = pulls[:, :, ::-1] * _MIRROR
     # The mean of two independent pulls is smaller by √2.
     return np.asarray(((pulls + image) + odd * (pulls - image)) / np.sqrt(2 * (1 + odd**2)))
 
@@ -236,7 +224,7 @@ def _pull(points: Doubles, pulls: Doubles) -> Deformed:
     return free_form(points, low, high, pulls * (high - low))
 
 
-VARIATION_VERSION = 1
+_VARIATION_VERSION = 1
 """Part of every fingerprint; raise it when a number gives another individual than before."""
 
 
@@ -271,7 +259,13 @@ class Varied:
         Raises:
             InputError: if the source cannot be read.
         """
-        parts = [VARIATION_VERSION, self.source.fingerprint(), self.name, asdict(self.variation), self.number]
+        parts = [
+            _VARIATION_VERSION,
+            self.source.fingerprint(),
+            self.name,
+            asdict(self.variation),
+            self.number,
+        ]
         return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
 
     def load(self) -> Mesh:
