@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import Doubles
-from normalgan.rendering.cameras import Camera
+from normalgan.rendering.cameras import Camera, project
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers.base import RENDERERS, Renderer
@@ -68,13 +68,10 @@ def _scene(mesh: Mesh) -> Any:
 
 def _pixels_in_reach(mesh: Mesh, camera: Camera, size: int) -> tuple[slice, slice]:
     """Return the rows and columns of the smallest rectangle of pixels that holds the projected mesh."""
-    points = (
-        np.c_[mesh.vertices, np.ones(len(mesh.vertices))]
-        @ (camera.projection_matrix() @ camera.view_matrix()).T
-    )
-    if (points[:, 3] <= 0).any():  # something lies behind the eye, where a projection is meaningless
+    place, depth = project(camera, mesh.vertices.astype(np.float64), size)
+    if camera.perspective and depth.min() <= 0:  # behind the eye, where a projection is meaningless
         return slice(0, size), slice(0, size)
-    x, y = ((points[:, :2] / points[:, 3:]) * [0.5, -0.5] + 0.5).T * size
+    x, y = place.T
     bounds = [int(np.clip(edge, 0, size)) for edge in (y.min(), y.max() + 1, x.min(), x.max() + 1)]
     return slice(bounds[0], bounds[1]), slice(bounds[2], bounds[3])
 

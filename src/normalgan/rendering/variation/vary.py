@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from copy import deepcopy
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 
@@ -30,7 +31,7 @@ from normalgan.rendering.variation.deformations import (
 )
 from normalgan.rendering.variation.frame import find_frame
 from normalgan.rendering.variation.joints import find_joints
-from normalgan.rendering.variation.variation import PARTS, Variation, VariationDraws, draw
+from normalgan.rendering.variation.variation import Variation
 from normalgan.seeds import rng_of
 
 __all__ = ["Varied", "vary"]
@@ -60,9 +61,9 @@ def vary(mesh: Mesh, variation: Variation, rng: np.random.Generator) -> Mesh:
     points = frame.inward(mesh.vertices.astype(np.float64))
     normals = mesh.normals.astype(np.float64) @ frame.axes.T
     thing = _Object(points, normals, frame.areas, mesh.faces, frame.up)
-    draws, amount = draw(rng), 1.0
+    amount = 1.0
     while True:
-        moved, jacobian = in_turn(points, _steps(thing, variation.times(amount), draws))
+        moved, jacobian = in_turn(points, _steps(thing, variation.times(amount), deepcopy(rng)))
         turned = _cofactors(jacobian)
         if _holds(jacobian, turned):
             break
@@ -121,8 +122,9 @@ def _cofactors(matrices: Doubles) -> Doubles:
 
 _LIMB_WIDTH = 0.06
 """Standard deviation of the Gaussian that finds the middle of limbs, in radii of the object."""
-_PART_WIDTH = (0.16, 0.35)
-_BUMP_WIDTH = (0.06, 0.2)
+_PARTS, _PART_WIDTH = 3, (0.16, 0.35)
+_BUMPS, _BUMP_WIDTH = 12, (0.06, 0.2)
+"""How many parts grow and how many bumps there are; their least and greatest width."""
 _MIRROR = np.array([1.0, 1.0, -1.0])
 
 
@@ -151,53 +153,66 @@ class _Object:
         return np.searchsorted(self._cumulated, shares).clip(0, len(self.points) - 1)
 
 
-def _steps(thing: _Object, strength: Variation, draws: VariationDraws) -> list[Deformation]:
+def _steps(thing: _Object, strength: Variation, rng: np.random.Generator) -> list[Deformation]:
     """Return the deformations of one variation, in order.
 
-    Args:
-        thing: the object.
-        strength: how much the draws count.
-        draws: the random draws.
+    The draws are always equally many, of unit scale, so that no strength shifts another's.
     """
+    scales, tapered, bends, twisted, limbs, parts, bumps = (
+        rng.uniform(-1, 1, count) for count in (3, 1, 2, 1, 2, _PARTS, _BUMPS)
+    )
+    part_places, bump_places = rng.uniform(0, 1, _PARTS), rng.uniform(0, 1, _BUMPS)
+    part_widths, bump_widths = rng.uniform(0, 1, _PARTS), rng.uniform(0, 1, _BUMPS)
+    pulls = rng.standard_normal((4, 4, 4, 3)).clip(-2, 2)
+
     odd = strength.asymmetry
     half = float(np.abs(thing.points[:, 0]).max())
-    length, thickness = draws.limbs * [strength.limb_length, strength.limb_thickness]
-    up, sideways = np.deg2rad(strength.bend) * draws.bend * [1.0, odd] / (2 * half)
+    length, thickness = limbs * [strength.limb_length, strength.limb_thickness]
+    up, sideways = np.deg2rad(strength.bend) * bends * [1.0, odd] / (2 * half)
+    growing = _parts(thing, strength.parts * parts, part_places, part_widths, odd)
+    bulging = _bumps(thing, strength.bumps * bumps, bump_places, bump_widths, odd)
     # Steps that are placed on the surface come first, before it moves.
     return [
         partial(thicken, middle=thing.limbs, growth=float(thickness)),
-        partial(together, deformations=_parts(thing, strength, draws)),
-        partial(together, deformations=_bumps(thing, strength, draws)),
+        partial(together, deformations=growing),
+        partial(together, deformations=bulging),
         partial(lengthen, up=thing.up, line=thing.belly, growth=float(length)),
-        partial(scale, factors=(1 + strength.scale) ** draws.scale),
-        partial(taper, slope=strength.taper * draws.taper / half),
-        partial(_pull, pulls=_mirrored(strength.lattice * draws.lattice, odd)),
-        partial(twist, rate=float(np.deg2rad(strength.twist) * odd * draws.twist / (2 * half))),
+        partial(scale, factors=(1 + strength.scale) ** scales),
+        partial(taper, slope=strength.taper * tapered[0] / half),
+        partial(_pull, pulls=_mirrored(strength.lattice * pulls, odd)),
+        partial(twist, rate=float(np.deg2rad(strength.twist) * odd * twisted[0] / (2 * half))),
         partial(bend, curvature=float(up), across=1),
         partial(bend, curvature=float(sideways), across=2),
     ]
 
 
-def _parts(thing: _Object, strength: Variation, draws: VariationDraws) -> list[Deformation]:
-    """Return the growth of parts, each with its mirror image; centres lie under the skin."""
-    centres, _ = thing.trunk.at(thing.points[thing.vertices_at(draws.part_places)])
-    widths = _PART_WIDTH[0] + draws.widths[:PARTS] * (_PART_WIDTH[1] - _PART_WIDTH[0])
+def _parts(
+    thing: _Object, growths: Doubles, places: Doubles, widths: Doubles, odd: float
+) -> list[Deformation]:
+    """Return the growth of parts, each with its mirror image; centres lie under the skin.
+
+    Their places are shares of the surface, their widths shares of the range of widths; so for bumps.
+    """
+    centres, _ = thing.trunk.at(thing.points[thing.vertices_at(places)])
+    widths = _PART_WIDTH[0] + widths * (_PART_WIDTH[1] - _PART_WIDTH[0])
     found: list[Deformation] = []
-    for centre, width, growth in zip(centres, widths, strength.parts * draws.parts, strict=True):
-        own, other = _sides(centre, float(width), strength.asymmetry)
+    for centre, width, growth in zip(centres, widths, growths, strict=True):
+        own, other = _sides(centre, float(width), odd)
         found.append(partial(swell, centre=centre, width=width, growth=own * growth))
         found.append(partial(swell, centre=centre * _MIRROR, width=width, growth=other * growth))
     return found
 
 
-def _bumps(thing: _Object, strength: Variation, draws: VariationDraws) -> list[Deformation]:
+def _bumps(
+    thing: _Object, heights: Doubles, places: Doubles, widths: Doubles, odd: float
+) -> list[Deformation]:
     """Return the bumps and hollows, along the normal, each with its mirror image."""
-    vertices = thing.vertices_at(draws.bump_places)
-    widths = _BUMP_WIDTH[0] + draws.widths[PARTS:] * (_BUMP_WIDTH[1] - _BUMP_WIDTH[0])
+    vertices = thing.vertices_at(places)
+    widths = _BUMP_WIDTH[0] + widths * (_BUMP_WIDTH[1] - _BUMP_WIDTH[0])
     found: list[Deformation] = []
-    for vertex, width, height in zip(vertices, widths, strength.bumps * draws.bumps, strict=True):
+    for vertex, width, height in zip(vertices, widths, heights, strict=True):
         centre, shift = thing.points[vertex], height * width * thing.normals[vertex]
-        own, other = _sides(centre, float(width), strength.asymmetry)
+        own, other = _sides(centre, float(width), odd)
         found.append(partial(bump, centre=centre, width=width, shift=own * shift))
         found.append(partial(bump, centre=centre * _MIRROR, width=width, shift=other * shift * _MIRROR))
     return found
