@@ -92,8 +92,8 @@ class Recipe:
             InputError: if it is not a mesh, or the style draws no lines of it.
         """
         mesh = check_mesh(mesh)
-        view = View(mesh, self.views.camera(mesh, self._rng(mesh, index, "views")), self.renderer, self.size)
-        rng = partial(self._rng, mesh, index)
+        rng = partial(sample_rng, self.seed, mesh.name, index)
+        view = View(mesh, self.views.camera(mesh, rng("views")), self.renderer, self.size)
         strokes, maps = draw_strokes(view, self.lines, self.hand, rng)
         if not strokes:
             raise no_lines(self.lines, f"{mesh.name}, view {index}", self.size)
@@ -103,9 +103,6 @@ class Recipe:
             normal=maps.normal.astype(np.float16),
             mask=maps.mask.astype(np.bool_),
         )
-
-    def _rng(self, mesh: Mesh, index: int, step: str) -> np.random.Generator:
-        return sample_rng(self.seed, mesh.name, index, step)
 
     def describe(self) -> dict[str, Any]:
         """Return all that the samples depend on besides the mesh, as plain values for JSON.

@@ -37,11 +37,11 @@ WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "M
 _FREE_NUMBERS = 2**22
 """Numbers that the accessors of a file may declare whatever its size; more need their bytes in the file."""
 _FREE_VERTICES = 2**18
-"""The same of vertices in a scene, those of a repeated part counted each time."""
+"""Vertices that a scene may place whatever the file's size, those of a repeated part counted each time."""
 _MOST_PARTS = 5_000
 """More nodes, or more placed parts of meshes, are refused: each takes a millisecond and more."""
 _REPEATED = 4
-"""How often the bytes of a file may be used; nearly all exporters use them once."""
+"""How often accessors may use the bytes of a file; nearly all exporters use them once."""
 
 _SUFFIXES = (".glb", ".gltf")
 _KNOWN = ("KHR_mesh_quantization", "KHR_animation_pointer", "KHR_node_visibility")
