@@ -12,7 +12,7 @@ from normalgan.gan import NormalGAN
 from normalgan.hints import UniformHints
 from normalgan.losses import Wasserstein
 from normalgan.models import UNetDiscriminator, UNetGenerator
-from normalgan.rendering.lines.occluding import OccludingContours
+from normalgan.rendering.lines.contours import OccludingContours
 
 torch.set_num_threads(1)  # networks this small are slower with more
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from command import Bench
 
-from normalgan.data.jobs import cluster_address
+from normalgan.data.jobs import cluster
 from s3_server import fresh_bucket, s3_server
 
 
@@ -27,7 +27,7 @@ def test_render_takes_a_cluster(bench: Bench, tmp_path: Path) -> None:
 def test_a_cluster_that_cannot_be_had_is_one_sentence(
     bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cluster_address, "TIMEOUT", 1.0)
+    monkeypatch.setattr(cluster, "_TIMEOUT", 1.0)
     bench.run("render", tmp_path, "--cluster", "tcp://127.0.0.1:9").refused(
         "no scheduler answers at tcp://127"
     )

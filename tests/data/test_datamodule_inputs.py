@@ -14,7 +14,7 @@ from normalgan.data.settings import EmbeddedAnimals, Prediction, Split
 from normalgan.data.sources import DataSource, SplitSettings
 from normalgan.errors import InputError
 from normalgan.normals import encode
-from normalgan.rendering.lines.occluding import OccludingContours
+from normalgan.rendering.lines.contours import OccludingContours
 from small import QUIET, data, gan, trainer
 
 pytestmark = [

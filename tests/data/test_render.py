@@ -22,7 +22,7 @@ from normalgan.data.store.manifest import dataset_key, fingerprints
 from normalgan.data.store.shards import ShardedSamples
 from normalgan.errors import InputError
 from normalgan.rendering import Views
-from normalgan.rendering.lines.occluding import OccludingContours
+from normalgan.rendering.lines.contours import OccludingContours
 from normalgan.rendering.samples import Recipe
 
 SOURCES = {"train": [Octahedron("a"), Octahedron("b", 0.3)], "val": [], "test": [Octahedron("c", 0.8)]}

@@ -14,8 +14,7 @@ from normalgan.inference.reading.drawings import read_drawing, read_normals
 from normalgan.inference.reading.hint_files import load_hints
 from normalgan.inference.reading.picture import read_picture
 from normalgan.normals import read_png
-from normalgan.rendering.mesh_files import MeshFile
-from normalgan.rendering.orientation import read_orientations
+from normalgan.rendering.mesh_files import MeshFile, read_orientations
 from normalgan.weights.file import read_weights
 
 POINTER = b"version https://git-lfs.github.com/spec/v1\noid sha256:" + b"4d7a21" * 10 + b"abcd\nsize 12345\n"

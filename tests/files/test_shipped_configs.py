@@ -13,7 +13,7 @@ from normalgan.cli.config_files import check_config
 from normalgan.data.splits import split_by_file
 from normalgan.errors import InputError
 from normalgan.files.shipped_configs import find_config, shipped_folder, shipped_names
-from normalgan.rendering.orientation import read_orientations
+from normalgan.rendering.mesh_files import read_orientations
 
 ROOT = Path(__file__).parents[2]
 

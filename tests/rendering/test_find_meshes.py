@@ -9,8 +9,7 @@ from mesh_shapes import BALL, solid, trimesh, write
 from numpy.typing import NDArray
 
 from normalgan.errors import InputError
-from normalgan.rendering.mesh_files import MeshFile, find_meshes
-from normalgan.rendering.orientation import read_orientations
+from normalgan.rendering.mesh_files import MeshFile, find_meshes, read_orientations
 
 QUARTER_TURN = ((0.0, -1.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
 

@@ -6,13 +6,11 @@ from grids import from_above, height_field, to_plane
 from mesh_shapes import as_mesh, ellipsoid
 
 from normalgan.arrays import Doubles
-from normalgan.rendering.cameras import framed, look_at_origin
+from normalgan.rendering.cameras import framed, look_at_origin, towards_eye
 from normalgan.rendering.lines import LineDrawing, ObjectSpaceSuggestive, OccludingContours, RidgesAndValleys
-from normalgan.rendering.lines.apparent_ridges import apparent_curvature, extremes
 from normalgan.rendering.lines.object_space import radial_curvature
-from normalgan.rendering.lines.projection import towards_eye
-from normalgan.rendering.lines.shapes import shape_of
-from normalgan.rendering.lines.surface import Surface
+from normalgan.rendering.lines.ridges import apparent_curvature, extremes
+from normalgan.rendering.lines.surface import Surface, shape_of
 from normalgan.rendering.renderers import EmbreeRenderer
 from normalgan.rendering.strokes import Stroke
 from normalgan.rendering.view import View

@@ -10,8 +10,8 @@ from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 from normalgan.rendering.cameras import Views, framed, look_at_origin
 from normalgan.rendering.lines import LINE_DRAWINGS, Brush, LineDrawing, Mixture, Silhouette
-from normalgan.rendering.lines.silhouette import borders
-from normalgan.rendering.lines.thinning import thin
+from normalgan.rendering.lines.brush import thin
+from normalgan.rendering.lines.contours import borders
 from normalgan.rendering.renderers import EmbreeRenderer
 from normalgan.rendering.samples import Recipe
 from normalgan.rendering.strokes import Stroke

@@ -201,7 +201,7 @@ BAD: dict[str, tuple[bytes | str, str]] = {
         "has the line 'property quad y'",
     ),
     "cut.ply": (ply(*prism(U), "binary_big_endian")[:-3], "and it ends before"),
-    "none.gltf": (gltf(6, None, put("meshes", 0, value=7)), "damaged, or not of the kind .gltf"),
+    "none.gltf": (gltf(6, None, put("meshes", 0, value=7)), "it is not as glTF 2.0 says"),
     "strange.gltf": (
         gltf(6, None, put("nodes", 0, "mesh", value="a")),
         "refers to entry a of its 1 meshes",

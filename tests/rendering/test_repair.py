@@ -7,10 +7,9 @@ from mesh_shapes import BALL, MESHES, angles, needs_meshes, solid, trimesh, writ
 from normalgan.rendering.cameras import framed, look_at_origin
 from normalgan.rendering.loading import read_triangles
 from normalgan.rendering.mesh import Mesh
-from normalgan.rendering.mesh_files import MeshFile, find_meshes
-from normalgan.rendering.orientation import read_orientations
+from normalgan.rendering.mesh_files import MeshFile, find_meshes, read_orientations
 from normalgan.rendering.renderers import EmbreeRenderer
-from normalgan.rendering.topology import bodies
+from normalgan.rendering.repair import bodies
 
 UP = np.array([0, 0, 1], dtype=np.float32)
 

@@ -12,8 +12,7 @@ import pytest
 from normalgan.files.source_hash import source_hash
 from normalgan.rendering.cameras import Camera, Views
 from normalgan.rendering.lines.base import LineDrawing
-from normalgan.rendering.lines.occluding import OccludingContours
-from normalgan.rendering.lines.silhouette import Silhouette
+from normalgan.rendering.lines.contours import OccludingContours, Silhouette
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers.base import Renderer
@@ -188,7 +187,7 @@ def test_an_edited_plug_in_gets_new_samples(
         path.touch()
     code = f"""
 from dataclasses import dataclass
-from normalgan.rendering.lines.silhouette import Silhouette
+from normalgan.rendering.lines.contours import Silhouette
 import numpy, os
 {imports}
 

@@ -3,8 +3,7 @@ import pytest
 from mesh_shapes import as_mesh, ellipsoid
 
 from normalgan.arrays import Doubles
-from normalgan.rendering.lines.surface import Surface
-from normalgan.rendering.lines.surface_curvature import shape_operators, smooth_normals
+from normalgan.rendering.lines.surface import Surface, shape_operators, smooth_normals
 from normalgan.rendering.mesh import Mesh
 
 AXES = np.array([1.0, 0.7, 0.5])

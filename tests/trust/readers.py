@@ -66,7 +66,7 @@ def hints(path: Path) -> None:
 
 def orientation(path: Path) -> None:
     """Read an orientation file."""
-    from normalgan.rendering.orientation import read_orientations
+    from normalgan.rendering.mesh_files import read_orientations
 
     read_orientations(str(path))
 

@@ -22,7 +22,7 @@ from normalgan.animals import make_animals
 from normalgan.errors import InputError
 from normalgan.rendering import find_meshes
 from normalgan.rendering.cameras import Views
-from normalgan.rendering.lines.occluding import OccludingContours
+from normalgan.rendering.lines.contours import OccludingContours
 from normalgan.rendering.lines.suggestive import SuggestiveContours
 from normalgan.rendering.mesh import MeshSource
 from normalgan.rendering.renderers.embree import EmbreeRenderer

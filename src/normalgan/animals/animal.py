@@ -11,9 +11,9 @@ from normalgan.ranges import Count, check_ranges
 from normalgan.rendering.mesh import Mesh
 from normalgan.seeds import rng_of
 
-__all__ = ["VERSION", "Animal", "make_animals", "members"]
+__all__ = ["Animal", "make_animals"]
 
-VERSION = 2  # to be raised whenever the same species and seed give another shape
+_VERSION = 2  # to be raised whenever the same species and seed give another shape
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Animal:
 
     def fingerprint(self) -> str:
         """Return a hash of the parameters and the version of the generator."""
-        text = f"animal {VERSION} {self.species} {self.seed} {self.pose}"
+        text = f"animal {_VERSION} {self.species} {self.seed} {self.pose}"
         return hashlib.sha256(text.encode()).hexdigest()
 
     def load(self) -> Mesh:
@@ -90,7 +90,7 @@ def make_animals(
         raise InputError(f"the number of animals is {count}; it must be 1 or more.")
     if not 0 <= postures <= 1:
         raise InputError(f"the share of postures is {postures}; give a number from 0 to 1.")
-    names = members(species)
+    names = _members(species)
     numbered = [(names[i % len(names)], seed * 10_000 + i // len(names)) for i in range(count)]
     return [Animal(name, number, _posture(name, number, postures)) for name, number in numbered]
 
@@ -102,7 +102,7 @@ def _posture(species: str, seed: int, share: float) -> str | None:
     return str(rng.choice(known)) if known and rng.random() < share else None
 
 
-def members(names: Sequence[str]) -> list[str]:
+def _members(names: Sequence[str]) -> list[str]:
     """Return the species behind names of species and groups, each once, in order.
 
     Raises:

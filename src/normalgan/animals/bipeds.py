@@ -347,7 +347,6 @@ class Biped(PosedPlan):
     """A species that walks on two legs.
 
     Args:
-        habits: the poses it takes; one named twice is drawn twice as often.
         body: the flesh around the bones.
         measures: proportions of the average individual.
         spread: how much an individual's measures differ, as a fraction, at most a half.

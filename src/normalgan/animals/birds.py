@@ -206,7 +206,6 @@ class Bird(PosedPlan):
     """A kind of bird.
 
     Args:
-        habits: the poses it takes; one named twice is drawn twice as often.
         body: from the rump, x = 0, to the breast, x = 1, lying flat.
         pitch: degrees by which the breast is raised when it stands.
         neck: from inside the breast to the head, in the upright bird, as differences from the first.

@@ -50,7 +50,6 @@ class Theropod(PosedPlan):
     """A kind of two-legged dinosaur, the hip at x = 0.
 
     Args:
-        habits: the poses it takes; one named twice is drawn twice as often.
         torso: from the root of the tail to the chest.
         tail: from its tip into the torso.
         neck: from inside the chest to the head.

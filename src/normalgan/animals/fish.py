@@ -99,7 +99,6 @@ class Fish(PosedPlan):
     """A kind of fish, straight, its nose at x = 1, the root of its tail fin near x = 0.
 
     Args:
-        habits: the poses it takes; one named twice is drawn twice as often.
         body: from the tail to the nose.
         fins: all fins but the tail fin, in the order in which they blend.
         eye: the right one of a pair.

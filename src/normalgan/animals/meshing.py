@@ -13,9 +13,9 @@ from normalgan.animals.shapes import Sweep, smooth_minimum
 from normalgan.arrays import Doubles
 from normalgan.rendering.mesh import Mesh
 
-__all__ = ["Grid", "Window", "drop_crumbs", "fill_voids", "sample", "to_mesh", "unit_sphere"]
+__all__ = ["drop_crumbs", "fill_voids", "to_mesh", "unit_sphere"]
 
-Window = tuple[slice, slice, slice]
+_Window = tuple[slice, slice, slice]
 _FAR = np.float32(10.0)  # value of the field where no part is near
 _MARGIN = 4  # grid cells round a part in which its field is right
 _FACES = 32_000  # about the number aimed at
@@ -70,7 +70,7 @@ def _field(parts: Sequence[Part], spacing: float) -> Volume:
     low = np.stack([corner[0] for corner in corners]).min(0) - pad
     high = np.stack([corner[1] for corner in corners]).max(0) + pad
     nx, ny, nz = np.ceil((high - low) / spacing).astype(int) + 1
-    field = sample(fine, Grid(low, spacing, (int(nx), int(ny), int(nz))))
+    field = _sample(fine, _Grid(low, spacing, (int(nx), int(ny), int(nz))))
     return drop_crumbs(fill_voids(ndimage.gaussian_filter(field, 0.7, truncate=2.9)))
 
 
@@ -109,7 +109,7 @@ def unit_sphere(points: Doubles) -> Doubles:
 
 
 @dataclass(frozen=True, eq=False)
-class Grid:
+class _Grid:
     """Where the field is sampled.
 
     Args:
@@ -122,20 +122,20 @@ class Grid:
     spacing: float
     shape: tuple[int, int, int]
 
-    def window(self, low: Doubles, high: Doubles) -> Window:
+    def window(self, low: Doubles, high: Doubles) -> _Window:
         """Return the slices of the samples in a box."""
         first = np.clip(np.floor((low - self.origin) / self.spacing), 0, self.shape).astype(int)
         last = np.clip(np.ceil((high - self.origin) / self.spacing) + 1, 0, self.shape).astype(int)
         return slice(first[0], last[0]), slice(first[1], last[1]), slice(first[2], last[2])
 
-    def axes(self, window: Window) -> Axes:
+    def axes(self, window: _Window) -> Axes:
         """Return the coordinates of the samples in a window."""
         steps = zip(self.origin, np.ogrid[window], strict=True)
         x, y, z = ((start + self.spacing * step).astype(np.float32) for start, step in steps)
         return x, y, z
 
 
-def sample(parts: Sequence[Part], grid: Grid) -> Volume:
+def _sample(parts: Sequence[Part], grid: _Grid) -> Volume:
     """Return the signed distance, negative inside, at every sample; right near the surface, `_FAR` elsewhere.
 
     The blend has finite width, so a part has no effect farther than that from its surface.
@@ -157,7 +157,7 @@ def sample(parts: Sequence[Part], grid: Grid) -> Volume:
     return field
 
 
-def _part_field(part: Part, grid: Grid, window: Window, margin: float) -> Volume:
+def _part_field(part: Part, grid: _Grid, window: _Window, margin: float) -> Volume:
     own = np.full([part.stop - part.start for part in window], _FAR, np.float32)
     for shape in part.shapes:
         for piece in shape.pieces(grid.spacing):
@@ -169,12 +169,12 @@ def _part_field(part: Part, grid: Grid, window: Window, margin: float) -> Volume
     return own
 
 
-def _overlap(a: Window, b: Window) -> Window:
+def _overlap(a: _Window, b: _Window) -> _Window:
     x, y, z = (slice(max(i.start, j.start), min(i.stop, j.stop)) for i, j in zip(a, b, strict=True))
     return x, y, z
 
 
-def _within(box: Window, window: Window) -> Window:
+def _within(box: _Window, window: _Window) -> _Window:
     x, y, z = (slice(a.start - b.start, a.stop - b.start) for a, b in zip(box, window, strict=True))
     return x, y, z
 

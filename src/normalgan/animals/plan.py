@@ -95,7 +95,6 @@ class Form(PosedPlan):
     """A species made by a function of the pose and a source of random numbers.
 
     Args:
-        habits: the poses it takes; one named twice is drawn twice as often.
         shape: returns the parts of one individual.
     """
 

@@ -12,10 +12,10 @@ from normalgan.animals.plan import BodyPlan, Form, Point, Rng, around
 from normalgan.animals.shapes import Shape, Sweep
 from normalgan.arrays import Doubles
 
-__all__ = ["HABITS", "PLUSH", "SKULL", "on_skull"]
+__all__ = ["PLUSH"]
 
-HABITS = ("sit", "sit", "stand", "hug", "cheer")
-SKULL = np.array([1.0, 0.93, 1.08])  # radii of a head in its own unit
+_HABITS = ("sit", "sit", "stand", "hug", "cheer")
+_SKULL = np.array([1.0, 0.93, 1.08])  # radii of a head in its own unit
 # Outline of a dragon's right wing: out, ahead.
 _BAT = np.array([(-0.05, 0.03), (0.16, 0.16), (0.40, 0.14), (0.36, -0.02), (0.26, -0.04), (0.2, -0.13),
                  (0.1, -0.1), (0.0, -0.12)])  # fmt: skip
@@ -35,7 +35,7 @@ def _sewn(
 
     Args:
         features: the parts of the head, in units of half its height.
-        pose: one of `HABITS`.
+        pose: one of `_HABITS`.
         rng: draws proportions, the limbs' places, and whether there are seams.
         belly: radii of the body.
         head: half the height of the head.
@@ -56,7 +56,7 @@ def _sewn(
     chin = Frame(np.array([0.12 * depth, 2 * half + 0.68 * size, 0]), nod)
     if rng.uniform() < 0.45:
         parts.append(fuse(_seam((0, half), radii), blend=0.01, carve=True))
-        features = [*features[:1], fuse(_seam((0, 0), SKULL), blend=0.03, carve=True), *features[1:]]
+        features = [*features[:1], fuse(_seam((0, 0), _SKULL), blend=0.03, carve=True), *features[1:]]
     return parts + carried(features, chin, size)
 
 
@@ -67,15 +67,15 @@ def _seam(at: ArrayLike, radii: ArrayLike) -> Sweep:
     return tube(in_space(at) + 1.01 * ring * np.array(radii, float), 0.008)
 
 
-def on_skull(aside: float, up: float, out: float = 1.0) -> Doubles:
+def _on_skull(aside: float, up: float, out: float = 1.0) -> Doubles:
     """Return the point (3,) of the head ``aside`` degrees to the right and ``up`` above its middle."""
     way = ray(np.deg2rad(aside), np.deg2rad(up))
-    return way / float(np.linalg.norm(way / SKULL)) * out
+    return way / float(np.linalg.norm(way / _SKULL)) * out
 
 
 def _skull(cheeks: float = 0.0) -> list[Part]:
     """Return the bare head, with cheeks of some size."""
-    parts = [fuse(ball((0, 0), SKULL), blend=0.05)]
+    parts = [fuse(ball((0, 0), _SKULL), blend=0.05)]
     if cheeks:
         parts.append(pair(ball([0.35, -0.35, 0.55], cheeks), blend=0.3))
     return parts
@@ -83,13 +83,13 @@ def _skull(cheeks: float = 0.0) -> list[Part]:
 
 def _buttons(aside: float, up: float, radius: float) -> Part:
     """Return a pair of round eyes sewn on."""
-    return pair(ball(on_skull(aside, up, 1.0), radius), blend=0.02)
+    return pair(ball(_on_skull(aside, up, 1.0), radius), blend=0.02)
 
 
 def _smile(aside: float, up: float, rise: float, out: float = 1.0) -> Part:
     """Return the groove of a mouth, to subtract; its corners lie ``rise`` degrees above its middle."""
     t = np.linspace(-1, 1, 9)
-    curve = [on_skull(aside * float(s), up + rise * float(s * s), out) for s in t]
+    curve = [_on_skull(aside * float(s), up + rise * float(s * s), out) for s in t]
     return fuse(tube(curve, 0.03), blend=0.02, carve=True)
 
 
@@ -336,13 +336,13 @@ def _dragon(pose: str, rng: Rng) -> list[Part]:
 
 
 PLUSH: Mapping[str, BodyPlan] = {
-    "plush_bunny": Form(HABITS, _bunny),
-    "plush_cat": Form(HABITS, _cat),
-    "plush_dragon": Form(HABITS, _dragon),
-    "plush_elephant": Form(HABITS, _elephant),
-    "plush_frog": Form(HABITS, _frog),
-    "plush_octopus": Form(HABITS, _octopus),
-    "plush_penguin": Form(HABITS, _penguin),
-    "plush_pig": Form(HABITS, _pig),
-    "teddy": Form(HABITS, _teddy),
+    "plush_bunny": Form(_HABITS, _bunny),
+    "plush_cat": Form(_HABITS, _cat),
+    "plush_dragon": Form(_HABITS, _dragon),
+    "plush_elephant": Form(_HABITS, _elephant),
+    "plush_frog": Form(_HABITS, _frog),
+    "plush_octopus": Form(_HABITS, _octopus),
+    "plush_penguin": Form(_HABITS, _penguin),
+    "plush_pig": Form(_HABITS, _pig),
+    "teddy": Form(_HABITS, _teddy),
 }

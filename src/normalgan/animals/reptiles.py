@@ -32,7 +32,6 @@ class Crawler(PosedPlan):
     Lengths are in units of snout to tail root.
 
     Args:
-        habits: the poses it takes; one named twice is drawn twice as often.
         trunk: from the tip of the tail to the neck; the tail starts at 0.
         head: length of the head.
         skull: the head with its upper jaw, in its own frame, in units of ``head``.
@@ -96,7 +95,6 @@ class Turtle(PosedPlan):
     """A kind of turtle, its shell a unit long.
 
     Args:
-        habits: the poses it takes; one named twice is drawn twice as often.
         dome: height of the shell over its rim.
         half_width: half the width of the shell.
         neck: length of the neck.
@@ -157,7 +155,6 @@ class Snake(PosedPlan):
     """A kind of snake: a long tube that tapers, coiled, winding or raised.
 
     Args:
-        habits: the poses it takes; one named twice is drawn twice as often.
         skull: its sections, or the name of shared ones.
         hooded: whether it spreads its neck, as a cobra does.
     """

@@ -1,10 +1,13 @@
 """MeshDataModule: from meshes, animals or pairs to batches, and from drawings to be predicted."""
 
+import hashlib
+import json
 import warnings
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import Any
 
+import torch
 from lightning.pytorch import LightningDataModule
 from lightning.pytorch.trainer.states import TrainerFn, TrainerStatus
 from torch import Tensor
@@ -19,8 +22,6 @@ from normalgan.data.loading.items import Item, decode
 from normalgan.data.loading.loaders import Loaders
 from normalgan.data.loading.order import spread
 from normalgan.data.loading.stream import StreamDataset
-from normalgan.data.loading.training_data import changes, describe_training_data
-from normalgan.data.mean import ENOUGH, mean_of_maps
 from normalgan.data.recipe import Loadable, SampleRecipe
 from normalgan.data.render import find_unusable, leave_out, open_samples, render_samples
 from normalgan.data.settings import EmbeddedAnimals, MeshReading, Prediction, Split, Storage
@@ -39,9 +40,14 @@ from normalgan.rendering.lines import LineDrawing, SuggestiveContours
 from normalgan.rendering.media import Medium
 from normalgan.rendering.samples import Recipe
 from normalgan.seeds import derive_seed
+from normalgan.vectors import unit_vectors
 
 __all__ = ["MeshDataModule"]
 
+_MEAN_OF = 1024
+"""Samples of an endless split that its mean is taken over; at each pixel its error is about 1/32."""
+_SHORT = 40
+"""Characters of a changed setting that a warning shows; of a longer one it only gives the name."""
 _PER_SHARD = 32
 _PAIRS_PER_SHARD = 8
 """Small, because reading one pair makes its whole shard."""
@@ -277,17 +283,21 @@ class MeshDataModule(LightningDataModule):
 
     def _describe_training_data(self) -> dict[str, Any]:
         """Return all that decides which training samples come when, by setting, as plain values for JSON."""
-        return describe_training_data(
-            fingerprints({"train": self.sources["train"]})["train"],
-            self.recipe.describe(),
-            self.augmentation.describe() if self.augmentation else None,
-            {
-                "data.train_views": self.views_per_mesh["train"],
-                "data.on_the_fly": self.on_the_fly,
-                "data.batch_size": self.batch_size,
-            },
-            self.trainer.world_size if self.trainer else 1,
-        )
+        recipe = self.recipe.describe()
+        meshes = json.dumps(fingerprints({"train": self.sources["train"]}))
+        version = recipe.pop("rendering_version")
+        described = {
+            "data.meshes": hashlib.sha256(meshes.encode()).hexdigest(),
+            "data.train_views": self.views_per_mesh["train"],
+            "data.on_the_fly": self.on_the_fly,
+            "data.batch_size": self.batch_size,
+            "data.augmentation": self.augmentation.describe() if self.augmentation else None,
+            **{f"data.{name}": value for name, value in recipe.items()},
+            "the number of processes": self.trainer.world_size if self.trainer else 1,
+            "the version of the rendering": version,
+        }
+        plain: dict[str, Any] = json.loads(json.dumps(described))  # lists, not tuples, as in a checkpoint
+        return plain
 
     def state_dict(self) -> dict[str, Any]:
         """Return the settings that the training samples depend on, for a checkpoint."""
@@ -296,7 +306,7 @@ class MeshDataModule(LightningDataModule):
     def load_state_dict(self, state_dict: dict[str, Any]) -> None:
         """Warn if a resumed run was trained with different samples or in a different order."""
         before = state_dict.get("training_data")
-        if self._training_data and before and (changed := changes(before, self._training_data)):
+        if self._training_data and before and (changed := _changes(before, self._training_data)):
             warnings.warn(
                 f"the checkpoint was trained with other data, and goes on with what is given now: {changed}.",
                 stacklevel=2,
@@ -384,8 +394,11 @@ class MeshDataModule(LightningDataModule):
         """
         dataset = self.train_dataset
         count = len(dataset)
-        indices = spread(count, ENOUGH) if self.on_the_fly else range(count)
-        return mean_of_maps(self._loaders().chosen(dataset, indices), self.recipe.size)
+        indices = spread(count, _MEAN_OF) if self.on_the_fly else range(count)
+        total = torch.zeros(1, 3, self.recipe.size, self.recipe.size, dtype=torch.float64)
+        for batch in self._loaders().chosen(dataset, indices):
+            total += decode(batch)["normal"].double().sum(dim=0)
+        return unit_vectors(total)[0].float()
 
     @property
     def drawings(self) -> SketchDataset:
@@ -393,3 +406,15 @@ class MeshDataModule(LightningDataModule):
         if self._drawings is None:
             raise RuntimeError("the drawings are read in setup('predict').")
         return self._drawings
+
+
+def _changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:
+    """Return the settings that have changed; empty if nothing.
+
+    >>> before = {"data.batch_size": 8, "data.meshes": "0f" * 32, "data.size": 64}
+    >>> _changes(before, {"data.batch_size": 4, "data.meshes": "1e" * 32, "data.size": 64})
+    'data.batch_size (8, now 4), data.meshes'
+    """
+    changed = [name for name in before if before[name] != now.get(name)]
+    shown = {name: f"{json.dumps(before[name])}, now {json.dumps(now.get(name))}" for name in changed}
+    return ", ".join(f"{name} ({shown[name]})" if len(shown[name]) <= _SHORT else name for name in changed)

@@ -7,7 +7,6 @@ from collections.abc import Collection, Mapping, Sequence
 
 from normalgan.data.jobs.cluster import Cluster
 from normalgan.data.jobs.pool import Killed, Pool
-from normalgan.data.jobs.shard_runner import render_shards, validate_sources
 from normalgan.data.jobs.tasks import (
     CheckTask,
     MakeShard,
@@ -16,6 +15,8 @@ from normalgan.data.jobs.tasks import (
     check_recipe,
     find_damage,
     render_shard,
+    render_shards,
+    validate_sources,
 )
 from normalgan.data.jobs.workers import Workers
 from normalgan.data.recipe import Loadable, SampleRecipe

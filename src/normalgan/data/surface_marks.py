@@ -15,7 +15,7 @@ from torch import Tensor
 
 from normalgan.arrays import BoolMask, Doubles, Floats
 
-__all__ = ["add_decal", "add_hatching", "fill_areas", "mark_surfaces"]
+__all__ = ["mark_surfaces"]
 
 _Rng = np.random.Generator
 
@@ -48,14 +48,14 @@ def mark_surfaces(
         inside = mask[index, 0].cpu().numpy() > 0.5
         if inside.sum() < 64:
             continue  # too small to draw on
-        for draw, wanted in zip((add_decal, add_hatching, fill_areas), chosen, strict=True):
+        for draw, wanted in zip((_add_decal, _add_hatching, _fill_areas), chosen, strict=True):
             if wanted:
                 ink = draw(ink, normals, inside, rng)
         marked[index, 0] = torch.from_numpy(ink).to(sketch)
     return marked
 
 
-def fill_areas(ink: Floats, normals: Floats, mask: BoolMask, rng: _Rng) -> Floats:
+def _fill_areas(ink: Floats, normals: Floats, mask: BoolMask, rng: _Rng) -> Floats:
     """Return a sketch with some areas filled black, in which lines are white or gone.
 
     Most often one to four areas that lines enclose are filled, as for hair or a tyre; sometimes a patch of
@@ -99,7 +99,7 @@ def _patch(mask: BoolMask, rng: _Rng) -> BoolMask:
     return mask & (noise > np.quantile(noise[mask], 1 - rng.uniform(0.05, 0.5)))
 
 
-def add_hatching(ink: Floats, normals: Floats, mask: BoolMask, rng: _Rng) -> Floats:
+def _add_hatching(ink: Floats, normals: Floats, mask: BoolMask, rng: _Rng) -> Floats:
     """Return a sketch with the side that a light does not reach hatched, crosswise where it is darkest."""
     around, up = rng.uniform(0, 2 * np.pi), rng.uniform(0.1, 0.8)
     flat = np.sqrt(1 - up * up)
@@ -117,7 +117,7 @@ def add_hatching(ink: Floats, normals: Floats, mask: BoolMask, rng: _Rng) -> Flo
     return np.asarray(np.maximum(ink, np.float32(dark) * strokes), dtype=np.float32)
 
 
-def add_decal(ink: Floats, normals: Floats, mask: BoolMask, rng: _Rng) -> Floats:
+def _add_decal(ink: Floats, normals: Floats, mask: BoolMask, rng: _Rng) -> Floats:
     """Return a sketch with text, a logo, windows, spots or stripes on one side of the object."""
     if rng.random() < 0.3:
         return np.asarray(np.maximum(ink, _striped_coat(normals, mask, rng)), dtype=np.float32)

@@ -11,16 +11,13 @@ import numpy as np
 from normalgan.arrays import Doubles, Indices
 from normalgan.errors import InputError, brief
 from normalgan.rendering.mesh_bytes import mesh_bytes
-from normalgan.rendering.mesh_limits import check_limits
-from normalgan.rendering.obj import read_obj
-from normalgan.rendering.off import read_off
 from normalgan.rendering.ply import read_ply
-from normalgan.rendering.polygons import BrokenMeshError
+from normalgan.rendering.polygons import BrokenMeshError, read_obj, read_off
 from normalgan.warning_filters import quiet_loggers
 
-__all__ = ["SUFFIXES", "Triangles", "read_triangles"]
+__all__ = ["SUFFIXES", "read_triangles"]
 
-Triangles = tuple[Doubles, Indices]
+_Triangles = tuple[Doubles, Indices]
 
 _POLYGONS = {".obj": read_obj, ".off": read_off, ".ply": read_ply}
 """Readers of the formats whose faces may have more than three corners."""
@@ -28,7 +25,7 @@ SUFFIXES = (".off", ".obj", ".ply", ".stl", ".glb", ".gltf")
 """The suffixes of the formats that can be read, in lower case."""
 
 
-def read_triangles(path: Path) -> Triangles:
+def read_triangles(path: Path) -> _Triangles:
     """Return the vertices (V, 3) and faces (F, 3) of all meshes in a file, in the file's world axes.
 
     Raises:
@@ -48,7 +45,7 @@ def read_triangles(path: Path) -> Triangles:
     return vertices, faces
 
 
-def _parts(path: Path) -> list[Triangles]:
+def _parts(path: Path) -> list[_Triangles]:
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise InputError(f"{path} is not a mesh file; its name must end in one of {' '.join(SUFFIXES)}.")
@@ -56,7 +53,6 @@ def _parts(path: Path) -> list[Triangles]:
         raise InputError(f"{path} does not exist or is not a file; name a mesh file.")
     try:
         with _silence():
-            check_limits(path)
             if suffix in _POLYGONS:
                 polygons = _POLYGONS[suffix](mesh_bytes(path))
                 return [(polygons.vertices, polygons.triangles())]
@@ -70,13 +66,13 @@ def _parts(path: Path) -> list[Triangles]:
         raise InputError(f"{path} cannot be read as a mesh: {said}.") from error
 
 
-def _gltf(path: Path) -> list[Triangles]:
-    from normalgan.rendering.gltf.surfaces import read_surfaces  # late: scipy takes half a second
+def _gltf(path: Path) -> list[_Triangles]:
+    from normalgan.rendering.gltf.scene import read_surfaces  # late: scipy takes half a second
 
     return list(read_surfaces(path))
 
 
-def _stl(path: Path) -> list[Triangles]:
+def _stl(path: Path) -> list[_Triangles]:
     import trimesh  # takes a second, only when a mesh is read
 
     mesh = trimesh.load_mesh(BytesIO(mesh_bytes(path)), file_type="stl", process=False)

@@ -1,10 +1,13 @@
-"""What a renderer returns: the normal, depth and mask of every pixel."""
+"""What a renderer returns, and its check: the normal, depth and mask of every pixel."""
 
 from dataclasses import dataclass
 
-from normalgan.arrays import BoolMask, Floats
+import numpy as np
 
-__all__ = ["Maps"]
+from normalgan.arrays import BoolMask, Floats
+from normalgan.errors import InputError
+
+__all__ = ["Maps", "check_maps"]
 
 
 @dataclass(frozen=True)
@@ -21,3 +24,24 @@ class Maps:
     normal: Floats
     depth: Floats
     mask: BoolMask
+
+
+def check_maps(renderer: object, maps: object, size: int) -> Maps:
+    """Return a renderer's maps after checking that they have ``size`` pixels a side.
+
+    Raises:
+        InputError: otherwise.
+    """
+    name = type(renderer).__name__
+    if not isinstance(maps, Maps):
+        raise InputError(f"{name} gave {type(maps).__name__}; a renderer gives normalgan.rendering.Maps.")
+    for part, wanted in (("normal", (size, size, 3)), ("depth", (size, size)), ("mask", (size, size))):
+        value: object = getattr(maps, part)
+        if not isinstance(value, np.ndarray) or value.shape != wanted:
+            given = f"shape {value.shape}" if isinstance(value, np.ndarray) else type(value).__name__
+            raise InputError(f"{name} gave a {part} of {given}; here it is an array of shape {wanted}.")
+    if maps.mask.dtype != np.bool_:
+        raise InputError(f"{name} gave a mask of {maps.mask.dtype}; it is bool, True on the object.")
+    if not np.isfinite(maps.normal).all():
+        raise InputError(f"{name} gave normals that are not numbers; give unit vectors, 0 off the object.")
+    return maps

@@ -1,14 +1,15 @@
-"""Mesh, the input of the renderers, and MeshSource, which loads one."""
+"""Mesh, the input of the renderers, MeshSource, which loads one, and the check of what it loads."""
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import Floats
+from normalgan.errors import InputError
 
-__all__ = ["Mesh", "MeshSource"]
+__all__ = ["Mesh", "MeshSource", "check_mesh"]
 
 
 @dataclass(frozen=True)
@@ -44,3 +45,41 @@ class MeshSource(Protocol):
         Raises:
             InputError: if it cannot be used; the message names it and says why.
         """
+
+
+def check_mesh(loaded: object) -> Mesh:
+    """Return a data source's mesh after checking it.
+
+    Raises:
+        InputError: otherwise.
+    """
+    if not isinstance(loaded, Mesh):
+        raise InputError(
+            f"its load gave {type(loaded).__name__}; what is rendered is a normalgan.rendering.Mesh."
+        )
+    for part, wanted, kind in (
+        ("vertices", "(V, 3) finite floats", np.floating),
+        ("faces", "(F, 3) whole numbers", np.integer),
+        ("normals", "(V, 3) finite floats", np.floating),
+    ):
+        if not _is_rows_of_three(getattr(loaded, part), kind):
+            raise InputError(f"its load gave a Mesh whose {part} are not an array of {wanted}.")
+    if len(loaded.normals) != len(loaded.vertices):
+        raise InputError(
+            f"its load gave a Mesh of {len(loaded.vertices)} vertices and {len(loaded.normals)} normals; "
+            "each vertex has one."
+        )
+    if loaded.faces.min() < 0 or loaded.faces.max() >= len(loaded.vertices):
+        raise InputError(
+            f"its load gave a Mesh whose faces name the vertices {loaded.faces.min()} to "
+            f"{loaded.faces.max()}; it has 0 to {len(loaded.vertices) - 1}."
+        )
+    return loaded
+
+
+def _is_rows_of_three(value: object, kind: type[np.generic]) -> bool:
+    if not isinstance(value, np.ndarray):
+        return False
+    array: NDArray[Any] = value
+    shaped = array.ndim == 2 and array.shape[-1] == 3 and len(array) > 0
+    return shaped and np.issubdtype(array.dtype, kind) and bool(np.isfinite(array).all())

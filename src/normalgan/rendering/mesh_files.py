@@ -1,31 +1,33 @@
-"""MeshFile: a mesh in a file, and how to find mesh files by folder, pattern or list."""
+"""MeshFile: a mesh in a file; how to find mesh files by folder, pattern or list, and how they are turned."""
 
 import hashlib
 import json
-import struct
 from dataclasses import dataclass
 from glob import glob
 from itertools import pairwise
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
 from normalgan.arrays import Doubles, Indices
 from normalgan.errors import InputError
+from normalgan.files.json_files import read_json
+from normalgan.files.shipped_configs import find_beside
 from normalgan.ranges import Range, check_ranges
-from normalgan.rendering.gltf.file import read_gltf
+from normalgan.rendering.gltf.container import linked_buffers
 from normalgan.rendering.loading import SUFFIXES, read_triangles
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_bytes import mesh_bytes
-from normalgan.rendering.mesh_limits import linked_buffers
-from normalgan.rendering.orientation import Orientation, Rotation, checked_rotation, read_orientations
 from normalgan.rendering.repair import shade, weld, wind
 
-__all__ = ["LOADER_VERSIONS", "MeshFile", "find_meshes", "place"]
+__all__ = ["MeshFile", "find_meshes", "place", "read_orientations"]
 
-LOADER_VERSIONS = {".obj": 3, ".off": 2}
+_LOADER_VERSIONS = {".obj": 3, ".off": 2}
 """Part of a fingerprint, 1 if not named: raise one when `MeshFile.load` returns another mesh than before."""
+
+
+_Rotation = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,7 @@ class MeshFile:
     """
 
     path: str
-    rotation: Rotation | None = None
+    rotation: _Rotation | None = None
     inside_out: bool | None = None
     crease_angle: Annotated[float, Range(0, 180)] | None = None
 
@@ -48,7 +50,7 @@ class MeshFile:
         """Refuse a matrix that is not a rotation, and an angle that is out of range."""
         check_ranges(self)
         if self.rotation is not None:
-            object.__setattr__(self, "rotation", checked_rotation(self.path, self.rotation))
+            object.__setattr__(self, "rotation", _checked_rotation(self.path, self.rotation))
 
     @property
     def name(self) -> str:
@@ -61,10 +63,10 @@ class MeshFile:
         Raises:
             InputError: if the file cannot be read.
         """
-        version = LOADER_VERSIONS.get(Path(self.path).suffix.lower(), 1)
+        version = _LOADER_VERSIONS.get(Path(self.path).suffix.lower(), 1)
         settings = [version, self.name, self.rotation, self.inside_out, self.crease_angle]
         digest = hashlib.sha256(json.dumps(settings).encode())
-        for path in (Path(self.path), *_buffers(Path(self.path))):
+        for path in (Path(self.path), *linked_buffers(Path(self.path))):
             digest.update(mesh_bytes(path))
         return digest.hexdigest()
 
@@ -146,7 +148,7 @@ def find_meshes(
     known = {} if orientation is None else read_orientations(orientation)
     if orientation is not None and known.keys().isdisjoint(path.stem for path in paths):
         raise InputError(f"the orientation file {orientation} names none of the {len(paths)} meshes found.")
-    as_it_is = Orientation(None, None)
+    as_it_is = _Orientation(None, None)
     return [MeshFile(str(path), *known.get(path.stem, as_it_is), crease_angle) for path in paths]
 
 
@@ -169,13 +171,62 @@ def _paths(source: str) -> list[Path]:
     raise InputError(f"{source} is not a file, a folder or a pattern that matches a mesh file.")
 
 
-def _buffers(path: Path) -> list[Path]:
-    """Return the buffer files of a .gltf."""
-    if path.suffix.lower() != ".gltf":
-        return []
+class _Orientation(NamedTuple):
+    """The orientation of one mesh; see `MeshFile`."""
+
+    rotation: _Rotation | None
+    inside_out: bool | None
+
+
+def read_orientations(path: str) -> dict[str, _Orientation]:
+    """Return the orientations of a JSON file ``{"name": {"rotation": 3×3, "inside_out": bool}}``.
+
+    Either entry may be missing: the mesh then keeps the rotation of its file, or its outside is detected.
+
+    Raises:
+        InputError: if the file cannot be read, is not of that form, or a matrix is not a rotation.
+    """
+    table = read_json(find_beside(path), "the orientation file")
+    if not isinstance(table, dict):
+        raise InputError(f"the orientation file {path} must hold an object with one entry a mesh.")
+    return {name: _orientation(f"{path}, mesh {name!r}", entry) for name, entry in table.items()}
+
+
+def _orientation(where: str, entry: Any) -> _Orientation:
+    if not isinstance(entry, dict) or not entry.keys() <= {"rotation", "inside_out"}:
+        raise InputError(f"{where}: an orientation has 'rotation' and 'inside_out', and nothing else.")
+    inside_out = entry.get("inside_out")
+    if not isinstance(inside_out, bool | None):
+        raise InputError(f"{where}: 'inside_out' is {inside_out!r}; it must be true or false.")
+    rotation = entry.get("rotation")
+    return _Orientation(None if rotation is None else _checked_rotation(where, rotation), inside_out)
+
+
+def _checked_rotation(where: str, rows: Any) -> _Rotation:
+    """Return the rotation nearest to a matrix that is one up to rounding.
+
+    Args:
+        where: name of the mesh or folder, for the message.
+        rows: 3 rows of 3 numbers.
+
+    Raises:
+        InputError: if they are not, or if they mirror, scale or shear.
+
+    Example:
+        >>> _checked_rotation("example", [[0, -1, 0], [1, 0, 0], [0, 0, 1]])[0]
+        (0.0, -1.0, 0.0)
+    """
     try:
-        return linked_buffers(path, read_gltf(path)[0])
-    except InputError:
-        raise
-    except (ValueError, LookupError, AttributeError, TypeError, RecursionError, OSError, struct.error):
-        return []  # broken; `load` raises the error
+        matrix = np.array(rows, dtype=np.float64)
+    except (TypeError, ValueError):
+        matrix = np.empty(0)
+    if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
+        raise InputError(f"{where}: 'rotation' must be 3 rows of 3 numbers, x' = R x.")
+    # Files round to a few digits; a larger error than a thousandth is not rounding.
+    if np.abs(matrix @ matrix.T - np.eye(3)).max() > 1e-3 or np.linalg.det(matrix) < 0:
+        raise InputError(
+            f"{where}: 'rotation' is not a rotation; its rows must be orthonormal, its determinant 1."
+        )
+    left, _, right = np.linalg.svd(matrix)
+    x, y, z = ((float(a), float(b), float(c)) for a, b, c in left @ right + 0.0)
+    return x, y, z

@@ -179,6 +179,8 @@ class _Binary:
         """Return for each property its values, and how many each element has of it."""
         if not count:
             return [(np.zeros(0), np.zeros(0, np.int64)) for _ in properties]
+        if self._at + count > len(self._body):  # each has a byte at least; before its memory is taken
+            raise BrokenMeshError(f"it declares {count} elements in fewer bytes (is it truncated?)")
         lengths = self._lengths(properties, self._at)
         dtype = self._dtype(properties, lengths)
         if self._at + count * dtype.itemsize <= len(self._body):

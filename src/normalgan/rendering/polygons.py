@@ -1,9 +1,10 @@
-"""Polygons: triangulation of faces with any number of corners.
+"""Polygons: faces with any number of corners, read from OBJ and OFF files and cut into triangles.
 
 trimesh's readers of OBJ, OFF and PLY always cut a face into a fan, which covers too much if the face is
 concave.
 """
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import chain
@@ -13,15 +14,16 @@ import numpy as np
 from normalgan.arrays import BoolMask, Doubles, Indices
 
 __all__ = [
-    "MOST_CORNERS",
     "BrokenMeshError",
     "Polygons",
     "decode_text",
     "parse_points",
     "polygons_of",
+    "read_obj",
+    "read_off",
 ]
 
-MOST_CORNERS = 2**14
+_MOST_CORNERS = 2**14
 """More corners of a concave face are refused: cutting one takes up to the square of their number."""
 _STRAIGHT = 1e-4
 """Sine of an angle by which a corner may turn inwards without making its face concave: rounding."""
@@ -113,8 +115,8 @@ def _length(vectors: Doubles) -> Doubles:
 
 def _cut(points: Doubles) -> Indices:
     """Return the triangles (T, 3) of a polygon (C, 3), as indices of its corners, with its winding."""
-    if len(points) > MOST_CORNERS:
-        raise BrokenMeshError(f"a concave face has {len(points)} corners; up to {MOST_CORNERS} can be read")
+    if len(points) > _MOST_CORNERS:
+        raise BrokenMeshError(f"a concave face has {len(points)} corners; up to {_MOST_CORNERS} can be read")
     import mapbox_earcut
 
     flat = _flattened(points)
@@ -174,3 +176,73 @@ def decode_text(data: bytes) -> str:
     else:
         text = data.removeprefix(b"\xef\xbb\xbf").decode("ascii", "replace")
     return text.replace("\r\n", "\n").replace("\r", "\n")
+
+
+def read_obj(data: bytes) -> Polygons:
+    """Return the faces of an OBJ; curves, points and lines are passed over.
+
+    Raises:
+        BrokenMeshError: if a vertex or a face of it cannot be read.
+    """
+    vertices: list[list[str]] = []
+    faces: list[list[int]] = []
+    for line in decode_text(data).replace("\\\n", " ").split("\n"):
+        kind, _, rest = line.strip().partition(" ")
+        if kind == "v":
+            vertices.append(rest.split()[:3])
+        elif kind == "f":
+            faces.append([_corner(word, len(vertices), line) for word in rest.partition("#")[0].split()])
+    return polygons_of(parse_points(vertices, "v "), faces)
+
+
+def _corner(word: str, count: int, line: str) -> int:
+    """Return the index of a corner; a negative one counts back from the last vertex so far."""
+    try:
+        number = int(word.partition("/")[0])
+    except ValueError:
+        raise BrokenMeshError(f"{line.strip()[:60]!r} is not a face") from None
+    if number == 0 or number < -count:
+        raise BrokenMeshError(
+            f"a face refers to vertex {str(number)[:20]}, which is not there; OBJ counts from 1"
+        )
+    return number - 1 if number > 0 else count + number
+
+
+def read_off(data: bytes) -> Polygons:
+    """Return the faces of an OFF, also of one with colours or normals (COFF, NOFF).
+
+    Raises:
+        BrokenMeshError: if it violates the format.
+
+    References:
+        Geomview manual, "OFF files".
+    """
+    text = re.sub(r"#[^\n]*", "", decode_text(data))
+    found = re.match(r"\s*(\w*?)OFF(\s*BINARY)?", text)
+    if found is None:
+        raise BrokenMeshError("it does not begin with OFF")
+    if found[2] or not re.fullmatch("(ST)?C?N?", found[1]):
+        kind = found[0].strip()
+        raise BrokenMeshError(f"it is an OFF of the kind {kind[:20]}; OFF, COFF and NOFF as text can be read")
+    lines = [line.split() for line in text[found.end() :].split("\n") if line.strip()]
+    try:
+        count, faces = (int(word) for word in lines[0][:2])
+    except (ValueError, IndexError):
+        raise BrokenMeshError("it does not say how many vertices and faces it has") from None
+    if not (count >= 0 and faces >= 0 and count + faces < len(lines)):
+        raise BrokenMeshError(
+            f"it declares {count} vertices and {faces} faces in {len(lines) - 1} lines (is it truncated?)"
+        )
+    given = [_face(words) for words in lines[count + 1 : count + faces + 1]]
+    return polygons_of(parse_points([words[:3] for words in lines[1 : count + 1]]), given)
+
+
+def _face(words: Sequence[str]) -> list[int]:
+    """Return the corners of a line of an OFF: how many they are, these, and an optional colour."""
+    try:
+        count = int(words[0])
+        if 0 <= count < len(words):
+            return [int(word) for word in words[1 : count + 1]]
+    except ValueError:
+        raise BrokenMeshError(f"{' '.join(words)[:60]!r} is not a face") from None
+    raise BrokenMeshError(f"a face declares {str(count)[:20]} corners and lists {len(words) - 1}")

@@ -16,12 +16,11 @@ from normalgan.errors import InputError
 from normalgan.files.source_hash import source_hash
 from normalgan.ranges import PositiveInt, check_ranges
 from normalgan.rendering.cameras import Views
-from normalgan.rendering.checks import check_mesh, check_strokes
 from normalgan.rendering.hand import Hand
-from normalgan.rendering.lines.base import LineDrawing
+from normalgan.rendering.lines.base import LineDrawing, check_strokes
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.media import Medium
-from normalgan.rendering.mesh import Mesh
+from normalgan.rendering.mesh import Mesh, check_mesh
 from normalgan.rendering.renderers.base import Renderer
 from normalgan.rendering.strokes import Stroke
 from normalgan.rendering.strokes.raster import rasterise
@@ -93,8 +92,8 @@ class Recipe:
             InputError: if it is not a mesh, or the style draws no lines of it.
         """
         mesh = check_mesh(mesh)
-        view = View(mesh, self.views.camera(mesh, self._rng(mesh, index, "views")), self.renderer, self.size)
-        rng = partial(self._rng, mesh, index)
+        rng = partial(sample_rng, self.seed, mesh.name, index)
+        view = View(mesh, self.views.camera(mesh, rng("views")), self.renderer, self.size)
         strokes, maps = draw_strokes(view, self.lines, self.hand, rng)
         if not strokes:
             raise no_lines(self.lines, f"{mesh.name}, view {index}", self.size)
@@ -104,9 +103,6 @@ class Recipe:
             normal=maps.normal.astype(np.float16),
             mask=maps.mask.astype(np.bool_),
         )
-
-    def _rng(self, mesh: Mesh, index: int, step: str) -> np.random.Generator:
-        return sample_rng(self.seed, mesh.name, index, step)
 
     def describe(self) -> dict[str, Any]:
         """Return all that the samples depend on besides the mesh, as plain values for JSON.

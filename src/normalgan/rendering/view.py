@@ -1,8 +1,7 @@
 """View: an object, a camera, and the maps at any size that a line style needs."""
 
 from normalgan.rendering.cameras import Camera
-from normalgan.rendering.checks import check_maps
-from normalgan.rendering.maps import Maps
+from normalgan.rendering.maps import Maps, check_maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers.base import Renderer
 

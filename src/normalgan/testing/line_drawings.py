@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.animals import Animal
-from normalgan.rendering.checks import check_strokes
 from normalgan.rendering.lines import LineDrawing
+from normalgan.rendering.lines.base import check_strokes
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers import EmbreeRenderer
 from normalgan.rendering.strokes import Stroke, rasterise

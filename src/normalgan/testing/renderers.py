@@ -4,8 +4,7 @@ import numpy as np
 
 from normalgan.normals import angles
 from normalgan.rendering.cameras import Camera
-from normalgan.rendering.checks import check_maps
-from normalgan.rendering.maps import Maps
+from normalgan.rendering.maps import Maps, check_maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers import Renderer
 from normalgan.testing.conformance import (

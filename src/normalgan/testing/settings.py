@@ -86,15 +86,18 @@ def _documented(plugin: object) -> None:
         "has no docstring of its own",
         "its first line is what --help and normalgan plugins say of it",
     )
+    texts = [vars(base).get("__doc__") or "" for base in cls.__mro__]  # --help reads those of bases too
     explained = {
-        each.arg_name for each in parse(inspect.getdoc(cls) or "", style=DocstringStyle.GOOGLE).params
+        each.arg_name
+        for text in texts
+        for each in parse(inspect.cleandoc(text), style=DocstringStyle.GOOGLE).params
     }
     unexplained = [name for name in settings_of(cls) if name not in explained]
     demand(
         not unexplained,
         plugin,
         f"does not explain {', '.join(unexplained)} in its docstring",
-        "the docstring of the class needs a line under Args for each setting",
+        "the docstring of the class needs a line under Args for each setting that no base class explains",
     )
 
 

@@ -5,14 +5,14 @@ import pytest
 from dask_processes import SOURCES, VIEWS, render, start_cluster
 from toys import recipe
 
-from normalgan.data.jobs import cluster, cluster_address
+from normalgan.data.jobs import cluster
 from normalgan.data.render import render_samples
 from normalgan.errors import InputError, RunError
 
 
 def test_no_scheduler_is_one_sentence_in_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert cluster_address.TIMEOUT == 10
-    monkeypatch.setattr(cluster_address, "TIMEOUT", 1.0)
+    assert cluster._TIMEOUT == 10
+    monkeypatch.setattr(cluster, "_TIMEOUT", 1.0)
     start = time.monotonic()
     with pytest.raises(InputError, match=r"^no scheduler answers at tcp://127\.0\.0\.1:9 within 1 seconds"):
         render(tmp_path, "tcp://127.0.0.1:9")

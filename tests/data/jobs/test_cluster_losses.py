@@ -94,7 +94,7 @@ def test_a_connection_that_stays_broken_is_an_error(monkeypatch: pytest.MonkeyPa
     told = "^the scheduler at tcp://cluster:8786 is gone"
     with pytest.raises(RunError, match=told):
         run(LosingClient(["cancelled"], looks=3, then="closed"))
-    monkeypatch.setattr(cluster, "TIMEOUT", 0.0)
+    monkeypatch.setattr(cluster, "_TIMEOUT", 0.0)
     monkeypatch.setattr(cluster, "_CHECK_INTERVAL", 0.1)
     with pytest.raises(RunError, match=told):
         run(LosingClient(["cancelled"], looks=10**9))

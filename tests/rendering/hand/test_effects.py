@@ -4,54 +4,70 @@ import numpy as np
 import pytest
 from ellipsoids import drawing, ellipsoid, rim
 
-from normalgan.rendering.hand.curves import begin_at, resample, turning
-from normalgan.rendering.hand.ends import miss_ends
-from normalgan.rendering.hand.noise import smooth_noise
-from normalgan.rendering.hand.omissions import forget, skip_parts
-from normalgan.rendering.hand.pieces import cut, in_order, inside
-from normalgan.rendering.hand.pressure import press
-from normalgan.rendering.hand.repeats import second_pass
-from normalgan.rendering.hand.wobble import round_off, stray
+from normalgan.rendering.hand.effects import (
+    STEP,
+    begin_at,
+    cut,
+    forget,
+    in_order,
+    inside,
+    miss_ends,
+    press,
+    resample,
+    round_off,
+    second_pass,
+    skip_parts,
+    smooth_noise,
+    stray,
+    turning,
+)
 from normalgan.rendering.strokes import Stroke
-
-SIDE, STEP = 128.0, 0.5
 
 
 def rng(seed: int = 0) -> np.random.Generator:
     return np.random.default_rng(seed)
 
 
-def line(length: float = 100.0) -> Stroke:
-    return resample(Stroke.even(np.array([[10.0, 20.0], [10.0 + length, 20.0]]), 1.5), STEP)
+def line(length: float = 0.625) -> Stroke:
+    """Return a level line; its points are those of 200 steps unless another length is given."""
+    return resample(Stroke.even(np.array([[0.1, 0.2], [0.1 + length, 0.2]]), 1.5))
+
+
+CORNERS = np.array([[0.2, 0.2], [0.8, 0.2], [0.8, 0.8], [0.2, 0.8]])
 
 
 def square() -> Stroke:
-    corners = np.array([[20.0, 20], [100, 20], [100, 100], [20, 100], [20, 20]])
-    return resample(Stroke.even(corners, 1.0), STEP)
+    return resample(Stroke.even(CORNERS[[0, 1, 2, 3, 0]], 1.0))
+
+
+def circle() -> Stroke:
+    """Return a circle of radius a quarter about the middle."""
+    return resample(rim(1))
 
 
 def test_resampling_keeps_ends_length_and_pressure() -> None:
-    stroke = Stroke(np.array([[0.0, 0], [4, 3], [4, 10]]), np.array([1.0, 2, 3]), np.array([1.0, 0.5, 0]))
-    fine = resample(stroke, 0.05)
-    assert np.diff(fine.points, axis=0).max() <= 0.05 + 1e-9
+    corners = np.array([[0.0, 0], [0.4, 0.3], [0.4, 1.0]])
+    stroke = Stroke(corners, np.array([1.0, 2, 3]), np.array([1.0, 0.5, 0]))
+    fine = resample(stroke)
+    assert np.diff(fine.points, axis=0).max() <= STEP + 1e-9
     np.testing.assert_array_equal(fine.points[[0, -1]], stroke.points[[0, -1]])
-    assert fine.length == pytest.approx(12, rel=0.01)
-    assert fine.width[np.abs(fine.points - [4, 3]).sum(axis=1).argmin()] == pytest.approx(2, abs=0.02)
-    assert resample(rim(), 0.5).closed
+    assert fine.length == pytest.approx(1.2, rel=0.01)
+    assert fine.width[np.abs(fine.points - corners[1]).sum(axis=1).argmin()] == pytest.approx(2, abs=0.02)
+    assert circle().closed
 
 
 def test_a_stroke_of_one_place_can_be_resampled() -> None:
-    assert resample(Stroke.even(np.ones((2, 2)), 1.0), 0.5).length == 0
+    assert resample(Stroke.even(np.ones((2, 2)), 1.0)).length == 0
 
 
 def test_turning_adds_up_to_a_full_turn() -> None:
-    circle = resample(rim(), STEP)
-    assert turning(circle.points, 1, closed=True)[:-1].sum() == pytest.approx(2 * np.pi, abs=1e-6)
-    assert np.median(turning(begin_at(circle, 40).points, 3)) == pytest.approx(3 * 2 * np.pi / 403, rel=0.02)
+    whole = circle()
+    assert turning(whole.points, 1, closed=True)[:-1].sum() == pytest.approx(2 * np.pi, abs=1e-6)
+    assert np.median(turning(begin_at(whole, 40).points, 3)) == pytest.approx(3 * STEP / 0.25, rel=0.02)
 
 
 def test_noise_has_unit_deviation_and_the_wavelength_asked_for() -> None:
-    noise = smooth_noise([40000, 40000], 1.0, 50.0, 2, rng())
+    noise = smooth_noise([40000, 40000], 50 * STEP, 2, rng())
     assert noise.shape == (80000, 2)
     assert np.abs(noise.mean()) < 0.05
     assert noise.std() == pytest.approx(1, abs=0.05)
@@ -64,26 +80,26 @@ def test_noise_has_unit_deviation_and_the_wavelength_asked_for() -> None:
 
 
 def test_strokes_share_no_noise() -> None:
-    noise = np.array([smooth_noise([2, 2], 1.0, 10.0, 1, rng(seed))[:, 0] for seed in range(2000)])
+    noise = np.array([smooth_noise([2, 2], 10 * STEP, 1, rng(seed))[:, 0] for seed in range(2000)])
     assert (noise[:, 1] * noise[:, 2]).mean() == pytest.approx(0, abs=0.08)
 
 
 def test_pieces_lie_end_to_end_and_begin_at_corners() -> None:
-    corners, cuts = np.array([[20.0, 20], [100, 20], [100, 100], [20, 100]]), []
+    cuts = []
     for seed in range(20):
-        pieces = cut(square(), 2.0, STEP, SIDE, rng(seed))
+        pieces = cut(square(), 2.0, rng(seed))
         for one, two in pairwise(pieces):
             np.testing.assert_array_equal(one.points[-1], two.points[0])
         np.testing.assert_array_equal(pieces[0].points[0], pieces[-1].points[-1])
-        assert sum(piece.length for piece in pieces) == pytest.approx(320, rel=1e-6)
+        assert sum(piece.length for piece in pieces) == pytest.approx(2.4, rel=1e-6)
         cuts += [piece.points[0] for piece in pieces]
     assert 40 < len(cuts) < 140
-    away = np.linalg.norm(np.array(cuts)[:, None] - corners, axis=-1).min(axis=1)
-    assert (away < 4).mean() > 0.5  # of the square's length, a tenth lies so near a corner
+    away = np.linalg.norm(np.array(cuts)[:, None] - CORNERS, axis=-1).min(axis=1)
+    assert (away < 0.03).mean() > 0.5  # of the square's length, a tenth lies so near a corner
 
 
 def test_strokes_near_the_silhouette_are_the_outline() -> None:
-    strokes = drawing()
+    strokes = drawing(1)
     shares = inside(strokes, ellipsoid(np.eye(2)))
     assert shares[0] == 0
     assert (shares[1:] > 0.9).all()
@@ -93,28 +109,29 @@ def test_strokes_near_the_silhouette_are_the_outline() -> None:
 
 
 def test_short_strokes_inside_are_forgotten_first() -> None:
-    strokes = [line(5.0), line(5.0), line(40.0), line(40.0), line(100.0)]
+    strokes = [line(0.04), line(0.04), line(0.3), line(0.3), line(0.8)]
     interior = np.array([1.0, 0.0, 1.0, 0.0, 1.0])
     kept = np.zeros(5)
     for seed in range(400):
-        left = forget(strokes, interior, 0.8, SIDE, rng(seed))
+        left = forget(strokes, interior, 0.8, rng(seed))
         kept += [any(stroke is one for one in left) for stroke in strokes]
     assert kept[4] == 400  # the longest
     assert kept[0] < kept[1] < kept[3]
     assert kept[0] < kept[2] < kept[3]
-    assert kept[0] == pytest.approx(400 * (1 - 0.8 * np.exp(-5 / 128 / 0.4)), abs=40)
+    assert kept[0] == pytest.approx(400 * (1 - 0.8 * np.exp(-0.04 / 0.4)), abs=40)
 
 
 def test_at_least_one_stroke_is_drawn() -> None:
-    assert len(forget(drawing(), np.ones(5), 1.0, 1e6, rng())) == 1
-    assert forget([], np.zeros(0), 1.0, SIDE, rng()) == []
+    dots = [line(1e-6)] * 5
+    assert len(forget(dots, np.ones(5), 1.0, rng())) == 1
+    assert forget([], np.zeros(0), 1.0, rng()) == []
 
 
 def test_parts_are_skipped_as_often_as_asked_for() -> None:
-    left = [skip_parts(line(), 2.0, STEP, SIDE, rng(seed)) for seed in range(300)]
-    assert skip_parts(line(), 0.0, STEP, SIDE, rng())[0].length == pytest.approx(100)
-    missing = 100 - np.mean([sum(stroke.length for stroke in strokes) for strokes in left])
-    assert missing == pytest.approx(2 * 100 / 128 * 0.05 * 128, rel=0.35)
+    left = [skip_parts(line(), 2.0, rng(seed)) for seed in range(300)]
+    assert skip_parts(line(), 0.0, rng())[0].length == pytest.approx(0.625)
+    missing = 0.625 - np.mean([sum(stroke.length for stroke in strokes) for strokes in left])
+    assert missing == pytest.approx(2 * 0.625 * 0.05, rel=0.35)
     assert all(len(strokes) >= 1 for strokes in left)
     assert all(
         np.isin(stroke.points[:, 0], line().points[:, 0]).all() for strokes in left for stroke in strokes
@@ -122,68 +139,68 @@ def test_parts_are_skipped_as_often_as_asked_for() -> None:
 
 
 def test_a_second_pass_of_two_points_has_both() -> None:
-    dash = Stroke.even(np.array([[10.0, 20.0], [10.5, 20.0]]), 1.5)
-    assert all(len(second_pass(dash, SIDE, rng(seed)).points) == 2 for seed in range(10))
+    dash = Stroke.even(np.array([[0.1, 0.2], [0.1 + STEP, 0.2]]), 1.5)
+    assert all(len(second_pass(dash, rng(seed)).points) == 2 for seed in range(10))
 
 
 def test_a_second_pass_is_a_part_beside_the_first() -> None:
     for seed in range(30):
-        again = second_pass(line(), SIDE, rng(seed))
-        assert 38 < again.length <= 100
-        assert 0 < abs(again.points[0, 1] - 20) < 4 * 0.005 * SIDE
+        again = second_pass(line(), rng(seed))
+        assert 0.38 * 0.625 < again.length <= 0.625 + 1e-9
+        assert 0 < abs(again.points[0, 1] - 0.2) < 4 * 0.005
 
 
 def test_ends_are_too_long_or_too_short_by_the_mean_asked_for() -> None:
-    lengths = np.array([miss_ends(line(), 3.0, 0.0, 0.1, rng(seed)).length for seed in range(600)])
-    assert lengths.min() == pytest.approx(100)
-    assert lengths.mean() - 100 == pytest.approx(2 * 0.5 * 3, rel=0.2)
-    lengths = np.array([miss_ends(line(), 0.0, 3.0, 0.1, rng(seed)).length for seed in range(600)])
-    assert lengths.max() == pytest.approx(100)
+    lengths = np.array([miss_ends(line(), 0.03, 0.0, rng(seed)).length for seed in range(600)])
+    assert lengths.min() == pytest.approx(0.625)
+    assert lengths.mean() - 0.625 == pytest.approx(2 * 0.5 * 0.03, rel=0.2)
+    lengths = np.array([miss_ends(line(), 0.0, 0.03, rng(seed)).length for seed in range(600)])
+    assert lengths.max() == pytest.approx(0.625)
 
 
 def test_an_overshoot_goes_straight_on_or_bends_on() -> None:
-    straight = miss_ends(line(), 8.0, 0.0, STEP, rng(1))
-    assert straight.length > 100.4
-    np.testing.assert_allclose(straight.points[:, 1], 20, atol=1e-9)
-    quarter = resample(rim(), STEP)
-    arc = Stroke(quarter.points[:100], quarter.width[:100], quarter.darkness[:100])
-    longer = miss_ends(arc, 10.0, 0.0, STEP, rng(3))
+    straight = miss_ends(line(), 0.06, 0.0, rng(1))
+    assert straight.length > 0.628
+    np.testing.assert_allclose(straight.points[:, 1], 0.2, atol=1e-9)
+    whole = circle()
+    arc = Stroke(whole.points[:100], whole.width[:100], whole.darkness[:100])
+    longer = miss_ends(arc, 0.08, 0.0, rng(3))
     assert len(longer.points) > 105
-    np.testing.assert_allclose(np.hypot(*(longer.points - 64).T), 32, atol=0.5)
+    np.testing.assert_allclose(np.hypot(*(longer.points - 0.5).T), 0.25, atol=0.004)
 
 
 def test_rounding_off_keeps_circles_and_ends_and_takes_detail() -> None:
-    circle = round_off(resample(rim(), STEP), 5.0)
-    assert circle.closed
-    np.testing.assert_allclose(np.hypot(*(circle.points - 64).T), 32, atol=0.05)
-    zigzag = line().points + np.array([0.0, 1.0]) * np.where(np.arange(201) % 4 < 2, 1, -1)[:, None]
+    rounded = round_off(circle(), 5.0)
+    assert rounded.closed
+    np.testing.assert_allclose(np.hypot(*(rounded.points - 0.5).T), 0.25, atol=4e-4)
+    zigzag = line().points + np.array([0.0, 0.01]) * np.where(np.arange(201) % 4 < 2, 1, -1)[:, None]
     smooth = round_off(Stroke.even(zigzag, 1.0), 5.0)
     np.testing.assert_array_equal(smooth.points[[0, -1]], zigzag[[0, -1]])
-    assert np.abs(smooth.points[20:-20, 1] - 20).max() < 0.1
+    assert np.abs(smooth.points[20:-20, 1] - 0.2).max() < 1e-3
     np.testing.assert_allclose(round_off(line(), 5.0).points, line().points, atol=1e-9)
 
 
 def test_straying_is_smooth_and_as_far_as_asked_for() -> None:
     strokes = [line()] * 400
-    moved = stray(strokes, (0.0, 0.4, 0.0), STEP, SIDE, rng())
+    moved = stray(strokes, (0.0, 0.004, 0.0), rng())
     shifts = np.stack([one.points - two.points for one, two in zip(moved, strokes, strict=True)])
-    assert shifts.std() == pytest.approx(0.4, rel=0.05)
-    assert shifts[:, [0, -1]].std() == pytest.approx(0.4, rel=0.15)  # ends are as free
-    assert np.abs(np.diff(shifts, axis=1)).max() < 0.3
-    drift = stray(strokes, (0.4, 0.0, 0.0), STEP, SIDE, rng())
-    assert np.ptp(drift[0].points[:, 1]) < 4 * 0.4
-    assert np.ptp(drift[0].points[:20, 1]) < 0.2
+    assert shifts.std() == pytest.approx(0.004, rel=0.05)
+    assert shifts[:, [0, -1]].std() == pytest.approx(0.004, rel=0.15)  # ends are as free
+    assert np.abs(np.diff(shifts, axis=1)).max() < 0.003
+    drift = stray(strokes, (0.004, 0.0, 0.0), rng())
+    assert np.ptp(drift[0].points[:, 1]) < 4 * 0.004
+    assert np.ptp(drift[0].points[:20, 1]) < 0.002
 
 
 def test_the_pen_is_lifted_slows_down_and_presses() -> None:
-    tapered = press([line()], 0.0, 0.0, 0.5, 0.0, STEP, SIDE, rng())[0]
+    tapered = press([line()], 0.0, 0.0, 0.5, 0.0, rng())[0]
     assert tapered.width[-1] == pytest.approx(0.75, abs=0.02)
     assert tapered.width[0] == pytest.approx(1.125, abs=0.02)
     assert tapered.width[100] == 1.5
-    slow = press([square()], 0.0, 0.0, 0.0, 0.3, STEP, SIDE, rng())[0]
+    slow = press([square()], 0.0, 0.0, 0.0, 0.3, rng())[0]
     assert slow.width.max() == pytest.approx(1.3)
     assert slow.width[80] == pytest.approx(1.0)
-    many = press([line()] * 300, 0.2, 0.3, 0.0, 0.0, STEP, SIDE, rng())
+    many = press([line()] * 300, 0.2, 0.3, 0.0, 0.0, rng())
     logs = np.log(np.stack([stroke.width for stroke in many]) / 1.5)
     assert logs.std() == pytest.approx(0.2, rel=0.1)
     darkness = np.stack([stroke.darkness for stroke in many])

@@ -3,8 +3,7 @@ import pytest
 from ellipsoids import angles, ellipsoid
 from matplotlib.path import Path
 
-from normalgan.rendering.hand.distortion import KNOTS, Distortion, random_distortion
-from normalgan.rendering.hand.following import follow
+from normalgan.rendering.hand.distortion import KNOTS, Distortion, follow, random_distortion
 from normalgan.rendering.maps import Maps
 
 FLAT = np.zeros((2, KNOTS, KNOTS))

@@ -2,9 +2,7 @@ import numpy as np
 import pytest
 
 from normalgan.arrays import Floats
-from normalgan.rendering.media import Medium
-from normalgan.rendering.media.paper import on_paper, scanned
-from normalgan.rendering.media.tools import bleed, pencil
+from normalgan.rendering.media import Medium, bleed, on_paper, pencil, scanned
 
 
 @pytest.fixture

@@ -9,14 +9,13 @@ from rig_files import RINGS, Gltf, bar, tube, write_glb, write_gltf
 
 from normalgan.arrays import Doubles
 from normalgan.errors import InputError
-from normalgan.rendering.gltf.nodes import world_matrices
+from normalgan.rendering.gltf.scene import world_matrices
 from normalgan.rendering.mesh_files import MeshFile, find_meshes
 from normalgan.rendering.rigs import RiggedFile, find_poses
 from normalgan.rendering.rigs.joints import SMALL, find_joints
 from normalgan.rendering.rigs.posing import draw_pose, turned
 from normalgan.rendering.rigs.reading import read_rig
-from normalgan.rendering.rigs.rig import Rig
-from normalgan.rendering.rigs.skinning import posed_surface
+from normalgan.rendering.rigs.rig import Rig, posed_surface
 
 
 def limping() -> Gltf:

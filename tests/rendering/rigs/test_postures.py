@@ -9,14 +9,14 @@ from rig_files import bar, write_gltf
 from test_poses import stretch
 
 from normalgan.arrays import Doubles
-from normalgan.rendering.gltf.nodes import Nodes, world_matrices
+from normalgan.rendering.gltf.scene import Nodes, world_matrices
 from normalgan.rendering.mesh_files import MeshFile
 from normalgan.rendering.rigs import RiggedFile
-from normalgan.rendering.rigs.posing import draw_pose
-from normalgan.rendering.rigs.postures import (
+from normalgan.rendering.rigs.posing import (
     POSTURES,
     Posture,
     Skeleton,
+    draw_pose,
     draw_posture,
     find_skeleton,
     in_posture,

@@ -10,12 +10,11 @@ from mesh_shapes import MESHES, needs_meshes, trimesh
 from rig_files import RINGS, Gltf, bar, tube, write_glb, write_gltf
 
 from normalgan.arrays import Doubles
-from normalgan.rendering.gltf.nodes import world_matrices
+from normalgan.rendering.gltf.scene import world_matrices
 from normalgan.rendering.rigs.animations import pose_at
 from normalgan.rendering.rigs.posing import draw_pose
 from normalgan.rendering.rigs.reading import read_rig
-from normalgan.rendering.rigs.rig import Rig
-from normalgan.rendering.rigs.skinning import posed_surface
+from normalgan.rendering.rigs.rig import Rig, posed_surface
 
 
 def at(rig: Rig, moment: float) -> Doubles:

@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 from normalgan.rendering.strokes import Stroke
-from normalgan.rendering.strokes.outline import outline
-from normalgan.rendering.strokes.svg import to_svg
+from normalgan.rendering.strokes.svg import outline, to_svg
 
 SVG = "{http://www.w3.org/2000/svg}"
 ARC = np.linspace(0, np.pi, 60)

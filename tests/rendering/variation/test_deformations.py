@@ -8,10 +8,22 @@ import pytest
 import trimesh
 
 from normalgan.arrays import Doubles
-from normalgan.rendering.variation.bending import Deformed, bend, in_turn, scale, taper, together, twist
-from normalgan.rendering.variation.lattice import free_form
-from normalgan.rendering.variation.limbs import Middle, belly, lengthen, thicken
-from normalgan.rendering.variation.local import bump, swell
+from normalgan.rendering.variation.deformations import (
+    Deformed,
+    Middle,
+    belly,
+    bend,
+    bump,
+    free_form,
+    in_turn,
+    lengthen,
+    scale,
+    swell,
+    taper,
+    thicken,
+    together,
+    twist,
+)
 
 RNG = np.random.default_rng(5)
 POINTS = RNG.uniform(-1, 1, (40, 3))

@@ -1,19 +1,24 @@
-"""Cluster: processes on many machines, through a Dask scheduler."""
+"""Cluster: processes on many machines, through a Dask scheduler, and how one is reached."""
 
+import logging
+import re
 import time
 import warnings
 from collections.abc import Callable, Collection
 from concurrent.futures import CancelledError
-from contextlib import ExitStack, suppress
+from contextlib import AbstractContextManager, ExitStack, suppress
+from pathlib import Path
 from queue import Empty, SimpleQueue
 from types import TracebackType
 from typing import Any, Self, TypeVar
 from uuid import uuid4
 
-from normalgan.data.jobs.cluster_address import TIMEOUT, connect
 from normalgan.data.jobs.cluster_worker import Unfit, flaws, order
 from normalgan.data.jobs.pool import Again, Killed, Pool
+from normalgan.data.jobs.workers import one_thread_each
+from normalgan.data.store.storage import reason
 from normalgan.errors import InputError, RunError
+from normalgan.warning_filters import quiet_loggers
 
 __all__ = ["Cluster"]
 
@@ -34,7 +39,8 @@ class Cluster(Pool):
     scheduler that is gone from either, so futures of Dask are used.
 
     Args:
-        where: which cluster; see `connect`.
+        where: ``tcp://host:port`` of a scheduler; a scheduler file ``….json``; or ``local:N`` for N
+            processes of this machine.
     """
 
     def __init__(self, where: str) -> None:
@@ -54,7 +60,7 @@ class Cluster(Pool):
             RunError: if no worker comes.
         """
         with ExitStack() as stack:
-            self._client = connect(self.where, stack)
+            self._client = _connect(self.where, stack)
             self._worker_seen_at = time.monotonic()
             while not self._workers:
                 for address, flaw in self._update_workers().items():
@@ -137,7 +143,7 @@ class Cluster(Pool):
 
     def _is_connected(self) -> bool:
         """Return whether there is a connection; Dask restores a broken one or gives up."""
-        deadline = time.monotonic() + TIMEOUT + _CHECK_INTERVAL
+        deadline = time.monotonic() + _TIMEOUT + _CHECK_INTERVAL
         while self._client.status == "connecting" and time.monotonic() < deadline:
             time.sleep(0.05)
         return bool(self._client.status == "running")
@@ -178,3 +184,69 @@ class Cluster(Pool):
         return RunError(
             f"the scheduler at {self.where} is gone; finished samples are kept: start it, and run again."
         )
+
+
+_TIMEOUT = 10.0
+"""Seconds in which a scheduler must answer."""
+
+_FORMS = "tcp://host:port, a scheduler file (.json) or local:N"
+_LOCAL = {
+    # A mesh that kills is tried again alone, so two deaths are enough, not Dask's four.
+    "distributed.scheduler.allowed-failures": 1,
+    # LocalCluster gives up a worker that is not back in time; 15 s are too few on a busy machine.
+    "distributed.deploy.lost-worker-timeout": "10 minutes",
+}
+
+
+def _connect(where: str, stack: ExitStack) -> Any:
+    """Return a client of the cluster.
+
+    Args:
+        where: as `Cluster` takes it.
+        stack: closes the client and a local cluster when it ends.
+
+    Raises:
+        InputError: if Dask is not installed, the address has none of these forms, or no scheduler answers.
+    """
+    try:
+        import dask.config
+        from distributed import Client, LocalCluster
+    except ImportError as error:
+        raise InputError("a cluster needs Dask: pip install 'normalgan[cluster]'.") from error
+    stack.enter_context(_quiet_dask())
+    address: Any = where
+    settings: dict[str, str] = {}
+    if found := re.fullmatch(r"local:(\d+)", where):
+        if int(found[1]) < 1:
+            raise InputError(f"the cluster {where} has no worker; local:2 has two.")
+        stack.enter_context(dask.config.set(_LOCAL))
+        with one_thread_each():
+            made: Any = LocalCluster(  # type: ignore[no-untyped-call]
+                n_workers=int(found[1]), threads_per_worker=1, processes=True, dashboard_address=":0"
+            )
+        address = stack.enter_context(made)
+    elif where.endswith(".json"):
+        if not Path(where).is_file():
+            raise InputError(
+                f"there is no scheduler file {where}; dask scheduler --scheduler-file writes it."
+            )
+        address, settings = None, {"scheduler_file": where}
+    elif not re.fullmatch(r"(\w+://)?[^/\s]+:\d+", where):
+        raise InputError(f"{where!r} names no cluster; give {_FORMS}.")
+    return stack.enter_context(_client(Client, address, where, settings))
+
+
+def _client(client: Callable[..., Any], address: Any, where: str, settings: dict[str, str]) -> Any:
+    try:
+        return client(address, timeout=_TIMEOUT, set_as_default=False, **settings)
+    except (OSError, ValueError) as error:  # no answer; no such protocol, no scheduler file
+        raise InputError(
+            f"no scheduler answers at {where} within {_TIMEOUT:.0f} seconds ({reason(error)}); is it "
+            "running, and is the address right?"
+        ) from error
+
+
+def _quiet_dask() -> AbstractContextManager[None]:
+    """Silence Dask where we report the event or it does not matter: that a worker has gone."""
+    names = [name for name in logging.root.manager.loggerDict if name.partition(".")[0] == "distributed"]
+    return quiet_loggers(*names)

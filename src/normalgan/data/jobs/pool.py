@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-__all__ = ["Again", "Killed", "Pool", "unrelated"]
+__all__ = ["Again", "Killed", "Pool"]
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -30,7 +30,7 @@ class Again:
     lost: bool
 
 
-def unrelated(_: object) -> tuple[str, ...]:
+def _unrelated(_: object) -> tuple[str, ...]:
     """Return no names: all tasks are independent."""
     return ()
 
@@ -70,7 +70,7 @@ class Pool(ABC):
         self,
         function: Callable[[T], R],
         tasks: Iterable[T],
-        related: Callable[[T], Collection[str]] = unrelated,
+        related: Callable[[T], Collection[str]] = _unrelated,
     ) -> Iterator[tuple[T, R | Killed]]:
         """Yield every task with its result when it is finished, in any order.
 

@@ -1,33 +1,38 @@
-"""Tasks of worker processes, which load no torch."""
+"""Tasks of worker processes, which load no torch, and how they are run until all are done."""
 
 import socket
 import traceback
 import warnings
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cache
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
+from normalgan.data.jobs.pool import Killed, Pool
 from normalgan.data.recipe import Loadable, SampleRecipe, fingerprint
 from normalgan.data.store.layout import Shard, blank
 from normalgan.data.store.shards import ZARR, damaged, write_shard, write_traces
 from normalgan.data.store.storage import Storage
-from normalgan.errors import InputError, brief, third_party_place
+from normalgan.errors import InputError, RunError, brief, third_party_place
 from normalgan.rendering.mesh_bytes import read_once
 from normalgan.rendering.samples import Sample
 
 __all__ = [
+    "DEADLY",
     "ChangedMeshError",
     "CheckTask",
     "MakeShard",
     "MeshTask",
     "ShardTask",
     "check_recipe",
-    "error_text",
     "find_damage",
     "render_shard",
+    "render_shards",
     "try_mesh",
     "validate_source",
+    "validate_sources",
 ]
 
 
@@ -159,7 +164,7 @@ def _render(task: ShardTask) -> tuple[list[Sample], dict[str, str], dict[str, st
             except ChangedMeshError:
                 raise
             except Exception as error:  # a renderer or style may raise anything
-                failed[name] = error_text(error)
+                failed[name] = _error_text(error)
                 if not isinstance(error, InputError):
                     traces[name] = "".join(traceback.format_exception(error))
         samples.append(sample)
@@ -177,7 +182,7 @@ def validate_source(task: MeshTask) -> str | None:
     except ChangedMeshError:
         raise
     except Exception as error:  # somebody else's source may raise anything; the others can still be used
-        return error_text(error)
+        return _error_text(error)
     return None
 
 
@@ -187,15 +192,20 @@ def find_damage(task: CheckTask) -> list[int]:
     return damaged(Storage(task.url), task.split, task.numbers)
 
 
+_checked: set[str] = set()  # recipes that this process can carry out; checking takes time
+
+
 def check_recipe(recipe: SampleRecipe) -> None:
     """Raise `InputError` if this machine lacks a requirement of the recipe, such as a working renderer."""
-    _once(f"recipe {recipe!r}", recipe.check)
+    if repr(recipe) not in _checked:
+        recipe.check()
+        _checked.add(repr(recipe))
 
 
-def error_text(error: BaseException) -> str:
+def _error_text(error: BaseException) -> str:
     """Return an error in one sentence; for a bug in a plug-in, with its type and line.
 
-    >>> error_text(InputError("horse has no legs.")), error_text(KeyError("legs"))
+    >>> _error_text(InputError("horse has no legs.")), _error_text(KeyError("legs"))
     ('horse has no legs.', "KeyError: 'legs'.")
     """
     if isinstance(error, InputError):
@@ -228,21 +238,83 @@ def _load(task: MeshTask) -> Any:
     return _last[1]
 
 
-_passed: set[str] = set()  # checks that this process has passed, which take time
-
-
-def _once(what: str, check: Callable[[], None]) -> None:
-    if what not in _passed:
-        check()
-        _passed.add(what)
-
-
+@cache
 def _see(url: str, split: str) -> None:
-    def check() -> None:
-        if Storage(url).size(f"{ZARR}/{split}/zarr.json") is None:
-            raise InputError(
-                f"{socket.gethostname()} does not see {url}; the cache must be a folder that all machines "
-                "share, or a URL."
-            )
+    if Storage(url).size(f"{ZARR}/{split}/zarr.json") is None:
+        raise InputError(
+            f"{socket.gethostname()} does not see {url}; the cache must be a folder that all machines share, "
+            "or a URL."
+        )
 
-    _once(f"store {split} {url}", check)
+
+DEADLY = "it kills the process that renders it, most likely because memory runs out."
+
+_NOBODY = (
+    "every mesh kills the workers, most likely because memory runs out; finished samples are "
+    "kept: give them more, and run again."
+)
+_HOPELESS = 3  # deadly meshes before anything is finished, after which the meshes are not to blame
+_names: Callable[[MeshTask | ShardTask], tuple[str, ...]] = attrgetter("meshes")
+
+
+def render_shards(pool: Pool, tasks: Sequence[ShardTask]) -> Iterator[tuple[ShardTask, dict[str, str]]]:
+    """Yield every task when it finishes, with the meshes that failed.
+
+    A dead worker also loses other tasks, so a killed shard is only a suspect. It and the shards that share a
+    mesh with it wait until all others are done. Then its meshes are tried one at a time: the one that kills
+    its worker is left out, and the others continue.
+
+    Raises:
+        RunError: if workers die with any task.
+        InputError: if the machines cannot do the work; see `render_shard`.
+    """
+    deadly: dict[str, str] = {}
+    finished = 0
+    todo = list(tasks)
+    while todo:
+        suspects = []
+        for task, outcome in pool.run(render_shard, [_without(task, deadly) for task in todo], _names):
+            if isinstance(outcome, Killed):
+                suspects.append(task)
+            else:
+                finished += 1
+                yield task, outcome
+        todo = sorted(suspects, key=lambda task: (task.shard.split, task.shard.number))
+        if todo:
+            name = _killer(pool, todo[0])
+            if name is not None:
+                deadly[name] = DEADLY
+                if len(deadly) >= _HOPELESS and not finished:
+                    raise RunError(_NOBODY)
+                continue
+            task, outcome = todo[0], pool.alone(render_shard, todo.pop(0))  # another task killed its worker
+            if isinstance(outcome, Killed):
+                raise RunError(_NOBODY)
+            yield task, outcome
+
+
+def validate_sources(pool: Pool, tasks: Sequence[MeshTask]) -> Iterator[tuple[MeshTask, str | None]]:
+    """Yield every mesh and why it cannot be used, None if it can. Raises as `validate_source` does."""
+    suspects = []
+    for task, outcome in pool.run(validate_source, tasks, _names):
+        if isinstance(outcome, Killed):
+            suspects.append(task)
+        else:
+            yield task, outcome
+    for task in suspects:
+        outcome = pool.alone(validate_source, task)
+        yield task, DEADLY if isinstance(outcome, Killed) else outcome
+
+
+def _killer(pool: Pool, task: ShardTask) -> str | None:
+    """Return the first mesh of a shard that kills a worker on its own."""
+    for name in task.meshes:
+        others = {mesh: "" for mesh in task.meshes if mesh != name}
+        if isinstance(pool.alone(try_mesh, _without(task, others)), Killed):
+            return name
+    return None
+
+
+def _without(task: ShardTask, deadly: dict[str, str]) -> ShardTask:
+    known = {mesh: why for mesh, why in deadly.items() if mesh in task.shard.meshes}
+    return replace(task, failed={**task.failed, **known}) if known else task

@@ -15,12 +15,12 @@ from normalgan.data.loading.items import Item, collate_decoded
 from normalgan.data.loading.order import ShardOrder
 from normalgan.data.loading.stream import FreshViews, StreamDataset
 
-__all__ = ["DeferredLoader", "EqualShare", "Loaders", "Samples"]
+__all__ = ["EqualShare", "Loaders"]
 
-Samples = SampleDataset | StreamDataset
+_Samples = SampleDataset | StreamDataset
 
 
-class DeferredLoader(DataLoader[Item]):
+class _DeferredLoader(DataLoader[Item]):
     """A DataLoader that starts its workers when the first batch is requested.
 
     Lightning makes the iterator of a resumed run before it sets the sampler's epoch, so that workers would
@@ -76,7 +76,7 @@ class Loaders:
     rank: int = 0
     decoded: bool = True
 
-    def shuffled(self, dataset: Samples, seed: int) -> DataLoader[Item]:
+    def shuffled(self, dataset: _Samples, seed: int) -> DataLoader[Item]:
         """Return a loader of this process's share, in an order that depends only on seed and epoch.
 
         Args:
@@ -102,7 +102,7 @@ class Loaders:
         share = EqualShare(dataset, self.replicas, self.rank)
         return self._loader(share, share.in_order())
 
-    def chosen(self, dataset: Samples, indices: Sequence[int]) -> DataLoader[Item]:
+    def chosen(self, dataset: _Samples, indices: Sequence[int]) -> DataLoader[Item]:
         """Return a loader of some samples, the same ones for every process."""
         return self._loader(dataset, indices, isinstance(dataset, StreamDataset))
 
@@ -113,7 +113,7 @@ class Loaders:
         renders: bool = False,
         drop_last: bool = False,
     ) -> DataLoader[Item]:
-        return DeferredLoader(
+        return _DeferredLoader(
             dataset,
             batch_size=self.batch_size,
             sampler=sampler,

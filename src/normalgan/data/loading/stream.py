@@ -12,8 +12,7 @@ from normalgan.data.loading.items import Item, SampleError, to_item
 from normalgan.data.loading.order import ViewIndex, order_of_epoch
 from normalgan.data.recipe import Loadable, SampleRecipe
 from normalgan.errors import InputError, brief
-from normalgan.rendering.checks import check_mesh
-from normalgan.rendering.mesh import Mesh
+from normalgan.rendering.mesh import Mesh, check_mesh
 
 __all__ = ["FreshViews", "MeshCache", "StreamDataset"]
 

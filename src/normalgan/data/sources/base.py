@@ -16,12 +16,9 @@ __all__ = ["DATA_SOURCES", "DataSource", "PairSource", "SplitSettings"]
 
 @dataclass(frozen=True)
 class SplitSettings(Split):
-    """How data are split, and the other data settings that a source may use.
+    """How data are split, as `Split` says, and the other data settings that a source may use.
 
     Args:
-        fractions: shares of train, val and test, used if there is no file.
-        seed: seed of the random split, used if there is no file.
-        file: JSON file with the names of each split.
         data_seed: seed of everything random in the data, such as animals.
         variation: how far individuals that join the training meshes differ from them.
     """

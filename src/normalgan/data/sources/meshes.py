@@ -10,7 +10,7 @@ from normalgan.rendering import MeshFile, MeshSource, find_meshes
 from normalgan.rendering.rigs import find_poses
 from normalgan.rendering.variation import Variation, Varied
 
-__all__ = ["MeshGroup", "join_variants", "pose", "split_meshes"]
+__all__ = ["MeshGroup", "join_variants", "split_meshes"]
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class MeshGroup:
         # After the split, because poses and variants of a mesh are too similar to be on both sides.
         # Validation and test keep their poses, so that figures stay comparable.
         posed = {
-            name: pose(part, self.poses, self.postures if name == "train" else 0.0)
+            name: _pose(part, self.poses, self.postures if name == "train" else 0.0)
             for name, part in split.items()
         }
         return posed | {"train": join_variants(posed["train"], settings.variation, self.variants)}
@@ -73,7 +73,7 @@ def split_meshes(sources: Sequence[MeshSource], settings: SplitSettings) -> dict
     return {split: [by_name[name] for name in names[split]] for split in SPLITS}
 
 
-def pose(sources: Sequence[MeshSource], poses: int, postures: float = 0.0) -> list[MeshSource]:
+def _pose(sources: Sequence[MeshSource], poses: int, postures: float = 0.0) -> list[MeshSource]:
     """Return the meshes with each rigged file replaced by ``poses`` poses; 0 replaces none."""
     posed: list[MeshSource] = []
     for source in sources:

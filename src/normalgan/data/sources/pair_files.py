@@ -23,11 +23,11 @@ from normalgan.inference.reading.drawings import is_drawing, read_normals, read_
 from normalgan.inference.reading.hint_files import load_hints
 from normalgan.normals import Green, flip_green
 
-__all__ = ["COLUMNS", "LAYOUTS", "NORMAL_SUFFIXES", "PairFiles", "find_pairs"]
+__all__ = ["LAYOUTS", "PairFiles", "find_pairs"]
 
-NORMAL_SUFFIXES = (".png", ".exr", ".tif", ".tiff", ".webp", ".jpg", ".jpeg", ".bmp")
+_NORMAL_SUFFIXES = (".png", ".exr", ".tif", ".tiff", ".webp", ".jpg", ".jpeg", ".bmp")
 """What a normal map's file may end in, in the order in which it is looked for."""
-COLUMNS = ("sketch", "normal", "mask", "hints", "group", "split", "name")
+_COLUMNS = ("sketch", "normal", "mask", "hints", "group", "split", "name")
 """The columns of a CSV; the first two it must have."""
 
 _FOLDERS = {
@@ -36,7 +36,7 @@ _FOLDERS = {
     "mask": ("mask", "masks"),
     "hints": ("hints", "hint"),
 }
-_ENDS_IN = {"normal": NORMAL_SUFFIXES, "mask": (".png", ".webp", ".bmp"), "hints": (".png", ".json")}
+_ENDS_IN = {"normal": _NORMAL_SUFFIXES, "mask": (".png", ".webp", ".bmp"), "hints": (".png", ".json")}
 _ZERO = 0.05
 """A shorter vector means that there is no object, in 8 bits too."""
 _PARTNERS = tuple(f"_{kind}" for kind in _ENDS_IN)
@@ -177,7 +177,7 @@ def _pix2pix(root: Path, left_out: list[str]) -> Iterator[PairFiles]:
 
 
 def _pictures(folder: Path) -> list[Path]:
-    return sorted(path for path in folder.iterdir() if path.suffix.lower() in NORMAL_SUFFIXES)
+    return sorted(path for path in folder.iterdir() if path.suffix.lower() in _NORMAL_SUFFIXES)
 
 
 def _in_part(part: str | None, path: Path) -> str:
@@ -217,7 +217,7 @@ def _orphans(folder: Path, inner: Path | None, sketches: Sequence[Path]) -> Iter
     partners = {_partner(sketch, "normal") for sketch in sketches}
     where = _subfolder(folder, "normal") if inner else folder
     for path in sorted(where.iterdir()) if where else []:
-        is_normal = path.suffix.lower() in NORMAL_SUFFIXES and (inner or path.stem.endswith("_normal"))
+        is_normal = path.suffix.lower() in _NORMAL_SUFFIXES and (inner or path.stem.endswith("_normal"))
         if is_normal and not path.name.startswith(".") and path not in partners:
             yield path
 
@@ -233,7 +233,9 @@ def _is_partner(path: Path) -> bool:
 
 def _listed(path: Path, left_out: list[str]) -> Iterator[PairFiles]:
     """Yield the pairs in a CSV, whose paths start from its folder; note those that lack a file."""
-    right = f"its first line names columns, {', '.join(COLUMNS[:2])} and optionally {', '.join(COLUMNS[2:])}"
+    right = (
+        f"its first line names columns, {', '.join(_COLUMNS[:2])} and optionally {', '.join(_COLUMNS[2:])}"
+    )
     try:
         text = read_named(path).decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -244,12 +246,12 @@ def _listed(path: Path, left_out: list[str]) -> Iterator[PairFiles]:
         rows = [(reader.line_num, row) for row in reader]
     except csv.Error as error:
         raise InputError(f"{path} is not CSV ({error}); {right}.") from None
-    if unknown := [column for column in columns if column not in COLUMNS]:
+    if unknown := [column for column in columns if column not in _COLUMNS]:
         raise InputError(
             f"{path} has a column {unknown[0]!r}, which is unknown."
-            f"{did_you_mean(unknown[0], COLUMNS)} {right[0].upper()}{right[1:]}."
+            f"{did_you_mean(unknown[0], _COLUMNS)} {right[0].upper()}{right[1:]}."
         )
-    if missing := [column for column in COLUMNS[:2] if column not in columns]:
+    if missing := [column for column in _COLUMNS[:2] if column not in columns]:
         raise InputError(f"{path} has no column {missing[0]!r}; {right}.")
     if not rows:
         raise InputError(f"{path} lists no pair; each line after the first is one.")

@@ -21,7 +21,7 @@ FORMAT_VERSION = 1
 
 _NAME = "dataset.json"
 _SUM = "sha256"
-_KEYS = {"format", "samples", "recipe", "splits", "left_out", _SUM}  # "left_out": of an older version
+_KEYS = {"format", "samples", "recipe", "splits", _SUM}
 
 
 @dataclass(frozen=True)

@@ -5,18 +5,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.rendering.gltf.container import Container, bad_gltf
-from normalgan.rendering.gltf.file import COMPONENTS, WIDTHS
+from normalgan.rendering.gltf.container import COMPONENTS, WIDTHS, Container, bad_gltf
 
-__all__ = ["MOST", "Array", "read_accessor"]
+__all__ = ["read_accessor"]
 
-MOST = 2**26
+_MOST = 2**26
 """More elements than this are refused: an accessor may claim any number of zeros."""
 
-Array = NDArray[Any]
+_Array = NDArray[Any]
 
 
-def read_accessor(container: Container, index: Any, kind: str) -> Array:
+def read_accessor(container: Container, index: Any, kind: str) -> _Array:
     """Return the (count, width) numbers of an accessor (glTF 2.0, section 3.6.2).
 
     Integers that are marked as normalised come as float64 in [0, 1] or [-1, 1], others as they are stored;
@@ -34,7 +33,7 @@ def read_accessor(container: Container, index: Any, kind: str) -> Array:
     code, held, count = entry["componentType"], entry["type"], entry["count"]
     if held != kind or code not in COMPONENTS:
         raise bad_gltf(container.path, f"accessor {index} holds {held} of {code} where {kind} is needed")
-    if type(count) is not int or not 1 <= count <= MOST:
+    if type(count) is not int or not 1 <= count <= _MOST:
         raise bad_gltf(container.path, f"accessor {index} has {count} elements")
     dtype = np.dtype(COMPONENTS[code])
     if "bufferView" in entry:
@@ -50,7 +49,7 @@ def read_accessor(container: Container, index: Any, kind: str) -> Array:
 
 def _view(
     container: Container, index: Any, offset: int, dtype: np.dtype[Any], shape: tuple[int, int]
-) -> Array:
+) -> _Array:
     """Return the (count, width) elements that begin ``offset`` bytes into a buffer view."""
     view = container.item("bufferViews", index)
     container.item("buffers", view["buffer"])
@@ -63,7 +62,7 @@ def _view(
     return np.ndarray(shape, dtype, buffer, start + offset, (stride, dtype.itemsize))
 
 
-def _replaced(container: Container, sparse: dict[str, Any], values: Array) -> Array:
+def _replaced(container: Container, sparse: dict[str, Any], values: _Array) -> _Array:
     """Return the values with those replaced that a sparse accessor lists (section 3.6.2.3)."""
     count, places, given = sparse["count"], sparse["indices"], sparse["values"]
     where = _view(
@@ -82,7 +81,7 @@ def _replaced(container: Container, sparse: dict[str, Any], values: Array) -> Ar
     return replaced
 
 
-def _normalised(values: Array) -> Array:
+def _normalised(values: _Array) -> _Array:
     """Return normalised integers as fractions (section 3.11)."""
     if values.dtype.kind == "f":
         return values

@@ -1,27 +1,53 @@
-"""The container of glTF: its JSON and its buffers, from a .glb, or a .gltf with its files."""
+"""The container of glTF 2.0: its JSON and its buffers, from a .glb, or a .gltf with its files."""
 
 import base64
 import binascii
+import json
+import os
 import struct
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote, urlsplit
+
+import numpy as np
 
 from normalgan.errors import InputError, brief
-from normalgan.rendering.gltf.file import read_gltf
 from normalgan.rendering.mesh_bytes import mesh_bytes
-from normalgan.rendering.mesh_limits import buffer_file
 
-__all__ = ["RIG_SUFFIXES", "Container", "bad_gltf", "has_skin", "read_container", "refusing_bad_gltf"]
+__all__ = [
+    "COMPONENTS",
+    "WIDTHS",
+    "Container",
+    "bad_gltf",
+    "has_skin",
+    "linked_buffers",
+    "read_container",
+    "refusing_bad_gltf",
+]
 
-RIG_SUFFIXES = (".glb", ".gltf")
-"""The file formats that can hold a skin."""
+COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+"""The types of a component of an accessor, as NumPy names them."""
+WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
+"""Components of an element of each type of accessor."""
 
+_FREE_NUMBERS = 2**22
+"""Numbers that the accessors of a file may declare whatever its size; more need their bytes in the file."""
+_FREE_VERTICES = 2**18
+"""Vertices that a scene may place whatever the file's size, those of a repeated part counted each time."""
+_MOST_PARTS = 5_000
+"""More nodes, or more placed parts of meshes, are refused: each takes a millisecond and more."""
+_REPEATED = 4
+"""How often accessors may use the bytes of a file; nearly all exporters use them once."""
+
+_SUFFIXES = (".glb", ".gltf")
 _KNOWN = ("KHR_mesh_quantization", "KHR_animation_pointer", "KHR_node_visibility")
 _LOOKS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "KHR_xmp", "EXT_texture_", "EXT_lights_", "MSFT_")
 """Required extensions that are read, and beginnings of those that alter no surface; others are refused."""
+_MAGIC, _JSON, _BINARY = 0x46546C67, 0x4E4F534A, 0x004E4942
 
 
 @dataclass(frozen=True)
@@ -72,7 +98,7 @@ def refusing_bad_gltf(path: Path) -> Iterator[None]:
 
 def has_skin(path: Path) -> bool:
     """Return whether a file is glTF with a skin; False for a broken one."""
-    if path.suffix.lower() not in RIG_SUFFIXES:
+    if path.suffix.lower() not in _SUFFIXES:
         return False
     try:
         return bool(_tree(path)[0].get("skins"))
@@ -81,16 +107,20 @@ def has_skin(path: Path) -> bool:
 
 
 def read_container(path: Path) -> Container:
-    """Return the JSON and the buffers of a glTF file.
+    """Return the JSON and the buffers of a glTF file, after checking that it declares no more than it holds.
 
     Raises:
-        InputError: if it cannot be read, is not glTF 2.0, needs an extension that is not supported, or lacks
-            a buffer.
+        InputError: if it cannot be read, is not glTF 2.0, needs an extension that is not supported, lacks a
+            buffer, or would fill the memory.
+        LookupError, TypeError, ValueError, AttributeError: if it is inconsistent; see `refusing_bad_gltf`.
     """
     tree, binary = _tree(path)
     for name in map(str, tree.get("extensionsRequired", [])):
         if name not in _KNOWN and not name.startswith(_LOOKS):
             raise bad_gltf(path, f"it needs the extension {name[:60]}, which is not read; export it without")
+    held = len(mesh_bytes(path)) + sum(len(mesh_bytes(buffer)) for buffer in linked_buffers(path))
+    _check_views(path, tree, held)
+    _check_counts(path, tree, held)
     buffers = []
     for index, entry in enumerate(tree.get("buffers", [])):
         uri = entry.get("uri")
@@ -107,13 +137,17 @@ def read_container(path: Path) -> Container:
 
 
 def _tree(path: Path) -> tuple[dict[str, Any], bytes | None]:
-    """Return the JSON of a file and the binary chunk of a .glb."""
+    """Return the JSON of a .gltf or .glb, and the binary chunk of a .glb if it has one."""
+    data, binary = mesh_bytes(path), None
     try:
-        tree, binary = read_gltf(path)
+        if path.suffix.lower() == ".glb":
+            chunks = _chunks(data)
+            data, binary = chunks[_JSON], chunks.get(_BINARY)
+        tree = json.loads(data)
         version = str(tree["asset"]["version"])
-    except InputError:
-        raise
-    except (ValueError, LookupError, TypeError, struct.error, RecursionError) as error:
+    except RecursionError as error:
+        raise bad_gltf(path, "it is nested more deeply than any mesh file") from error
+    except (ValueError, LookupError, TypeError, struct.error) as error:
         raise bad_gltf(path, f"it is not a glTF file: {brief(error)}") from error
     if not version.startswith("2"):
         raise bad_gltf(path, f"it is glTF {version}; export it as 2.0")
@@ -127,7 +161,110 @@ def _linked(path: Path, uri: str) -> bytes:
             return base64.b64decode(uri.partition(",")[2], validate=True)
         except binascii.Error as error:
             raise bad_gltf(path, f"a buffer written into it is not base64: {brief(error)}") from error
-    file = buffer_file(path, uri)
+    file = _buffer_file(path, uri)
     if not file.is_file():
         raise bad_gltf(path, f"its buffer {uri!r} is missing")
     return mesh_bytes(file)
+
+
+def linked_buffers(path: Path) -> list[Path]:
+    """Return the buffer files of a .gltf that exist; none of another or a broken file, which `load` refuses.
+
+    Raises:
+        InputError: if one does not lie in the folder of the file, or is a pipe or a device.
+    """
+    if path.suffix.lower() != ".gltf":
+        return []
+    try:
+        uris = [buffer.get("uri", "") for buffer in json.loads(mesh_bytes(path)).get("buffers", [])]
+        found = [_buffer_file(path, uri) for uri in uris if uri and not uri.startswith("data:")]
+    except (ValueError, LookupError, AttributeError, TypeError, RecursionError, OSError):
+        return []
+    return [file for file in found if file.is_file()]
+
+
+def _buffer_file(path: Path, uri: str) -> Path:
+    """Return the file that a URI in a glTF names.
+
+    Raises:
+        InputError: if it does not lie in the folder of the glTF, or is a pipe or a device.
+    """
+    name = _name_in_folder(uri)
+    if name is None:
+        raise InputError(f"{path} refers to {uri[:80]!r}, which does not lie in its folder.")
+    # In a URI %20 is a space; some exporters mean the digits. From a folder "a%2fb", ".." would lead out.
+    plain = path.parent / uri
+    literal = "%" in uri and ".." not in Path(uri).parts and plain.is_file()
+    file = plain if literal else path.parent / name
+    if file.exists() and not file.is_file():
+        raise InputError(f"{path} refers to {uri[:80]!r}, which is not a file.")
+    return file
+
+
+def _name_in_folder(uri: str) -> str | None:
+    """Return the path that a URI names relative to its file's folder; None if it leads out of it.
+
+    >>> _name_in_folder("a%20b.bin"), _name_in_folder("%2e%2e/b.bin"), _name_in_folder("file:///etc/hostname")
+    ('a b.bin', None, None)
+    """
+    try:
+        parts = urlsplit(uri)
+    except ValueError:  # half an IPv6 address
+        return None
+    name = Path(os.path.normpath(unquote(parts.path)))
+    outside = parts.scheme or parts.netloc or name.is_absolute() or name.parts[:1] == ("..",)
+    return None if outside or "\0" in str(name) else str(name)
+
+
+def _chunks(data: bytes) -> dict[int, bytes]:
+    """Return the chunks of a .glb by their type."""
+    magic, _, length = struct.unpack_from("<III", data)
+    if magic != _MAGIC or length > len(data):
+        raise ValueError("wrong header, or cut short")
+    chunks: dict[int, bytes] = {}
+    start = 12
+    while start + 8 <= length:
+        size, kind = struct.unpack_from("<II", data, start)
+        chunks.setdefault(kind, data[start + 8 : start + 8 + size])
+        start += 8 + size
+    return chunks
+
+
+def _check_views(path: Path, tree: dict[str, Any], held: int) -> None:
+    """Refuse views of buffers that repeat their bytes: each is copied, and each element of a short stride."""
+    views = tree.get("bufferViews", [])
+    if sum(view["byteLength"] for view in views) > max(_FREE_NUMBERS, _REPEATED * held):
+        raise InputError(f"{path} refers to the same bytes again and again; export it again.")
+    for index, entry in enumerate(tree.get("accessors", [])):
+        if "bufferView" not in entry or "byteStride" not in (view := views[entry["bufferView"]]):
+            continue
+        size = WIDTHS[entry["type"]] * np.dtype(COMPONENTS[entry["componentType"]]).itemsize
+        if view["byteStride"] < size:
+            raise InputError(
+                f"{path} has elements of {size} bytes {view['byteStride']} bytes apart, in accessor {index}; "
+                "export it again."
+            )
+
+
+def _check_counts(path: Path, tree: dict[str, Any], held: int) -> None:
+    """Refuse counts that the file cannot hold, and parts repeated until they fill the memory."""
+    accessors, nodes = tree.get("accessors", []), tree.get("nodes", [])
+    numbers = [entry["count"] * WIDTHS[entry["type"]] for entry in accessors]
+    unbacked = sum(n for n, entry in zip(numbers, accessors, strict=True) if "bufferView" not in entry)
+    if sum(numbers) > max(_FREE_NUMBERS, _REPEATED * held) or unbacked > _FREE_NUMBERS:
+        many = min(sum(numbers), 10**15)  # a number may have a thousand digits
+        raise InputError(f"{path} declares {many} numbers, more than a mesh file can hold.")
+    placed = Counter(node["mesh"] for node in nodes if "mesh" in node)
+    parts, vertices = 0, 0
+    for index, mesh in enumerate(tree.get("meshes", [])):
+        for part in mesh["primitives"]:
+            used = [part["attributes"].get("POSITION"), part.get("indices")]
+            largest = max((accessors[i]["count"] for i in used if i is not None), default=0)
+            parts += max(placed[index], 1)
+            vertices += largest * max(placed[index], 1)
+    if max(parts, len(nodes)) > _MOST_PARTS:
+        raise InputError(
+            f"{path} places {max(parts, len(nodes))} parts; join them to {_MOST_PARTS} or fewer."
+        )
+    if vertices > (most := max(_FREE_VERTICES, held)):
+        raise InputError(f"{path} places {vertices} vertices; reduce it to {most} or fewer.")

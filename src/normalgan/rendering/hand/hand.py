@@ -7,21 +7,26 @@ from typing import Annotated, Self, get_type_hints
 import numpy as np
 
 from normalgan.ranges import Range, Share, check_ranges
-from normalgan.rendering.hand.curves import resample
-from normalgan.rendering.hand.distortion import random_distortion
-from normalgan.rendering.hand.ends import miss_ends
-from normalgan.rendering.hand.following import follow
-from normalgan.rendering.hand.omissions import forget, skip_parts
-from normalgan.rendering.hand.pieces import cut, in_order, inside
-from normalgan.rendering.hand.pressure import press
-from normalgan.rendering.hand.repeats import second_pass
-from normalgan.rendering.hand.wobble import round_off, stray
+from normalgan.rendering.hand.distortion import follow, random_distortion
+from normalgan.rendering.hand.effects import (
+    STEP,
+    cut,
+    forget,
+    in_order,
+    inside,
+    miss_ends,
+    press,
+    resample,
+    round_off,
+    second_pass,
+    skip_parts,
+    stray,
+)
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["Hand"]
 
-_STEP = 1 / 320  # of the side: between points; four to a wave of the tremor, and finer than a line is wide
 _HABITS = (0.3, 1.7)  # factor by which the effects of a drawing differ from the mean
 _Length = Annotated[float, Range(0, 0.1)]  # as a fraction of the side
 _Number = Annotated[float, Range(0, 20)]  # on the length of a side
@@ -101,18 +106,18 @@ class Hand:
         if strength == 0:
             return list(strokes), maps
         mine = self._of_one_drawing(strength, own)
-        width = float(np.exp(strength * own.uniform(*np.log(self.pen))))
-        drawing, side = mine._draw_strokes(strokes, maps, streams), max(maps.mask.shape)
-        if width != 1:
-            drawing = [replace(stroke, width=width * stroke.width) for stroke in drawing]
+        width, side = float(np.exp(strength * own.uniform(*np.log(self.pen)))), max(maps.mask.shape)
+        drawing = [replace(stroke, points=stroke.points / side) for stroke in strokes]
+        drawing = mine._draw_strokes(drawing, maps, streams)
         if mine.distortion or mine.proportion:
             distortion = random_distortion(mine.distortion, mine.proportion, maps, bending)
             counts = np.cumsum([len(stroke.points) for stroke in drawing])
             points = np.concatenate([np.zeros((0, 2)), *(stroke.points for stroke in drawing)])
-            moved = np.split(side * distortion.move(points / side), counts[:-1])
+            moved = np.split(distortion.move(points), counts[:-1])
             drawing = [replace(stroke, points=at) for stroke, at in zip(drawing, moved, strict=False)]
             maps = follow(maps, distortion)
-        return drawing, maps
+        done = [replace(each, points=side * each.points, width=width * each.width) for each in drawing]
+        return done, maps
 
     def _of_one_drawing(self, strength: float, rng: np.random.Generator) -> Self:
         """Return the settings scaled by the strength and the habits of one drawing."""
@@ -130,32 +135,26 @@ class Hand:
     def _draw_strokes(
         self, strokes: Sequence[Stroke], maps: Maps, streams: Sequence[np.random.Generator]
     ) -> list[Stroke]:
-        """Return the strokes with the errors of each; there are seven ``streams``."""
+        """Return the strokes with the errors of each, in fractions of the side; ``streams`` are seven."""
         if not strokes or not any(getattr(self, field.name) for field in fields(self)[3:-1]):
             return list(strokes)
         cutting, missing, skipping, repeating, ending, straying, pressing = streams
-        side = max(maps.mask.shape)
-        step = _STEP * side
-        drawing = [resample(stroke, step) for stroke in strokes]
+        drawing = [resample(stroke) for stroke in strokes]
         if self.cuts:
-            drawing = [part for stroke in drawing for part in cut(stroke, self.cuts, step, side, cutting)]
-        interior = inside(drawing, maps)
-        drawing, interior = in_order(drawing, interior)
+            drawing = [part for stroke in drawing for part in cut(stroke, self.cuts, cutting)]
+        drawing, interior = in_order(drawing, inside(drawing, maps))
         if self.simplification:
-            deviation = self.simplification / _STEP
-            drawing = [round_off(stroke, deviation) for stroke in drawing]
-        drawing = forget(drawing, interior, self.missed, side, missing)
+            drawing = [round_off(stroke, self.simplification / STEP) for stroke in drawing]
+        drawing = forget(drawing, interior, self.missed, missing)
         if self.missed_parts:
-            kept = (skip_parts(stroke, self.missed_parts, step, side, skipping) for stroke in drawing)
-            drawing = [part for parts in kept for part in parts]
+            drawing = [part for each in drawing for part in skip_parts(each, self.missed_parts, skipping)]
         if self.repeats:
             again = repeating.random(len(drawing)) < self.repeats
-            drawing += [second_pass(drawing[index], side, repeating) for index in np.flatnonzero(again)]
+            drawing += [second_pass(drawing[index], repeating) for index in np.flatnonzero(again)]
         if self.overshoot or self.gaps:
-            lengths = self.overshoot * side, self.gaps * side
-            drawing = [miss_ends(stroke, *lengths, step, ending) for stroke in drawing]
+            drawing = [miss_ends(stroke, self.overshoot, self.gaps, ending) for stroke in drawing]
         how = self.pressure, self.fade, self.taper, self.slowness
         if any(how):
-            drawing = press(drawing, *how, step, side, pressing)
-        amplitudes = [side * share for share in (self.drift, self.wobble, self.tremor)]
-        return stray(drawing, amplitudes, step, side, straying) if any(amplitudes) else drawing
+            drawing = press(drawing, *how, pressing)
+        amplitudes = self.drift, self.wobble, self.tremor
+        return stray(drawing, amplitudes, straying) if any(amplitudes) else drawing

@@ -1,14 +1,16 @@
-"""LineDrawing: the base of the line styles, which trace the lines of an object."""
+"""LineDrawing: the base of the line styles, which trace the lines of an object, and the check of these."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 
 import numpy as np
 
+from normalgan.errors import InputError
 from normalgan.registry import Registry
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
-__all__ = ["LINE_DRAWINGS", "LineDrawing"]
+__all__ = ["LINE_DRAWINGS", "LineDrawing", "check_strokes"]
 
 
 class LineDrawing(ABC):
@@ -30,3 +32,29 @@ class LineDrawing(ABC):
 
 
 LINE_DRAWINGS: Registry[LineDrawing] = Registry(LineDrawing, "normalgan.line_drawings")  # type: ignore[type-abstract]
+
+
+def check_strokes(style: object, strokes: object, size: int) -> Sequence[Stroke]:
+    """Return a line style's strokes after checking them for a picture of ``size`` pixels a side.
+
+    Raises:
+        InputError: otherwise. Strokes far outside are refused, not clipped, because drawing
+            costs time and memory for every pixel along a line.
+    """
+    name = type(style).__name__
+    asked, given = "a line style gives a list of Stroke", type(strokes).__name__
+    if not isinstance(strokes, list | tuple):
+        raise InputError(f"{name} gave {given}; {asked}.")
+    if others := [type(each).__name__ for each in strokes if not isinstance(each, Stroke)]:
+        raise InputError(f"{name} gave {given} of {others[0]}; {asked}.")
+    for stroke in strokes:
+        for part in ("points", "width", "darkness"):
+            if not np.isfinite(getattr(stroke, part)).all():
+                raise InputError(f"{name} gave a stroke whose {part} are not numbers; they must be finite.")
+        low, high = float(stroke.points.min()), float(stroke.points.max())
+        if low < -size or high > 2 * size or not 0 <= stroke.width.min() <= stroke.width.max() <= 4 * size:
+            raise InputError(
+                f"{name} gave a stroke from {low:.6g} to {high:.6g} pixels, up to "
+                f"{stroke.width.max():.6g} wide, for a sketch of {size}; points and widths are in its pixels."
+            )
+    return strokes

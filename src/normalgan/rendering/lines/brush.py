@@ -5,18 +5,17 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from normalgan.arrays import Doubles, Floats
-from normalgan.ranges import NonNegative, Positive, PositiveInt, check_ranges
-from normalgan.rendering.lines.base import LINE_DRAWINGS, LineDrawing
-from normalgan.rendering.lines.buffers import Buffers
-from normalgan.rendering.lines.marks import mark
-from normalgan.rendering.lines.occluding import occluding_contours
-from normalgan.rendering.lines.thinning import thin, without_specks
+from normalgan.arrays import BoolMask, Doubles, Floats, Indices
+from normalgan.ranges import NonNegative, Positive
+from normalgan.rendering.lines.base import LINE_DRAWINGS
+from normalgan.rendering.lines.buffers import BufferedDrawing, Buffers
+from normalgan.rendering.lines.contours import mark, occluding_contours
+from normalgan.rendering.strokes.chain import chain
 from normalgan.rendering.strokes.curves import SPACING, resample, settle, smooth
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
-__all__ = ["Brush", "facing_ratio", "sharpened"]
+__all__ = ["Brush", "thin"]
 
 _RATIO = 1.6  # of the two blurs, whose difference is then nearest to a Laplacian's (Marr, Hildreth 1980)
 _SPUR = 1.5  # widths of the ink: shorter strokes are spurs
@@ -26,7 +25,7 @@ _SWELL = 6.0  # points over which its width is smoothed
 
 @LINE_DRAWINGS.register
 @dataclass(frozen=True)
-class Brush(LineDrawing):
+class Brush(BufferedDrawing):
     """Brush strokes: thick where the surface turns away slowly, thin where it turns away quickly.
 
     The ink is where an extended difference of Gaussians of n·v falls below a threshold (Winnemöller,
@@ -44,8 +43,6 @@ class Brush(LineDrawing):
             fraction of the frame's side; contours are inked wherever they are.
         shortest_contour: contours that span less than this fraction of the frame's side are left out.
         shortest: patches of ink that span less than this fraction of the frame's side are left out.
-        resolution: side in pixels of the maps that the ink is found in, rounded up to a multiple of the
-            sketch's.
 
     Raises:
         InputError: if a setting is out of range.
@@ -59,20 +56,12 @@ class Brush(LineDrawing):
     gap: Positive = 0.01
     shortest_contour: NonNegative = 0.012
     shortest: NonNegative = 0.045
-    resolution: PositiveInt = 512
 
-    def __post_init__(self) -> None:
-        check_ranges(self)
-
-    def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
-        """Return the strokes; see `LineDrawing.trace`."""
-        buffers = Buffers.of(view, self.resolution)
-        if buffers is None:
-            return []
+    def _draw(self, view: View, buffers: Buffers) -> list[Stroke]:
         contours = mark(occluding_contours(buffers, self.gap, self.shortest_contour), buffers.maps.mask.shape)
-        facing = np.where(contours, 0, facing_ratio(buffers))
-        sharp = sharpened(facing, self.sigma * buffers.side, self.sharpening)
-        inked = without_specks(contours | (sharp < self.threshold), self.shortest * buffers.side)
+        facing = np.where(contours, 0, _facing_ratio(buffers))
+        sharp = _sharpened(facing, self.sigma * buffers.side, self.sharpening)
+        inked = _without_specks(contours | (sharp < self.threshold), self.shortest * buffers.side)
         # Uneven ink gives the centre line spurs, which end inside the ink.
         lines = [line for line in thin(inked) if len(line[0]) >= max(_SPUR * np.median(line[1]), 2)]
         if not lines:
@@ -90,7 +79,7 @@ class Brush(LineDrawing):
         return Stroke(path, self.line_width * np.clip(here, 0.1, self.widest), np.ones(len(path)))
 
 
-def facing_ratio(buffers: Buffers) -> Floats:
+def _facing_ratio(buffers: Buffers) -> Floats:
     """Return n·v of every pixel (H, W), from 0 to 1, and 1 off the object as on paper."""
     normal = buffers.maps.normal
     x, y = buffers.sight.x[None, :], buffers.sight.y[:, None]
@@ -99,8 +88,68 @@ def facing_ratio(buffers: Buffers) -> Floats:
     return ratio
 
 
-def sharpened(picture: Floats, sigma: float, sharpening: float) -> Floats:
+def _sharpened(picture: Floats, sigma: float, sharpening: float) -> Floats:
     """Return ``(1 + p) G_sigma - p G_(1.6 sigma)`` of a picture (H, W), sigma in pixels."""
     near, far = (cv2.GaussianBlur(picture, (0, 0), width) for width in (sigma, _RATIO * sigma))
     sharp: Floats = (1 + sharpening) * near - sharpening * far
     return sharp
+
+
+def _without_specks(inked: BoolMask, shortest: float) -> BoolMask:
+    """Return the inked pixels (H, W) without connected patches that span less than ``shortest`` pixels.
+
+    The extent of a patch is the longer side of its bounding box; corners connect.
+
+    >>> _without_specks(np.array([[1, 1, 1, 0, 1]], bool), 2).astype(int)
+    array([[1, 1, 1, 0, 0]])
+    """
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(inked.astype(np.uint8), connectivity=8)
+    large = np.maximum(stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT]) >= shortest
+    large[0] = False
+    kept: BoolMask = large[labels]
+    return kept
+
+
+def thin(inked: BoolMask) -> list[tuple[Doubles, Doubles]]:
+    """Return the lines along the middle of inked areas, and how thick the ink is there.
+
+    Zhang and Suen, "A Fast Parallel Algorithm for Thinning Digital Patterns", 1984, as scikit-image has it.
+
+    Args:
+        inked: (H, W).
+
+    Returns:
+        For each line its points (P, 2), x right and y down in pixels, and widths (P,) in pixels.
+
+    >>> inked = np.zeros((9, 20), bool)
+    >>> inked[3:6, 2:18] = True
+    >>> [(points, width)] = thin(inked)
+    >>> points[5:8].tolist(), width[5:8].tolist()
+    ([[11.5, 4.5], [10.5, 4.5], [9.5, 4.5]], [3.0, 3.0, 3.0])
+    """
+    from skimage.morphology import skeletonize  # takes half a second, and only brushes need it
+
+    skeleton: BoolMask = skeletonize(inked)
+    rows, columns = np.nonzero(skeleton)
+    if not len(rows):
+        return []
+    # The distance from a pixel's centre to the nearest centre without ink is half a pixel beyond the ink.
+    depth = cv2.distanceTransform(np.pad(inked, 1).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    width = 2 * depth[1:-1, 1:-1][rows, columns].astype(np.float64) - 1
+    points = np.stack([columns + 0.5, rows + 0.5], axis=1)
+    links = _neighbours(skeleton, rows, columns)
+    return [(points[path], width[path]) for path in (chain(points, links) if len(links) else [])]
+
+
+def _neighbours(skeleton: BoolMask, rows: Indices, columns: Indices) -> Indices:
+    """Return pairs of neighbours on a skeleton, (L, 2); corner to corner only if no side joins them."""
+    number = np.full((skeleton.shape[0] + 2, skeleton.shape[1] + 2), -1)
+    number[rows + 1, columns + 1] = np.arange(len(rows))
+    links = []
+    for down, right in ((0, 1), (1, 0), (1, 1), (1, -1)):
+        other = number[rows + 1 + down, columns + 1 + right]
+        near = other >= 0
+        if down and right:
+            near &= (number[rows + 2, columns + 1] < 0) & (number[rows + 1, columns + 1 + right] < 0)
+        links.append(np.stack([np.flatnonzero(near), other[near]], axis=1))
+    return np.concatenate(links)

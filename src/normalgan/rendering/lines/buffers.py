@@ -1,18 +1,38 @@
-"""Buffers: the larger maps in which lines are found, cropped to the object."""
+"""Buffers: the larger maps in which lines are found, cropped to the object, and the rays of their pixels."""
 
+from abc import abstractmethod
 from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 
-from normalgan.arrays import BoolMask, Doubles
-from normalgan.rendering.lines.sight import Sight, sight
+from normalgan.arrays import BoolMask, Doubles, Floats
+from normalgan.ranges import Positive, PositiveInt, check_ranges
+from normalgan.rendering.cameras import Camera
+from normalgan.rendering.lines.base import LineDrawing
 from normalgan.rendering.maps import Maps
+from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
-__all__ = ["Buffers"]
+__all__ = ["BufferedDrawing", "Buffers", "Sight", "sight"]
 
 _MARGIN = 4  # pixels kept about the object, so that filters meet the background before the border
+
+
+@dataclass(frozen=True)
+class Sight:
+    """The ray of every pixel, which runs along (x, y, -1) in camera space.
+
+    Args:
+        x: (W,) slope to the right of the rays of each column; 0 under orthographic projection.
+        y: (H,) slope upwards of the rays of each row; 0 under orthographic projection.
+        pixel: (H, W) side of a pixel where its ray meets the surface, in units of the mesh; 0 off the
+            object under perspective.
+    """
+
+    x: Floats
+    y: Floats
+    pixel: Floats
 
 
 @dataclass(frozen=True)
@@ -66,3 +86,54 @@ def _object_window(mask: BoolMask) -> tuple[slice, slice] | None:
         end = mask.shape[1 - axis]
         window.append(slice(max(int(filled[0]) - _MARGIN, 0), min(int(filled[-1]) + 1 + _MARGIN, end)))
     return window[0], window[1]
+
+
+def sight(camera: Camera, maps: Maps, window: tuple[slice, slice], side: int) -> Sight:
+    """Return the rays of a part of the frame.
+
+    Args:
+        camera: whose frame it is.
+        maps: the visible surface in that part, (H, W).
+        window: rows and columns of the part.
+        side: side of the whole frame in pixels.
+    """
+    left, right, bottom, top = camera.window
+    height, width = maps.mask.shape
+    pixel = np.float32((right - left) / side)
+    if not camera.perspective:
+        return Sight(
+            np.zeros(width, np.float32), np.zeros(height, np.float32), np.full_like(maps.depth, pixel)
+        )
+    rows, columns = (np.arange(part.start, part.stop) + 0.5 for part in window)
+    x = (left + (right - left) * columns / side).astype(np.float32)
+    y = (top + (bottom - top) * rows / side).astype(np.float32)
+    return Sight(x, y, np.where(maps.mask, maps.depth, 0) * pixel)
+
+
+@dataclass(frozen=True)
+class BufferedDrawing(LineDrawing):
+    """Base of the styles that find lines in larger maps of the view.
+
+    Args:
+        line_width: width of a line in pixels of the sketch, at any sketch size.
+        resolution: side in pixels of the maps that lines are found in, rounded up to a multiple of the
+            sketch's; lines are placed between their pixels.
+
+    Raises:
+        InputError: if a setting is out of range.
+    """
+
+    line_width: Positive = 1.25
+    resolution: PositiveInt = 512
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
+
+    def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
+        """Return the strokes; see `LineDrawing.trace`."""
+        buffers = Buffers.of(view, self.resolution)
+        return [] if buffers is None else self._draw(view, buffers)
+
+    @abstractmethod
+    def _draw(self, view: View, buffers: Buffers) -> list[Stroke]:
+        """Return the strokes that a view's buffers show."""

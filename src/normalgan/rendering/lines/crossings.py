@@ -9,11 +9,11 @@ from normalgan.arrays import BoolMask, Doubles, Floats, Indices
 from normalgan.graphs import connected
 from normalgan.rendering.strokes.chain import chain
 
-__all__ = ["PAIRS", "Crossed", "Crossings", "Line", "Pair", "crossings", "places"]
+__all__ = ["PAIRS", "Crossed", "Crossings", "Line", "crossings", "places"]
 
-Pair = tuple[tuple[slice, slice], tuple[slice, slice]]
+_Pair = tuple[tuple[slice, slice], tuple[slice, slice]]
 
-PAIRS: tuple[Pair, Pair] = (
+PAIRS: tuple[_Pair, _Pair] = (
     ((slice(None), slice(None, -1)), (slice(None), slice(1, None))),
     ((slice(None, -1), slice(None)), (slice(1, None), slice(None))),
 )

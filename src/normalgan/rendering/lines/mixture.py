@@ -5,8 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from normalgan.errors import InputError
-from normalgan.rendering.checks import check_strokes
-from normalgan.rendering.lines.base import LINE_DRAWINGS, LineDrawing
+from normalgan.rendering.lines.base import LINE_DRAWINGS, LineDrawing, check_strokes
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 

@@ -4,27 +4,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from normalgan.arrays import Doubles, Floats
-from normalgan.ranges import NonNegative, Positive, PositiveInt, check_ranges
-from normalgan.rendering.lines.apparent_ridges import apparent_curvature, extremes
+from normalgan.arrays import Doubles
+from normalgan.ranges import NonNegative, Positive
 from normalgan.rendering.lines.base import LINE_DRAWINGS
-from normalgan.rendering.lines.buffers import Buffers
-from normalgan.rendering.lines.inside import Inside
-from normalgan.rendering.lines.outlined import OutlinedDrawing
-from normalgan.rendering.lines.projection import towards_eye
-from normalgan.rendering.lines.shapes import Shape, shape_of
-from normalgan.rendering.lines.surface_lines import EdgeMarks
-from normalgan.rendering.strokes.stroke import Stroke
-from normalgan.rendering.view import View
+from normalgan.rendering.lines.surface import Shape, Surface
+from normalgan.rendering.lines.surface_lines import EdgeMarks, SurfaceDrawing
 
-__all__ = ["RidgesAndValleys", "apparent_ridges"]
+__all__ = ["RidgesAndValleys", "apparent_curvature", "extremes"]
 
 _FACING = 0.15  # below this n·v a ridge counts as a contour
+_GRAZING = 0.1  # the least n·v; below it foreshortening would have no bound
 
 
 @LINE_DRAWINGS.register
 @dataclass(frozen=True)
-class RidgesAndValleys(OutlinedDrawing):
+class RidgesAndValleys(SurfaceDrawing):
     """Occluding contours, and the ridges and valleys between them.
 
     Ridges and valleys here are apparent ones (Judd, Durand, Adelson, "Apparent Ridges for Line Drawing",
@@ -33,71 +27,93 @@ class RidgesAndValleys(OutlinedDrawing):
     2004) were tried and left: they do not depend on the view, and run in streaks along limbs and tails.
 
     Args:
-        line_width: width of contours in pixels of the sketch, at any sketch size.
-        interior_width: width of the ridges and valleys in pixels of the sketch; 0 draws none.
-        gap: how far the surface must jump back for a contour, beyond what its slope explains, as a
-            fraction of the frame's side.
-        smoothing: standard deviation of the smoothing of the curvature, as a fraction of the object's
-            radius.
         strength: how sharply the surface must turn for a ridge or valley, in radians over the object's
             radius as it is seen; a line that has begun continues down to a third of it.
         sharpness: by how much more than beside it, in units of the curvature cubed; a limb is round, so its
             middle is not a ridge.
-        shortest_contour: contours that span less than this fraction of the frame's side are left out.
-        shortest: ridges and valleys shorter than this fraction of the frame's side are left out.
-        bridge: gaps up to this fraction of the frame's side do not break one.
-        apart: one that keeps nearer than this to a contour, on average, as a fraction of the frame's side,
-            is left out: it would only double the contour.
-        resolution: side in pixels of the maps in which contours and hidden strokes are found.
 
     Raises:
         InputError: if a setting is out of range.
     """
 
-    line_width: Positive = 1.25
-    interior_width: NonNegative = 0.9
-    gap: Positive = 0.01
     smoothing: NonNegative = 0.03
     strength: Positive = 6.0
     sharpness: NonNegative = 0.2
-    shortest_contour: NonNegative = 0.012
     shortest: NonNegative = 0.05
-    bridge: NonNegative = 0.02
     apart: NonNegative = 0.015
-    resolution: PositiveInt = 512
 
-    def __post_init__(self) -> None:
-        check_ranges(self)
+    _rounding = 0.02
 
-    def _draw_inside(self, view: View, buffers: Buffers, distance: Floats) -> list[Stroke]:
-        """Return the ridges and valleys; see `OutlinedDrawing._draw_inside`."""
-        shape = shape_of(view.mesh, self.smoothing)
-        eye = towards_eye(view.camera, shape.surface.vertices)
-        pen = Inside(
-            self.interior_width, self.strength, self.shortest, self.bridge, self.apart, smoothing=0.02
-        )
-        return [
-            stroke
-            for marks, strength in apparent_ridges(shape, eye, self.sharpness)
-            for stroke in pen.draw(shape.surface, view, buffers, distance, marks, strength)
-        ]
+    def _find(self, shape: Shape, eye: Doubles) -> list[tuple[EdgeMarks, Doubles]]:
+        """Return the ridges, then the valleys; see `SurfaceDrawing._find`.
+
+        Where a ridge is too blunt its strength is 0, so that the gap can be bridged.
+        """
+        curvature, along = apparent_curvature(shape, eye)
+        marks, peaked = extremes(shape.surface, curvature, along)
+        facing = np.einsum("vc,vc->v", shape.normals, eye)
+        bulge = np.einsum("va,vab,vb->v", along, shape.operators, along)
+        here, bulging = marks.take(shape.surface, curvature), marks.take(shape.surface, bulge) > 0
+        strength = np.where(peaked > self.sharpness * here**3, here, 0)
+        towards = marks.take(shape.surface, facing) > _FACING
+        return [(marks.only(kept), strength[kept]) for kept in (towards & bulging, towards & ~bulging)]
 
 
-def apparent_ridges(shape: Shape, eye: Doubles, sharpness: float) -> list[tuple[EdgeMarks, Doubles]]:
-    """Return the ridges, then the valleys: where they cross edges, and their view-dependent curvature.
+def apparent_curvature(shape: Shape, eye: Doubles) -> tuple[Doubles, Doubles]:
+    """Return the largest turn of the normal per length in the picture, (V,), and its direction, (V, 3).
 
-    Where a ridge is blunter than ``sharpness`` its strength is 0, so that the gap can be bridged.
+    With a and b the tangents towards and across the eye's direction, a step along a is shortened by n·v in
+    the picture and one along b is not. The view-dependent curvature is the largest singular value of the
+    shape operator after undoing that; the direction returned is the tangent whose picture is its right
+    singular vector (Judd, Durand, Adelson, "Apparent Ridges for Line Drawing", SIGGRAPH 2007, section 4).
 
     Args:
         shape: the mesh and its curvature.
         eye: (V, 3) unit vectors to the eye.
-        sharpness: see `RidgesAndValleys`.
     """
-    curvature, along = apparent_curvature(shape, eye)
-    marks, peaked = extremes(shape.surface, curvature, along)
-    facing = np.einsum("vc,vc->v", shape.normals, eye)
-    bulge = np.einsum("va,vab,vb->v", along, shape.operators, along)
-    here, bulging = marks.take(shape.surface, curvature), marks.take(shape.surface, bulge) > 0
-    strength = np.where(peaked > sharpness * here**3, here, 0)
-    towards = marks.take(shape.surface, facing) > _FACING
-    return [(marks.only(kept), strength[kept]) for kept in (towards & bulging, towards & ~bulging)]
+    normals, operators = shape.normals, shape.operators
+    facing = np.einsum("vc,vc->v", normals, eye)
+    towards = eye - facing[:, None] * normals
+    towards /= np.maximum(np.linalg.norm(towards, axis=1, keepdims=True), 1e-9)
+    across = np.cross(normals, towards)
+    lengthened = towards / np.maximum(facing, _GRAZING)[:, None]
+    steps = np.stack([lengthened, across], axis=2)  # (V, 3, 2): one pixel along each, on the surface
+    turns = operators @ steps
+    # The right singular vector of a matrix of two columns is the longer axis of its Gram matrix.
+    gram = turns.transpose(0, 2, 1) @ turns
+    xx, yy, xy = gram[:, 0, 0], gram[:, 1, 1], gram[:, 0, 1]
+    angle = np.arctan2(2 * xy, xx - yy) / 2
+    largest = (xx + yy) / 2 + np.hypot((xx - yy) / 2, xy)
+    along = np.einsum("vck,kv->vc", steps, np.stack([np.cos(angle), np.sin(angle)]))
+    return np.sqrt(largest), along
+
+
+def extremes(surface: Surface, values: Doubles, along: Doubles) -> tuple[EdgeMarks, Doubles]:
+    """Return where values (V,) are largest or smallest along a direction, and how peaked they are there.
+
+    The marks are zeros of the derivative. Directions have no sign: along an edge, that of its first vertex
+    counts. The peakedness is minus the second derivative, (N,), positive at a maximum.
+
+    Args:
+        surface: the mesh.
+        values: (V,).
+        along: (V, 3) tangents, whose lengths count.
+    """
+    rise = np.einsum("vc,vc->v", surface.slope(values), along)
+    one, other = surface.edges.T
+    sign = np.where(np.einsum("vc,vc->v", along[one], along[other]) < 0, -1.0, 1.0)
+    step = surface.vertices[other] - surface.vertices[one]
+    norm = np.maximum(np.linalg.norm(along, axis=1), 1e-12)
+    unit = along / norm[:, None]
+    # Least squares over the edges of a vertex: the change of the derivative along its direction.
+    ahead, behind = (step * unit[one]).sum(1), -(step * unit[other]).sum(1)
+    count = len(values)
+    change = np.bincount(one, (sign * rise[other] - rise[one]) * ahead, count)
+    change += np.bincount(other, (sign * rise[one] - rise[other]) * behind, count)
+    spread = np.bincount(one, ahead**2, count) + np.bincount(other, behind**2, count)
+    peaked = -change * norm / np.maximum(spread, 1e-12)
+    before, after = rise[one], sign * rise[other]
+    crossed = np.flatnonzero((before < 0) != (after < 0))
+    before, after = before[crossed], after[crossed]
+    marks = EdgeMarks(crossed, before / (before - after))
+    return marks, marks.take(surface, peaked)

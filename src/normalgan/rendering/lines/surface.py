@@ -1,4 +1,4 @@
-"""Surface: a mesh with its differential operators, made once per mesh."""
+"""Surface: a mesh with its differential operators and its curvature, made once per mesh."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -9,8 +9,9 @@ from scipy import sparse
 from normalgan.arrays import Doubles, Indices
 from normalgan.rendering.mesh import Mesh
 
-__all__ = ["Operator", "Surface"]
-Operator = Any  # a sparse matrix; SciPy's types are not generic over the other factor
+__all__ = ["Shape", "Surface", "shape_of", "shape_operators", "smooth_normals"]
+
+_Operator = Any  # a sparse matrix; SciPy's types are not generic over the other factor
 
 
 @dataclass(frozen=True)
@@ -34,8 +35,8 @@ class Surface:
     normals: Doubles
     edges: Indices
     sides: Indices
-    gradient: tuple[Operator, Operator, Operator]
-    average: Operator
+    gradient: tuple[_Operator, _Operator, _Operator]
+    average: _Operator
     spacing: float
 
     @classmethod
@@ -71,7 +72,7 @@ class Surface:
         return np.stack([part @ values for part in self.gradient], axis=1)
 
 
-def _gradient(vertices: Doubles, faces: Indices) -> tuple[Operator, Operator, Operator]:
+def _gradient(vertices: Doubles, faces: Indices) -> tuple[_Operator, _Operator, _Operator]:
     opposite = [vertices[faces[:, (k + 2) % 3]] - vertices[faces[:, (k + 1) % 3]] for k in range(3)]
     across = np.cross(opposite[0], opposite[1])  # twice the area, along the normal
     area = np.linalg.norm(across, axis=1)
@@ -83,17 +84,141 @@ def _gradient(vertices: Doubles, faces: Indices) -> tuple[Operator, Operator, Op
     columns = np.concatenate([faces[:, j] for _ in range(3) for j in range(3)])
     shape = (len(vertices), len(vertices))
 
-    def part(axis: int) -> Operator:
+    def part(axis: int) -> _Operator:
         values = np.concatenate([climbs[j][:, axis] for _ in range(3) for j in range(3)]) / around[rows]
         return sparse.csr_array((values, (rows, columns)), shape=shape)
 
     return part(0), part(1), part(2)
 
 
-def _average(edges: Indices, count: int) -> Operator:
+def _average(edges: Indices, count: int) -> _Operator:
     rows, columns = np.concatenate([edges, edges[:, ::-1]]).T
     degree = np.bincount(rows, minlength=count)
     values = np.concatenate([0.5 / degree[rows], np.where(degree == 0, 1.0, 0.5)])
     own = np.arange(count)
     places = (np.concatenate([rows, own]), np.concatenate([columns, own]))
     return sparse.csr_array((values, places), shape=(count, count))
+
+
+@dataclass(frozen=True)
+class Shape:
+    """Normals and curvature of a mesh at its vertices.
+
+    Args:
+        surface: the mesh.
+        normals: (V, 3) unit vectors, smoothed.
+        operators: (V, 3, 3) see `shape_operators`.
+    """
+
+    surface: Surface
+    normals: Doubles
+    operators: Doubles
+
+
+# Views of a mesh are rendered in a row, so one mesh is kept, and memory stays flat. Its shapes are keyed by
+# smoothing, which differs between the styles of a mixture. The cache belongs to the process.
+_last: tuple[Mesh, Surface, dict[float, Shape]] | None = None
+
+
+def shape_of(mesh: Mesh, smoothing: float) -> Shape:
+    """Return the shape of a mesh, its curvature smoothed over ``smoothing`` units of the mesh."""
+    global _last  # noqa: PLW0603 -- see above
+    if _last is None or _last[0] is not mesh:
+        _last = (mesh, Surface.of(mesh), {})
+    _, surface, shapes = _last
+    if smoothing not in shapes:
+        normals = smooth_normals(surface, smoothing)
+        shapes[smoothing] = Shape(surface, normals, shape_operators(surface, normals, smoothing))
+    return shapes[smoothing]
+
+
+def smooth_normals(surface: Surface, smoothing: float) -> Doubles:
+    """Return the unit normals (V, 3) of a mesh smoothed over ``smoothing`` units of it."""
+    return _unit(surface.smooth(surface.normals, smoothing))
+
+
+def shape_operators(surface: Surface, normals: Doubles, smoothing: float) -> Doubles:
+    """Return the shape operator at each vertex, (V, 3, 3), symmetric.
+
+    A step s along the surface turns the normal by ``S s``; ``S n = 0``, and ``u · S u`` is the curvature
+    along the unit tangent u, positive where the surface bends away from the normal, as a ball's does. For
+    each face, S is fitted to the differences of the normals along its three sides by least squares. At a
+    vertex it is the average over the faces around, turned into the tangent plane there. A face's weight is
+    the part of its area that is nearest to the vertex (Rusinkiewicz, "Estimating Curvatures and Their
+    Derivatives on Triangle Meshes", 3DPVT 2004, sections 3.1 to 3.3).
+
+    Args:
+        surface: the mesh.
+        normals: (V, 3) unit vectors.
+        smoothing: standard deviation of the Gaussian that smooths the curvature, in units of the mesh.
+    """
+    corners = surface.vertices[surface.faces]
+    sides = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)  # side k is opposite corner k
+    first = _unit(sides[:, 0])
+    facing = _unit(np.cross(sides[:, 0], sides[:, 1]))
+    second = np.cross(facing, first)
+    fitted = _fit(sides, normals[surface.faces], first, second)
+    weights = _nearest_areas(sides)
+    summed = np.zeros((len(normals), 9))
+    total = np.zeros(len(normals))
+    for k in range(3):
+        own = surface.faces[:, k]
+        turned = np.stack([_tilt(axis, facing, normals[own]) for axis in (first, second)], axis=2)
+        here = (turned @ fitted @ turned.transpose(0, 2, 1)).reshape(-1, 9) * weights[:, k, None]
+        total += np.bincount(own, weights[:, k], len(normals))
+        for entry in range(9):
+            summed[:, entry] += np.bincount(own, here[:, entry], len(normals))
+    operators = surface.smooth(summed / np.maximum(total, 1e-30)[:, None], smoothing).reshape(-1, 3, 3)
+    flat = np.eye(3) - normals[:, :, None] * normals[:, None, :]
+    tangent: Doubles = flat @ operators @ flat
+    return tangent
+
+
+def _fit(sides: Doubles, normals: Doubles, first: Doubles, second: Doubles) -> Doubles:
+    """Return the symmetric matrices (F, 2, 2) that best map sides of faces to changes of normals."""
+    turns = np.roll(normals, -2, axis=1) - np.roll(normals, -1, axis=1)
+    u, v = (np.einsum("fkc,fc->fk", sides, axis) for axis in (first, second))
+    du, dv = (np.einsum("fkc,fc->fk", turns, axis) for axis in (first, second))
+    uu, uv, vv = (u * u).sum(1), (u * v).sum(1), (v * v).sum(1)
+    zero = np.zeros_like(uu)
+    left = np.stack([uu, uv, zero, uv, uu + vv, uv, zero, uv, vv], axis=1).reshape(-1, 3, 3)
+    right = np.stack([(u * du).sum(1), (v * du + u * dv).sum(1), (v * dv).sum(1)], axis=1)
+    # The fit of a sliver is undetermined across it; damping sets it to 0.
+    damping = 1e-9 * (uu + vv) + 1e-30
+    left += damping[:, None, None] * np.eye(3)
+    a, b, c = np.linalg.solve(left, right[..., None])[..., 0].T
+    fitted: Doubles = np.stack([a, b, b, c], axis=1).reshape(-1, 2, 2)
+    return fitted
+
+
+def _nearest_areas(sides: Doubles) -> Doubles:
+    """Return the area (F, 3) of each face that is nearer to each corner than to the others (Voronoi).
+
+    Obtuse faces are cut at the feet of the perpendiculars instead, as by Meyer, Desbrun, Schröder and
+    Barr, "Discrete Differential-Geometry Operators for Triangulated 2-Manifolds", 2003.
+    """
+    square = (sides * sides).sum(2)
+    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2
+    # Cotangent at corner k: the sides meeting there are k + 1 and k + 2, pointing on and back.
+    dots = -np.stack([(sides[:, (k + 1) % 3] * sides[:, (k + 2) % 3]).sum(1) for k in range(3)], axis=1)
+    cotangent = dots / np.maximum(2 * area, 1e-30)[:, None]
+    shares = square * cotangent / 8
+    voronoi = np.roll(shares, -1, axis=1) + np.roll(shares, -2, axis=1)
+    obtuse = dots < 0
+    safe = np.where(obtuse, 0.5, 0.25) * area[:, None]
+    nearest: Doubles = np.where(obtuse.any(axis=1, keepdims=True), safe, voronoi)
+    return nearest
+
+
+def _tilt(vectors: Doubles, old: Doubles, new: Doubles) -> Doubles:
+    """Return tangent vectors (F, 3) turned along with the normal, the shortest way from old to new."""
+    cosine = (old * new).sum(1)
+    # Normals are opposite on a fold, so any rotation axis will do.
+    share = (vectors * new).sum(1) / np.maximum(1 + cosine, 1e-6)
+    tilted: Doubles = vectors - (old + new) * share[:, None]
+    return tilted
+
+
+def _unit(vectors: Doubles) -> Doubles:
+    unit: Doubles = vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-30)
+    return unit

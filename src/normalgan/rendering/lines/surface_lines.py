@@ -1,18 +1,24 @@
-"""Lines on a mesh: visible crossings of its edges, chained to paths in the picture."""
+"""Lines on a mesh: marks on its edges, chained to long, fading strokes inside an object."""
 
+from abc import abstractmethod
 from dataclasses import dataclass
+from typing import ClassVar
 
 import cv2
 import numpy as np
 
-from normalgan.arrays import BoolMask, Doubles, Indices
+from normalgan.arrays import BoolMask, Doubles, Floats, Indices
+from normalgan.ranges import NonNegative, Positive
+from normalgan.rendering.cameras import project, towards_eye
 from normalgan.rendering.lines.buffers import Buffers
-from normalgan.rendering.lines.projection import project
-from normalgan.rendering.lines.surface import Surface
+from normalgan.rendering.lines.contours import OutlinedDrawing
+from normalgan.rendering.lines.surface import Shape, Surface, shape_of
 from normalgan.rendering.strokes.chain import chain
+from normalgan.rendering.strokes.curves import SPACING, lengths_along, resample, smooth
+from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
-__all__ = ["EdgeMarks", "paths", "seen", "zero_marks"]
+__all__ = ["EdgeMarks", "SurfaceDrawing", "zero_marks"]
 
 _DEEPER = 0.004  # in units of the mesh; rounding and facets put points behind the depth buffer
 
@@ -49,7 +55,7 @@ def zero_marks(surface: Surface, field: Doubles, usable: BoolMask) -> EdgeMarks:
     return EdgeMarks(crossed, one / (one - other))
 
 
-def seen(view: View, buffers: Buffers, points: Doubles) -> tuple[Doubles, BoolMask]:
+def _seen(view: View, buffers: Buffers, points: Doubles) -> tuple[Doubles, BoolMask]:
     """Return the positions of points (N, 3) in the sketch, (N, 2), and which are visible.
 
     A point counts as visible if one of the nine pixels around it has the same depth: on a
@@ -64,7 +70,7 @@ def seen(view: View, buffers: Buffers, points: Doubles) -> tuple[Doubles, BoolMa
     return place, depth <= deep + _DEEPER
 
 
-def paths(surface: Surface, marks: EdgeMarks, place: Doubles) -> list[Indices]:
+def _paths(surface: Surface, marks: EdgeMarks, place: Doubles) -> list[Indices]:
     """Return the marks along each line, in order; two on sides of one face belong together.
 
     Args:
@@ -78,3 +84,120 @@ def paths(surface: Surface, marks: EdgeMarks, place: Doubles) -> list[Indices]:
     here = corner[(corner >= 0).sum(axis=1) == 2]
     links = np.sort(here, axis=1)[:, 1:]
     return chain(place, np.unique(links, axis=0)) if len(links) else []
+
+
+_FINE = 0.25  # `SPACING` while smoothing
+_FAINTEST = 0.4  # share of its width that a stroke keeps where it is weakest
+
+
+@dataclass(frozen=True)
+class SurfaceDrawing(OutlinedDrawing):
+    """Base of the styles that find the lines inside on the mesh, and draw them as long, fading strokes.
+
+    Args:
+        smoothing: standard deviation of the smoothing of the curvature, as a fraction of the object's
+            radius.
+        strength: that a stroke must reach; a stroke that has begun continues down to a third of it.
+        bridge: gaps up to this fraction of the frame's side do not break a stroke.
+    """
+
+    smoothing: NonNegative = 0.015
+    strength: Positive = 1.0
+    bridge: NonNegative = 0.02
+
+    _rounding: ClassVar[float] = 0.006
+    """Of the side: deviation of the smoothing of a stroke, as a line on a mesh jerks from edge to edge."""
+
+    @abstractmethod
+    def _find(self, shape: Shape, eye: Doubles) -> list[tuple[EdgeMarks, Doubles]]:
+        """Return where lines cross edges of the mesh, and how strong they are there, (N,).
+
+        Args:
+            shape: the mesh and its curvature.
+            eye: (V, 3) unit vectors to the eye.
+        """
+
+    def _draw_inside(self, view: View, buffers: Buffers, distance: Floats) -> list[Stroke]:
+        """Return the strokes along the lines; see `OutlinedDrawing._draw_inside`."""
+        shape = shape_of(view.mesh, self.smoothing)
+        eye = towards_eye(view.camera, shape.surface.vertices)
+        return [
+            stroke
+            for marks, strength in self._find(shape, eye)
+            for stroke in self._along(shape.surface, marks, strength, view, buffers, distance)
+        ]
+
+    def _along(
+        self,
+        surface: Surface,
+        marks: EdgeMarks,
+        strength: Doubles,
+        view: View,
+        buffers: Buffers,
+        distance: Floats,
+    ) -> list[Stroke]:
+        """Return the strokes along marks; points that the buffers do not show count as hidden."""
+        place, visible = _seen(view, buffers, marks.take(surface, surface.vertices))
+        kept = visible & (strength > 0)
+        marks, place, strength = marks.only(kept), place[kept], strength[kept]
+        column, row = np.floor(place * buffers.scale - buffers.corner).astype(np.int64).T
+        height, width = distance.shape
+        away = distance[row.clip(0, height - 1), column.clip(0, width - 1)] / buffers.side
+        strokes = []
+        for path in _paths(surface, marks, place):
+            points, strong = place[path] / view.size, strength[path]
+            for part in _worthy_runs(
+                points, strong, self.strength / 3, self.strength, self.bridge, self.shortest
+            ):
+                if away[path][part].mean() > self.apart:
+                    strokes.append(self._stroke(points[part] * view.size, strong[part], view.size))
+        return strokes
+
+    def _stroke(self, points: Doubles, strength: Doubles, size: int) -> Stroke:
+        along = lengths_along(points)
+        fine = resample(points, _FINE)
+        path = resample(smooth(fine, self._rounding * size / _FINE), SPACING)
+        share = np.clip(strength / self.strength, 0, 1)
+        here = np.interp(np.linspace(0, along[-1], len(path)), along, share)
+        pressure = smooth(np.stack([here, here], axis=1), 3.0)[:, 0]
+        width = self.interior_width * (_FAINTEST + (1 - _FAINTEST) * np.clip(pressure, 0, 1))
+        return Stroke(path, width, np.ones(len(path)))
+
+
+def _worthy_runs(
+    points: Doubles, strength: Doubles, least: float, seed: float, bridge: float, shortest: float
+) -> list[slice]:
+    """Return the stretches of a path to draw, of at least two points each.
+
+    A stretch has a strength of at least ``least`` but for gaps up to ``bridge`` long, reaches ``seed``
+    somewhere, and is at least ``shortest`` long.
+
+    >>> points = np.stack([np.arange(8.0), np.zeros(8)], axis=1)
+    >>> strength = np.array([0, 2, 2, 0, 3, 2, 0, 2.0])
+    >>> _worthy_runs(points, strength, least=1, seed=3, bridge=2, shortest=2)
+    [slice(1, 8, None)]
+    >>> _worthy_runs(points, strength, least=1, seed=3, bridge=1, shortest=1)
+    [slice(4, 6, None)]
+
+    Args:
+        points: (P, 2) of the path.
+        strength: (P,).
+        least: strength down to which a stretch continues.
+        seed: strength that a stretch must reach.
+        bridge: in units of the points.
+        shortest: in units of the points, along the path.
+    """
+    along = lengths_along(points)
+    good = np.flatnonzero(strength >= least)
+    if not len(good):
+        return []
+    breaks = np.flatnonzero((np.diff(good) > 1) & (np.diff(along[good]) > bridge))
+    starts = good[np.concatenate([[0], breaks + 1])]
+    stops = good[np.concatenate([breaks, [len(good) - 1]])]
+    return [
+        slice(int(start), int(stop) + 1)
+        for start, stop in zip(starts, stops, strict=True)
+        if stop > start
+        and strength[start : stop + 1].max() >= seed
+        and along[stop] - along[start] >= shortest
+    ]

@@ -7,15 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import Doubles
-from normalgan.rendering.cameras import Camera
+from normalgan.rendering.cameras import Camera, project
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers.base import RENDERERS, Renderer
 
-__all__ = ["CANCELLED", "EmbreeRenderer"]
+__all__ = ["EmbreeRenderer"]
 
 
-CANCELLED = 1e-4
+_CANCELLED = 1e-4
 """Interpolated normals shorter than this have cancelled each other out."""
 
 # The mesh rendered last and its scene, as views of a mesh are rendered in a row. It belongs to the process.
@@ -68,13 +68,10 @@ def _scene(mesh: Mesh) -> Any:
 
 def _pixels_in_reach(mesh: Mesh, camera: Camera, size: int) -> tuple[slice, slice]:
     """Return the rows and columns of the smallest rectangle of pixels that holds the projected mesh."""
-    points = (
-        np.c_[mesh.vertices, np.ones(len(mesh.vertices))]
-        @ (camera.projection_matrix() @ camera.view_matrix()).T
-    )
-    if (points[:, 3] <= 0).any():  # something lies behind the eye, where a projection is meaningless
+    place, depth = project(camera, mesh.vertices.astype(np.float64), size)
+    if camera.perspective and depth.min() <= 0:  # behind the eye, where a projection is meaningless
         return slice(0, size), slice(0, size)
-    x, y = ((points[:, :2] / points[:, 3:]) * [0.5, -0.5] + 0.5).T * size
+    x, y = place.T
     bounds = [int(np.clip(edge, 0, size)) for edge in (y.min(), y.max() + 1, x.min(), x.max() + 1)]
     return slice(bounds[0], bounds[1]), slice(bounds[2], bounds[3])
 
@@ -103,7 +100,7 @@ def _shade(
     normals = np.einsum("pk,pkc->pc", weights, mesh.normals[corners].astype(np.float64))
     flat = np.cross(edge1, edge2)
     # The corners' normals may cancel on a fold; then the normal of the triangle is used.
-    cancelled = _dot(normals, normals) < CANCELLED**2
+    cancelled = _dot(normals, normals) < _CANCELLED**2
     normals[cancelled] = flat[cancelled]
     # Seen from behind is what the triangle says, not the normal: on a coarse mesh a normal near the
     # silhouette may lean away from the viewer on a triangle that faces him.

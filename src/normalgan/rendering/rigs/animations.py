@@ -8,17 +8,17 @@ from scipy.spatial.transform import Rotation, Slerp
 from normalgan.arrays import Doubles
 from normalgan.rendering.gltf.accessors import read_accessor
 from normalgan.rendering.gltf.container import Container, bad_gltf
-from normalgan.rendering.gltf.nodes import Nodes
+from normalgan.rendering.gltf.scene import Nodes
 from normalgan.rendering.rigs.rig import Clip, Track
 
-__all__ = ["INTERPOLATIONS", "KINDS", "MOST_CHANNELS", "MOST_MOVED", "pose_at", "read_clips", "track_at"]
+__all__ = ["pose_at", "read_clips", "track_at"]
 
-KINDS = {"translation": "VEC3", "rotation": "VEC4", "scale": "VEC3"}
-MOST_CHANNELS = 2**14
+_KINDS = {"translation": "VEC3", "rotation": "VEC4", "scale": "VEC3"}
+_MOST_CHANNELS = 2**14
 """More channels are refused: each takes a tenth of a millisecond to read, and rigs have a few thousand."""
-MOST_MOVED = 2**18
+_MOST_MOVED = 2**18
 """More nodes are refused, those of each animation counted again."""
-INTERPOLATIONS = ("LINEAR", "STEP", "CUBICSPLINE")
+_INTERPOLATIONS = ("LINEAR", "STEP", "CUBICSPLINE")
 
 
 def read_clips(container: Container, nodes: Nodes) -> tuple[Clip, ...]:
@@ -29,7 +29,7 @@ def read_clips(container: Container, nodes: Nodes) -> tuple[Clip, ...]:
     """
     animations = container.tree.get("animations", [])
     channels = sum(len(animation["channels"]) for animation in animations)
-    if channels > MOST_CHANNELS or len(animations) * len(nodes.parents) > MOST_MOVED:
+    if channels > _MOST_CHANNELS or len(animations) * len(nodes.parents) > _MOST_MOVED:
         raise bad_gltf(
             container.path, f"it has {len(animations)} animations of {channels} channels; delete most of them"
         )
@@ -38,7 +38,7 @@ def read_clips(container: Container, nodes: Nodes) -> tuple[Clip, ...]:
         tracks = [
             _track(container, nodes, animation, channel)
             for channel in animation["channels"]
-            if "node" in channel["target"] and channel["target"]["path"] in KINDS  # not morph weights
+            if "node" in channel["target"] and channel["target"]["path"] in _KINDS  # not morph weights
         ]
         if tracks:
             clips.append(Clip(str(animation.get("name", "")), tuple(tracks)))
@@ -52,10 +52,10 @@ def _track(container: Container, nodes: Nodes, animation: dict[str, Any], channe
         raise bad_gltf(container.path, f"an animation moves node {node}, which is placed by a matrix")
     sampler = animation["samplers"][channel["sampler"]]
     interpolation = sampler.get("interpolation", "LINEAR")
-    if interpolation not in INTERPOLATIONS:
+    if interpolation not in _INTERPOLATIONS:
         raise bad_gltf(container.path, f"an animation is interpolated by {interpolation!r}")
     times = read_accessor(container, sampler["input"], "SCALAR")[:, 0].astype(np.float64)
-    values = read_accessor(container, sampler["output"], KINDS[path]).astype(np.float64)
+    values = read_accessor(container, sampler["output"], _KINDS[path]).astype(np.float64)
     triples = np.zeros((len(times), 3, values.shape[1]))
     if interpolation == "CUBICSPLINE":
         sound = len(values) == 3 * len(times)

@@ -7,13 +7,12 @@ import numpy as np
 
 from normalgan.arrays import Doubles, Indices
 from normalgan.errors import InputError, did_you_mean
-from normalgan.rendering.gltf.nodes import world_matrices
+from normalgan.rendering.gltf.scene import world_matrices
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile, place
 from normalgan.rendering.rigs.animations import pose_at
 from normalgan.rendering.rigs.reading import read_rig
-from normalgan.rendering.rigs.rig import Clip
-from normalgan.rendering.rigs.skinning import posed_surface
+from normalgan.rendering.rigs.rig import Clip, posed_surface
 
 __all__ = ["ClipMeshes"]
 

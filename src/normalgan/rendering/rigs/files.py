@@ -15,11 +15,11 @@ from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile, place
 from normalgan.seeds import rng_of
 
-__all__ = ["POSTURES_VERSION", "RIG_VERSION", "RiggedFile", "find_poses"]
+__all__ = ["RiggedFile", "find_poses"]
 
-RIG_VERSION = 2
+_RIG_VERSION = 2
 """Part of every fingerprint; raise it when a number gives another pose than before."""
-POSTURES_VERSION = 1
+_POSTURES_VERSION = 1
 """Part of the fingerprint where there are postures; raise it when their table changes."""
 
 
@@ -56,8 +56,8 @@ class RiggedFile:
             InputError: if the file cannot be read.
         """
         # Without postures the fingerprint stays that under which existing samples are stored.
-        share = [POSTURES_VERSION, self.postures] if self.postures else []
-        settings = json.dumps([RIG_VERSION, self.pose, self.file.fingerprint(), *share])
+        share = [_POSTURES_VERSION, self.postures] if self.postures else []
+        settings = json.dumps([_RIG_VERSION, self.pose, self.file.fingerprint(), *share])
         return hashlib.sha256(settings.encode()).hexdigest()
 
     def load(self) -> Mesh:
@@ -70,7 +70,7 @@ class RiggedFile:
         from normalgan.rendering.rigs.joints import LooseRigError
         from normalgan.rendering.rigs.posing import draw_pose
         from normalgan.rendering.rigs.reading import read_rig
-        from normalgan.rendering.rigs.skinning import posed_surface
+        from normalgan.rendering.rigs.rig import posed_surface
 
         rig = read_rig(Path(self.file.path))
         rng = rng_of(self.file.name, self.pose)

@@ -8,32 +8,21 @@ from scipy.spatial.transform import Rotation
 
 from normalgan.arrays import BoolMask, Doubles, Indices
 from normalgan.graphs import connected
-from normalgan.rendering.gltf.nodes import world_matrices
+from normalgan.rendering.gltf.scene import world_matrices
 from normalgan.rendering.rigs.animations import track_at
-from normalgan.rendering.rigs.rig import Rig
-from normalgan.rendering.rigs.skinning import posed_vertices
+from normalgan.rendering.rigs.rig import Rig, posed_vertices
 
-__all__ = [
-    "FRAMES",
-    "MOST_COPIES",
-    "MOST_SEARCHED",
-    "OUTLIERS",
-    "SMALL",
-    "Joints",
-    "LooseRigError",
-    "find_joints",
-    "owned_vertices",
-]
+__all__ = ["SMALL", "Joints", "LooseRigError", "find_joints", "owned_vertices"]
 
 SMALL = np.deg2rad(12.0)
 """Largest turn of a joint about each axis if there is no animation."""
-FRAMES = 24
+_FRAMES = 24
 """Moments of each animation that are looked at."""
-OUTLIERS = 5.0
+_OUTLIERS = 5.0
 """Percent of the moments at either end that do not widen a joint's range: a clip may show a fall."""
-MOST_COPIES = 100
+_MOST_COPIES = 100
 """Most vertices of a joint in one place that are searched for neighbours; k-d trees fail with more."""
-MOST_SEARCHED = 2**23
+_MOST_SEARCHED = 2**23
 """More vertices are not searched, those of each loose tree of joints counted again."""
 
 
@@ -106,7 +95,7 @@ def _hang_together(points: Doubles, owners: Indices, parents: Indices, moving: B
     parents = np.where(moving, parents, -1)
     points, owners = _thinned(points, owners)
     loose = int((parents[np.unique(owners)] < 0).sum())
-    if loose > 1 and loose * len(points) > MOST_SEARCHED:
+    if loose > 1 and loose * len(points) > _MOST_SEARCHED:
         raise LooseRigError(f"its {len(points)} vertices hang on {loose} loose trees of nodes; join them")
     while True:
         child = np.flatnonzero(parents >= 0)
@@ -126,13 +115,13 @@ def _hang_together(points: Doubles, owners: Indices, parents: Indices, moving: B
 
 
 def _thinned(points: Doubles, owners: Indices) -> tuple[Doubles, Indices]:
-    """Return points and owners without the copies of a point beyond `MOST_COPIES`, in the same order."""
+    """Return points and owners without the copies of a point beyond `_MOST_COPIES`, in the same order."""
     placed = np.column_stack([points, owners])
     order = np.lexsort(placed.T)
     first = np.r_[True, (placed[order[1:]] != placed[order[:-1]]).any(axis=1)]
     starts = np.flatnonzero(first)
     rank = np.arange(len(order)) - np.repeat(starts, np.diff(np.r_[starts, len(order)]))
-    kept = np.sort(order[rank < MOST_COPIES])
+    kept = np.sort(order[rank < _MOST_COPIES])
     return points[kept], owners[kept]
 
 
@@ -154,12 +143,12 @@ def _ranges(rig: Rig, members: Indices) -> tuple[Doubles, Doubles]:
     if not rig.clips:
         reach = np.full((len(members), 3), SMALL)
         return -reach, reach
-    turns = np.zeros((len(rig.clips), FRAMES, len(rig.nodes.parents), 3))
+    turns = np.zeros((len(rig.clips), _FRAMES, len(rig.nodes.parents), 3))
     for clip, seen in zip(rig.clips, turns, strict=True):
-        moments = np.linspace(*clip.span, FRAMES)
+        moments = np.linspace(*clip.span, _FRAMES)
         for track in clip.tracks:
             if track.path == "rotation":
                 rest = Rotation.from_quat(rig.nodes.rotations[track.node]).inv()
                 seen[:, track.node] = (rest * Rotation.from_quat(track_at(track, moments))).as_rotvec()
-    limits = np.percentile(turns[:, :, members], [OUTLIERS, 100 - OUTLIERS], axis=(0, 1))
+    limits = np.percentile(turns[:, :, members], [_OUTLIERS, 100 - _OUTLIERS], axis=(0, 1))
     return np.minimum(limits[0], 0.0), np.maximum(limits[1], 0.0)

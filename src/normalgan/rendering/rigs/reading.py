@@ -9,17 +9,15 @@ from scipy.spatial import cKDTree
 from normalgan.arrays import Doubles, Indices
 from normalgan.rendering.gltf.accessors import read_accessor
 from normalgan.rendering.gltf.container import Container, bad_gltf, read_container, refusing_bad_gltf
-from normalgan.rendering.gltf.nodes import Nodes, read_nodes, shown_nodes
-from normalgan.rendering.gltf.surfaces import MODES, read_faces
-from normalgan.rendering.mesh_limits import check_limits
+from normalgan.rendering.gltf.scene import MODES, Nodes, read_faces, read_nodes, shown_nodes
 from normalgan.rendering.rigs.animations import read_clips
 from normalgan.rendering.rigs.rig import Piece, Rig, Skin
 
-__all__ = ["MOST_SETS", "SUM_TOLERANCE", "read_rig"]
+__all__ = ["read_rig"]
 
-MOST_SETS = 4
+_MOST_SETS = 4
 """Joints and weights of a vertex come in sets of four."""
-SUM_TOLERANCE = 0.05
+_SUM_TOLERANCE = 0.05
 """How far the weights of a vertex may be from 1: bytes are 0.008 off, weak joints left out a little more."""
 
 
@@ -33,7 +31,6 @@ def read_rig(path: Path) -> Rig:
     """
     with refusing_bad_gltf(path):
         container = read_container(path)
-        check_limits(path)
         nodes = read_nodes(container)
         pieces = tuple(
             piece for index in shown_nodes(container, nodes) for piece in _pieces(container, nodes, index)
@@ -114,7 +111,7 @@ def _bound(
             container.path, f"a vertex is bound to joint {joints.max()} of {len(skin.joints)}, counted from 0"
         )
     total = weights.sum(axis=1, keepdims=True)
-    wrong = np.abs(total - 1) > SUM_TOLERANCE
+    wrong = np.abs(total - 1) > _SUM_TOLERANCE
     if wrong.any():
         raise bad_gltf(
             container.path,
@@ -131,9 +128,9 @@ def _stiff(vertices: Doubles, faces: Indices, node: int) -> Piece:
 def _binding(container: Container, attributes: dict[str, Any], count: int) -> tuple[Indices, Doubles]:
     """Return the (V, K) joints and weights of vertices as they are stored, K a multiple of 4."""
     sets = range(sum(name.startswith("JOINTS_") for name in attributes))
-    if len(sets) > MOST_SETS:
+    if len(sets) > _MOST_SETS:
         raise bad_gltf(
-            container.path, f"a vertex is bound to {4 * len(sets)} joints; {4 * MOST_SETS} are enough"
+            container.path, f"a vertex is bound to {4 * len(sets)} joints; {4 * _MOST_SETS} are enough"
         )
     joints = [read_accessor(container, attributes[f"JOINTS_{k}"], "VEC4").astype(np.int64) for k in sets]
     shares = [read_accessor(container, attributes[f"WEIGHTS_{k}"], "VEC4").astype(np.float64) for k in sets]

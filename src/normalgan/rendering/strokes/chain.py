@@ -6,10 +6,10 @@ import numpy as np
 
 from normalgan.arrays import Doubles, Indices
 
-__all__ = ["End", "Neighbours", "Piece", "chain"]
-Piece = list[int]
-Neighbours = tuple[list[int], list[int]]
-End = tuple[int, int]  # a piece and one of its ends, 0 or -1
+__all__ = ["chain"]
+_Piece = list[int]
+_Neighbours = tuple[list[int], list[int]]
+_End = tuple[int, int]  # a piece and one of its ends, 0 or -1
 
 _REACH = 6.0  # in units of the points; distance from a junction at which the direction of a branch is taken
 _STRAIGHT = np.cos(np.deg2rad(60.0))  # the most that a path turns at a junction
@@ -38,7 +38,7 @@ def chain(points: Doubles, links: Indices) -> list[Indices]:
     return [np.array(path, np.int64) for path in _joined(pieces, partner)]
 
 
-def _neighbours(links: Indices, degree: Indices) -> Neighbours:
+def _neighbours(links: Indices, degree: Indices) -> _Neighbours:
     """Return the neighbours of all points one after the other, and where those of each point begin.
 
     Two flat lists, not a list a point: thousands of small ones would keep the garbage collector busy.
@@ -48,7 +48,7 @@ def _neighbours(links: Indices, degree: Indices) -> Neighbours:
     return near.tolist(), np.append(0, np.cumsum(degree)).tolist()
 
 
-def _pieces(neighbours: Neighbours, degree: Indices) -> list[Piece]:
+def _pieces(neighbours: _Neighbours, degree: Indices) -> list[_Piece]:
     """Return the paths from junction or end to junction or end, then the loops that meet neither."""
     near, begin = neighbours
     inner = (degree == 2).tolist()
@@ -68,7 +68,7 @@ def _pieces(neighbours: Neighbours, degree: Indices) -> list[Piece]:
     return pieces
 
 
-def _walk(path: Piece, neighbours: Neighbours, inner: list[bool], walked: list[bool]) -> Piece:
+def _walk(path: _Piece, neighbours: _Neighbours, inner: list[bool], walked: list[bool]) -> _Piece:
     """Extend ``path`` to the next end, junction or visited point, and return it."""
     near, begin = neighbours
     before, here = path
@@ -82,14 +82,14 @@ def _walk(path: Piece, neighbours: Neighbours, inner: list[bool], walked: list[b
     return path
 
 
-def _straight_on(points: Doubles, pieces: list[Piece], degree: Indices) -> dict[End, End]:
+def _straight_on(points: Doubles, pieces: list[_Piece], degree: Indices) -> dict[_End, _End]:
     """Return, for each end of a piece that continues through a junction, the end it continues at."""
-    meeting: dict[int, list[End]] = defaultdict(list)
+    meeting: dict[int, list[_End]] = defaultdict(list)
     for number, piece in enumerate(pieces):
         for side in (0, -1):
             if degree[piece[side]] > 2:
                 meeting[piece[side]].append((number, side))
-    partner: dict[End, End] = {}
+    partner: dict[_End, _End] = {}
     for ends in meeting.values():
         away = np.array([_direction(points, pieces[number], side) for number, side in ends])
         straight = -(away @ away.T)
@@ -100,7 +100,7 @@ def _straight_on(points: Doubles, pieces: list[Piece], degree: Indices) -> dict[
     return partner
 
 
-def _direction(points: Doubles, piece: Piece, side: int) -> Doubles:
+def _direction(points: Doubles, piece: _Piece, side: int) -> Doubles:
     """Return the unit vector (2,) from one end of a piece to where it leaves the circle of `_REACH`."""
     some = piece[: int(4 * _REACH) + 2] if side == 0 else piece[: -int(4 * _REACH) - 3 : -1]
     away = points[some] - points[some[0]]
@@ -111,7 +111,7 @@ def _direction(points: Doubles, piece: Piece, side: int) -> Doubles:
     return unit
 
 
-def _joined(pieces: list[Piece], partner: dict[End, End]) -> list[Piece]:
+def _joined(pieces: list[_Piece], partner: dict[_End, _End]) -> list[_Piece]:
     """Return the joined pieces, starting at ends without a partner; then the closed ones."""
     done = [False] * len(pieces)
     paths = []
@@ -119,8 +119,8 @@ def _joined(pieces: list[Piece], partner: dict[End, End]) -> list[Piece]:
     for start in sorted(loose, key=lambda end: end in partner):
         if done[start[0]]:
             continue
-        path: Piece = []
-        end: End | None = start
+        path: _Piece = []
+        end: _End | None = start
         while end is not None and not done[end[0]]:
             number, side = end
             done[number] = True

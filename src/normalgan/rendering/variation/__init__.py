@@ -1,5 +1,4 @@
 from normalgan.rendering.variation.variation import Variation
-from normalgan.rendering.variation.varied import Varied
-from normalgan.rendering.variation.vary import vary
+from normalgan.rendering.variation.vary import Varied, vary
 
 __all__ = ["Variation", "Varied", "vary"]

@@ -8,13 +8,13 @@ from normalgan.arrays import Doubles
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.repair import face_vectors
 
-__all__ = ["ACROSS", "COARSE", "FINE", "PROBES", "Frame", "find_frame"]
+__all__ = ["Frame", "find_frame"]
 
-COARSE, FINE = np.arange(0.0, 180.0, 5.0), np.arange(-4.5, 5.0, 0.5)
+_COARSE, _FINE = np.arange(0.0, 180.0, 5.0), np.arange(-4.5, 5.0, 0.5)
 """Degrees by which the plane of symmetry is turned to try it: first all around, then about the best."""
-ACROSS = 0.002
+_ACROSS = 0.002
 """Penalty of a mirrored vertex for its distance across the plane."""
-PROBES = 500
+_PROBES = 500
 """How many vertices are mirrored to try one."""
 
 
@@ -57,17 +57,17 @@ def find_frame(mesh: Mesh) -> Frame:
     np.add.at(areas, mesh.faces, face_area[:, None] / 3)
     centre = areas @ vertices / areas.sum()
     offsets = vertices - centre
-    probes = offsets[:: max(1, len(offsets) // PROBES)]
+    probes = offsets[:: max(1, len(offsets) // _PROBES)]
     tree = cKDTree(offsets)
 
     def miss(turn: float) -> float:
         side = _sideways(turn)
         missed = np.mean(tree.query(probes - 2 * np.outer(probes @ side, side))[0])
         # Of several planes, the one along the object.
-        return float(missed + ACROSS * np.ptp(probes @ side))
+        return float(missed + _ACROSS * np.ptp(probes @ side))
 
-    best = min(COARSE, key=miss)
-    side = _sideways(min(best + FINE, key=miss))
+    best = min(_COARSE, key=miss)
+    side = _sideways(min(best + _FINE, key=miss))
     up = np.array([0.0, 1.0, 0.0])
     forward = np.cross(up, side)
     tall = np.ptp(offsets @ up) > np.ptp(offsets @ forward)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Doubles
 from normalgan.graphs import connected
-from normalgan.rendering.variation.bending import Deformed
+from normalgan.rendering.variation.deformations import Deformed
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_array

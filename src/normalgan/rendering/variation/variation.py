@@ -1,4 +1,4 @@
-"""Variation: how far individuals of one shape differ; and one more individual, drawn at random."""
+"""Variation: how far individuals of one shape differ."""
 
 from dataclasses import dataclass, fields, replace
 from typing import Annotated

@@ -8,8 +8,7 @@ from dask_processes import SOURCES
 from toys import recipe
 
 from normalgan.data.jobs.pool import Killed, Pool
-from normalgan.data.jobs.shard_runner import DEADLY, render_shards, validate_sources
-from normalgan.data.jobs.tasks import MeshTask, ShardTask
+from normalgan.data.jobs.tasks import DEADLY, MeshTask, ShardTask, render_shards, validate_sources
 from normalgan.data.store.layout import Layout
 from normalgan.data.store.shards import ShardedSamples
 from normalgan.errors import RunError

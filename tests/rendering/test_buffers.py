@@ -3,7 +3,7 @@ import pytest
 from mesh_shapes import blob, camera_at
 from scenes import EYE, front, look, sphere
 
-from normalgan.rendering.lines.sight import sight
+from normalgan.rendering.lines.buffers import sight
 from normalgan.rendering.renderers import EmbreeRenderer
 
 WHOLE = (slice(0, 512), slice(0, 512))

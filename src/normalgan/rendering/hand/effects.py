@@ -1,0 +1,366 @@
+"""The effects of a hand on strokes: cuts, omissions, repeats, missed ends, pressure, wobble.
+
+Points, and all lengths but a line's width, are in fractions of the frame's side; the points of a stroke lie
+`STEP` apart.
+"""
+
+from collections.abc import Sequence
+from itertools import pairwise
+
+import cv2
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+from normalgan.arrays import Doubles
+from normalgan.rendering.maps import Maps
+from normalgan.rendering.strokes.curves import lengths_along
+from normalgan.rendering.strokes.stroke import Stroke
+
+__all__ = [
+    "STEP",
+    "begin_at",
+    "cut",
+    "forget",
+    "in_order",
+    "inside",
+    "miss_ends",
+    "press",
+    "resample",
+    "round_off",
+    "second_pass",
+    "skip_parts",
+    "smooth_noise",
+    "stray",
+    "turning",
+]
+
+
+STEP = 1 / 320
+"""From point to point: four to a wave of the tremor, and finer than a line is wide."""
+
+
+def resample(stroke: Stroke) -> Stroke:
+    """Return the stroke with points at most `STEP` apart, evenly, at least three; its ends stay.
+
+    >>> resample(Stroke.even(np.array([[0.0, 0.0], [0.0, 0.0125]]), 1.0)).points[:, 1]
+    array([0.      , 0.003125, 0.00625 , 0.009375, 0.0125  ])
+    """
+    along = lengths_along(stroke.points)
+    at = np.linspace(0, along[-1], max(3, int(np.ceil(along[-1] / STEP - 1e-9)) + 1))
+    values = (*stroke.points.T, stroke.width, stroke.darkness)
+    x, y, width, darkness = (np.interp(at, along, value) for value in values)
+    return Stroke(np.stack([x, y], axis=1), width, darkness)
+
+
+def _piece(stroke: Stroke, start: int, stop: int) -> Stroke:
+    """Return the points ``start`` to ``stop`` (not included) as a stroke."""
+    part = slice(start, stop)
+    return Stroke(stroke.points[part], stroke.width[part], stroke.darkness[part])
+
+
+def begin_at(stroke: Stroke, index: int) -> Stroke:
+    """Return a closed stroke with another point as its start and end."""
+
+    def turn(values: Doubles) -> Doubles:
+        return np.concatenate([values[index:-1], values[: index + 1]])
+
+    return Stroke(turn(stroke.points), turn(stroke.width), turn(stroke.darkness))
+
+
+_TURN_REACH = round(0.012 / STEP)  # points before and after one over which its turn is measured
+
+
+def turning(points: Doubles, reach: int, closed: bool = False) -> Doubles:
+    """Return how far a curve turns at each point, in radians, as seen from ``reach`` points before and after.
+
+    At the ends of an open curve, and where points coincide, it is 0.
+
+    >>> turning(np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]), 1).round(3)
+    array([0.   , 1.571, 0.   ])
+    """
+    inner = points[:-1] if closed else points
+    before, after = np.roll(inner, reach, axis=0), np.roll(inner, -reach, axis=0)
+    (ax, ay), (bx, by) = (inner - before).T, (after - inner).T
+    angle: Doubles = np.abs(np.arctan2(ax * by - ay * bx, ax * bx + ay * by))
+    if closed:
+        return np.append(angle, angle[0])
+    angle[:reach] = 0
+    angle[max(len(angle) - reach, 0) :] = 0
+    return angle
+
+
+_APART = 4  # knots between strokes, so that they share none: a cubic spans four
+_NOISE_SPREAD = np.sqrt(0.479)  # of a cubic B-spline with unit normal coefficients, averaged over a cell
+
+
+def _spline_weights(at: Doubles) -> Doubles:
+    """Return the weights (N, 4) of a uniform cubic B-spline's coefficients at fractions ``at`` of a cell.
+
+    >>> _spline_weights(np.array([0.0])).round(3)
+    array([[0.167, 0.667, 0.167, 0.   ]])
+    """
+    rest = 1 - at
+    second = 2 / 3 - at * at * (1 - at / 2)
+    third = 2 / 3 - rest * rest * (1 - rest / 2)
+    return np.stack([rest**3 / 6, second, third, at**3 / 6], axis=-1)
+
+
+def smooth_noise(
+    counts: Sequence[int], wavelength: float, channels: int, rng: np.random.Generator
+) -> Doubles:
+    """Return noise of mean 0 and deviation 1 along strokes laid end to end, (sum of counts, channels).
+
+    A uniform cubic B-spline with normal coefficients, two to a wavelength: its second derivative is
+    continuous, and strokes and channels are independent.
+
+    Args:
+        counts: points of each stroke.
+        wavelength: of the noise.
+        channels: how many noises.
+        rng: source of randomness.
+    """
+    sizes = np.asarray(counts)
+    rate = 2 * STEP / wavelength
+    knots = np.floor((sizes - 1) * rate).astype(int) + _APART
+    starts, firsts = np.cumsum(knots) - knots, np.cumsum(sizes) - sizes
+    at = np.repeat(starts, sizes) + (np.arange(sizes.sum()) - np.repeat(firsts, sizes)) * rate
+    cell = np.floor(at).astype(int)
+    coefficients = rng.standard_normal((int(knots.sum()), channels)) / _NOISE_SPREAD
+    weights = _spline_weights(at - cell)
+    return np.asarray(sum(weights[:, k, None] * coefficients[cell + k] for k in range(4)))
+
+
+_SHORTEST_PIECE = round(0.04 / STEP)  # points; the pen is not lifted again sooner
+_ANYWHERE = 0.02  # radians²: the weight of a straight piece, so that the pen is lifted there too, seldom
+_LATER = 0.2  # an inner stroke is drawn together with outline strokes a fifth as long
+_RIM = 0.012  # strokes this near the silhouette belong to the outline
+
+
+def cut(stroke: Stroke, cuts: float, rng: np.random.Generator) -> list[Stroke]:
+    """Cut a stroke into the pieces in which it is drawn, mostly where it turns; ``cuts`` a side's length."""
+    count = len(stroke.points)
+    weights = turning(stroke.points, _TURN_REACH, stroke.closed) ** 2 + _ANYWHERE
+    chance = weights / weights.sum()
+    if stroke.closed:  # it is closed, so it begins at a corner too
+        stroke = begin_at(stroke, int(rng.choice(count, p=chance)) % (count - 1))
+        chance = turning(stroke.points, _TURN_REACH) ** 2 + _ANYWHERE
+        chance /= chance.sum()
+    wanted = rng.poisson(cuts * (count - 1) * STEP)
+    chosen = np.sort(rng.choice(count, size=wanted, p=chance))
+    edges = [0]
+    for place in chosen:
+        if edges[-1] + _SHORTEST_PIECE <= place <= count - 1 - _SHORTEST_PIECE:
+            edges.append(int(place))
+    edges.append(count - 1)
+    return [_piece(stroke, start, stop + 1) for start, stop in pairwise(edges)]
+
+
+def inside(strokes: Sequence[Stroke], maps: Maps) -> Doubles:
+    """Return the share of each stroke that lies within the object, away from its silhouette."""
+    height, width = maps.mask.shape
+    deep = cv2.distanceTransform(maps.mask.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
+    deep = deep > max(1.5, _RIM * max(height, width))  # the outermost pixels belong to the outline
+    shares = []
+    for stroke in strokes:
+        x, y = (max(height, width) * stroke.points).astype(int).T
+        shares.append(deep[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)].mean())
+    return np.array(shares)
+
+
+def in_order(strokes: Sequence[Stroke], interior: Doubles) -> tuple[list[Stroke], Doubles]:
+    """Return strokes and shares in the order of drawing: the outline first, and the longest first."""
+    lengths = np.array([stroke.length for stroke in strokes])
+    order = np.argsort(-lengths * np.where(interior > 0.5, _LATER, 1), kind="stable")
+    return [strokes[index] for index in order], interior[order]
+
+
+_OUTLINE, _INSIDE = 0.05, 0.4  # strokes this long are forgotten e times less often
+_GAP = 0.05  # mean length of a skipped part
+_SHORTEST = round(0.012 / STEP)  # points; shorter remains of a stroke are skipped too
+
+
+def forget(
+    strokes: Sequence[Stroke], interior: Doubles, chance: float, rng: np.random.Generator
+) -> list[Stroke]:
+    """Return the strokes without some; inner and short ones are missed more often.
+
+    The longest always stays, so that no drawing is empty.
+
+    Args:
+        strokes: the drawing.
+        interior: the share of each stroke that lies away from the silhouette.
+        chance: that a very short stroke is missed.
+        rng: source of randomness.
+    """
+    if not strokes:
+        return []
+    length = np.array([stroke.length for stroke in strokes])
+    missed = chance * np.exp(-length / (_OUTLINE + (_INSIDE - _OUTLINE) * interior))
+    kept = rng.random(len(strokes)) >= missed
+    kept[length.argmax()] = True
+    return [stroke for stroke, keep in zip(strokes, kept, strict=True) if keep]
+
+
+def skip_parts(stroke: Stroke, parts: float, rng: np.random.Generator) -> list[Stroke]:
+    """Return the drawn parts of a stroke after leaving out some; ``parts`` are expected a side's length."""
+    count = len(stroke.points)
+    missing = rng.poisson(parts * (count - 1) * STEP)
+    drawn = np.ones(count, bool)
+    for middle, share in zip(rng.random(missing), rng.exponential(_GAP, missing), strict=True):
+        half = min(share / STEP, 0.3 * count) / 2
+        drawn[max(0, round(middle * count - half)) : round(middle * count + half)] = False
+    if drawn.all():
+        return [stroke]
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], drawn, [False]]).astype(int))).reshape(-1, 2)
+    longest = edges[np.argmax(edges[:, 1] - edges[:, 0])]
+    left = [(start, stop) for start, stop in edges if stop - start >= _SHORTEST]
+    return [_piece(stroke, start, stop) for start, stop in left or [longest] if stop - start > 1] or [stroke]
+
+
+_LEAST = 0.4  # of the stroke: a second pass is no shorter
+_OFFSET = 0.005  # how far it lies beside the first (standard deviation)
+
+
+def second_pass(stroke: Stroke, rng: np.random.Generator) -> Stroke:
+    """Return a second stroke close to the first, over at least two fifths of it."""
+    count = len(stroke.points)
+    kept = min(max(3, round(rng.uniform(_LEAST, 1) * count)), count)
+    start = int(rng.integers(count - kept + 1))
+    part = _piece(stroke, start, start + kept)
+    return Stroke(part.points + rng.normal(0, _OFFSET, 2), part.width, part.darkness)
+
+
+_MOST = 0.25  # of the stroke; the longest error of an end
+_LOOK = 6  # points over which the direction and the bend of an end are taken
+_BEND = np.deg2rad(40)  # the most that an overshoot turns
+
+
+def miss_ends(stroke: Stroke, overshoot: float, gap: float, rng: np.random.Generator) -> Stroke:
+    """Return the stroke with each end lengthened or shortened, with equal chance, by an exponential length.
+
+    The means are ``overshoot`` and ``gap``.
+    """
+    most = _MOST * (len(stroke.points) - 1)
+    for _ in range(2):  # the end, and then, turned round, the beginning
+        beyond, lengths = rng.random() < 0.5, rng.exponential([overshoot, gap]) / STEP
+        change = round(min(lengths[0 if beyond else 1], most))
+        if beyond and change:
+            stroke = _longer(stroke, change)
+        elif change and len(stroke.points) - change > 2:
+            stroke = _piece(stroke, 0, len(stroke.points) - change)
+        stroke = Stroke(stroke.points[::-1], stroke.width[::-1], stroke.darkness[::-1])
+    return stroke
+
+
+def _longer(stroke: Stroke, count: int) -> Stroke:
+    """Return the stroke with ``count`` more points at its end, which continue its direction and curve."""
+    look = min(_LOOK, (len(stroke.points) - 1) // 2)
+    near, middle, far = (stroke.points[-1 - k * look] for k in range(3))
+    heading, earlier = _angle(near - middle), _angle(middle - far)
+    bend = (heading - earlier + np.pi) % (2 * np.pi) - np.pi
+    rate = np.clip(bend / look, -_BEND / count, _BEND / count)
+    angles = heading + rate * (look / 2 + np.arange(1, count + 1))
+    ahead = near + STEP * np.cumsum(np.stack([np.cos(angles), np.sin(angles)], axis=1), axis=0)
+    return Stroke(
+        np.concatenate([stroke.points, ahead]),
+        np.concatenate([stroke.width, np.full(count, stroke.width[-1])]),
+        np.concatenate([stroke.darkness, np.full(count, stroke.darkness[-1])]),
+    )
+
+
+def _angle(vector: Doubles) -> float:
+    return float(np.arctan2(vector[1], vector[0]))
+
+
+_WAVELENGTH = 0.35  # of the pressure
+_TAPER = 0.07  # length over which the pen is set down or lifted, on a long stroke
+_START = 0.5  # the taper where the pen is set down, as a share of that where it is lifted
+_TIGHT = np.deg2rad(40)  # a turn at which the hand is slowest
+
+
+def press(
+    strokes: Sequence[Stroke],
+    pressure: float,
+    fade: float,
+    taper: float,
+    slowness: float,
+    rng: np.random.Generator,
+) -> list[Stroke]:
+    """Return strokes whose width and darkness vary along them.
+
+    Args:
+        strokes: the drawing.
+        pressure: deviation of the logarithm of the width, along strokes and among them.
+        fade: deviation of the logarithm of the darkness where pressure is low; ink is never darker than 1.
+        taper: share by which the line thins towards the end where the pen is lifted.
+        slowness: share by which the line widens in tight turns, where the hand is slow.
+        rng: source of randomness.
+    """
+    counts = [len(stroke.points) for stroke in strokes]
+    if not counts:
+        return []
+    along, own = rng.spawn(2)
+    force = 0.92 * smooth_noise(counts, _WAVELENGTH, 1, along)[:, 0]
+    force += 0.4 * np.repeat(own.standard_normal(len(counts)), counts)  # 0.92² + 0.4² = 1
+    pressed = []
+    for stroke, f in zip(strokes, np.split(force, np.cumsum(counts)[:-1]), strict=True):
+        slow = np.clip(turning(stroke.points, _TURN_REACH) / _TIGHT, 0, 1)
+        factor = np.exp(pressure * f) * (1 + slowness * slow) * _lifted(len(f), taper)
+        darkness = np.minimum(stroke.darkness, stroke.darkness * np.exp(fade * f))
+        pressed.append(Stroke(stroke.points, stroke.width * factor, darkness))
+    return pressed
+
+
+def _lifted(count: int, taper: float) -> Doubles:
+    """Return the factor by which a stroke of ``count`` points is narrower towards its ends."""
+    reach = max(1.0, min(_TAPER / STEP, 0.4 * count))
+    index = np.arange(count)
+    start, end = (np.clip(distance / reach, 0, 1) for distance in (index, count - 1 - index))
+    factor: Doubles = (1 - _START * taper * (1 - start) ** 2) * (1 - taper * (1 - end) ** 2)
+    return factor
+
+
+_WAVELENGTHS = (0.6, 0.14, 0.025)  # of drift (aim), wobble (arm) and tremor (fingers)
+
+
+def stray(strokes: Sequence[Stroke], amplitudes: Sequence[float], rng: np.random.Generator) -> list[Stroke]:
+    """Return strokes whose points stray smoothly, independently of one another, ends included.
+
+    The amplitudes are the standard deviations of drift, wobble and tremor along each axis.
+    """
+    counts = [len(stroke.points) for stroke in strokes]
+    if not counts:
+        return []
+    shift = np.zeros((sum(counts), 2))
+    for amplitude, wavelength, source in zip(amplitudes, _WAVELENGTHS, rng.spawn(3), strict=True):
+        if amplitude:
+            shift += amplitude * smooth_noise(counts, wavelength, 2, source)
+    parts = np.split(shift, np.cumsum(counts)[:-1])
+    return [
+        Stroke(stroke.points + part, stroke.width, stroke.darkness)
+        for stroke, part in zip(strokes, parts, strict=True)
+    ]
+
+
+def round_off(stroke: Stroke, deviation: float) -> Stroke:
+    """Return the stroke with its detail rounded off, the ends of an open one in place, and hardly shrunk.
+
+    The filter is 2 G − G * G for a Gaussian G, which leaves curves wider than it nearly as they are: what
+    smoothing took away is smoothed and put back ("twicing", Tukey, Exploratory Data Analysis, 1977).
+
+    Args:
+        stroke: with evenly spaced points.
+        deviation: deviation of the Gaussian, in points.
+    """
+    points = stroke.points
+    pad = min(int(8 * deviation) + 1, len(points) - 1)
+    if stroke.closed:
+        before, after = points[-1 - pad : -1], points[1 : 1 + pad]
+    else:  # continued by its rotation about each end, the curve is smooth and keeps its ends
+        before, after = 2 * points[0] - points[pad:0:-1], 2 * points[-1] - points[-2 : -pad - 2 : -1]
+    once: Doubles = gaussian_filter1d(np.concatenate([before, points, after]), deviation, axis=0)
+    smooth = (2 * once - gaussian_filter1d(once, deviation, axis=0))[pad : pad + len(points)]
+    smooth[-1] = smooth[0] if stroke.closed else points[-1]
+    if not stroke.closed:
+        smooth[0] = points[0]
+    return Stroke(smooth, stroke.width, stroke.darkness)

@@ -1,0 +1,136 @@
+"""Medium: effects of pen, paper and scanner on a drawing."""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import cv2
+import numpy as np
+
+from normalgan.arrays import Floats
+from normalgan.ranges import Range, Share, check_ranges
+
+__all__ = ["Medium", "bleed", "on_paper", "pencil", "scanned"]
+
+
+@dataclass(frozen=True)
+class Medium:
+    """Pen, paper and scanner: effects on the pixels of a drawing, after its strokes are drawn.
+
+    Every drawing gets a random share, from 0 to 1, of each effect.
+
+    Args:
+        strength: range of the factor that a drawing's effects share; at 0 the drawing stays as it is.
+        pencil: share of drawings in pencil; the others are in ink.
+        grain: how much of a pencil line the tooth of the paper leaves white, at most.
+        lightness: how much lighter than ink a pencil line is, at most.
+        bleed: how far ink runs at most, as a fraction of the frame's side.
+        tint: how dark the paper is at most, 1 being black.
+        shadow: largest difference in lightness between two sides of the paper.
+        noise: standard deviation of the scanner's noise, at most.
+
+    Raises:
+        InputError: if a setting is not from 0 to 1, or the range of strengths is upside down.
+    """
+
+    strength: Annotated[tuple[float, float], Range(0, 1)] = (0.0, 1.0)
+    pencil: Share = 0.4
+    grain: Share = 0.8
+    lightness: Share = 0.5
+    bleed: Share = 0.002
+    tint: Share = 0.12
+    shadow: Share = 0.15
+    noise: Share = 0.03
+
+    def __post_init__(self) -> None:
+        check_ranges(self)
+
+    def apply(self, ink: Floats, rng: np.random.Generator) -> Floats:
+        """Return the darkness of the finished picture, (H, W) in [0, 1], from its ink.
+
+        Args:
+            ink: (H, W) in [0, 1], square.
+            rng: which tool and paper, and their grain.
+        """
+        strength = rng.uniform(*self.strength)
+        if strength == 0:
+            return ink
+        in_pencil = rng.random() < self.pencil
+        grain, lightness, run, tint, shadow, noise = strength * rng.random(6)
+        if in_pencil:
+            ink = pencil(ink, grain * self.grain, rng) * np.float32(1 - lightness * self.lightness)
+        else:
+            ink = bleed(ink, run * self.bleed * len(ink))
+        return scanned(on_paper(ink, tint * self.tint, shadow * self.shadow, rng), noise * self.noise, rng)
+
+
+_TOOTH = 0.7  # pixels; finer than the line, like the grain in a scan of a whole drawing
+
+
+def bleed(ink: Floats, sigma: float) -> Floats:
+    """Return ink that has bled ``sigma`` pixels into the paper; its total is kept.
+
+    Args:
+        ink: (H, W) in [0, 1].
+        sigma: standard deviation in pixels; 0 leaves the ink as it is.
+    """
+    if sigma <= 0:
+        return ink
+    return np.asarray(cv2.GaussianBlur(ink, (0, 0), sigma, borderType=cv2.BORDER_REPLICATE), np.float32)
+
+
+def pencil(ink: Floats, grain: float, rng: np.random.Generator) -> Floats:
+    """Return the ink as graphite: where the paper is low it stays white, the more the lighter the touch.
+
+    Args:
+        ink: (H, W) in [0, 1].
+        grain: from 0 for smooth paper to 1, where the lightest touch marks only the highest points.
+        rng: the paper.
+    """
+    depth = _smooth_noise(ink.shape, _TOOTH, rng)  # standard normal: the depth of the paper
+    reach = 0.5 + 0.25 * depth
+    graphite: Floats = ink * np.clip(1 - grain * np.clip(reach, 0, 1) * (1.5 - ink), 0, 1)
+    return graphite.astype(np.float32)
+
+
+def _smooth_noise(shape: tuple[int, ...], sigma: float, rng: np.random.Generator) -> Floats:
+    """Return noise of standard deviation 1 that is correlated over ``sigma`` pixels."""
+    noise = rng.standard_normal(shape, dtype=np.float32)
+    noise = np.asarray(cv2.GaussianBlur(noise, (0, 0), sigma, borderType=cv2.BORDER_REFLECT), np.float32)
+    # Blurred white noise keeps 1 / (4 π σ²) of its variance, but less with a small kernel, so it is measured.
+    result: Floats = noise / max(float(noise.std()), 1e-6)
+    return result
+
+
+def on_paper(ink: Floats, tint: float, shadow: float, rng: np.random.Generator) -> Floats:
+    """Return the darkness of a drawing on paper that is not white and not evenly lit.
+
+    Paper and ink act as filters of light, so their lightnesses multiply.
+
+    Args:
+        ink: (H, W) in [0, 1].
+        tint: darkness of the paper, 0 white.
+        shadow: how much darker than its brightest corner the paper is in the darkest.
+        rng: where the light comes from, and how sharply it falls off.
+    """
+    height, width = ink.shape
+    angle, steepness = rng.uniform(0, 2 * np.pi), rng.uniform(1, 8)
+    y = np.linspace(-1, 1, height, dtype=np.float32)[:, None]
+    x = np.linspace(-1, 1, width, dtype=np.float32)[None, :]
+    along = (x * np.cos(angle) + y * np.sin(angle)) / (abs(np.cos(angle)) + abs(np.sin(angle)))  # -1 to 1
+    shade = 1 / (1 + np.exp(-steepness * (along - rng.uniform(-0.5, 0.5))))
+    low, high = float(shade.min()), float(shade.max())
+    light = 1 - shadow * (shade - low) / (high - low)
+    darkness: Floats = (1 - (1 - ink) * (1 - tint) * light).astype(np.float32)
+    return darkness
+
+
+def scanned(darkness: Floats, noise: float, rng: np.random.Generator) -> Floats:
+    """Return the drawing with the noise of a sensor.
+
+    Args:
+        darkness: (H, W) in [0, 1].
+        noise: standard deviation.
+        rng: the noise.
+    """
+    noisy: Floats = darkness + np.float32(noise) * rng.standard_normal(darkness.shape, dtype=np.float32)
+    return np.clip(noisy, 0, 1)

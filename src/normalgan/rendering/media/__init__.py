@@ -1,3 +1,0 @@
-from normalgan.rendering.media.medium import Medium
-
-__all__ = ["Medium"]

@@ -1,0 +1,298 @@
+"""Deformations of a surface, each with its derivative.
+
+A deformation maps points (V, 3) to new positions (V, 3) and its Jacobians (V, 3, 3),
+``J[i, j] = dx'_i / dx_j``. Scaling, taper, twist and bend are those of A. H. Barr, "Global and local
+deformations of solid primitives", SIGGRAPH 1984.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from normalgan.arrays import Doubles
+
+__all__ = [
+    "Deformation",
+    "Deformed",
+    "Middle",
+    "belly",
+    "bend",
+    "bump",
+    "free_form",
+    "in_turn",
+    "lengthen",
+    "scale",
+    "swell",
+    "taper",
+    "thicken",
+    "together",
+    "twist",
+]
+
+Deformed = tuple[Doubles, Doubles]
+Deformation = Callable[[Doubles], Deformed]
+
+
+def scale(points: Doubles, factors: Doubles) -> Deformed:
+    """Scale each axis by its own factor.
+
+    >>> scale(np.ones((1, 3)), np.array([2.0, 1.0, 0.5]))[0]
+    array([[2. , 1. , 0.5]])
+    """
+    return points * factors, np.broadcast_to(np.diag(factors), (len(points), 3, 3))
+
+
+def taper(points: Doubles, slope: float) -> Deformed:
+    """Scale the second and third axis by ``1 + slope * x``, x along the first."""
+    factor = 1 + slope * points[:, 0]
+    moved = np.column_stack([points[:, 0], factor * points[:, 1], factor * points[:, 2]])
+    jacobian = np.zeros((len(points), 3, 3))
+    jacobian[:, 0, 0] = 1.0
+    jacobian[:, 1, 1] = jacobian[:, 2, 2] = factor
+    jacobian[:, 1:, 0] = slope * points[:, 1:]
+    return moved, jacobian
+
+
+def twist(points: Doubles, rate: float) -> Deformed:
+    """Turn about the first axis by ``rate * x`` radians, x along it."""
+    x, y, z = points.T
+    cos, sin = np.cos(rate * x), np.sin(rate * x)
+    turned_y, turned_z = cos * y - sin * z, sin * y + cos * z
+    jacobian = np.zeros((len(points), 3, 3))
+    jacobian[:, 0, 0] = 1.0
+    jacobian[:, 1, 0], jacobian[:, 2, 0] = -rate * turned_z, rate * turned_y
+    jacobian[:, 1, 1] = jacobian[:, 2, 2] = cos
+    jacobian[:, 1, 2], jacobian[:, 2, 1] = -sin, sin
+    return np.column_stack([x, turned_y, turned_z]), jacobian
+
+
+def bend(points: Doubles, curvature: float, across: int) -> Deformed:
+    """Bend the first axis to a circular arc, towards another axis; lengths along the arc are kept.
+
+    Args:
+        points: (V, 3).
+        curvature: one over the radius of the arc, in radians per unit.
+        across: 1 or 2, the axis that the first is bent towards.
+    """
+    along, side = points[:, 0], points[:, across]
+    cos, sin = np.cos(curvature * along), np.sin(curvature * along)
+    inner = 1 - curvature * side  # how far an arc at this side is from the middle, in radii
+    moved = points.copy()
+    # sin(kx) / k and (1 - cos(kx)) / k, by functions that have a limit where the curvature k is 0.
+    half = np.sinc(curvature * along / (2 * np.pi))
+    moved[:, 0] = along * np.sinc(curvature * along / np.pi) - sin * side
+    moved[:, across] = curvature * along**2 / 2 * half**2 + cos * side
+    jacobian = np.zeros((len(points), 3, 3))
+    jacobian[:, 3 - across, 3 - across] = 1.0
+    jacobian[:, 0, 0], jacobian[:, 0, across] = cos * inner, -sin
+    jacobian[:, across, 0], jacobian[:, across, across] = sin * inner, cos
+    return moved, jacobian
+
+
+def in_turn(points: Doubles, deformations: list[Deformation]) -> Deformed:
+    """Return the points moved by several deformations in sequence, and the Jacobians of the whole."""
+    jacobian = np.broadcast_to(np.eye(3), (len(points), 3, 3))
+    for deform in deformations:
+        points, step = deform(points)
+        jacobian = step @ jacobian
+    return points, jacobian
+
+
+def together(points: Doubles, deformations: list[Deformation]) -> Deformed:
+    """Return the points moved by the sum of several deformations' shifts, and the Jacobians."""
+    moved, jacobian = points.copy(), np.tile(np.eye(3), (len(points), 1, 1))
+    for deform in deformations:
+        alone, step = deform(points)
+        moved += alone - points
+        jacobian += step - np.eye(3)
+    return moved, jacobian
+
+
+def bump(points: Doubles, centre: Doubles, width: float, shift: Doubles) -> Deformed:
+    """Shift the surroundings of a place, the more the nearer they are, by a Gaussian.
+
+    Args:
+        points: (V, 3).
+        centre: (3,) the place.
+        width: standard deviation of the Gaussian.
+        shift: (3,) how far the place itself moves.
+    """
+    offset = points - centre
+    share = _gaussian(offset, width)
+    slope = -share[:, None] * offset / width**2
+    return points + share[:, None] * shift, np.eye(3) + shift[:, None] * slope[:, None, :]
+
+
+def swell(points: Doubles, centre: Doubles, width: float, growth: float) -> Deformed:
+    """Blow up the surroundings of a place: near it lengths grow by ``1 + growth``, far from it nothing moves.
+
+    Args:
+        points: (V, 3).
+        centre: (3,) the place.
+        width: standard deviation of the Gaussian by which the growth falls off.
+        growth: negative to shrink.
+    """
+    offset = points - centre
+    share = growth * _gaussian(offset, width)
+    outer = offset[:, :, None] * offset[:, None, :] / width**2
+    return points + share[:, None] * offset, np.eye(3) + share[:, None, None] * (np.eye(3) - outer)
+
+
+def _gaussian(offset: Doubles, width: float) -> Doubles:
+    return np.asarray(np.exp(-np.einsum("vc,vc->v", offset, offset) / (2 * width**2)))
+
+
+_DEGREE = 3
+_CHOOSE = np.array([1.0, 3.0, 3.0, 1.0])
+
+
+def free_form(points: Doubles, low: Doubles, high: Doubles, pulls: Doubles) -> Deformed:
+    """Move points as a lattice of control points about them is pulled.
+
+    Tensor-product Bernstein polynomials of degree 3 (Sederberg and Parry, "Free-form deformation of solid
+    geometric models", SIGGRAPH 1986), added to a point's position, so that without pulls nothing moves.
+
+    Args:
+        points: (V, 3), of the last deformation.
+        low: (3,) corner of the lattice.
+        high: (3,) opposite corner.
+        pulls: (4, 4, 4, 3) how far each control point is pulled.
+    """
+    size = np.maximum(high - low, 1e-9)  # flat objects have no thickness
+    weights, slopes = zip(*(_bernstein(part) for part in ((points - low) / size).T), strict=True)
+
+    def blend(i: Doubles, j: Doubles, k: Doubles) -> Doubles:
+        across = np.einsum("vk,ijkc->vijc", k, pulls)
+        return np.asarray(np.einsum("vi,vj,vijc->vc", i, j, across, optimize=True))
+
+    jacobian = np.empty((len(points), 3, 3))
+    for axis in range(3):
+        factors = [slopes[n] / size[n] if n == axis else weights[n] for n in range(3)]
+        jacobian[:, :, axis] = blend(*factors)
+    return points + blend(*weights), jacobian + np.eye(3)
+
+
+def _bernstein(share: Doubles) -> Deformed:
+    """Return the (V, 4) Bernstein polynomials of degree 3 at places along an axis, and their slopes."""
+    k = np.arange(_DEGREE + 1)
+    t, rest = share[:, None], 1 - share[:, None]
+    # 0 ** 0 is 1, and where the exponent would be -1 its factor is 0.
+    slopes = _CHOOSE * (
+        k * t ** np.maximum(k - 1, 0) * rest ** (_DEGREE - k)
+        - (_DEGREE - k) * t**k * rest ** np.maximum(_DEGREE - k - 1, 0)
+    )
+    return _CHOOSE * t**k * rest ** (_DEGREE - k), slopes
+
+
+_BELLY_SHARE = 0.4
+"""Where sections, going up, first have this share of the widest section's area, the legs end."""
+_BLEND = 0.08
+"""Half the height over which the lengthening of legs sets in, in radii of the object."""
+_REACH = 3.0
+"""Standard deviations beyond which the surface does not count for a middle."""
+
+
+def belly(points: Doubles, faces: NDArray[np.integer], up: int) -> float:
+    """Return the height at which an object's legs end: below it, its level sections are small.
+
+    The area of a section is that of what lies above, projected down (Gauss's theorem; the surface is assumed
+    to be closed).
+
+    Args:
+        points: (V, 3).
+        faces: (F, 3) vertex indices.
+        up: the axis that points up.
+    """
+    a, b, c = (points[faces[:, i]] for i in range(3))
+    rising = np.cross(b - a, c - a)[:, up] / 2
+    height = (a + b + c)[:, up] / 3
+    order = np.argsort(-height)
+    section = np.cumsum(rising[order])[::-1]
+    wide = section >= _BELLY_SHARE * section.max()
+    return float(height[order][::-1][np.argmax(wide)])
+
+
+def lengthen(points: Doubles, up: int, line: float, growth: float) -> Deformed:
+    """Stretch the part below a height vertically by ``1 + growth``, with a soft beginning.
+
+    Args:
+        points: (V, 3).
+        up: the axis that points up.
+        line: the height.
+        growth: negative to shorten.
+    """
+    # The integral of a step softened over 2 * BLEND, a parabola between two straight lines.
+    below = np.clip((line + _BLEND - points[:, up]) / (2 * _BLEND), 0.0, None)
+    inside = np.minimum(below, 1.0)
+    depth = 2 * _BLEND * (inside**2 / 2 + (below - inside))
+    moved = points.copy()
+    moved[:, up] -= growth * depth
+    jacobian = np.tile(np.eye(3), (len(points), 1, 1))
+    jacobian[:, up, up] += growth * inside
+    return moved, jacobian
+
+
+@dataclass(frozen=True)
+class Middle:
+    """The mean of the surface near a place, weighted by a Gaussian.
+
+    On a limb thinner than the Gaussian that is a place on the limb's axis, on a trunk thicker than it a
+    place just under the skin.
+
+    Args:
+        places: (P, 3) of the surface.
+        areas: (P,) area of the surface that each point represents.
+        width: standard deviation of the Gaussian.
+    """
+
+    places: Doubles
+    areas: Doubles
+    width: float
+
+    @classmethod
+    def of(cls, points: Doubles, areas: Doubles, width: float) -> "Middle":
+        """Gather a surface, given by points (V, 3) and their areas (V,), in cells of half the width."""
+        cells = np.floor((points - points.min(axis=0)) / (width / 2)).astype(np.int64)
+        _, cell = np.unique(cells @ [1 << 40, 1 << 20, 1], return_inverse=True)
+        total: Doubles = np.bincount(cell, areas).astype(np.float64)
+        sums = np.column_stack([np.bincount(cell, areas * points[:, i]) for i in range(3)])
+        kept = total > 0
+        return cls(sums[kept] / total[kept, None], total[kept], width)
+
+    def at(self, points: Doubles) -> Deformed:
+        """Return the middles (V, 3) about points, and how they move with them (V, 3, 3).
+
+        The derivative of such a mean is the covariance under the same Gaussian, over its variance.
+        """
+        from scipy.spatial import cKDTree  # half a second: only when a mesh is varied
+
+        near = cKDTree(points).sparse_distance_matrix(
+            cKDTree(self.places), _REACH * self.width, output_type="coo_matrix"
+        )
+        row, column = np.asarray(near.row), np.asarray(near.col)
+        weight = self.areas[column] * np.exp(-((np.asarray(near.data) / self.width) ** 2) / 2)
+        offset = self.places[column] - points[row]
+        count = len(points)
+        total = np.maximum(np.bincount(row, weight, count), 1e-300)
+
+        def mean(values: Doubles) -> Doubles:
+            return np.asarray(np.bincount(row, weight * values, count) / total)
+
+        shift = np.column_stack([mean(offset[:, i]) for i in range(3)])
+        second = np.array([[mean(offset[:, i] * offset[:, j]) for j in range(3)] for i in range(3)])
+        covariance = second.transpose(2, 0, 1) - shift[:, :, None] * shift[:, None, :]
+        return points + shift, covariance / self.width**2
+
+
+def thicken(points: Doubles, middle: Middle, growth: float) -> Deformed:
+    """Move points away from the middle of their surface by ``growth`` times their distance from it.
+
+    Args:
+        points: (V, 3) of the surface.
+        middle: middle of that surface.
+        growth: negative to make thinner.
+    """
+    centres, slopes = middle.at(points)
+    return points + growth * (points - centres), np.eye(3) + growth * (np.eye(3) - slopes)
