@@ -30,6 +30,7 @@ class Rates(Callback):
         self.seen.append(trainer.optimizers[0].param_groups[0]["lr"] / config.scheduler.base_lrs[0])
 
 
+@pytest.mark.slow
 def test_the_rate_falls_until_the_last_epoch_and_further_if_the_run_is_made_longer(tmp_path: Path) -> None:
     gan = make(lr_scheduler=lambda optimizer: CosineAnnealingLR(optimizer, T_max=2))
     rates = Rates()

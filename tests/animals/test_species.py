@@ -31,6 +31,7 @@ def test_a_species_of_each_group_is_one_closed_body(species: str) -> None:
     assert np.mean(np.einsum("ij,ij->i", mesh.normals, area_normals(mesh))) > 0.97
 
 
+@pytest.mark.slow
 def test_every_species_is_that_of_its_seed() -> None:
     for species, plan in SPECIES.items():
         first, again, other = (

@@ -61,6 +61,7 @@ def test_hints_are_moved_on_the_object_and_tell_the_normal_of_where_they_were(
     assert COUNT / 2 < hints[0, 3].sum() <= COUNT  # two may meet in one pixel
 
 
+@pytest.mark.slow
 def test_placements_are_measured_at_equal_counts() -> None:
     given = named()
     tests = HintTests([0, 3], placements=placements(["uniform", "curvature", "farthest", "worst"], [3, 10]))

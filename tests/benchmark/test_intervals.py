@@ -92,6 +92,7 @@ def test_with_equal_meshes_the_total_interval_is_students_over_the_seeds() -> No
     assert tuple(found) == pytest.approx((np.mean(ours) - np.mean(theirs), wanted.low, wanted.high))
 
 
+@pytest.mark.slow
 def test_the_interval_of_both_covers_the_true_difference_as_often_as_it_says() -> None:
     rng, covered, meshes_alone = np.random.default_rng(3), 0, 0
     for _ in range(300):

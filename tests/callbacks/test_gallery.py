@@ -107,6 +107,7 @@ def test_hints_are_dots_of_their_colour_on_a_faint_sketch() -> None:
     assert 3 * 30 < changed.sum() < 3 * 150
 
 
+@pytest.mark.slow
 def test_captions_say_how_many_hints_and_what_error() -> None:
     # What is written cannot be read back from pixels; that it differs where it should, can.
     def caption(row: Row, column: int) -> Picture:

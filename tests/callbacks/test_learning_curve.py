@@ -13,6 +13,7 @@ def images(folder: Path) -> list[int]:
     return [record["images"] for record in json.loads((folder / "curve.json").read_text())]
 
 
+@pytest.mark.slow
 def test_batches_with_which_the_generator_steps_count(meshes: Path, cache: Path, tmp_path: Path) -> None:
     for n_critic, expected in ((1, [6, 12, 18]), (2, [4, 6, 10]), (4, [2, 4, 6])):
         # Three batches of two an epoch; with n_critic 2 the generator steps at batches 0, 2 | 4 | 6, 8.

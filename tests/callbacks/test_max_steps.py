@@ -45,6 +45,7 @@ def run(
     return found, seen.steps
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("stop", "epochs"), [(BATCHES, -1), (BATCHES + 1, 9), (2 * BATCHES - 1, -1)])
 def test_a_run_that_max_steps_stops_and_that_goes_on_is_an_unbroken_one(
     meshes: Path, cache: Path, tmp_path: Path, stop: int, epochs: int

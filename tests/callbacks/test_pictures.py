@@ -29,6 +29,7 @@ def pixels(png: bytes) -> NDArray[np.int64]:
         return np.asarray(image.convert("RGB"), np.int64)
 
 
+@pytest.mark.slow
 def test_a_picture_every_n_epochs(meshes: Path, cache: Path, tmp_path: Path) -> None:
     model, module = gan(), data(meshes, cache)
     logger = TensorBoardLogger(tmp_path, name="", version="")

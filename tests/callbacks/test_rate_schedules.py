@@ -61,6 +61,7 @@ def test_both_rates_follow_the_clock_until_time_is_up(
     assert clock.rates == [pytest.approx(rates) for rates in expected(range(10), 10, 0.2)]
 
 
+@pytest.mark.slow
 def test_a_resumed_run_has_what_is_left(meshes: Path, cache: Path, tmp_path: Path, clock: Clock) -> None:
     path = tmp_path / "last.ckpt"
     first = trainer(tmp_path, callbacks=[clock, WallClockSchedule(seconds=8, warmup=0.25)])
@@ -86,6 +87,7 @@ def factors(clock: Clock) -> list[float]:
     return [rates[0] / 5e-5 for rates in clock.rates]
 
 
+@pytest.mark.slow
 def test_a_resumed_run_stays_at_the_rate_and_a_cool_down_branches_off(
     meshes: Path, cache: Path, tmp_path: Path
 ) -> None:

@@ -111,6 +111,7 @@ def test_fewer_batches_are_reported_as_such(
     assert rows_in(tmp_path) == 4
 
 
+@pytest.mark.slow
 def test_testing_again_starts_anew(meshes: Path, cache: Path, tmp_path: Path) -> None:
     module = data(meshes, cache)
     run = trainer(tmp_path, callbacks=[TestReport()])
@@ -165,6 +166,7 @@ def test_a_network_that_predicts_no_object_is_told_by_iou_and_coverage(
     assert "mask IoU" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_each_checkpoint_keeps_its_figures_and_they_say_what_was_measured(
     meshes: Path, cache: Path, tmp_path: Path
 ) -> None:

@@ -83,6 +83,7 @@ def _within(mode: Waits, function: Callable[..., Any], given: tuple[Any, ...]) -
         return function(*given)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*exists and is not empty.*")  # it resumes in the same folder
 def test_a_resumed_average_goes_on_counting(meshes: Path, cache: Path, tmp_path: Path) -> None:
     """As one of before this: its state in the checkpoint is that of Lightning's callback."""

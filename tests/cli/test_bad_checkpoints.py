@@ -70,6 +70,7 @@ def test_a_checkpoint_runs_nothing(
     assert not (bench.meshes.parent / "touched").exists()
 
 
+@pytest.mark.slow
 def test_a_checkpoint_that_is_missing(bench: Bench, tmp_path: Path) -> None:
     bench.run("test", tmp_path, "--ckpt_path", "gone.ckpt").refused("there is no checkpoint gone.ckpt.")
     bench.run("test", tmp_path, "--ckpt_path", "last").refused("there is no checkpoint", "last.ckpt")

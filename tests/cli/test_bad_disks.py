@@ -44,6 +44,7 @@ def test_a_finished_cache_may_be_read_only(
     assert outcome.code == 0, outcome.err
 
 
+@pytest.mark.slow
 def test_a_full_disk_leaves_the_last_checkpoint_whole(
     bench: Bench, trained: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -58,6 +59,7 @@ def test_a_full_disk_leaves_the_last_checkpoint_whole(
     assert last.read_bytes() == before
 
 
+@pytest.mark.slow
 def test_half_written_files_of_a_killed_run_are_removed(bench: Bench, trained: Path, tmp_path: Path) -> None:
     run = tmp_path / "run"
     shutil.copytree(trained, run)

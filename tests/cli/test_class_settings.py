@@ -89,6 +89,7 @@ def test_fit_gives_a_third_partys_style_its_own_settings(
     assert lines["init_args"] == {"line_width": 7.5, "strength": 3.0}
 
 
+@pytest.mark.slow
 def test_sketch_draws_a_brush_with_its_own_width(tmp_path: Path) -> None:
     drawn = [tmp_path / "named.svg", tmp_path / "spelt.svg"]
     for path, width in zip(drawn, ([], ["--lines.line_width", "2.0"]), strict=True):

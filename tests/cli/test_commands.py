@@ -40,6 +40,7 @@ def test_fit_prints_no_warnings_that_users_cannot_act_on(bench: Bench, tmp_path:
     assert line.startswith("The best checkpoint is ")
 
 
+@pytest.mark.slow
 def test_the_settings_that_fit_saves_are_a_configuration(bench: Bench, trained: Path, tmp_path: Path) -> None:
     outcome = run(
         *("fit", "--config", trained / "config.yaml", "--trainer.default_root_dir", tmp_path / "again"),
@@ -49,6 +50,7 @@ def test_the_settings_that_fit_saves_are_a_configuration(bench: Bench, trained: 
     assert last(tmp_path / "again").is_file()
 
 
+@pytest.mark.slow
 def test_validate_prints_the_metrics(bench: Bench, trained: Path, tmp_path: Path) -> None:
     outcome = bench.run("validate", tmp_path, "--ckpt_path", last(trained))
     assert outcome.code == 0, outcome.err
@@ -90,6 +92,7 @@ def test_predict_writes_each_map_at_the_size_of_its_sketch(
     assert (header[24], header[25]) == (8, 2)  # PNG 11.2.2: bit depth, and colour type RGB
 
 
+@pytest.mark.slow
 def test_render_fills_the_cache_and_stops_there(bench: Bench, tmp_path: Path) -> None:
     again = ("--data.cache", tmp_path / "cache", "--data.train_views", 1)
     outcome = bench.run("render", tmp_path / "run", *again)

@@ -22,6 +22,7 @@ def completed(script: Path, *words: str) -> list[str]:
     return subprocess.run([shell, "-c", code], capture_output=True, text=True, check=True).stdout.split()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("bash") is None, reason="bash is not installed")
 def test_bash_completes_commands_settings_and_classes(tmp_path: Path) -> None:
     pytest.importorskip("shtab", reason="shtab is not installed")

@@ -83,6 +83,7 @@ class Ellipsoids(PairSource):
 '''
 
 
+@pytest.mark.slow
 def test_a_source_of_somebody_elses_is_named_in_short(tmp_path: Path, site: Path) -> None:
     install(
         site,

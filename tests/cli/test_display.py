@@ -10,6 +10,7 @@ from lightning.pytorch.callbacks import EarlyStopping
 from normalgan.warning_filters import filter_warnings
 
 
+@pytest.mark.slow
 def test_fit_says_why_it_stopped_what_a_profiler_measured_and_which_checkpoint_is_best(
     bench: Bench, tmp_path: Path
 ) -> None:

@@ -44,6 +44,7 @@ def written(folder: str) -> set[str]:
     return {path.relative_to(folder).as_posix() for path in Path(folder).rglob("*") if path.is_file()}
 
 
+@pytest.mark.slow
 def test_a_tree_is_searched_and_mirrored(here: Path) -> None:
     draw("in/fox.png", "in/deep/fox.png", "in/deep/er/owl.png", "in/.hidden/no.png")
     assert generate("in", "-o", "flat") == 0
@@ -120,6 +121,7 @@ def test_drawings_of_one_name_do_not_stop_the_others(here: Path, capsys: pytest.
     assert generate("in/fox.png", "in/fox.bmp") == 2
 
 
+@pytest.mark.slow
 def test_animations_of_one_name_and_different_kinds_are_files_of_their_own(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -24,6 +24,7 @@ def test_render_takes_a_cluster(bench: Bench, tmp_path: Path) -> None:
     assert len(contents[0]) > 10
 
 
+@pytest.mark.slow
 def test_a_cluster_that_cannot_be_had_is_one_sentence(
     bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

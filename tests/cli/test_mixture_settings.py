@@ -1,6 +1,7 @@
 import json
 from pathlib import Path
 
+import pytest
 from command import Bench
 
 from normalgan.rendering.lines import LINE_DRAWINGS
@@ -8,6 +9,7 @@ from normalgan.rendering.lines import LINE_DRAWINGS
 VARIED = Path(__file__).parents[2] / "configs" / "lines_varied.yaml"
 
 
+@pytest.mark.slow
 def test_the_varied_overlay_renders_in_every_style_there_is(bench: Bench, tmp_path: Path) -> None:
     few = ("--data.train_views", 2, "--data.val_views", 1, "--data.test_views", 1)
     done = bench.run("render", tmp_path, "--config", VARIED, "--data.cache", tmp_path, *few)

@@ -9,6 +9,7 @@ from normalgan.gan import NormalGAN
 from normalgan.models import UNetGenerator
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:.*LeafSpec.*is deprecated.*")
 def test_a_checkpoint_alone_rebuilds_all_a_foreign_sampler_too(bench: Bench, tmp_path: Path) -> None:
     outcome = bench.run(

@@ -37,6 +37,7 @@ def test_a_sphere_is_drawn_as_a_circle_in_the_middle(sphere: str, tmp_path: Path
     assert radius.max() < 48 + 1.5
 
 
+@pytest.mark.slow
 def test_svg_and_png_show_the_same_lines(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     svg, png = tmp_path / "h.svg", tmp_path / "h.png"
     assert main([*HORSE, "-o", str(svg)]) == 0
@@ -63,6 +64,7 @@ def test_the_normal_map_lies_under_the_lines(tmp_path: Path) -> None:
     assert ink(png)[~near].sum() < 0.1 * ink(png).sum()
 
 
+@pytest.mark.slow
 def test_the_seed_decides_what_the_hand_does(sphere: str, tmp_path: Path) -> None:
     def drawn(*more: str) -> bytes:
         out = tmp_path / "h.png"

@@ -130,6 +130,7 @@ def test_batches_asked_for_after_training_are_tensors_to_use(
         assert after[name].dtype == torch.float32
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:This DataLoader will create:UserWarning")
 @pytest.mark.filterwarnings("ignore:Checkpoint directory .* exists:UserWarning")
 # Lightning makes the iterator before it sets the epoch.
@@ -166,6 +167,7 @@ def by_name(items: list[Item]) -> dict[str, dict[str, torch.Tensor]]:
     return {name: {key: part[i] for key, part in parts.items()} for i, name in enumerate(batch["name"])}
 
 
+@pytest.mark.slow
 def test_augmentation_is_for_training_alone_and_seeded_by_the_step(
     meshes: Path, cache: Path, tmp_path: Path
 ) -> None:

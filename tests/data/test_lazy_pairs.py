@@ -57,6 +57,7 @@ def finished(cache: Path, split: str) -> int:
     return len(list(cache.glob(f"*/done/{split}/*.json")))
 
 
+@pytest.mark.slow
 def test_training_begins_before_all_pairs_are_prepared(tmp_path: Path) -> None:
     module = on(write_pairs(tmp_path / "pairs", 64), tmp_path / "cache", (0.75, 0.125, 0.125))
     seen = fitted(module, tmp_path, limit_train_batches=1, limit_val_batches=0)
@@ -107,6 +108,7 @@ def test_a_pair_that_cannot_be_validated_on_has_an_empty_mask(pairs: Path, tmp_p
     assert [item["name"] for item in items if not item["mask"].any()] == ["a13/0"]
 
 
+@pytest.mark.slow
 def test_a_sample_that_is_lost_while_it_is_trained_on_is_prepared_again(pairs: Path, tmp_path: Path) -> None:
     module = on(pairs, tmp_path, (1.0, 0.0, 0.0))
     module.prepare_data()

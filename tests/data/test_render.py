@@ -67,6 +67,7 @@ def test_every_sample_is_what_the_recipe_says(tmp_path: Path) -> None:
     assert lines == {"class": "RimDrawing", "threshold": 0.4, "supersampling": 2}
 
 
+@pytest.mark.slow
 def test_workers_write_the_same_bytes_as_this_process(rendered: Path, tmp_path: Path) -> None:
     alone, together = rendered, render(tmp_path / "2", workers=2)
     assert alone.name == together.name
@@ -237,6 +238,7 @@ def test_a_mesh_that_kills_its_worker_is_left_out_and_the_others_are_rendered(tm
     assert store.missing() == []
 
 
+@pytest.mark.slow
 def test_a_full_disk_in_a_worker_is_one_sentence(folder: Path, tmp_path: Path) -> None:
     (folder / "done" / "test" / "0.json").unlink()
     mask = folder / "samples.zarr" / "test" / "mask" / "c" / "0" / "0"
@@ -308,6 +310,7 @@ def test_versions_enter_the_key(monkeypatch: pytest.MonkeyPatch) -> None:
     assert len(keys) == 3
 
 
+@pytest.mark.slow
 def test_workers_are_other_processes_with_one_thread_and_without_torch() -> None:
     outside = os.environ.get("OMP_NUM_THREADS")
     with Workers(1) as pool:

@@ -122,6 +122,7 @@ def test_hand_and_medium_enter_the_recipe(meshes: Path, cache: Path) -> None:
     assert plain.hand is None
 
 
+@pytest.mark.slow
 def test_the_command_line_reads_them(meshes: Path, tmp_path: Path) -> None:
     overlay = {
         "data": {

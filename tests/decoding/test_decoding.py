@@ -64,6 +64,7 @@ def test_hostile_pictures_are_refused_in_one_sentence(
     assert [path.name for path in tmp_path.iterdir()] == ["secret.png"]
 
 
+@pytest.mark.slow
 def test_a_crash_is_told_and_the_next_picture_is_read(pool: process._Pool) -> None:
     pool.start()
     child = pool._idle[0]._process

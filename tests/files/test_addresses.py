@@ -136,6 +136,7 @@ for address in sys.argv[1:]:
 """A program that says of each address how large the model there paints, or why there is none."""
 
 
+@pytest.mark.slow
 def test_a_model_on_the_hub(
     server: str, asked: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

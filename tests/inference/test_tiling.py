@@ -85,6 +85,7 @@ def test_where_the_edges_are_makes_little_difference(predictor: Predictor, predi
     assert angles(predicted.extended, back(other, 41, 23)).mean() < 6
 
 
+@pytest.mark.slow
 def test_heights_and_shading_go_on_past_the_edges(predicted: NormalMap) -> None:
     turned = (50, 30)
     same = {name: np.roll(getattr(predicted, name), turned, (0, 1)) for name in ("extended", "mask", "alpha")}

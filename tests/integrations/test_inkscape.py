@@ -79,6 +79,7 @@ def test_light_comes_from_where_it_is_said_and_is_replaced(inkscape: str, tmp_pa
     assert inside["0"] < -30
 
 
+@pytest.mark.slow
 def test_the_map_alone(inkscape: str, tmp_path: Path) -> None:
     code, drawing, said = run_script(tmp_path, "--show", "map", "--size", "200")
     assert code == 0, said

@@ -67,6 +67,7 @@ def test_a_command_of_the_search_path_is_noted_by_its_place(
     assert Path(note.read_text(encoding="utf-8").strip()).samefile(command)
 
 
+@pytest.mark.slow
 def test_what_is_installed_calls_the_command_that_is_noted(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -88,6 +88,7 @@ def test_every_sample_can_be_made_alone_and_depends_on_seed_mesh_and_index() -> 
         assert (other.normal != first.normal).any()
 
 
+@pytest.mark.slow
 def test_the_seed_is_the_same_in_every_process() -> None:
     code = (
         "from normalgan.rendering.samples import sample_rng; "

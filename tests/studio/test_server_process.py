@@ -50,6 +50,7 @@ def test_a_server_killed_while_it_saves_leaves_a_whole_project(model: Path, tmp_
     assert not list(tmp_path.glob(".*.tmp"))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals that a process may answer")
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 0), (signal.SIGINT, 130)])
 def test_a_signal_ends_it_once_all_is_answered(model: Path, tmp_path: Path, number: int, code: int) -> None:

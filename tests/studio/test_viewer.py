@@ -199,6 +199,7 @@ def test_a_map_of_another_shape_lies_in_the_middle_and_wrong_sizes_are_refused(v
     assert (empty == BACKGROUND).all()
 
 
+@pytest.mark.slow
 def test_a_dense_screen_gets_a_dense_canvas_that_follows_its_size(opened: "Browser") -> None:
     with open_viewer(opened, SIDE, SIDE, scale=2) as viewer:
         viewer.set_map(references.ball(SIDE))

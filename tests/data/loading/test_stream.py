@@ -116,6 +116,7 @@ def test_errors_name_the_mesh_and_keep_the_reason() -> None:
         flawed[0]
 
 
+@pytest.mark.slow
 def test_memory_stays_flat() -> None:
     sources = [Octahedron(f"m{i}", 0.2 + i / 100) for i in range(30)]
     making = Recipe(Views(), BallRenderer(), Cross(), size=64)

@@ -97,6 +97,7 @@ def test_lost_and_damaged_objects_are_found(bucket: str) -> None:
     assert folder.read(path) == whole
 
 
+@pytest.mark.slow
 def test_an_object_that_vanishes_there_is_not_read_as_zeros(bucket: str) -> None:
     render(bucket)
     store = open_samples(bucket, SOURCES, VIEWS, recipe())["train"]
@@ -122,6 +123,7 @@ async def _broken(*_: object, **__: object) -> None:
     raise OSError("the line went dead")
 
 
+@pytest.mark.slow
 def test_objects_above_the_size_of_a_part_appear_whole(bucket: str) -> None:
     content = bytes(range(256)) * 4096 * 52  # 52 MiB: s3fs uploads it in parts
     Storage(bucket).write("deep/large", content)

@@ -240,6 +240,7 @@ def test_a_still_picture_of_these_kinds_stays_one(here: Path) -> None:
         assert Path(f"normals/still_{kind}_normal.png").is_file()
 
 
+@pytest.mark.slow
 def test_an_animation_of_too_many_pixels_is_refused() -> None:
     import io
 

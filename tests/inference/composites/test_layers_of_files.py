@@ -114,6 +114,7 @@ def test_a_layer_that_is_seen_alone_is_predicted_as_a_drawing_of_its_own(
         assert not np.delete(expected[..., 3], np.arange(inside[0].start, inside[0].stop), 0).any()
 
 
+@pytest.mark.slow
 def test_a_body_is_seen_with_its_head_and_the_head_alone(here: Path) -> None:
     body, head = (np.zeros((320, 320, 4), np.uint8) for _ in range(2))
     for pixels, middle, axes in ((body, (144, 176), (104, 56)), (head, (240, 120), (40, 32))):

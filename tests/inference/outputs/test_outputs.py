@@ -69,6 +69,7 @@ def test_hollows_are_dark_and_ridges_light() -> None:
     assert np.abs(curvature(plane, everywhere) - 0.5).max() < 0.01
 
 
+@pytest.mark.slow
 def test_a_large_map_is_as_dark_as_a_small_one() -> None:
     x, _ = grid()
     groove = np.kron(-12 * np.exp(-(x**2) / 18), np.ones((12, 12))) * 12

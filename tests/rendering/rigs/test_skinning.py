@@ -175,6 +175,7 @@ def test_rigs_of_which_parts_have_no_weights_are_posed_in_one_piece(name: str) -
 POSES = sorted((MESHES / "animals" / "poses").glob("*.ply"))[::12]
 
 
+@pytest.mark.slow
 @needs_meshes
 def test_poses_agree_with_those_that_somebody_else_evaluated() -> None:
     """Those files hold the moments (k + 1/2) / 3 of a clip, as they are; they interpolate straight."""
