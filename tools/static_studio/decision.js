@@ -1,8 +1,7 @@
 /** Decision: the object in a drawing, from its lines and the reader's presence, as normalgan.inference.mask.decision finds it in Python. */
 
 import { snapOutline } from "./edge.js";
-import { lineWidth } from "./prepare.js";
-import { SQUARE, above, blurred, boxOf, components, dilated, distance, ellipse, enclosedBy, eroded, opposite, refitted, rint, sumOf, where, without } from "./raster.js";
+import { SQUARE, above, boxOf, components, dilated, distance, enclosedBy, eroded, opposite, refitted, rint, sumOf, where, without } from "./raster.js";
 import { presenceAt } from "./reader.js";
 
 /** Longest side at which areas are voted on, and twice the shortest. */
@@ -33,9 +32,8 @@ export function decide(ink, width, height, reading) {
   const votes = votesOf(labels, boxes, presence);
   const solid = new Uint8Array(inked.length);
   for (let i = 0; i < solid.length; i++) if (!inked[i]) solid[i] = Number((enclosed[labels[i]] ? votes[labels[i]] : presence[i]) > 0.5);
-  const beside = dilated(solid, wide, high, ellipse(2 * rint(lineWidth(inked, wide, high) + 1.5) + 1));
   const mask = solid.slice();
-  for (let i = 0; i < mask.length; i++) if (inked[i] && (beside[i] || presence[i] > 0.5)) mask[i] = 1;
+  for (let i = 0; i < mask.length; i++) if (inked[i] && presence[i] > 0.5) mask[i] = 1;
   // A hole has a line around it.
   const whole = enclosedBy(mask, wide, high);
   for (let i = 0; i < mask.length; i++) if (whole[i] && !inked[i] && !enclosed[labels[i]]) mask[i] = 1;
@@ -43,7 +41,7 @@ export function decide(ink, width, height, reading) {
   const unsure = reading
     ? [...doubts({ labels, boxes, enclosed, votes, wide, high }, mask, scale), ...openEdge(mask, above(small, INKED / 2), wide, high, scale)]
     : [];
-  const rough = same ? mask : above(refitted(blurred(mask, wide, high, 0.8), wide, high, width, height), 0.5);
+  const rough = same ? mask : above(refitted(mask, wide, high, width, height), 0.5);
   const covered = snapOutline(rough, ink, width, height);
   const object = above(covered, 0.5);
   return object.includes(1) ? { mask: object, covered, unsure } : { mask: null, covered: null, unsure: [{ code: "guessed" }] };

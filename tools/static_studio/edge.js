@@ -3,7 +3,7 @@
 import { lineWidth } from "./prepare.js";
 import { CROSS, SQUARE, WIDE, above, both, blurred, boxOf, components, dilated, distance, either, eroded, extreme, labelled, near, opposite, part, refitted, ridge, stretched, where, without } from "./raster.js";
 
-const [PALEST, ONE_SIDED, OWN, MERGED, TIP, TOUCHING, FINER, LARGE] = [0.35, 0.97, 0.6, 1.5, 0.25, 1.3, 1.25, 1024];
+const [PALEST, MERGED, TIP, TOUCHING, FINER, LARGE] = [0.35, 1.5, 0.25, 1.3, 1.25, 1024];
 
 /** Returns a mask as opacity: its staircase becomes an edge of a pixel. @param {Uint8Array} mask @param {number} width @param {number} height */
 export const softEdge = (mask, width, height) => stretched(blurred(mask, width, height, 1), 1.6, -0.3);
@@ -51,10 +51,9 @@ function bodyOf(mask, ink, inked, width, height, reach) {
     const rough = bodyOf(half, small, above(small, PALEST), wide, high, reach / 2);
     return finished(above(refitted(rough, wide, high, width, height), 0.5), inked, width, height);
   }
-  const { inside, narrow } = divided(mask, inked, width, height, reach);
-  const outline = ownInk(mask, inside, inked, width, height);
-  const whole = either(inside, outline);
-  return either(whole, tipsOf(whole, inked, without(narrow, inside), width, height, mask));
+  const inside = divided(mask, inked, width, height, reach);
+  const whole = either(inside, ownInk(mask, inside, inked, width, height));
+  return either(whole, tipsOf(whole, inked, width, height));
 }
 
 /** Returns how many marked pixels each part has. @param {Int32Array} labels @param {number} count @param {(at: number) => boolean} marked */
@@ -94,29 +93,20 @@ function meet(one, other, free, width, rounds) {
 function divided(mask, inked, width, height, reach) {
   const free = opposite(inked);
   const { labels, boxes } = components(free, width, height, 4);
-  const [close, outer, inner] = [inked, mask, opposite(mask)].map((each) => near(each, width, height, reach, 3));
-  const [held, deep, core, rest] = [0, 1, 2, 3].map(() => new Uint32Array(boxes.length));
-  for (let i = 0; i < labels.length; i++) {
-    const label = labels[i];
-    if (!label) continue;
-    if (mask[i]) held[label]++;
-    if (!close[i]) deep[label]++;
-    // A small figure whose outline has a gap is a tiny share of the region about it, but no error of the mask.
-    if (!inner[i]) core[label]++;
-    if (!outer[i]) rest[label]++;
-  }
-  const among = boxes.map(({ area }, k) => held[k] / Math.max(area, 1));
-  const whole = boxes.map((_, k) => k > 0 && (!deep[k] || (among[k] >= ONE_SIDED && !rest[k]) || (among[k] <= 1 - ONE_SIDED && !core[k])));
-  const inside = labelled(labels, whole.map((all, k) => all && among[k] > 0.5));
+  const [outer, inner] = [mask, opposite(mask)].map((each) => near(each, width, height, reach, 3));
+  // Of a region in which the mask is surely right on one side only, all is on that side.
+  const held = counted(labels, boxes.length, (i) => mask[i] > 0);
+  const core = counted(labels, boxes.length, (i) => !inner[i]);
+  const rest = counted(labels, boxes.length, (i) => !outer[i]);
+  const whole = boxes.map((_, k) => k > 0 && (!core[k] || !rest[k]));
+  const inside = labelled(labels, whole.map((all, k) => all && held[k] > 0.5 * boxes[k].area));
   const mixed = labelled(labels, whole.map((all, k) => k > 0 && !all));
   if (mixed.includes(1)) {
-    /** @param {number} i */
-    const sure = (i) => mixed[i] > 0 && !(inner[i] && outer[i] && close[i]);
-    const known = where(mixed, (_, i) => sure(i));
+    const known = where(mixed, (value, i) => value > 0 && !(inner[i] && outer[i]));
     const side = meet(both(known, mask), without(known, mask), mixed, width, Math.floor(2 * reach) + 2);
     for (let i = 0; i < inside.length; i++) if (mixed[i]) inside[i] = side[i] === 1 || (side[i] === 0 && mask[i] > 0) ? 1 : 0;
   }
-  return { inside, narrow: labelled(labels, boxes.map((_, k) => k > 0 && !deep[k])) };
+  return inside;
 }
 
 /** @param {Uint8Array} mask @param {Uint8Array} inside @param {Uint8Array} inked @param {number} width @param {number} height */
@@ -143,30 +133,20 @@ function ownInk(mask, inside, inked, width, height) {
   for (let round = 0; round < 2; round++) {
     own = both(inked, dilated(own, width, height, SQUARE));
   }
-  const { labels, boxes } = components(own, width, height, 8);
-  const beside = dilated(inside, width, height, SQUARE);
-  const touching = counted(labels, boxes.length, (i) => beside[i] > 0);
-  const held = counted(labels, boxes.length, (i) => mask[i] > 0);
-  return labelled(labels, boxes.map(({ area }, k) => k > 0 && (touching[k] > 0 || held[k] > OWN * area)));
+  return own;
 }
 
-/** @param {Uint8Array} body @param {Uint8Array} inked @param {Uint8Array} slits @param {number} width @param {number} height @param {Uint8Array} mask */
-function tipsOf(body, inked, slits, width, height, mask) {
-  const filled = either(inked, slits);
-  const loose = without(filled, body);
+/** @param {Uint8Array} body @param {Uint8Array} inked @param {number} width @param {number} height */
+function tipsOf(body, inked, width, height) {
+  const loose = without(inked, body);
   const beside = dilated(body, width, height, SQUARE);
-  const none = new Uint8Array(body.length);
-  const found = boxOf(mask, width, height);
-  if (!found || !both(loose, beside).includes(1)) return none;
-  const span = Math.max(found[2] - found[0], found[3] - found[1]);
+  if (!both(loose, beside).includes(1)) return new Uint8Array(body.length);
   const { labels, boxes } = components(loose, width, height, 8);
-  const depth = distance(filled, width, height, true);
+  const depth = distance(inked, width, height, true);
   const line = lineWidth(inked, width, height);
-  const away = distance(opposite(body), width, height);
-  const merged = counted(labels, boxes.length, (i) => loose[i] > 0 && 2 * depth[i] - 1 > Math.max(MERGED * line, line + 1.5) && away[i] > line / 2);
+  const merged = counted(labels, boxes.length, (i) => loose[i] > 0 && 2 * depth[i] - 1 > Math.max(MERGED * line, line + 1.5));
   const touching = counted(labels, boxes.length, (i) => beside[i] > 0);
-  const kept = boxes.map((box, k) => k > 0 && merged[k] > 0 && touching[k] > 0 && Math.hypot(box.right - box.left, box.bottom - box.top) <= TIP * span);
-  return labelled(labels, kept);
+  return labelled(labels, boxes.map((_, k) => k > 0 && merged[k] > 0 && touching[k] > 0));
 }
 
 /** Returns an object whose edge was off by two pixels at most. @param {Uint8Array} rough @param {Uint8Array} inked @param {number} width @param {number} height */

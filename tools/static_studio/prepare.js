@@ -2,7 +2,7 @@
 
 import { decide } from "./decision.js";
 import { brightness, inkAt, read } from "./reader.js";
-import { SQUARE, above, blurred, boxOf, components, dilated, distance, enclosedBy, eroded, median, opposite, part, refitted, resized, ridge, rint, stretched, thinned, where } from "./raster.js";
+import { SQUARE, above, blurred, boxOf, components, dilated, distance, eroded, median, opposite, part, refitted, resized, ridge, rint, stretched, sumOf, thinned, where } from "./raster.js";
 
 /** @typedef {{left: number, top: number, side: number, size: number}} Frame the square that the network is shown */
 /**
@@ -39,6 +39,8 @@ export class Unpaintable extends Error {
 
 /** Least ink of a line. */
 const LEAST = 0.3;
+/** Share of a picture from which what is opaque is the sheet; and how much larger the share of ink must be to be one of lines. */
+const [SHEET, SURE] = [0.995, 0.05];
 
 /**
  * Prepares a drawing.
@@ -55,11 +57,11 @@ export async function prepare(plane, size, source, longest, widths, reader, begi
   const scale = longest ? longest / Math.max(plane.width, plane.height) : 1;
   const [width, height] = [plane.width, plane.height].map((side) => Math.max(1, rint(side * scale)));
   const alpha = opacity(plane, width, height);
-  const cut = alpha && isSilhouette(alpha, width, height) ? alpha : null;
-  const opaque = cut && above(cut, 0.5);
   // Strokes are the ink as they are, and the network begins before they are read.
   const drawn = plane.channels === 1;
-  const asked = (source || opaque) && drawn ? null : read(plane, reader);
+  const asked = source && drawn ? null : read(plane, reader);
+  const cut = alpha && asked && (await isSilhouette(plane, await asked, reader)) ? alpha : null;
+  const opaque = cut && above(cut, 0.5);
   const grey = brightness(plane, width, height);
   /** @type {Float32Array} */
   let ink = drawn ? grey.map((value) => 1 - value) : inkAt(/** @type {import("./reader.js").Reading} */ (await asked), grey, width, height);
@@ -102,15 +104,34 @@ function between(values, low, high) {
   return found.slice(0, count);
 }
 
-/** Returns whether what is opaque is an object and not just its lines. @param {Float32Array} alpha @param {number} width @param {number} height */
-function isSilhouette(alpha, width, height) {
+/**
+ * Returns whether what is opaque is an object and not just its lines, by the reader: less of it is ink than of the object is opaque.
+ * @param {{pixels: Uint8Array, width: number, height: number, channels: number}} plane @param {import("./reader.js").Reading} reading @param {import("./reader.js").Network} network
+ */
+async function isSilhouette({ pixels, width, height, channels }, reading, network) {
+  let alpha = Float32Array.from({ length: width * height }, (_, i) => pixels[4 * i + 3] / 255);
   const opaque = above(alpha, 0.5);
-  const count = opaque.reduce((sum, value) => sum + value, 0);
-  const box = boxOf(opaque, width, height);
-  if (!box || count > 0.995 * opaque.length) return false;
-  if (count < 0.7 * enclosedBy(opaque, width, height).reduce((sum, value) => sum + value, 0)) return false;
-  const extent = Math.max(box[2] - box[0], box[3] - box[1]);
-  return distance(opaque, width, height, true, 3).some((depth) => depth > 0.04 * extent);
+  const found = boxOf(opaque, width, height);
+  if (!found || sumOf(opaque) > SHEET * opaque.length) return false;
+  let [left, top, right, bottom] = found;
+  const extent = Math.max(right - left, bottom - top);
+  if (extent < Math.max(width, height) / 2) {
+    // The reader sees little of what is small on a page.
+    const room = (extent >> 3) + 2;
+    [left, top, right, bottom] = [Math.max(left - room, 0), Math.max(top - room, 0), Math.min(right + room, width), Math.min(bottom + room, height)];
+    const [wide, high] = [right - left, bottom - top];
+    alpha = part(alpha, width, height, [left, top, right, bottom]);
+    reading = await read({ pixels: new Uint8Array(part(pixels, width, height, [left, top, right, bottom], 4)), width: wide, height: high, channels }, network);
+    [width, height] = [wide, high];
+  }
+  const shown = resized(alpha, width, height, reading.width, reading.height, 1, Math.max(reading.width, reading.height) < Math.max(width, height) ? "lines" : "points");
+  let [all, inked, present, covered] = [0, 0, 0, 0];
+  shown.forEach((value, i) => {
+    all += value;
+    inked += value * reading.ink[i];
+    if (reading.presence[i] > 0.5) [present, covered] = [present + 1, covered + value];
+  });
+  return inked / all <= covered / Math.max(present, 1) + SURE;
 }
 
 /** Returns a line just inside a silhouette. @param {Uint8Array} opaque @param {number} width @param {number} height */

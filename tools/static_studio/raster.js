@@ -119,12 +119,6 @@ export const CROSS = [0, 1, 0];
 export const SQUARE = [1, 1, 1];
 export const WIDE = [2, 2, 2, 2, 2];
 
-/** Returns the half widths of the rows of OpenCV's ellipse, of an odd number of pixels a side. @param {number} side */
-export function ellipse(side) {
-  const radius = side >> 1;
-  return Array.from({ length: side }, (_, i) => rint(radius * Math.sqrt((radius ** 2 - (i - radius) ** 2) / Math.max(radius ** 2, 1))));
-}
-
 /**
  * Returns what is marked and all about it within a window, given by the half widths of its rows.
  * @param {Uint8Array} marked @param {number} width @param {number} height @param {number[]} halves

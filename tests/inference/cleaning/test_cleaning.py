@@ -101,8 +101,9 @@ def test_a_cut_out_figure_has_its_silhouette_and_its_edge_as_a_line(paint: float
 
 
 def test_much_black_ink_on_nothing_is_no_silhouette() -> None:
+    # A black belly below a white face.
     alpha = FILLED.copy()
-    cv2.rectangle(alpha, (150, 70), (185, 105), 0, -1)
+    alpha[:100] = 0
     alpha = np.maximum(alpha, INK)
     assert cleaned_of(Picture(np.zeros((*alpha.shape, 3), np.float32), alpha)).silhouette is None
     assert cleaned_of(Picture(np.full((*alpha.shape, 3), 0.5, np.float32), alpha)).silhouette is not None
@@ -142,6 +143,12 @@ def test_close_lines_of_a_surface_stay_apart() -> None:
     ink = clean(picture, read(picture), repeats=True).ink
     assert ink[drawn > 0].min() > 0.9
     assert ink[drawn == 0].max() < 0.1
+
+
+def test_a_small_figure_on_a_large_page_has_its_silhouette() -> None:
+    alpha, colour = np.zeros((900, 900), np.float32), np.full((900, 900, 3), 0.5, np.float32)
+    alpha[40:100, 700:790] = cv2.resize(FILLED, (90, 60), interpolation=cv2.INTER_AREA)
+    assert cleaned_of(Picture(colour, alpha)).silhouette is not None
 
 
 def test_a_white_figure_with_a_dark_outline_on_nothing_has_just_that_line() -> None:

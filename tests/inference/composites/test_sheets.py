@@ -14,6 +14,7 @@ from normalgan.__main__ import main
 from normalgan.inference.cleaning.silhouette import is_silhouette
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.normal_map import NormalMap, as_it_lies
+from normalgan.inference.reading.picture import Picture
 from normalgan.normals import read_png
 from pens import blob, outline, overlap
 
@@ -31,6 +32,11 @@ def sprite(filled: NDArray[np.float32], number: int = 0) -> Pixels:
     colour = np.array([90 + 20 * number, 160, 200 - 20 * number])
     predicted = colour * (1 - outline(filled))[..., None]
     return np.dstack([predicted, 255 * (filled > 0.5)]).astype(np.uint8)
+
+
+def painted(alpha: NDArray[np.float32]) -> Picture:
+    """A dark picture on nothing."""
+    return Picture(np.full((*alpha.shape, 3), 0.2, np.float32), alpha)
 
 
 def sheet_of(cells: list[Pixels], columns: int = 3) -> Pixels:
@@ -65,17 +71,17 @@ def test_a_sheet_is_painted_as_its_cells_cut_by_hand(here: Path, kind: str) -> N
 
 def test_four_sprites_in_a_row_keep_their_opacity_as_mask() -> None:
     row = np.hstack(SPRITES[:4])
-    assert is_silhouette(row)
-    assert is_silhouette(np.vstack([row, row, row]))
+    assert is_silhouette(painted(row))
+    assert is_silhouette(painted(np.vstack([row, row, row])))
     lines = np.hstack([outline(each) for each in SPRITES[:4]])
-    assert not is_silhouette(lines)
+    assert not is_silhouette(painted(lines))
     dashes = np.zeros((200, 200), np.float32)
     for angle in np.linspace(0, 2 * np.pi, 24, endpoint=False):
         centre = np.array([100 + 80 * np.cos(angle), 100 + 80 * np.sin(angle)])
         along = 7 * np.array([-np.sin(angle), np.cos(angle)])
         ends = np.rint([centre - along, centre + along]).astype(int).tolist()
         cv2.line(dashes, ends[0], ends[1], 1, 3)
-    assert not is_silhouette(dashes)
+    assert not is_silhouette(painted(dashes))
 
 
 def test_islands_are_found_whatever_their_places(here: Path) -> None:
@@ -334,7 +340,7 @@ def test_dashes_on_nothing_are_no_sprites() -> None:
     for angle in np.arange(0, 6.28, 0.2):
         start, end = ((100 + 80 * np.cos(angle + k), 100 + 80 * np.sin(angle + k)) for k in (0, 0.1))
         cv2.line(alpha, tuple(map(int, start)), tuple(map(int, end)), 1, 2)
-    assert not is_silhouette(alpha)
+    assert not is_silhouette(painted(alpha))
 
 
 def test_a_sprite_that_libgdx_turned_counterclockwise_is_predicted_upright(here: Path) -> None:

@@ -4,11 +4,10 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from normalgan.arrays import Floats
+from normalgan.arrays import BoolMask, Floats
 from normalgan.inference.cleaning.reader import GREY, Reading, over_paper
-from normalgan.inference.cleaning.silhouette import contour, enclosed_by, is_silhouette
+from normalgan.inference.cleaning.silhouette import contour, is_silhouette
 from normalgan.inference.findings import LackingError
 from normalgan.inference.reading.picture import Picture
 
@@ -19,8 +18,6 @@ _LEAST = 0.3
 _JOINT, _GRAIN = (9, 0.035), 0.06
 """A line on a surface is narrower than these pixels, or than this share of the longer side; and how much its
 grain differs in brightness."""
-_BLACK, _VOIDS = 0.15, 1.05
-"""The lightest black ink; and what it encloses with itself, as a multiple of itself, at least."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +30,7 @@ class Cleaned:
     """
 
     ink: Floats
-    silhouette: NDArray[np.bool_] | None
+    silhouette: BoolMask | None
 
 
 def clean(picture: Picture, reading: Reading | None, repeats: bool = False) -> Cleaned:
@@ -52,11 +49,7 @@ def clean(picture: Picture, reading: Reading | None, repeats: bool = False) -> C
     ink = 1 - picture.colour.min(-1) if reading is None else reading.ink_at(picture)
     if repeats:
         ink = _of_surface(ink, np.asarray(over_paper(picture) @ GREY, np.float32))
-    if (
-        picture.alpha is not None
-        and is_silhouette(picture.alpha)
-        and not _is_ink(picture.colour, picture.alpha)
-    ):
+    if picture.alpha is not None and is_silhouette(picture, reading):
         silhouette = picture.alpha > 0.5
         ink = np.maximum(np.where(silhouette, ink, 0), contour(silhouette))
     if float(ink.max()) < _LEAST:
@@ -84,11 +77,3 @@ def _of_surface(ink: Floats, grey: Floats) -> Floats:
     joints = np.clip((lines - _GRAIN) / (strongest - _GRAIN), 0, 1)
     areas = cv2.morphologyEx(np.asarray(ink, np.float32), cv2.MORPH_OPEN, window)
     return np.asarray(np.maximum(areas, joints), np.float32)
-
-
-def _is_ink(colour: Floats, alpha: Floats) -> bool:
-    """Return whether what is opaque is ink with much black: black all over, and around areas of nothing."""
-    opaque = alpha > 0.5
-    if float(np.quantile(colour[opaque], 0.98)) > _BLACK:
-        return False
-    return int(enclosed_by(opaque).sum()) > _VOIDS * int(opaque.sum())

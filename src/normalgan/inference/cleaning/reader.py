@@ -14,7 +14,7 @@ from normalgan.weights.shipped import READER
 if TYPE_CHECKING:
     from onnxruntime import InferenceSession
 
-__all__ = ["GREY", "Reading", "over_paper", "read"]
+__all__ = ["GREY", "Reading", "over_paper", "read", "reduced"]
 
 _SIDES = 256, 384
 """Smallest and largest longer side, in pixels, of the pictures that the network sees."""
@@ -61,7 +61,7 @@ class Reading:
             picture: (H, W), that was read.
         """
         grey = np.asarray(over_paper(picture) @ GREY, np.float32)
-        small = _reduced(grey, (self.ink.shape[0], self.ink.shape[1]))
+        small = reduced(grey, (self.ink.shape[0], self.ink.shape[1]))
         steps = _steps(small)
         grey_mean, steps_mean, ink_mean = _mean(small), _mean(steps), _mean(self.ink)
         grey_var = _mean(small * small) - grey_mean * grey_mean + _FLAT
@@ -87,7 +87,7 @@ def read(picture: Picture) -> Reading:
     shape = picture.size
     side = min(max(*shape, _SIDES[0]), _SIDES[1])
     height, width = (max(round(each / _STRIDE), 1) * _STRIDE for each in fitted(shape, side))
-    shown = _reduced(over_paper(picture), (height, width))
+    shown = reduced(over_paper(picture), (height, width))
     blob = np.ascontiguousarray(shown[..., ::-1].transpose(2, 0, 1)[None], np.float32)
     found = np.asarray(_session().run(["read"], {"picture": blob})[0][0], np.float32)
     ink, presence = 1 / (1 + np.exp(-np.clip(found[:2], -30, 30)))
@@ -125,7 +125,8 @@ def _steps(grey: Floats) -> Floats:
     return np.asarray(cv2.morphologyEx(grey, cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8)), np.float32)
 
 
-def _reduced(values: Floats, shape: tuple[int, int]) -> Floats:
+def reduced(values: Floats, shape: tuple[int, int]) -> Floats:
+    """Return a picture (H, W) or (H, W, C) at a size that the network sees, (h, w)."""
     method = cv2.INTER_AREA if max(shape) < max(values.shape) else cv2.INTER_LINEAR
     return np.asarray(cv2.resize(values, shape[::-1], interpolation=method), np.float32)
 

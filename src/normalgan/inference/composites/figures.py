@@ -28,7 +28,7 @@ def find_figures(decision: Decision, reading: Reading, shape: tuple[int, int]) -
     """Return the positions of a page's figures, in reading order; one if they are parts of one object.
 
     The reader sees for each pixel where the middle of its object is. An area that sees it outside of itself
-    is a part of a larger object, and so are areas that one line connects.
+    is a part of a larger object. Areas that one line connects are one.
 
     Args:
         decision: on the whole page.
@@ -37,8 +37,8 @@ def find_figures(decision: Decision, reading: Reading, shape: tuple[int, int]) -
     """
     size = decision.small.shape[0], decision.small.shape[1]
     presence = reading.presence_at(size)
-    inked = decision.ink > 0.35
-    body = (presence > 0.5) | inked
+    # What one line connects is one area.
+    body = (presence > 0.5) | (decision.ink > 0.35)
     count, found, measured, _ = cv2.connectedComponentsWithStats(body.astype(np.uint8), connectivity=8)
     labels, stats = np.asarray(found, np.int32), np.asarray(measured, np.int32)
     areas = stats[:, cv2.CC_STAT_AREA].astype(np.float64)
@@ -52,19 +52,9 @@ def find_figures(decision: Decision, reading: Reading, shape: tuple[int, int]) -
     owner[large] = np.arange(len(large))
     figure = owner[labels]
     boxes = stats[large][:, [cv2.CC_STAT_LEFT, cv2.CC_STAT_TOP, cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT]]
-    pairs = [*_on_one_line(inked, figure), *_strangers(figure, boxes, reading, size)]
-    groups = connected(len(large), pairs)
+    groups = connected(len(large), _strangers(figure, boxes, reading, size))
     count = int(groups.max()) + 1
     return _cells(np.append(groups, -1)[figure], body, count, shape) if count > 1 else []
-
-
-def _on_one_line(inked: BoolMask, figure: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Return pairs (N, 2) of areas that one line touches."""
-    lines = cv2.connectedComponents(inked.astype(np.uint8), connectivity=8)[1]
-    touching = np.unique(np.stack([lines, figure], -1)[inked & (figure >= 0)], axis=0)
-    same = touching[1:, 0] == touching[:-1, 0]
-    pairs: NDArray[np.intp] = np.stack([touching[:-1, 1], touching[1:, 1]], -1)[same]
-    return pairs
 
 
 def _strangers(

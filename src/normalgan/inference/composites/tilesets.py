@@ -228,7 +228,7 @@ def _drawn(picture: Picture, grid: TileGrid) -> tuple[BoolMask, Floats | None]:
     tiles is background. A tileset with neither, such as terrain, is all object.
     """
     if picture.alpha is not None:
-        return picture.alpha > 0.5, picture.alpha if is_silhouette(picture.alpha) else None
+        return picture.alpha > 0.5, picture.alpha if is_silhouette(picture) else None
     tiles = _cut(np.rint(picture.colour / _ALIKE), grid)
     tiles = tiles.reshape(-1, *tiles.shape[2:])
     sides = [tiles[:, 0], tiles[:, -1], tiles[:, :, 0], tiles[:, :, -1]]

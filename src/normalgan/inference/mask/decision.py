@@ -13,7 +13,6 @@ from normalgan.inference.cleaning.reader import Reading
 from normalgan.inference.cleaning.silhouette import enclosed_by
 from normalgan.inference.findings import Finding
 from normalgan.inference.mask.edge import snap
-from normalgan.inference.network.line_width import line_width
 from normalgan.inference.reading.picture import fitted, resize
 from normalgan.inference.regions import depth_of, extent_of
 
@@ -120,7 +119,7 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
     votes = (summed / sizes).astype(np.float32)
     enclosed = _enclosed(stats, size)
     solid = np.where(enclosed[regions], votes[regions] > 0.5, presence > 0.5) & ~inked
-    small = solid | (inked & (_beside(solid, inked) | (presence > 0.5)))
+    small = solid | (inked & (presence > 0.5))
     # A hole has a line around it.
     small |= enclosed_by(small) & ~enclosed[regions] & ~inked
     settled = np.zeros(count, bool)
@@ -133,7 +132,7 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
         total = int(np.count_nonzero(small))
         unsure += _unsure(regions, votes, sizes, enclosed & ~settled, total, shape)
         unsure += _open(small, small_ink > _INKED / 2, shape)
-    rough: BoolMask = small if size == shape else resize(_smooth(small), shape) > 0.5
+    rough: BoolMask = small if size == shape else resize(small.astype(np.float32), shape) > 0.5
     coverage = snap(rough, ink, max(_OFF * max(shape) / _SIDE, _LEAST_OFF))
     mask = coverage > 0.5
     return Decision(small_ink, read, regions, votes, enclosed, small, mask, coverage, tuple(unsure))
@@ -146,13 +145,6 @@ def _enclosed(stats: NDArray[np.int32], size: tuple[int, int]) -> BoolMask:
     enclosed: BoolMask = (left > 0) & (top > 0) & (right < size[1]) & (bottom < size[0])
     enclosed[0] = False
     return enclosed
-
-
-def _beside(solid: BoolMask, inked: BoolMask) -> BoolMask:
-    """Return the pixels (h, w) that are at most a line's width away from the object."""
-    reach = 2 * round(line_width(inked) + 1.5) + 1
-    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (reach, reach))
-    return np.asarray(cv2.dilate(solid.astype(np.uint8), disc) > 0)
 
 
 def _region_at(
@@ -221,7 +213,3 @@ def _deepest(region: BoolMask) -> tuple[int, int]:
     depth = depth_of(region, 3)
     row, column = np.unravel_index(int(depth.argmax()), depth.shape)
     return int(column), int(row)
-
-
-def _smooth(mask: BoolMask) -> Floats:
-    return np.asarray(cv2.GaussianBlur(mask.astype(np.float32), (0, 0), 0.8), np.float32)

@@ -16,10 +16,6 @@ __all__ = ["snap", "soft_edge"]
 
 _PALEST = 0.35
 """Least ink of a line at its darkest."""
-_ONE_SIDED = 0.97
-"""Share of a region between lines from which all of it is object, or none."""
-_OWN = 0.6
-"""Share of ink that lies in the mask from which it is object although no region of it touches it."""
 _LARGE = 1024
 """Longest side at which regions and lines are separated; larger drawings are decided at half their size."""
 _MERGED = 1.5
@@ -84,9 +80,9 @@ def _body(mask: BoolMask, ink: Floats, inked: BoolMask, reach: float) -> BoolMas
         small = resize(ink, half)
         rough = _body(resize(mask.astype(np.float32), half) > 0.5, small, small > _PALEST, reach / 2)
         return _finish(resize(rough.astype(np.float32), shape) > 0.5, inked)
-    inside, thin = _divide(mask, inked, reach)
+    inside = _divide(mask, inked, reach)
     whole = inside | _own_ink(mask, inside, inked)
-    return whole | _tips(whole, inked, thin & ~inside, extent_of(mask))
+    return whole | _tips(whole, inked)
 
 
 def _finish(rough: BoolMask, inked: BoolMask) -> BoolMask:
@@ -113,27 +109,19 @@ def soft_edge(mask: BoolMask) -> Floats:
     return np.clip(soft, 0, 1, out=soft)
 
 
-def _divide(mask: BoolMask, inked: BoolMask, reach: float) -> tuple[BoolMask, BoolMask]:
-    """Return the object's pixels between the lines, and those in regions narrower than ``reach``."""
+def _divide(mask: BoolMask, inked: BoolMask, reach: float) -> BoolMask:
+    """Return the object's pixels between the lines."""
     free = ~inked
     count, found = cv2.connectedComponents(free.view(np.uint8), connectivity=4)
     labels = np.asarray(found, np.int32)
-    clear = ~_near(inked, reach, 3)
-    # A small figure whose outline has a gap is a tiny share of the region about it, but no error of the mask.
+    # Of a region in which the mask is surely right on one side only, all is on that side.
     within, beyond = ~_near(~mask, reach, 3), ~_near(mask, reach, 3)
-    size, held, deep, core, rest = _region_sums(labels, count, mask, clear, within, beyond)
-    among = held / np.maximum(size, 1)
-    narrow = deep == 0
-    full = (among >= _ONE_SIDED) & (rest == 0)
-    empty = (among <= 1 - _ONE_SIDED) & (core == 0)
-    whole = full | empty | narrow
-    whole[0] = narrow[0] = False
-    inside: BoolMask = np.take(whole & (among > 0.5), labels)
+    size, held, core, rest = _region_sums(labels, count, mask, within, beyond)
+    whole = (core == 0) | (rest == 0)
+    whole[0] = False
+    inside: BoolMask = np.take(whole & (held > 0.5 * size), labels)
     mixed = free & ~np.take(whole, labels)
-    if mixed.any():
-        # Far from any line, only the mask is known.
-        inside |= _meet(mask, mixed, within | beyond | clear, reach)
-    return inside, np.take(narrow, labels)
+    return inside | _meet(mask, mixed, within | beyond, reach) if mixed.any() else inside
 
 
 def _meet(mask: BoolMask, mixed: BoolMask, sure: BoolMask, reach: float) -> BoolMask:
@@ -171,17 +159,10 @@ def _own_ink(mask: BoolMask, inside: BoolMask, inked: BoolMask) -> BoolMask:
     # Discs leave out the corners of a line.
     for _ in range(2):
         own = (cv2.dilate(own.view(np.uint8), _SQUARE) > 0) & inked
-    count, found = cv2.connectedComponents(own.view(np.uint8), connectivity=8)
-    labels = np.asarray(found, np.int32)
-    beside = cv2.dilate(inside.view(np.uint8), _SQUARE) > 0
-    # Few pixels are ink; and counting runs of the same number is slow.
-    size, touching, held = _region_sums(labels[own], count, beside[own], mask[own])
-    kept = (touching > 0) | (held > _OWN * size)
-    kept[0] = False
-    return np.take(kept, labels)
+    return own
 
 
-def _tips(body: BoolMask, inked: BoolMask, slits: BoolMask, span: int) -> BoolMask:
+def _tips(body: BoolMask, inked: BoolMask) -> BoolMask:
     """Return the tips where two lines of an outline meet, beyond the area that they enclose.
 
     A line that shot beyond its goal is as wide as any; where two meet, their ink is wider.
@@ -189,23 +170,17 @@ def _tips(body: BoolMask, inked: BoolMask, slits: BoolMask, span: int) -> BoolMa
     Args:
         body: (H, W), the object without its tips.
         inked: (H, W), the lines.
-        slits: (H, W), narrow regions between lines that are not in the object.
-        span: longer side of the object in pixels.
     """
-    loose = (inked | slits) & ~body
+    loose = inked & ~body
     near = cv2.dilate(body.view(np.uint8), _SQUARE) > 0
     if not (loose & near).any():
         return np.zeros_like(body)
-    count, found, stats, _ = cv2.connectedComponentsWithStats(loose.view(np.uint8), connectivity=8)
+    count, found = cv2.connectedComponents(loose.view(np.uint8), connectivity=8)
     labels = np.asarray(found, np.int32)
-    depth = depth_of(inked | slits)
     width = line_width(inked)
-    # Where a line leaves the body, the corners between them make it wider.
-    away = cv2.distanceTransform((~body).view(np.uint8), cv2.DIST_L2, 5)
-    merged = loose & (2 * depth - 1 > max(_MERGED * width, width + 1.5)) & (away > width / 2)
+    merged = 2 * depth_of(inked) - 1 > max(_MERGED * width, width + 1.5)
     _, wide, reached = _region_sums(labels[loose], count, merged[loose], near[loose])
     kept = (wide > 0) & (reached > 0)
-    kept &= np.hypot(stats[:, cv2.CC_STAT_WIDTH], stats[:, cv2.CC_STAT_HEIGHT]) <= _TIP * span
     kept[0] = False
     return np.take(kept, labels)
 
