@@ -20,8 +20,8 @@ def is_silhouette(picture: Picture, reading: Reading | None = None) -> bool:
     """Return whether what is opaque is an object and not just its lines, by the reader.
 
     If it is an object, nearly all of the object is opaque, and part of it is ink. If it is lines, nearly all
-    of it is ink, and part of the object is opaque. This is
-    right for 94 in 100 of 418 rendered pictures, sheets and small figures.
+    of it is ink, and part of the object is opaque. This is right for 94 in 100 of 418 rendered pictures,
+    sheets and small figures.
 
     Args:
         picture: the drawing.
