@@ -8,7 +8,7 @@ from contextlib import ExitStack, contextmanager
 from inspect import getdoc
 from pathlib import Path
 from textwrap import shorten
-from typing import Any
+from typing import Any, Self
 
 import yaml
 from jsonargparse import Namespace, get_loader, set_loader, set_parsing_settings
@@ -95,6 +95,14 @@ class NormalGANCLI(LightningCLI):
             args=arguments,
             run=False,
         )
+
+    def __deepcopy__(self, memo: object) -> Self:
+        """Return the command itself.
+
+        A callback that averages weights copies the model. The model's factories of optimizers, which
+        jsonargparse makes, refer to the command, and so to the trainer, the data and the run's lock.
+        """
+        return self
 
     def run_command(self) -> None:
         """Run the command."""

@@ -68,7 +68,7 @@ class Schema(BaseModel):
 
 S = TypeVar("S", bound=Schema)
 
-Share = Annotated[float, Field(ge=0, le=1)]
+_Share = Annotated[float, Field(ge=0, le=1)]
 Side = Annotated[int, Field(ge=LEAST_SIDE, le=MOST_SIDE)]
 """Of a picture, in pixels."""
 _Width = Annotated[float, Field(gt=0, le=MOST_SIDE)]
@@ -132,8 +132,8 @@ class Area(Schema):
     normal: _Vector
     size: _Width | None = None
     form: Form | None = None
-    soft: Share | None = None
-    strength: Share = 1
+    soft: _Share | None = None
+    strength: _Share = 1
     smooths: bool = False
     height: Annotated[float, Field(ge=-1, le=1)] | None = None
     widths: list[_Width] | None = None

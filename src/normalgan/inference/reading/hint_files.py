@@ -22,7 +22,7 @@ ENDINGS = ("_hints.png", "_hints.json", ".json", ".png")
 MOST_LISTED = 2**24
 """Larger lists of hints are refused, in bytes; each hint takes some fifty."""
 
-Listed = tuple[float, float, tuple[float, float, float]]
+_Listed = tuple[float, float, tuple[float, float, float]]
 """x, y and normal of a hint."""
 
 
@@ -69,7 +69,7 @@ def parse_hints(entries: Any, path: Path | str, shape: tuple[int, int]) -> Hints
         raise InputError(
             f'the hints {path} are not a list; they are like [{{"x": 10, "y": 20, "normal": [0, 0.6, 0.8]}}].'
         )
-    listed = list[Listed]()
+    listed = list[_Listed]()
     for number, entry in enumerate(entries, 1):
         match entry:
             case {"x": x, "y": y, "normal": [nx, ny, nz]} if all(map(_is_number, (x, y, nx, ny, nz))):
@@ -82,7 +82,7 @@ def parse_hints(entries: Any, path: Path | str, shape: tuple[int, int]) -> Hints
     return check_hints(listed, path, shape)
 
 
-def check_hints(listed: Iterable[Listed], path: Path | str, shape: tuple[int, int]) -> Hints:
+def check_hints(listed: Iterable[_Listed], path: Path | str, shape: tuple[int, int]) -> Hints:
     """Return hints that lie on a drawing.
 
     Args:
