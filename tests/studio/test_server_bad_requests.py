@@ -145,20 +145,32 @@ def test_what_cannot_be_exported_is_told_in_a_sentence(
     assert sentence in answer.json()["error"]
 
 
-@pytest.mark.parametrize("count", [0, 21, "5", None])
-def test_a_count_of_points_is_from_1_to_20(client: TestClient, count: object) -> None:
+@pytest.mark.parametrize(
+    ("count", "sentence"),
+    [
+        (0, "count is 0; it should be greater than or equal to 1."),
+        (21, "count is 21; it should be less than or equal to 20."),
+        ("5", 'count is "5"; it should be a valid integer.'),
+        (None, "count is null; it should be a valid integer."),
+    ],
+)
+def test_a_count_of_points_is_from_1_to_20(client: TestClient, count: object, sentence: str) -> None:
     answer = client.post("/api/suggest", json=asking(count=count))
-    assert answer.status_code == 400
-    assert answer.json()["error"].startswith("count is ")
+    assert (answer.status_code, answer.json()) == (400, {"error": sentence})
 
 
 @pytest.mark.parametrize(
-    "body", [b"", b"{", b"[1]", b"\xff\xfe", b"[" * 100_000, b'{"number": ' + b"9" * 5000 + b"}"]
+    ("body", "sentence"),
+    [
+        *((body, "the request is not JSON: ") for body in (b"", b"{", b"\xff\xfe", b"[" * 100_000)),
+        (b'{"number": ' + b"9" * 5000 + b"}", "the request is not JSON: number out of range"),
+        (b"[1]", "the request is [1]; it should be an object."),
+    ],
 )
-def test_what_is_no_json_is_refused(client: TestClient, body: bytes) -> None:
+def test_what_is_no_json_is_refused(client: TestClient, body: bytes, sentence: str) -> None:
     answer = client.post("/api/predict", content=body, headers=JSON)
     assert answer.status_code == 400
-    assert answer.json()["error"].startswith("the request is ")
+    assert answer.json()["error"].startswith(sentence)
 
 
 @pytest.mark.parametrize(
