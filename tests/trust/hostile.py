@@ -36,21 +36,15 @@ def elsewhere(uri: str) -> str:
 
 
 MESHES: dict[str, tuple[str | bytes, str]] = {
-    "vertices.off": (OFF.format(BILLION, 1, 2), "declares 1000000000 vertices or faces"),
-    "faces.off": (OFF.format(3, BILLION, 2), "declares 1000000000 vertices or faces"),
+    "vertices.off": (OFF.format(BILLION, 1, 2), "declares 1000000000 vertices and 1 faces in"),
+    "faces.off": (OFF.format(3, BILLION, 2), "declares 3 vertices and 1000000000 faces in"),
     "index.off": (OFF.format(3, 1, BILLION), "cannot be read as a mesh"),
-    "vertices.ply": (
-        PLY.format("ascii", BILLION, 1) + FACES.format(2),
-        "declares 1000000000 vertices or faces",
-    ),
-    "faces.ply": (
-        PLY.format("ascii", 3, BILLION) + FACES.format(2),
-        "declares 1000000000 vertices or faces",
-    ),
+    "vertices.ply": (PLY.format("ascii", BILLION, 1) + FACES.format(2), "of 1000000000 elements"),
+    "faces.ply": (PLY.format("ascii", 3, BILLION) + FACES.format(2), "of 1000000000 elements"),
     "index.ply": (PLY.format("ascii", 3, 1) + FACES.format(BILLION), "refers to a vertex that is not there"),
     "binary.ply": (
         PLY.format("binary_little_endian", BILLION, 1).encode() + TRIANGLE,
-        "declares 1000000000 vertices or faces",
+        "declares 1000000000 elements in fewer bytes",
     ),
     "index.obj": (f"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 {BILLION}\n", "cannot be read as a mesh"),
     "count.stl": (b"\0" * 80 + struct.pack("<I", BILLION) + b"\0" * 50, "holds no faces"),
