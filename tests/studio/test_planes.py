@@ -13,7 +13,7 @@ from studio_client import HEIGHT, WIDTH, Pixels, asking, circle, codes, serving
 from normalgan.errors import InputError
 from normalgan.studio.planes import CONTENT_TYPE, KeptPlanes, split_body
 from normalgan.studio.refusals import BehindError
-from normalgan.studio.schemas import DrawingsFields, parse
+from normalgan.studio.schemas import RequestFields, parse
 
 ALL = [0, 0, WIDTH, HEIGHT]
 
@@ -33,8 +33,8 @@ def fields(number: int, base: int | None, box: list[int], **more: Any) -> dict[s
     return asked
 
 
-def read(*args: Any, **more: Any) -> DrawingsFields:
-    return parse(DrawingsFields, json.dumps({**fields(*args), **more}).encode())
+def read(*args: Any, **more: Any) -> RequestFields:
+    return parse(RequestFields, json.dumps({**fields(*args), **more}).encode())
 
 
 def sent(client: TestClient, asked: dict[str, Any], *pixels: Pixels) -> Any:

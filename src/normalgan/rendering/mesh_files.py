@@ -194,7 +194,10 @@ def read_orientations(path: str) -> dict[str, _Orientation]:
 
 def _orientation(where: str, entry: Any) -> _Orientation:
     if not isinstance(entry, dict) or not entry.keys() <= {"rotation", "inside_out"}:
-        raise InputError(f"{where}: an orientation has 'rotation' and 'inside_out', and nothing else.")
+        raise InputError(
+            f"{where}: an orientation has 'rotation' and 'inside_out', and nothing else; "
+            f"here it is {str(entry)[:60]}."
+        )
     inside_out = entry.get("inside_out")
     if not isinstance(inside_out, bool | None):
         raise InputError(f"{where}: 'inside_out' is {inside_out!r}; it must be true or false.")

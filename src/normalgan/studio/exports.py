@@ -263,7 +263,7 @@ def read_export_request(fields: ExportFields) -> ExportRequest:
     """Return the export that a request asks for.
 
     Raises:
-        InputError: if there is none of that kind or format, or a picture is none.
+        InputError: if the kind or the format is unknown, the name is invalid, or a picture cannot be read.
     """
     formats = offered()
     kind = _known("what", fields.what, formats)

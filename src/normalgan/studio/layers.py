@@ -10,7 +10,7 @@ from normalgan.inference.normal_map import NormalMap
 from normalgan.studio.drawing_request import DrawingRequest
 from normalgan.studio.planes import KeptPlanes
 from normalgan.studio.refusals import RefusedError
-from normalgan.studio.schemas import DrawingsFields
+from normalgan.studio.schemas import RequestFields
 
 __all__ = ["Layer", "predict_layers", "take_layers"]
 
@@ -28,7 +28,7 @@ class Layer:
     drawing: DrawingRequest
 
 
-def take_layers(fields: DrawingsFields, kept: KeptPlanes, pixels: memoryview | None) -> list[Layer]:
+def take_layers(fields: RequestFields, kept: KeptPlanes, pixels: memoryview | None) -> list[Layer]:
     """Return the layers of a request, the hindmost first.
 
     Args:

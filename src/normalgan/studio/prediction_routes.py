@@ -28,9 +28,9 @@ from normalgan.studio.predictor import Predictor
 from normalgan.studio.refusals import RefusedError
 from normalgan.studio.request_queue import RequestQueue, Stop
 from normalgan.studio.schemas import (
-    DrawingsFields,
     ExportFields,
     PredictFields,
+    RequestFields,
     SuggestFields,
     parse,
 )
@@ -38,7 +38,7 @@ from normalgan.studio.schemas import (
 __all__ = ["PredictionRoutes"]
 
 T = TypeVar("T")
-F = TypeVar("F", bound=DrawingsFields)
+F = TypeVar("F", bound=RequestFields)
 
 
 class PredictionRoutes:
@@ -99,14 +99,14 @@ class PredictionRoutes:
     async def uncertainty(self, request: Request) -> Response:
         """Answer with the model's uncertainty, W × H bytes as shares of 90°; empty without a confidence."""
         start = time.perf_counter()
-        fields, layers = await self._asked(request, DrawingsFields)
+        fields, layers = await self._asked(request, RequestFields)
         doubts = await self._ordered(self._quick, request, fields, partial(self._doubts, layers))
         return _dropped() if doubts is None else _pixels(*doubts, start)
 
     async def height(self, request: Request) -> Response:
         """Answer with heights, W × H floats, NaN off the object."""
         start = time.perf_counter()
-        fields, layers = await self._asked(request, DrawingsFields)
+        fields, layers = await self._asked(request, RequestFields)
         heights = await self._ordered(self._slow, request, fields, partial(self._heights, layers))
         return _dropped() if heights is None else _pixels(*heights, start)
 
@@ -136,7 +136,7 @@ class PredictionRoutes:
         self,
         queue: RequestQueue,
         request: Request,
-        fields: DrawingsFields,
+        fields: RequestFields,
         work: Callable[[], T],
         apart: str = "",
         stop: Stop | None = None,

@@ -35,7 +35,6 @@ from normalgan.studio.names import LONGEST
 __all__ = [
     "Area",
     "DrawingFields",
-    "DrawingsFields",
     "ExportFields",
     "HintFields",
     "ImportQuery",
@@ -43,6 +42,7 @@ __all__ = [
     "MaskStrokeFields",
     "Plane",
     "PredictFields",
+    "RequestFields",
     "Schema",
     "Side",
     "Structure",
@@ -262,8 +262,8 @@ class LayerFields(DrawingFields):
     bytes: Annotated[int, Field(ge=0, le=MOST_BYTES)] = 0
 
 
-class DrawingsFields(DrawingFields):
-    """A request about a drawing, in layers or not.
+class RequestFields(DrawingFields):
+    """What every request about a drawing has: the drawing, in layers or not, and who asks.
 
     Args:
         tab: of the browser.
@@ -287,7 +287,7 @@ class DrawingsFields(DrawingFields):
         return self
 
 
-class PredictFields(DrawingsFields):
+class PredictFields(RequestFields):
     """A request for a map; ``longest`` is its longer side, and a draft gives way to newer requests."""
 
     longest: Side | None = None
@@ -295,13 +295,13 @@ class PredictFields(DrawingsFields):
     changed_only: bool = False
 
 
-class SuggestFields(DrawingsFields):
+class SuggestFields(RequestFields):
     """A request for places where hints would help."""
 
     count: Annotated[int, Field(ge=1, le=20)] = 5
 
 
-class ExportFields(DrawingsFields):
+class ExportFields(RequestFields):
     """A request for a file; ``size`` is the map's longer side; the pictures are PNG, for the zip of all."""
 
     what: str = "map"

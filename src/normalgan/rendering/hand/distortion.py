@@ -147,8 +147,8 @@ _ALIKE = 0.5  # neighbours whose normals differ more in a component belong to di
 def follow(maps: Maps, distortion: Distortion) -> Maps:
     """Return the maps of an object after distorting its picture; depths stay.
 
-    If point p of the picture moves to q, the height z(p) is found at q, and with J = dp/dq its gradient is
-    J^T dz/dp. So (nx, ny) becomes J^T (nx, ny), nz is unchanged, and the vector is normalized. Of the four
+    If point p of the picture moves to q, then q has the height z(p), and with J = dp/dq its gradient is J^T
+    dz/dp. Therefore (nx, ny) becomes J^T (nx, ny), nz stays, and the vector is normalized. Of the four
     pixels around a source, only those on the object and on the surface of the nearest one are interpolated,
     so that neither the background nor a farther part blends in. The depth is that of the nearest.
 
