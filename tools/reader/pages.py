@@ -39,9 +39,10 @@ KINDS = (
     "framed",
     "bordering",
     "strokes",
+    "silhouette",
     "blank",
 )
-SHARES = (0.11, 0.12, 0.05, 0.10, 0.09, 0.06, 0.11, 0.03, 0.08, 0.06, 0.03, 0.1, 0.01, 0.02, 0.02, 0.01)
+SHARES = (0.09, 0.1, 0.05, 0.09, 0.08, 0.05, 0.09, 0.02, 0.07, 0.06, 0.03, 0.08, 0.04, 0.07, 0.02, 0.05, 0.01)
 BLACK = 90
 """Channel, of 255, up to which a filled area is ink; one in another colour is paint, and its edge is ink."""
 SEEN = 40
@@ -120,6 +121,7 @@ class _Writer:
         }.get(kind, 0.25)
         if self.chance(0.3) and kind != "gaps":
             self.damage = 0.0
+        self.framed = False
         self._ground()
         boxes = [] if kind == "blank" else self._boxes()
         style = _Style(rng, self)
@@ -190,7 +192,7 @@ class _Writer:
                         break
             return boxes
         if kind == "bordering":
-            return [(w / 2, h / 2, self.long - 2 * rng.uniform(1, 0.1 * self.long))]
+            return [(w / 2, h / 2, self.long - 2 * rng.uniform(1, 0.1 * self.long * rng.choice([1, 2])))]
         span = small * rng.uniform(0.55, 0.97)
         if h != w and self.chance(0.4):
             span = self.long * rng.uniform(0.6, 0.95)
@@ -215,6 +217,11 @@ class _Writer:
             shape = doodle(rng)
         else:
             shape = self.shapes[rng.integers(len(self.shapes))]
+        while self.framed and shape.name == "doodle/plain":  # it is the line about it that is the object
+            shape = doodle(rng)
+        if self.kind == "silhouette":
+            self._silhouette(shape, box, style)
+            return
         if shape.name == "doodle/plain" and self.chance(0.5):
             span *= rng.uniform(0.3, 1)
         if shape.paint is not None and self.chance(0.6) and self._paste(shape, box, style):
@@ -267,6 +274,8 @@ class _Writer:
             hatching = self._hatching(shape, mask, move, style)
             drawn = np.maximum(drawn, hatching)
             self.ink_weight[hatching > 0.2] = 0.3
+        if solid and black is None and self.chance(0.05):
+            drawn = np.maximum(drawn, self._letters(mask))
         colour = np.float32(style.pen)
         if black is not None:
             dark = np.maximum(black * (1 - ink), 0) if style.white_details else np.maximum(black, drawn)
@@ -299,6 +308,91 @@ class _Writer:
         self._weigh(contours, mask, whisker > 0.3, drawn)
         if solid and style.construction and painted is None:
             self._construction(contours, span, style)
+
+    def _silhouette(self, shape: Shape, box: Box, style: "_Style") -> None:
+        """Draw an object in one flat colour without an outline, or its lines with one half black."""
+        rng = self.rng
+        move = self._placement(shape, *box)
+        contours = [_moved(move, group) for group in shape.contours]
+        mask = self._filled(contours)
+        if (mask > 0.5).sum() < 20:
+            return
+        dark = self.chance(0.8)
+        colour = (
+            np.full(3, rng.uniform(0, 30)) if self.chance(0.5) else rng.uniform(0, BLACK if dark else 255, 3)
+        )
+        width = style.width(max(box[2], 8))
+        whole = [(line, True, 0) for line in _moved(move, shape.strokes)]
+        eyes = [(eye, True, 0) for eye in (self._spots(mask, box[2]) if self.chance(0.25) else [])]
+        if dark and self.chance(0.25):
+            lines = self._strokes([*whole, *eyes], width, style)
+            area = np.maximum(mask * self._half(mask), lines)
+        else:
+            if self.chance(0.4):
+                mask = mask * (1 - self._opening(mask))
+            inner = whole[shape.outlines :] if self.chance(0.3) else []
+            area = mask * (1 - self._strokes([*inner, *eyes], 0.6 * width, style))
+        if self._unseen(mask, np.broadcast_to(np.float32(colour), self.page.shape)):
+            return
+        self.page = self.page * (1 - area[..., None]) + np.float32(colour) * area[..., None]
+        self.ink = np.maximum(
+            self.ink * (1 - mask), area if colour.max() <= BLACK else self._rim(mask, None, None)
+        )
+        self._place_middle(mask > 0.5)
+        self.presence = np.maximum(self.presence, mask)
+        self._weigh(contours, mask, np.zeros(mask.shape, bool), area)
+
+    def _half(self, mask: Floats) -> Floats:
+        """Return one side of a wavy line through an object, (H, W)."""
+        rng = self.rng
+        way = rng.normal(0, 1, 2)
+        away = np.add.outer(np.arange(self.h) * way[1], np.arange(self.w) * way[0])
+        away = away + _clouds(rng, self.h, self.w, self.long / 4) * rng.uniform(0, 0.1) * self.long
+        last = np.quantile(away[mask > 0.5], rng.uniform(0.25, 0.75))
+        return np.asarray(away > last, np.float32)
+
+    def _opening(self, mask: Floats) -> Floats:
+        """Return round or cornered openings through an object, (H, W): large enough to be no eyes."""
+        rng = self.rng
+        canvas = np.zeros((self.h, self.w), np.uint8)
+        solid = np.pad((mask > 0.5).astype(np.uint8), 1)
+        for _ in range(rng.integers(1, 4)):
+            depth = cv2.distanceTransform(solid, cv2.DIST_L2, 5)[1:-1, 1:-1]
+            deepest = float(depth.max())
+            if deepest < 6:
+                break
+            places = np.argwhere(depth > 0.8 * deepest)
+            y, x = places[rng.integers(len(places))]
+            n = int(rng.choice([3, 4, 4, 6, 40, 40]))
+            t = np.arange(n) * 2 * np.pi / n + (np.pi / 4 if n == 4 else rng.uniform(0, 6.28))
+            outline = np.array([x, y]) + deepest * rng.uniform(0.35, 0.8) * np.stack(
+                [np.cos(t), np.sin(t)], 1
+            )
+            cv2.fillPoly(canvas, [np.rint(outline * 16).astype(np.int32)], 255, cv2.LINE_AA, 4)
+            solid[1:-1, 1:-1][canvas > 0] = 0
+        return canvas.astype(np.float32) / 255
+
+    def _letters(self, mask: Floats) -> Floats:
+        """Return words on an object, (H, W): on a sign, a shirt, a box."""
+        rng = self.rng
+        canvas = np.zeros((self.h, self.w), np.uint8)
+        inside = (mask > 0.9).astype(np.uint8)
+        for _ in range(rng.integers(1, 3)):
+            depth = cv2.distanceTransform(np.pad(inside, 1), cv2.DIST_L2, 5)[1:-1, 1:-1]
+            y, x = np.unravel_index(int(depth.argmax()), depth.shape)
+            word = "".join(rng.choice(list("ABCDEGHKMNORSTUXabdeghkmnoprst0123456789"), rng.integers(1, 7)))
+            font = int(rng.choice([0, 2, 3, 4]))
+            (wide, high), _ = cv2.getTextSize(word, font, 1, 1)
+            scale = rng.uniform(0.8, 1.7) * float(depth[y, x]) / np.hypot(wide / 2, high / 2)
+            if scale * high < 5:
+                break
+            thick = max(round(scale * rng.choice([1, 2, 5])), 1)
+            fresh = np.zeros_like(canvas)
+            start = (round(float(x) - scale * wide / 2), round(float(y) + scale * high / 2))
+            cv2.putText(fresh, word, start, font, scale, 255, thick, cv2.LINE_AA)
+            canvas = np.maximum(canvas, fresh)
+            inside[cv2.dilate(fresh, np.ones((5, 5), np.uint8)) > 0] = 0
+        return np.where(mask > 0.9, canvas, 0).astype(np.float32) / 255
 
     def _ended(self, mask: Floats, strokes: list[Stroke]) -> tuple[Floats, list[Stroke]]:
         """Leave off a part, with no line where it would go on: a bust, a hand without its arm."""
@@ -484,6 +578,7 @@ class _Writer:
     def _frame(self, boxes: list[Box], style: "_Style") -> list[Box]:
         """Draw a frame about all objects, and return where these lie within it."""
         rng, h, w = self.rng, self.h, self.w
+        self.framed = True
         edge = rng.uniform(0.015, 0.12) * self.long
         canvas = np.zeros((h, w), np.uint8)
         thick = int(rng.choice([1, 1, 2, 3, 5, 8]))

@@ -20,6 +20,8 @@ Part = tuple[Points, bool]
 Rng = np.random.Generator
 Place = tuple[float, float] | NDArray[np.floating]
 POINT = 32
+_ROUND = 72
+"""Points of an ellipse."""
 
 
 @dataclass(frozen=True)
@@ -142,12 +144,14 @@ def smoothed(path: Points, closed: bool) -> Points:
 def doodle(rng: Rng, kind: str | None = None) -> Shape:
     """Return a figure of round and pointed parts, as children and sign painters draw."""
     kinds = ["figure", "animal", "blob", "thing", "stick", "ring", "snow", "frame", "wire", "plain"]
-    shares = [0.16, 0.13, 0.1, 0.12, 0.06, 0.1, 0.03, 0.02, 0.04, 0.24]
+    shares = [0.16, 0.12, 0.09, 0.11, 0.1, 0.1, 0.03, 0.02, 0.04, 0.23]
     return _Doodle(rng).draw(kind or str(rng.choice(kinds, p=shares)))
 
 
 def sheet(rng: Rng, sides: NDArray[np.floating]) -> Shape:
-    """Return one closed line along the edges of its page, a card, a window or a pond: an object, no frame.
+    """Return one closed line about its page, a card, a sign or a window: an object, no frame.
+
+    What it holds are plain figures; about a drawing, such a line would be a frame.
 
     Args:
         rng: a source of chance.
@@ -155,16 +159,58 @@ def sheet(rng: Rng, sides: NDArray[np.floating]) -> Shape:
     """
     round_ = rng.random() < 0.3
     t = np.linspace(0, 2 * np.pi, 160, endpoint=False)
-    power = rng.choice([1.0, 0.6, 0.3]) if round_ else 0.05
+    power = rng.choice([1.0, 0.6, 0.3])
     c, s = np.cos(t), np.sin(t)
     unit: NDArray[np.floating] = np.stack(
         [np.sign(c) * np.abs(c) ** power, np.sign(s) * np.abs(s) ** power], 1
     )
     if not round_:
         corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]], np.float32)
-        unit = _dense(corners + rng.choice([0.0, 0.03]) * rng.normal(0, 1, (4, 2)).astype(np.float32))
+        if rng.random() < 0.15:
+            around = np.arange(n := rng.integers(5, 9)) * 2 * np.pi / n + rng.choice(
+                [0, np.pi / n, np.pi / 2]
+            )
+            corners = np.stack([np.cos(around), np.sin(around)], 1).astype(np.float32)
+            corners /= np.abs(corners).max(0)
+        unit = _dense(corners + rng.choice([0.0, 0.03]) * rng.normal(0, 1, corners.shape).astype(np.float32))
+    if rng.random() < 0.3:
+        sides = sides * np.where(rng.permutation(2) > 0, 1, rng.uniform(0.45, 0.95))
     outline = (0.5 + 0.5 * unit * sides).astype(np.float32)
-    return _shape("doodle/sheet", [(outline, True)], [], [], [], False, False, [])
+    inside = _figures(rng, outline, rings=round_) if rng.random() < 0.8 else []
+    return _shape("doodle/sheet", [(outline, True)], inside, [], [], False, False, [])
+
+
+def _figures(rng: Rng, outline: Points, rings: bool) -> list[Points]:
+    """Return plain closed figures inside an outline: discs, stars, polygons.
+
+    Args:
+        rng: a source of chance.
+        outline: (P, 2), convex or nearly so.
+        rings: whether a disc in its middle would make it a ring.
+    """
+    middle, room = outline.mean(0), np.ptp(outline, axis=0) / 2
+    least = float(room.min())
+    figures: list[Points] = []
+    placed: list[tuple[NDArray[np.floating], float]] = []
+    count = 1 if rng.random() < 0.6 else int(rng.integers(2, 7))
+    for _ in range(count):
+        radius = least * (rng.uniform(0.15, 0.65) if count == 1 else rng.uniform(0.08, 0.3))
+        centre = middle + rng.uniform(-1, 1, 2) * np.maximum(0.72 * room - radius, 0) * rng.choice(
+            [0, 0.4, 1]
+        )
+        if any(np.hypot(*(centre - other)) < 1.3 * (radius + size) for other, size in placed):
+            continue
+        placed.append((centre, radius))
+        n = int(rng.choice([3, 4, 5, 6, 60], p=[0.12, 0.13, 0.25, 0.1, 0.4]))
+        if rings and n == 60 and radius > 0.2 * least:
+            n = 5
+        pointed = n < 60 and rng.random() < (0.8 if n >= 5 else 0.3)
+        t = np.arange(2 * n) * np.pi / n - np.pi / 2 + (0 if rng.random() < 0.6 else rng.uniform(0, 6.28))
+        reach = np.where(np.arange(2 * n) % 2, rng.uniform(0.35, 0.6) if pointed else np.cos(np.pi / n), 1)
+        flat = 1.0 if rng.random() < 0.7 else rng.uniform(0.5, 1)
+        figure = centre + radius * np.stack([reach * np.cos(t), flat * reach * np.sin(t)], 1)
+        figures.append(_closed(figure.astype(np.float32)))
+    return figures
 
 
 class _Doodle:
@@ -189,7 +235,7 @@ class _Doodle:
     ) -> Points:
         rng = self.rng
         power = float(rng.choice([1.0, 1.0, 1.0, 0.7, 0.45])) if squareness is None else squareness
-        t = np.linspace(0, 2 * np.pi, 72, endpoint=False) + rng.uniform(0, 6.28)
+        t = np.linspace(0, 2 * np.pi, _ROUND, endpoint=False) + rng.uniform(0, 6.28)
         c, s = np.cos(t), np.sin(t)
         x, y = np.sign(c) * np.abs(c) ** power, np.sign(s) * np.abs(s) ** power
         wobble = float(rng.choice([0, 0.02, 0.06, 0.12])) if wobble is None else wobble
@@ -493,10 +539,11 @@ class _Doodle:
     def _strokes(self) -> None:
         """Strokes that are the object by themselves: flourishes, birds far away, waves, letters by brush."""
         rng = self.rng
-        if rng.random() < 0.5:  # birds
-            for _ in range(rng.integers(2, 10)):
-                x, y = rng.uniform(0.15, 0.85, 2)
-                r = rng.uniform(0.04, 0.14)
+        if rng.random() < 0.6:  # birds
+            largest = rng.uniform(0.06, 0.25)
+            for _ in range(rng.integers(2, 10) if rng.random() < 0.4 else rng.integers(10, 40)):
+                x, y = rng.uniform(0.05, 0.95, 2)
+                r = largest * rng.uniform(0.2, 1)
                 for side in (-1, 1):
                     wing = np.array([[x, y], [x + side * r * 0.5, y - r * 0.6], [x + side * r, y - r * 0.1]])
                     self.bare.append(_curve(wing + rng.normal(0, 0.1 * r, wing.shape)))
@@ -598,6 +645,9 @@ class _Doodle:
             r = 0.3 * (1 + (rng.normal(0, 0.15, n) if rng.random() < 0.5 else 0))
             outline = _dense(np.stack([0.5 + r * np.cos(t), 0.5 + r * np.sin(t)], 1).astype(np.float32))
         self.parts.append((outline, True))
+        if rng.random() < 0.3:
+            self.details += _figures(rng, outline, rings=len(outline) == _ROUND)
+            return
         for _ in range(rng.integers(1, 6) if rng.random() < 0.4 else 0):
             cx, cy = 0.5 + 0.1 * rng.uniform(-1, 1, 2)
             rx, ry = rng.uniform(0.01, 0.09, 2)
