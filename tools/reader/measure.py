@@ -5,7 +5,8 @@ measure.py [FOLDER…] [--pages VIEWS] [--holes] [--sheet OUT.png]
 A drawing NAME.png of a FOLDER is compared with NAME_mask.png, if that is there: as it is, and grown by 3
 pixels, as masks drawn by hand lie a little outside of the lines. --pages makes pages of meshes
 that the reader was not trained on, eight of each kind, and takes such clip art as it was drawn and by its
-lines alone. --holes draws eight things with holes through them, and 128 plain shapes without any.
+lines alone, and counts how often the opacity of objects is told from that of lines. --holes draws eight
+things with holes through them, 128 plain shapes without any, and 64 cards with a figure in them.
 """
 
 import argparse
@@ -15,6 +16,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+from grounds import plane
 from numpy.typing import NDArray
 from pages import KINDS, page
 from pierced import drawings
@@ -22,6 +24,7 @@ from shapes import Shape, Views, darkness
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
+from normalgan.inference.cleaning.silhouette import is_silhouette
 from normalgan.inference.mask.masks import OUTLINE
 from normalgan.inference.preparation import prepare
 from normalgan.inference.reading.picture import Picture, read_picture
@@ -30,6 +33,10 @@ SIDE = 190
 SOURCES = {"lines": OUTLINE, "reader": None}
 """What decides on the object, by the name in the tables."""
 PAGES, PAGE = 8, (400, 400)
+MARGINS = 0.02, 0.05, 0.1, 0.2
+"""Shares of the side between a card and the edge."""
+ROUND = 60
+"""Corners of a disc."""
 GROWN = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (7, 7))
 
 
@@ -84,6 +91,38 @@ def measure_pages(views: Path, measured: Measured) -> None:
         means.append(np.mean(scores, 0))
         _say_row(kind, means[-1])
     _say_row("mean", np.mean(means, 0))
+    measure_opacity(shapes)
+
+
+def measure_opacity(shapes: list[Shape], count: int = 40, side: int = 400) -> None:
+    """Print how often opacity is rightly taken for an object, and rightly for lines alone."""
+    rng = np.random.default_rng(71)
+    right: dict[str, list[bool]] = {}
+    for number in rng.permutation(len(shapes))[:count]:
+        shape = shapes[number]
+        body = np.max([plane(group, side, None) for group in shape.contours], axis=0)[..., 0]
+        ink, pen = (plane(shape.strokes, side, width)[..., 0] for width in (3, int(rng.integers(1, 9))))
+        outlined, dark = np.maximum(body, ink), rng.uniform(0, 0.35, 3)
+        lower = body.copy()
+        lower[: int(np.quantile(np.nonzero(body > 0.5)[0], rng.uniform(0.3, 0.7)))] = 0
+        depth = cv2.distanceTransform((body > 0.5).astype(np.uint8), cv2.DIST_L2, 5)
+        y, x = np.unravel_index(int(depth.argmax()), depth.shape)
+        opened = body.copy()
+        cv2.circle(opened, (int(x), int(y)), round(0.6 * float(depth.max())), (0,), -1)
+        for kind, paint, alpha, is_object in (
+            ("flat black", 0.0, body, True),
+            ("flat dark", dark, body, True),
+            ("flat", rng.uniform(0.2, 0.8, 3), body, True),
+            ("outlined, dark", dark * (1 - ink[..., None]), outlined, True),
+            ("black, pierced", 0.0, opened, True),
+            ("lines", rng.choice([0.0, 0.5]), pen, False),
+            ("half black", 0.0, np.maximum(lower, ink), False),
+        ):
+            colour = np.ascontiguousarray(np.broadcast_to(np.float32(paint), (side, side, 3)))
+            found = is_silhouette(Picture(colour, alpha))
+            right.setdefault(kind, []).append(found == is_object)
+    for kind, each in right.items():
+        print(f"opacity: {kind:16} right {np.mean(each):.3f} of {len(each)}")
 
 
 def measure_clipart(shapes: list[Shape], measured: Measured) -> None:
@@ -142,6 +181,35 @@ def measure_plain(measured: Measured) -> None:
             wrong[source] += iou(mask, solid > 0) < 0.9
         count += 1
     print("plain shapes wrong:", " ".join(f"{name} {number} of {count}" for name, number in wrong.items()))
+
+
+def measure_cards(measured: Measured) -> None:
+    """Print how many cards with a figure are not solid: taken for frames, or the figure for a hole."""
+    side, wrong, count = 400, dict.fromkeys(SOURCES, 0), 0
+    sheets, figures = ((4, 1.0), (4, 0.75), (ROUND, 1.0)), ((ROUND, 1.0), (4, 1.0), (10, 0.45))
+    for (corners, flat), (points, inner), away, width in product(sheets, figures, MARGINS, (1, 4)):
+        if corners == points == ROUND:  # it may be a ring
+            continue
+        paper, solid = np.ones((side, side), np.float32), np.zeros((side, side), np.uint8)
+        reach = (0.5 - away) * side
+        card = _figure(side / 2, reach * (2**0.5 if corners == 4 else 1), corners, np.pi / corners, 1.0)
+        card[:, 1] = side / 2 + (card[:, 1] - side / 2) * flat
+        figure = _figure(0.53 * side, 0.4 * flat * reach, points, -np.pi / 2, inner)
+        cv2.polylines(paper, [card, figure], True, (0,), width)
+        cv2.fillPoly(solid, [card], (1,))
+        cv2.polylines(solid, [card], True, (1,), width)
+        for source, mask in measured.masks(Picture(np.repeat(paper[..., None], 3, 2), None)).items():
+            wrong[source] += iou(mask, solid > 0) < 0.9
+        count += 1
+    print("cards wrong:", " ".join(f"{name} {number} of {count}" for name, number in wrong.items()))
+
+
+def _figure(middle: float, radius: float, points: int, turn: float, inner: float) -> NDArray[np.int32]:
+    """Return a polygon, or a star whose every second point lies nearer to the middle, (P, 2)."""
+    around = np.linspace(0, 2 * np.pi, points, endpoint=False) + turn
+    away = radius * np.where(np.arange(points) % 2, inner, 1)
+    path = middle + away[:, None] * np.stack([np.cos(around), np.sin(around)], 1)
+    return np.asarray(np.rint(path), np.int32)
 
 
 def measure_folder(folder: Path, measured: Measured) -> list[NDArray[np.uint8]]:
@@ -211,6 +279,7 @@ def main() -> None:
     if given.holes:
         measure_holes(measured)
         measure_plain(measured)
+        measure_cards(measured)
     cells = [cell for folder in given.folders for cell in measure_folder(folder, measured)]
     measured.say()
     if given.sheet and cells:
