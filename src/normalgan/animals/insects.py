@@ -8,7 +8,8 @@ from numpy.typing import ArrayLike
 
 from normalgan.animals.frames import Frame, hinge, pitch, ray, roll, yaw
 from normalgan.animals.parts import Part, Ripple, ball, both, by, carried, fuse, in_space, on_side, pair, tube
-from normalgan.animals.plan import BodyPlan, Form, Rng, Span, around
+from normalgan.animals.plan import BodyPlan, Form, Rng, around
+from normalgan.animals.records import Span
 from normalgan.animals.shapes import Plate, Shape, Sweep
 from normalgan.arrays import Doubles
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from normalgan.animals.frames import Frame, unit
+from normalgan.animals.records import Number
 from normalgan.animals.shapes import Box, Cut, Ellipsoid, Ring, Shape, Sweep
 from normalgan.arrays import Doubles
 
@@ -38,8 +39,8 @@ class Ripple(NamedTuple):
         wavelength: about the distance from one to the next.
     """
 
-    height: float
-    wavelength: float
+    height: Number
+    wavelength: Number
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ from starlette.responses import FileResponse, HTMLResponse, JSONResponse, Respon
 from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
 
-from normalgan.errors import InputError
+from normalgan.errors import InputError, sentence_of
 from normalgan.inference import structures
 from normalgan.inference.outputs.lighting import CLAY_FILE
 from normalgan.studio.bodies import MOST_BYTES, check_type, read_body
@@ -32,7 +32,7 @@ from normalgan.studio.pictures import import_layers, import_picture
 from normalgan.studio.prediction_routes import PredictionRoutes
 from normalgan.studio.predictor import Predictor
 from normalgan.studio.responses import ResponseMiddleware, failed, refused
-from normalgan.studio.schemas import ImportQuery, sentence_of
+from normalgan.studio.schemas import ImportQuery
 from normalgan.version import __version__
 
 __all__ = ["PAGE", "build_app"]

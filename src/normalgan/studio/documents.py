@@ -4,8 +4,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from normalgan.errors import InputError
-from normalgan.studio.schemas import Schema, Side, parse_object, sentence_of
+from normalgan.errors import InputError, sentence_of
+from normalgan.studio.schemas import Schema, Side, parse_object
 
 __all__ = ["FORMAT", "VERSION", "check_document"]
 

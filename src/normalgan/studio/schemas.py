@@ -1,6 +1,5 @@
 """Schemas: what the page sends, as pydantic checks it; fields that nobody knows are ignored."""
 
-import json
 import math
 from collections.abc import Sequence
 from typing import Annotated, Any, Literal, Self, TypeVar
@@ -10,7 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from pydantic_core import from_json
 
 from normalgan.arrays import Floats
-from normalgan.errors import InputError
+from normalgan.errors import InputError, sentence_of
 from normalgan.inference.edits import MaskStroke
 from normalgan.inference.forms import Form
 from normalgan.inference.structures import Kind, Placement
@@ -49,7 +48,6 @@ __all__ = [
     "SuggestFields",
     "parse",
     "parse_object",
-    "sentence_of",
 ]
 
 _FARTHEST = 1e6
@@ -348,28 +346,7 @@ def parse_object(content: bytes) -> dict[str, Any]:
     return fields
 
 
-def sentence_of(error: ValidationError) -> str:
-    """Return what is wrong first, as one sentence."""
-    first = error.errors(include_url=False)[0]
-    where = "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in first["loc"])[1:]
-    match first["type"]:
-        case "json_invalid":
-            return f"the request is not JSON: {first['ctx']['error']}."
-        case "missing":
-            return f"{where} is missing."
-        case "value_error":
-            return f"{where}{': ' if where else ''}{first['ctx']['error']}."
-    # "Input should be …", "Tuple should have at most 9 items after validation, not 10".
-    _, should, accepted = first["msg"].replace(" after validation", "").partition(" should ")
-    return f"{where or 'the request'} is {_shown(first['input'])}; it{should}{accepted}."
-
-
 def _pairs(points: Sequence[float]) -> Floats:
     """Return points (K, 2), none of them far off the drawing."""
     pairs = np.array(points, np.float32).reshape(-1, 2)
     return np.clip(pairs, -MOST_SIDE, 2 * MOST_SIDE)
-
-
-def _shown(value: Any) -> str:
-    text = json.dumps(value, ensure_ascii=False, default=repr)
-    return text if len(text) <= 40 else f"{text[:37]}…"
