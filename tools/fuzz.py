@@ -258,7 +258,7 @@ def configuration() -> Read:
     """Files in YAML: a configuration, a plan."""
     with instrumented():
         import normalgan.benchmark.plan
-        import normalgan.cli.config_files  # noqa: F401
+        import normalgan.cli.parsing.config_files  # noqa: F401
     return lambda data: read_as(data, "file.yaml", "configuration", "plan")
 
 

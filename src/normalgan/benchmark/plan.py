@@ -9,9 +9,9 @@ from typing import Any, Literal, TypeVar
 
 import yaml
 
-from normalgan.cli.config_files import check_config
-from normalgan.cli.light_parser import LightParser
-from normalgan.cli.parser_errors import refusal
+from normalgan.cli.parsing.config_files import check_config
+from normalgan.cli.parsing.errors import refusal
+from normalgan.cli.parsing.light_parser import LightParser
 from normalgan.errors import InputError
 from normalgan.files.shipped_configs import find_config
 from normalgan.ranges import Count, NonNegative, PositiveInt, check_ranges

@@ -8,7 +8,7 @@ from jsonargparse import Namespace
 from platformdirs import user_data_path
 
 from normalgan import decoding
-from normalgan.cli.light_parser import LightParser
+from normalgan.cli.parsing.light_parser import LightParser
 from normalgan.inference.network.onnx_backend import find_model
 from normalgan.inference.outputs import OUTPUTS
 from normalgan.studio.app import build_app

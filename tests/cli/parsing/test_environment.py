@@ -6,7 +6,7 @@ import pytest
 import yaml
 from command import run
 
-from normalgan.cli.config_files import load_bounded, with_environment
+from normalgan.cli.parsing.config_files import load_bounded, with_environment
 from normalgan.errors import InputError
 
 

@@ -8,7 +8,7 @@ from typing import Any, Literal, NamedTuple, get_type_hints
 from docstring_parser import DocstringStyle, parse
 from jsonargparse import ArgumentParser
 
-from normalgan.cli.light_parser import choices
+from normalgan.cli.parsing.light_parser import choices
 from normalgan.errors import InputError
 from normalgan.inference.normal_map import Format
 from normalgan.inference.outputs import OUTPUTS, Normal, Output

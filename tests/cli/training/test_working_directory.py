@@ -64,7 +64,7 @@ def test_inference_does_not_need_the_hint_sampler(folder: Path, sampler: dict[st
     done = run("export", "m.ckpt", "-o", "m.safetensors")
     assert done.code == 0, done.err
     assert normalgan.load("m.safetensors").backend.size == 32
-    drawing = Path(__file__).parents[2] / "examples" / "sketches" / "fox.png"
+    drawing = Path(__file__).parents[3] / "examples" / "sketches" / "fox.png"
     more = ("--trainer.accelerator", "cpu", "--trainer.enable_progress_bar", "false")
     for model in ("m.ckpt", "m.safetensors") if "class_path" in sampler else ["m.ckpt"]:
         given = (

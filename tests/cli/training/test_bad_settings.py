@@ -4,6 +4,10 @@ from pathlib import Path
 import pytest
 import yaml
 from command import CONF, Bench, left_in, run
+from lightning.pytorch.tuner.tuning import Tuner
+
+from normalgan.errors import InputError
+from small import QUIET, data, gan, trainer
 
 PLUGINS = {
     "model.generator": ("UnetGenerator", "Generator", "UNetGenerator"),
@@ -136,3 +140,9 @@ def test_settings_with_a_default_are_not_required(bench: Bench, tmp_path: Path) 
 def test_a_logger_that_is_not_installed_is_named_with_the_reason(bench: Bench, tmp_path: Path) -> None:
     outcome = bench.run("fit", tmp_path / "run", "--trainer.logger", "WandbLogger")
     outcome.refused("WandbLogger: ", "'wandb")
+
+
+@pytest.mark.filterwarnings(*QUIET)
+def test_the_tuner_of_lightning_is_refused(meshes: Path, cache: Path, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="LearningRateFinder cannot be used"):
+        Tuner(trainer(tmp_path)).lr_find(gan(), data(meshes, cache))

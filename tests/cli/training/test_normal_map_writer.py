@@ -7,7 +7,7 @@ import torch
 from PIL import Image, ImageDraw
 from torch import Tensor
 
-from normalgan.cli.normal_map_writer import NormalMapWriter
+from normalgan.cli.training.normal_map_writer import NormalMapWriter
 from normalgan.data.settings import Prediction
 from normalgan.errors import InputError, RunError
 from normalgan.gan import NormalGAN

@@ -8,8 +8,8 @@ from pathlib import Path
 from jsonargparse import Namespace
 
 from normalgan import decoding
-from normalgan.cli.generate_batch import DrawingBatch, Found
-from normalgan.cli.generate_parser import as_shell_means, build_parser, engine_of
+from normalgan.cli.generate.batch import DrawingBatch, Found
+from normalgan.cli.generate.options import as_shell_means, build_parser, engine_of
 from normalgan.errors import InputError, tell
 from normalgan.inference.composites.packing import Packing
 from normalgan.inference.jobs.clashes import without_clashes, without_twins

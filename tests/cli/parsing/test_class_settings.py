@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from normalgan.__main__ import main
-from normalgan.cli.class_settings import OwnDefaultsParser
+from normalgan.cli.parsing.light_parser import OwnDefaultsParser
 from normalgan.cli.sketch import build_parser
 from normalgan.rendering.lines import LineDrawing
 from normalgan.rendering.strokes.stroke import Stroke

@@ -6,9 +6,9 @@ from typing import Literal
 
 from jsonargparse.typing import ClosedUnitInterval
 
-from normalgan.cli.light_parser import LightParser, choices
-from normalgan.cli.number_types import Side, Strength
-from normalgan.cli.output_options import add_output_options
+from normalgan.cli.parsing.light_parser import LightParser, choices
+from normalgan.cli.parsing.number_types import Side, Strength
+from normalgan.cli.parsing.output_options import add_output_options
 from normalgan.inference.network.tile import Tile
 from normalgan.inference.outputs import OUTPUTS
 from normalgan.inference.outputs.engines import CONVENTIONS, Engine

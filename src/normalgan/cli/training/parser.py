@@ -9,13 +9,12 @@ from typing import Any, NoReturn
 
 from lightning.pytorch.cli import LightningArgumentParser
 
-from normalgan.cli.class_settings import OwnDefaultsParser
 from normalgan.cli.discovery import SETTINGS, described, namable
-from normalgan.cli.parser_errors import explain
+from normalgan.cli.parsing.errors import explain
+from normalgan.cli.parsing.light_parser import OwnDefaultsParser
 from normalgan.errors import InputError, did_you_mean
-from normalgan.files.shipped_configs import find_config
 
-__all__ = ["Parser", "help_of", "with_shipped_configs"]
+__all__ = ["Parser", "help_of"]
 
 _section: ContextVar[str | None] = ContextVar("_section", default=None)
 
@@ -80,27 +79,3 @@ class Parser(OwnDefaultsParser, LightningArgumentParser):
     def _settings(self) -> list[str]:
         commands = [c for a in self._actions if isinstance(a.choices, dict) for c in a.choices.values()]
         return [action.dest for parser in (self, *commands) for action in parser._actions]
-
-
-def with_shipped_configs(arguments: list[str]) -> tuple[list[str], list[str]]:
-    """Return the arguments with each configuration as one ``--config=PATH``, and the paths.
-
-    Args:
-        arguments: a command's arguments; ``--config`` may be spelled in any way, and name one of the
-            package.
-
-    >>> given = ["fit", "-c", "a.yaml", "--config=b.yaml", "-cc.yaml", "--data.size", "64"]
-    >>> with_shipped_configs(given)[0]
-    ['fit', '--config=a.yaml', '--config=b.yaml', '--config=c.yaml', '--data.size', '64']
-    """
-    replaced, found = [], []
-    words = iter(arguments)
-    for word in words:
-        joined = re.fullmatch(r"(?:--config=|-c(?!$))(.+)", word)
-        given = joined[1] if joined else next(words, None) if word in {"-c", "--config"} else None
-        if given is None:
-            replaced.append(word)
-            continue
-        found.append(find_config(given))
-        replaced.append(f"--config={found[-1]}")
-    return replaced, found

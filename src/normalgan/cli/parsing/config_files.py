@@ -10,9 +10,9 @@ import yaml
 
 from normalgan.errors import InputError, did_you_mean
 from normalgan.files.limits import MOST_SETTINGS, load_yaml, read_named, yaml_limit_error
-from normalgan.files.shipped_configs import shipped_folder, shipped_names
+from normalgan.files.shipped_configs import find_config, shipped_folder, shipped_names
 
-__all__ = ["check_config", "load_bounded", "with_environment"]
+__all__ = ["check_config", "load_bounded", "with_environment", "with_shipped_configs"]
 
 _VARIABLE = re.compile(r"\$\{([^{}]*)\}")
 
@@ -79,6 +79,30 @@ def with_environment(value: Any, safe: bool = False) -> Any:
     if isinstance(value, list):
         return [with_environment(item, safe) for item in value]
     return _VARIABLE.sub(lambda found: _variable(found, safe), value) if isinstance(value, str) else value
+
+
+def with_shipped_configs(arguments: list[str]) -> tuple[list[str], list[str]]:
+    """Return the arguments with each configuration as one ``--config=PATH``, and the paths.
+
+    Args:
+        arguments: a command's arguments; ``--config`` may be spelled in any way, and name one of the
+            package.
+
+    >>> given = ["fit", "-c", "a.yaml", "--config=b.yaml", "-cc.yaml", "--data.size", "64"]
+    >>> with_shipped_configs(given)[0]
+    ['fit', '--config=a.yaml', '--config=b.yaml', '--config=c.yaml', '--data.size', '64']
+    """
+    replaced, found = [], []
+    words = iter(arguments)
+    for word in words:
+        joined = re.fullmatch(r"(?:--config=|-c(?!$))(.+)", word)
+        given = joined[1] if joined else next(words, None) if word in {"-c", "--config"} else None
+        if given is None:
+            replaced.append(word)
+            continue
+        found.append(find_config(given))
+        replaced.append(f"--config={found[-1]}")
+    return replaced, found
 
 
 def _variable(found: re.Match[str], safe: bool) -> str:

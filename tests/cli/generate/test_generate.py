@@ -226,7 +226,7 @@ def test_a_full_disk_leaves_nothing_half_written(
 
 def test_it_loads_neither_torch_nor_what_only_others_need() -> None:
     code = (
-        "import sys, normalgan.cli.generate; "
+        "import sys, normalgan.cli.generate.command; "
         "heavy = {'torch', 'lightning', 'kornia', 'trimesh', 'skimage', 'matplotlib'}; "
         "sys.exit(bool(heavy & set(sys.modules)))"
     )

@@ -25,24 +25,37 @@ from lightning.pytorch.cli import LightningArgumentParser, LightningCLI
 from lightning.pytorch.utilities import rank_zero_only
 from lightning.pytorch.utilities.exceptions import SIGTERMException
 
-from normalgan.callbacks import StoppedCheckpoint, TestReport
+from normalgan.callbacks import PictureLogger, StoppedCheckpoint, TestReport
 from normalgan.callbacks.checkpoints import (
     LastCheckpoint,
     check_others,
     check_unused,
     checkpoint_folder,
+    run_folder,
 )
 from normalgan.callbacks.display import NetworkSummary, WideProgressBar
-from normalgan.cli.config_files import check_config, load_bounded, with_environment
 from normalgan.cli.discovery import load_plugins
-from normalgan.cli.normal_map_writer import NormalMapWriter
-from normalgan.cli.parser import Parser, help_of, with_shipped_configs
-from normalgan.cli.parser_errors import refusal
-from normalgan.cli.safe_config import SAFE_CONFIG, allow_known_classes_only, check_outputs
-from normalgan.cli.saved_model import SavedModel, announce, find_model, ignored_settings, read_saved_model
-from normalgan.cli.trainer import RenderingTrainer, SaveConfig, check_trainer
-from normalgan.cli.training_help import SECTIONS, asked_for
-from normalgan.cli.training_settings import add_settings
+from normalgan.cli.parsing.config_files import (
+    check_config,
+    load_bounded,
+    with_environment,
+    with_shipped_configs,
+)
+from normalgan.cli.parsing.errors import refusal
+from normalgan.cli.parsing.number_types import Strength
+from normalgan.cli.parsing.output_options import add_output_options
+from normalgan.cli.training.help import SECTIONS, asked_for
+from normalgan.cli.training.normal_map_writer import NormalMapWriter
+from normalgan.cli.training.parser import Parser, help_of
+from normalgan.cli.training.safe_config import SAFE_CONFIG, allow_known_classes_only, check_outputs
+from normalgan.cli.training.saved_model import (
+    SavedModel,
+    announce,
+    find_model,
+    ignored_settings,
+    read_saved_model,
+)
+from normalgan.cli.training.trainer import RenderingTrainer, SaveConfig, check_trainer
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, brief
 from normalgan.files.run_lock import check_writable, one_run_in
@@ -51,6 +64,27 @@ from normalgan.inference.outputs.outputs import outputs_of
 from normalgan.warning_filters import filter_warnings
 
 __all__ = ["NormalGANCLI", "resolved_settings", "run", "training_parser"]
+
+_OPTIMIZER = {"class_path": "torch.optim.RMSprop", "init_args": {"lr": 5e-5, "alpha": 0.9}}
+_DEFAULTS = {
+    "model.generator": {"class_path": "normalgan.models.UNetGenerator"},
+    "model.discriminator": {"class_path": "normalgan.models.UNetDiscriminator"},
+    "model.hint_sampler": {"class_path": "normalgan.hints.CurvatureHints"},
+    "model.objective": {"class_path": "normalgan.losses.Wasserstein"},
+    "model.reconstruction": {"class_path": "normalgan.losses.L1AndHints"},
+    # Named, so that an overlay or a single option can change one of their settings.
+    "model.generator_optimizer": _OPTIMIZER,
+    "model.discriminator_optimizer": _OPTIMIZER,
+    "trainer.logger": {
+        "class_path": "lightning.pytorch.loggers.TensorBoardLogger",
+        "init_args": {"save_dir": "runs", "name": "", "version": "", "default_hp_metric": False},
+    },
+    "trainer.plugins": {"class_path": "normalgan.callbacks.checkpoints.AtomicCheckpointIO"},
+    "checkpoint.monitor": "val/hints/angular_mean",
+    "checkpoint.filename": "{epoch:03d}-{val/hints/angular_mean:.2f}",
+    "checkpoint.auto_insert_metric_name": False,
+    "checkpoint.enable_version_counter": False,
+}
 
 
 class NormalGANCLI(LightningCLI):
@@ -125,7 +159,7 @@ class NormalGANCLI(LightningCLI):
         """Add our settings and the command's options."""
         # Else 120 lines stand before any help.
         parser.usage = f"%(prog)s [--config FILE]... [{SAFE_CONFIG}] [--SETTING VALUE]..."
-        add_settings(parser)
+        _add_settings(parser)
         # What the data module provides is not an option.
         provided: set[str | int] = {"train_dataloaders", "val_dataloaders", "dataloaders"}
         skip = {"model", "datamodule", *provided}
@@ -298,6 +332,31 @@ def _check_groups(parser: LightningArgumentParser, config: Namespace) -> None:
         if isinstance(value := config.get(group), str | int | float | list):
             inside = next(name for name in names if name.startswith(f"{group}."))
             raise InputError(f"{group} is a group of settings, such as {inside}, not {value}.")
+
+
+def _add_settings(parser: LightningArgumentParser) -> None:
+    """Add settings and defaults to a parser that has those of model, data and trainer.
+
+    Folders follow from the run's folder, and the size of the networks from that of the pictures.
+    """
+    parser.add_lightning_class_args(ModelCheckpoint, "checkpoint")
+    parser.add_lightning_class_args(PictureLogger, "pictures")
+    parser.add_lightning_class_args(TestReport, "report")
+    group = parser.add_argument_group("What predict writes for each drawing")
+    group.add_argument("--output.folder", type=str, default="normals", help="where the maps go")
+    group.add_argument(
+        "--output.strength", type=Strength, default=1.0, help="what the slopes of the map are multiplied by"
+    )
+    add_output_options(parser, group, "output.")
+    parser.set_defaults(_DEFAULTS)
+    for action in parser._actions:
+        if action.dest in _DEFAULTS:
+            action.required = False  # it has a default here, if not in Python
+    root = "trainer.default_root_dir"
+    parser.link_arguments(root, "trainer.logger.init_args.save_dir", compute_fn=run_folder)
+    parser.link_arguments(root, "checkpoint.dirpath", compute_fn=checkpoint_folder)
+    for network in ("generator", "discriminator"):
+        parser.link_arguments("data.size", f"model.{network}.init_args.size")
 
 
 class _ParserBuiltError(Exception):

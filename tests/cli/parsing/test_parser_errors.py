@@ -1,6 +1,6 @@
 import pytest
 
-from normalgan.cli.parser_errors import explain
+from normalgan.cli.parsing.errors import explain
 from normalgan.rendering.lines import LINE_DRAWINGS
 
 LINES = {"styles": LINE_DRAWINGS}
