@@ -17,7 +17,7 @@ from pathlib import Path
 
 from mkdocs.config.defaults import MkDocsConfig
 
-from normalgan.inference import structures
+from normalgan.inference import edits, structures
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.studio.exports import with_export_menu
 from normalgan.studio.limits import with_limits
@@ -35,6 +35,8 @@ CACHE = ROOT / "build" / "npm"
 RUNTIME = ("ort.wasm.min.mjs", "ort-wasm-simd-threaded.mjs")
 BINARY = "ort-wasm-simd-threaded.wasm"
 """Goes into the site packed, as not every host packs what it sends: 4 MB of 14. The worker unpacks it."""
+EDITS = "edit_defaults.js"
+"""The constants of `normalgan.inference.edits`, which hold.js applies as the server does."""
 SERVICE_WORKER = "service_worker.js"
 FOLDER = "draw"
 _ABOUT = (
@@ -111,6 +113,8 @@ def build(folder: Path, runtime: bytes) -> None:
         shutil.copy(path, page)
     for kind in structures.KINDS:
         (page / structures.FILE.format(kind)).write_bytes(structures.tile_bytes(kind))
+    constants = [f"export const {name} = {value};\n" for name, value in vars(edits).items() if name.isupper()]
+    (page / EDITS).write_text("".join(constants), encoding="utf-8")
     # A browser's runtime does not read the line widths.
     notes = {"line_widths": OnnxBackend(MODELS[0]).line_widths, "structures": structures.KINDS}
     (page / "model.json").write_text(json.dumps(notes) + "\n", encoding="utf-8")

@@ -18,7 +18,9 @@ from pydantic_core import to_json
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
 from normalgan.inference.edits import (
+    INKED,
     REACH,
+    SOFT,
     brush,
     carve,
     enforce_pins,
@@ -38,10 +40,6 @@ from normalgan.studio.schemas import Area, DrawingFields, HintFields, MaskStroke
 
 __all__ = ["DrawingRequest", "check_sides", "read_png", "to_hints", "to_picture"]
 
-_SOFT = 0.01
-"""Width of the edge of an area that does not fade out, as a share of the map's longer side."""
-_INKED = 0.35
-"""How dark a line is at least that parts one area from another."""
 _PNG = b"\x89PNG\r\n\x1a\n"
 
 
@@ -145,7 +143,7 @@ class DrawingRequest:
         if not self.mask_strokes:
             return None
         dark = 1 - picture.colour.min(-1)
-        inked = (dark if picture.alpha is None else dark * picture.alpha) > _INKED
+        inked = (dark if picture.alpha is None else dark * picture.alpha) > INKED
         return paint_mask(inked, (each.stroke for each in self.mask_strokes))
 
     def edit(self, normals: Floats, mask: BoolMask, shape: tuple[int, int]) -> Floats:
@@ -235,7 +233,7 @@ def _cover(area: Area, mask: BoolMask, scale: float) -> Floats:
     size, points = (mask.shape[0], mask.shape[1]), area.line(scale)
     if area.size is not None:
         return np.float32(area.strength) * stroke(size, points, area.size * scale, area.fade)
-    cover = polygon(size, points, _SOFT * max(size))
+    cover = polygon(size, points, SOFT * max(size))
     return feather(cover, area.fade) if area.fade else cover
 
 

@@ -10,7 +10,7 @@ from pydantic_core import from_json
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError, sentence_of
-from normalgan.inference.edits import MaskStroke
+from normalgan.inference.edits import BRUSH_FADES, FADES, MaskStroke
 from normalgan.inference.forms import Form
 from normalgan.inference.structures import Kind, Placement
 from normalgan.normals import LEAST_Z
@@ -52,10 +52,6 @@ __all__ = [
 
 _FARTHEST = 1e6
 """Pixels, or radians, of where a structure's tiles begin: none is seen farther off."""
-_FADES = 0.5
-"""The share of its depth in which an area without a form fades out, unless it says how far."""
-_BRUSH_FADES = 0.6
-"""The share of its radius in which a stroke of the brush fades out, unless it says how far."""
 
 
 class Schema(BaseModel):
@@ -162,7 +158,7 @@ class Area(Schema):
         """The share of its depth, or of the brush's radius, in which it fades out."""
         if self.soft is not None:
             return self.soft
-        return _BRUSH_FADES if self.size is not None else _FADES if self.form is None else 0
+        return BRUSH_FADES if self.size is not None else FADES if self.form is None else 0
 
     @property
     def direction(self) -> Floats:
