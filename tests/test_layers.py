@@ -14,7 +14,7 @@ SOURCE = Path(__file__).parents[1] / "src" / "normalgan"
 RINGS = {
     "the ground": (
         {"errors", "batch", "arrays", "vectors", "version"},
-        {"files", "registry", "line_widths", "contracts", "ranges", "graphs"},
+        {"files", "registry", "line_widths", "contracts", "ranges", "records", "graphs"},
         {"normals", "commit", "seeds", "progress", "decoding", "warning_filters"},
     ),
     "the method": (

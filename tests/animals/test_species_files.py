@@ -11,8 +11,8 @@ import pytest
 from normalgan.animals import GROUPS, SPECIES, read_species
 from normalgan.animals.meshing import to_mesh
 from normalgan.animals.quadrupeds import Quadruped
-from normalgan.animals.records import FOLDER, SHARED
 from normalgan.animals.species import PLANS
+from normalgan.animals.tables import FOLDER, SHARED
 from normalgan.errors import InputError
 
 HORSE = (FOLDER / "quadrupeds" / "horse.toml").read_text(encoding="utf-8")

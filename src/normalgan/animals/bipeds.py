@@ -12,8 +12,8 @@ from normalgan.animals.bipeds_heads import robot as robot_head
 from normalgan.animals.frames import Frame, bend, pitch, roll, spanned, unit, yaw
 from normalgan.animals.parts import Part, Ripple, ball, block, both, carried, fuse, on_side, tube
 from normalgan.animals.plan import PosedPlan, Rng, around
-from normalgan.animals.records import Bone, Kinds, Number, Record
 from normalgan.animals.shapes import Shape, Sweep
+from normalgan.animals.tables import Bone, Kinds, Number, Table
 from normalgan.arrays import Doubles
 from normalgan.ranges import OneOf, Range
 
@@ -23,7 +23,7 @@ _FLAT_HAND = 0.17  # half thickness of a palm, in lengths of the hand
 
 
 @dataclass(frozen=True)
-class Girth(Record):
+class Girth(Table):
     """A section of the trunk.
 
     Args:
@@ -36,7 +36,7 @@ class Girth(Record):
 
 
 @dataclass(frozen=True)
-class Measures(Record):
+class Measures(Table):
     """Sizes of a body, in units of an adult's height.
 
     Args:
@@ -266,7 +266,7 @@ def _arm_bones(measures: Measures, arm: _Arm) -> _Limb:
 
 
 @dataclass(frozen=True)
-class Flesh(Record):
+class Flesh(Table):
     """Makes an animal of a skeleton.
 
     Args:
@@ -311,7 +311,7 @@ class Flesh(Record):
 
 
 @dataclass(frozen=True)
-class Robot(Record):
+class Robot(Table):
     """Builds a robot of boxes, balls and pipes around a skeleton."""
 
     def parts(self, measures: Measures, bones: Skeleton, rng: Rng) -> list[Part]:

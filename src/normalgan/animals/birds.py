@@ -13,9 +13,9 @@ import numpy as np
 from normalgan.animals.frames import Frame, about, bend, hinge, pitch, roll, yaw
 from normalgan.animals.parts import Part, Ripple, ball, both, by, carried, fuse, in_space, pair, tube
 from normalgan.animals.plan import Eyeball, PosedPlan, Rng, proportions
-from normalgan.animals.records import Bone, Number, Point, Record, Span
 from normalgan.animals.shapes import Plate, Shape, Sweep, rounded
 from normalgan.animals.stations import Profile, Stations
+from normalgan.animals.tables import Bone, Number, Point, Span, Table
 from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 from normalgan.ranges import OneOf, Range
@@ -28,7 +28,7 @@ _TOES = (-34.0, 0.0, 34.0, 180.0)
 
 
 @dataclass(frozen=True)
-class Wing(Record):
+class Wing(Table):
     """A pair of wings, in units of the length of the body.
 
     Args:
@@ -53,7 +53,7 @@ class Wing(Record):
 
 
 @dataclass(frozen=True)
-class Tail(Record):
+class Tail(Table):
     """A fan of feathers, in units of the length of the body.
 
     Args:
@@ -72,7 +72,7 @@ class Tail(Record):
 
 
 @dataclass(frozen=True)
-class Legs(Record):
+class Legs(Table):
     """A pair of legs, in units of the length of the body.
 
     Args:

@@ -13,9 +13,9 @@ from normalgan.animals.birds import Legs
 from normalgan.animals.frames import Frame, about, bend, pitch, spanned, unit, way_along, yaw
 from normalgan.animals.parts import Part, ball, carried, fuse, on_side, pair, tube
 from normalgan.animals.plan import Eyeball, PosedPlan, Rng, proportions
-from normalgan.animals.records import Number, Point, Record, Span
 from normalgan.animals.shapes import Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine, Stations
+from normalgan.animals.tables import Number, Point, Span, Table
 from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 from normalgan.ranges import OneOf, Range
@@ -32,7 +32,7 @@ _POSES = ("stand", "walk", "run", "roar")
 
 
 @dataclass(frozen=True)
-class Arm(Record):
+class Arm(Table):
     """A pair of arms.
 
     Args:
@@ -174,7 +174,7 @@ _LEAF = ((-0.42, -0.15), (-0.50, 0.30), (-0.26, 0.72), (0.02, 1.0), (0.26, 0.70)
 
 
 @dataclass(frozen=True)
-class Armour(Record):
+class Armour(Table):
     """Spines or plates along the back of some dinosaurs.
 
     Args:

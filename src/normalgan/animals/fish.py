@@ -9,9 +9,9 @@ import numpy as np
 from normalgan.animals.frames import spanned, unit
 from normalgan.animals.parts import Part, ball, fuse, tube
 from normalgan.animals.plan import Eyeball, PosedPlan, Rng, proportions
-from normalgan.animals.records import Kinds, Number, Point, Record, Span
 from normalgan.animals.shapes import MIRROR, Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine
+from normalgan.animals.tables import Kinds, Number, Point, Span, Table
 from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 from normalgan.ranges import OneOf, Range
@@ -26,7 +26,7 @@ _POSES = ("glide", "swim", "turn")
 
 
 @dataclass(frozen=True)
-class Fin(Record):
+class Fin(Table):
     """A fin in the sagittal plane, or a pair of them.
 
     Args:
@@ -75,7 +75,7 @@ def _finlet(x: Number, height: Number, below: bool = False) -> Fin:
 
 
 @dataclass(frozen=True)
-class Gills(Record):
+class Gills(Table):
     """Slits, or the groove of a gill cover, on both flanks.
 
     Args:

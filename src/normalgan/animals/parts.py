@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from normalgan.animals.frames import Frame, unit
-from normalgan.animals.records import Number
 from normalgan.animals.shapes import Box, Cut, Ellipsoid, Ring, Shape, Sweep
+from normalgan.animals.tables import Number
 from normalgan.arrays import Doubles
 
 __all__ = [

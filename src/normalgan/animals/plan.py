@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from normalgan.animals.parts import Part
-from normalgan.animals.records import Number, Point, Record, Span
+from normalgan.animals.tables import Number, Point, Span, Table
 
 __all__ = [
     "BodyPlan",
@@ -25,7 +25,7 @@ Rng = np.random.Generator
 
 
 @dataclass(frozen=True)
-class Eyeball(Record):
+class Eyeball(Table):
     """The right one of a pair of eyes.
 
     Args:
@@ -54,7 +54,7 @@ class BodyPlan(Protocol):
 
 
 @dataclass(frozen=True)
-class PosedPlan(Record, ABC):
+class PosedPlan(Table, ABC):
     """The base of most body plans: the pose is drawn first, and everything else follows from it.
 
     Args:

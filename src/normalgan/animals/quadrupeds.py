@@ -11,9 +11,9 @@ from normalgan.animals.frames import Frame, bend, fold, pitch, unit, yaw
 from normalgan.animals.parts import Part, Ripple, both, fuse, on_side, pair, tube
 from normalgan.animals.plan import Rng, drawn_pose, proportions
 from normalgan.animals.quadrupeds_poses import POSES, POSTURES, Pose
-from normalgan.animals.records import Kinds, Number, Point, Record, Span
 from normalgan.animals.shapes import Cut, Shape, Sweep
 from normalgan.animals.stations import Profile, Stations
+from normalgan.animals.tables import Kinds, Number, Point, Span, Table
 from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 from normalgan.ranges import Count, OneOf
@@ -52,7 +52,7 @@ _YOUNG_SHARE = 0.12
 
 
 @dataclass(frozen=True)
-class LegTemplate(Record):
+class LegTemplate(Table):
     """A leg at rest, in units of the height of its uppermost joint.
 
     Args:
@@ -75,7 +75,7 @@ class LegTemplate(Record):
 
 
 @dataclass(frozen=True)
-class Limb(Record):
+class Limb(Table):
     """A pair of legs.
 
     Args:
@@ -96,7 +96,7 @@ class Limb(Record):
 
 
 @dataclass(frozen=True)
-class Ornament(Record):
+class Ornament(Table):
     """Something on the body or head: horn, nose, hump, lop ear.
 
     Args:
@@ -168,7 +168,7 @@ def _ears(
 
 
 @dataclass(frozen=True)
-class Eye(Record):
+class Eye(Table):
     """The right eye, placed on the surface of the skull.
 
     Args:
@@ -183,7 +183,7 @@ class Eye(Record):
 
 
 @dataclass(frozen=True)
-class Mouth(Record):
+class Mouth(Table):
     """The groove between the lips.
 
     Args:
@@ -196,7 +196,7 @@ class Mouth(Record):
 
 
 @dataclass(frozen=True)
-class Head(Record):
+class Head(Table):
     """The skull and what grows on it, in the head's own frame and length: x to the nose, y up, 0 at the poll.
 
     Args:
@@ -219,7 +219,7 @@ class Head(Record):
 
 
 @dataclass(frozen=True)
-class Mane(Record):
+class Mane(Table):
     """A crest along the neck.
 
     Args:
@@ -238,7 +238,7 @@ class Mane(Record):
 
 
 @dataclass(frozen=True)
-class Quadruped(Record):
+class Quadruped(Table):
     """A kind of quadruped, standing at rest, head to +x, ground at y = 0, the withers about 1 high.
 
     Args:

@@ -9,9 +9,9 @@ import numpy as np
 from normalgan.animals.frames import Frame, about, bend, pitch, spanned, way_along, yaw
 from normalgan.animals.parts import Part, ball, by, carried, fuse, in_space, on_side, pair, tube
 from normalgan.animals.plan import Eyeball, PosedPlan, Rng, around, proportions
-from normalgan.animals.records import Number, Point, Span
 from normalgan.animals.shapes import Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine
+from normalgan.animals.tables import Number, Point, Span
 from normalgan.arrays import Doubles
 from normalgan.ranges import OneOf, Range
 

@@ -8,17 +8,14 @@ from functools import cache
 from importlib import import_module
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
 
 from normalgan.animals.insects import INSECTS
 from normalgan.animals.objects import BLOBS
 from normalgan.animals.plan import BodyPlan
 from normalgan.animals.plush import PLUSH
-from normalgan.animals.records import FOLDER, read_toml
-from normalgan.errors import InputError, did_you_mean, sentence_of
-
-if TYPE_CHECKING:
-    from pydantic import TypeAdapter
+from normalgan.animals.tables import FOLDER, read_toml
+from normalgan.errors import InputError, did_you_mean
+from normalgan.records import read_record
 
 __all__ = ["GROUPS", "PLANS", "SPECIES", "read_species"]
 
@@ -103,25 +100,16 @@ def read_species(path: str | Path) -> BodyPlan:
         >>> read_species(FOLDER / "quadrupeds" / "horse.toml").poses[:5]
         ('stand', 'walk', 'trot', 'gallop', 'graze')
     """
-    from pydantic import ValidationError
-
     table = read_toml(Path(path))
     name = str(table.pop("plan", "missing"))
-    if name not in PLANS:
-        known = ", ".join(PLANS)
-        raise InputError(f"{path}: plan is {name}.{did_you_mean(name, PLANS)} Known: {known}.")
     try:
-        plan: BodyPlan = _reader(name).validate_python(table)
-    except ValidationError as error:
-        raise InputError(f"{path}: {sentence_of(error, 'the file')}") from error
-    if not table["habits"]:
-        raise InputError(f"{path}: habits name one pose or more.")
+        if name not in PLANS:
+            known = ", ".join(PLANS)
+            raise InputError(f"plan is {name}.{did_you_mean(name, PLANS)} Known: {known}.")
+        module, _, cls = PLANS[name].rpartition(".")
+        plan: BodyPlan = read_record(getattr(import_module(module), cls), table)
+        if not table["habits"]:
+            raise InputError("habits name one pose or more.")
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
     return plan
-
-
-@cache
-def _reader(plan: str) -> "TypeAdapter[Any]":
-    from pydantic import TypeAdapter
-
-    module, _, cls = PLANS[plan].rpartition(".")
-    return TypeAdapter(getattr(import_module(module), cls))

@@ -7,8 +7,8 @@ from numpy.typing import ArrayLike
 
 from normalgan.animals.frames import Frame, about, pitch, yaw
 from normalgan.animals.parts import in_space, tube
-from normalgan.animals.records import Column, Record
 from normalgan.animals.shapes import Sweep
+from normalgan.animals.tables import Column, Table
 from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 
@@ -16,7 +16,7 @@ __all__ = ["Profile", "Spine", "Stations"]
 
 
 @dataclass(frozen=True, eq=False)
-class Stations(Record):
+class Stations(Table):
     """Sections along a curve, one value of each column for each station.
 
     Args:
@@ -54,7 +54,7 @@ class Stations(Record):
 
 
 @dataclass(frozen=True, eq=False)
-class Profile(Record):
+class Profile(Table):
     """Sections of a body that lies along x, as seen from the side and from above.
 
     Args:

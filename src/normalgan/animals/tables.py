@@ -1,9 +1,8 @@
-"""Records: the types of what species files hold, which pydantic reads."""
+"""Tables: the types of what species files hold."""
 
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import cache
-from inspect import signature
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,8 +12,9 @@ from normalgan.arrays import Doubles
 from normalgan.errors import InputError, brief, did_you_mean
 from normalgan.files.limits import read_named
 from normalgan.ranges import Range
+from normalgan.records import Record, reads
 
-__all__ = ["FOLDER", "SHARED", "Bone", "Column", "Kinds", "Number", "Point", "Record", "Span", "read_toml"]
+__all__ = ["FOLDER", "SHARED", "Bone", "Column", "Kinds", "Number", "Point", "Span", "Table", "read_toml"]
 
 FOLDER = Path(__file__).with_name("species")
 """The species files of the package."""
@@ -31,16 +31,19 @@ Bone = Annotated[float, Range(0.01, 100)]
 """The length of a bone: one of no length has no direction in which to grow."""
 
 
-class Record:
+class Table(Record):
     """The base of dataclasses that are read from a table, or from the name of a table in `SHARED`."""
 
     @classmethod
-    def __get_pydantic_core_schema__(cls, source: Any, handler: Callable[[Any], Any]) -> Any:
-        """Look names up, and refuse unknown fields."""
-        schema = handler(source)
-        # By its ref, pydantic uses a schema again where a class appears again: this one, not the one within.
-        within = {key: value for key, value in schema.items() if key != "ref"}
-        return _reader(cls, within, schema.get("ref"))
+    def table_of(cls, given: Any) -> Any:
+        """Return the table, by its name if there are such."""
+        shared = _shared().get(cls.__name__)
+        if shared is None or not isinstance(given, str):
+            return given
+        if given not in shared:
+            known = ", ".join(sorted(shared))
+            raise InputError(f"there is no {given!r}.{did_you_mean(given, shared)} Known: {known}.")
+        return shared[given]
 
 
 class Kinds:
@@ -59,7 +62,10 @@ class Kinds:
 
         first, *_ = self._makers
         return tagged_union_schema(
-            {kind: _reader(make, handler.generate_schema(make)) for kind, make in self._makers.items()},
+            {
+                kind: reads(make, _without_kind, handler.generate_schema(make))
+                for kind, make in self._makers.items()
+            },
             discriminator=lambda table: table.get("kind", first) if isinstance(table, dict) else first,
             custom_error_type="kind",
             custom_error_message=f"The table should have as its kind one of {', '.join(self._makers)}",
@@ -92,27 +98,8 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise InputError(f"{path} is not a species file, which is TOML: {brief(error)}.") from error
 
 
-def _reader(make: Callable[..., Any], schema: Any, ref: str | None = None) -> Any:
-    from pydantic_core.core_schema import no_info_wrap_validator_function
-
-    # It wraps, so that pydantic names the field where ``make`` itself refuses its arguments.
-    return no_info_wrap_validator_function(lambda given, read: read(_table(make, given)), schema, ref=ref)
-
-
-def _table(make: Callable[..., Any], given: Any) -> Any:
-    shared = _shared().get(getattr(make, "__name__", ""), {})
-    if isinstance(given, str) and shared:
-        if given not in shared:
-            known = ", ".join(sorted(shared))
-            raise InputError(f"there is no {given!r}.{did_you_mean(given, shared)} Known: {known}.")
-        given = shared[given]
-    if not isinstance(given, Mapping):
-        return given
-    fields = signature(make).parameters
-    table = {name: value for name, value in given.items() if name != "kind"}
-    for name in (each for each in table if each not in fields):
-        raise InputError(f"{name} is not known.{did_you_mean(name, fields)} Known: {', '.join(fields)}.")
-    return table
+def _without_kind(table: Any) -> Any:
+    return {k: v for k, v in table.items() if k != "kind"} if isinstance(table, dict) else table
 
 
 @cache
