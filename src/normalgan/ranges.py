@@ -38,7 +38,10 @@ class Range:
         """Return whether a setting may have a value; never nan or a value of another type."""
         if not isinstance(value, Real):
             return False
-        number = float(value)
+        try:
+            number = float(value)
+        except OverflowError:  # a whole number of hundreds of digits
+            return False
         low = self.least < number if self.above else self.least <= number
         return low and (number < self.most if self.below or self.most == math.inf else number <= self.most)
 

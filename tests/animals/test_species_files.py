@@ -1,14 +1,20 @@
 """Species as files: those of the package are all there and right; a bad one is told in one sentence."""
 
 import json
+import math
+import random
 import re
+import tomllib
 import zlib
+from collections.abc import Iterator
+from datetime import date
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from normalgan.animals import GROUPS, SPECIES, read_species
+from normalgan.animals import GROUPS, SPECIES, read_species, species
 from normalgan.animals.meshing import to_mesh
 from normalgan.animals.quadrupeds import Quadruped
 from normalgan.animals.species import PLANS
@@ -114,6 +120,31 @@ def test_a_bad_file_is_told_by_file_and_field(was: str, now: str, sentence: str,
     assert str(caught.value).startswith(str(path))
     assert sentence in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_whatever_a_field_holds_is_read_or_told_in_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = random.Random(0)
+    odd: list[Any] = [None, True, 3, -1e300, math.nan, 10**400, "x", "hoofed_fore", [], [1], [[1]], {}]
+    odd += [{"a": 1}, {"kind": [1]}, {"kind": "ears"}, date(2026, 1, 1)]
+
+    def places(holder: Any) -> Iterator[tuple[Any, Any]]:
+        for key in holder if isinstance(holder, dict) else range(len(holder)):
+            yield holder, key
+            if isinstance(holder[key], dict | list):
+                yield from places(holder[key])
+
+    told: list[str] = []
+    for _ in range(400):
+        table = tomllib.loads(HORSE)
+        holder, key = rng.choice([*places(table)])
+        holder[key] = rng.choice(odd)
+        monkeypatch.setattr(species, "read_toml", lambda _, table=table: table)
+        try:
+            read_species("mine.toml")
+        except InputError as error:
+            told.append(str(error))
+    assert len(told) > 300
+    assert [each for each in told if not re.fullmatch(r"mine\.toml: [^\n]{1,900}[.?]", each)] == []
 
 
 def test_a_file_that_is_not_there_or_has_no_pose_is_told(tmp_path: Path) -> None:
