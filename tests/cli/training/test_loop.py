@@ -27,7 +27,7 @@ for number in range(5):
 def test_memory_stays_flat_over_five_runs(meshes: Path, tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-c", CODE, str(CONF / "tiny.yaml"), str(meshes), str(tmp_path)],
-        cwd=Path(__file__).parent,
+        cwd=CONF.parent / "cli",
         capture_output=True,
         text=True,
         check=False,

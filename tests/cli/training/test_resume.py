@@ -47,7 +47,7 @@ def test_a_run_killed_and_resumed_ends_as_an_unbroken_one(bench: Bench, tmp_path
     )
     process = subprocess.run(
         [sys.executable, "-m", "normalgan", *map(str, arguments)],
-        env={**os.environ, "PYTHONPATH": str(Path(__file__).parent), "OMP_NUM_THREADS": "1"},
+        env={**os.environ, "PYTHONPATH": str(CONF.parent / "cli"), "OMP_NUM_THREADS": "1"},
         capture_output=True,
         text=True,
         check=False,
