@@ -45,9 +45,10 @@ def test_a_run_killed_and_resumed_ends_as_an_unbroken_one(bench: Bench, tmp_path
         *("--trainer.default_root_dir", killed, *more, "--trainer.callbacks", "killer.KillAt"),
         *("--trainer.callbacks.epoch", 1, "--trainer.callbacks.batch", 1),
     )
+    paths = [str(CONF.parent / "cli"), os.environ.get("PYTHONPATH", "")]
     process = subprocess.run(
         [sys.executable, "-m", "normalgan", *map(str, arguments)],
-        env={**os.environ, "PYTHONPATH": str(CONF.parent / "cli"), "OMP_NUM_THREADS": "1"},
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(paths), "OMP_NUM_THREADS": "1"},
         capture_output=True,
         text=True,
         check=False,
