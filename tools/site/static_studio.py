@@ -18,6 +18,7 @@ from pathlib import Path
 from mkdocs.config.defaults import MkDocsConfig
 
 from normalgan.inference import edits, structures
+from normalgan.inference.mask import decision
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.studio.exports import with_export_menu
 from normalgan.studio.limits import with_limits
@@ -35,8 +36,8 @@ CACHE = ROOT / "build" / "npm"
 RUNTIME = ("ort.wasm.min.mjs", "ort-wasm-simd-threaded.mjs")
 BINARY = "ort-wasm-simd-threaded.wasm"
 """Goes into the site packed, as not every host packs what it sends: 4 MB of 14. The worker unpacks it."""
-EDITS = "edit_defaults.js"
-"""The constants of `normalgan.inference.edits`, which hold.js applies as the server does."""
+CONSTANTS = {"edit_defaults.js": edits, "mask_defaults.js": decision}
+"""Modules whose constants hold.js and decision.js apply as the server does, by the script that has them."""
 SERVICE_WORKER = "service_worker.js"
 FOLDER = "draw"
 _ABOUT = (
@@ -113,8 +114,10 @@ def build(folder: Path, runtime: bytes) -> None:
         shutil.copy(path, page)
     for kind in structures.KINDS:
         (page / structures.FILE.format(kind)).write_bytes(structures.tile_bytes(kind))
-    constants = [f"export const {name} = {value};\n" for name, value in vars(edits).items() if name.isupper()]
-    (page / EDITS).write_text("".join(constants), encoding="utf-8")
+    for script, module in CONSTANTS.items():
+        values = {name: getattr(module, name) for name in module.__all__ if name.isupper()}
+        lines = [f"export const {name} = {json.dumps(value)};\n" for name, value in values.items()]
+        (page / script).write_text("".join(lines), encoding="utf-8")
     # A browser's runtime does not read the line widths.
     notes = {"line_widths": OnnxBackend(MODELS[0]).line_widths, "structures": structures.KINDS}
     (page / "model.json").write_text(json.dumps(notes) + "\n", encoding="utf-8")
