@@ -37,6 +37,7 @@ LAYERS = tuple(layer for layers in RINGS.values() for layer in layers)
 PARTS = {
     "inference": ("reading", "cleaning", "network", "mask", "heights", "outputs", "jobs", "composites"),
     "data": ("store", "jobs", "loading", "sources"),
+    "studio": ("server", "drawings", "projects", "predictions"),
 }
 """The parts of the large rooms, likewise; what lies loose beside them may be above or below any."""
 LIGHT = (

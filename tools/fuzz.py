@@ -267,9 +267,9 @@ def project() -> Read:
     import numpy as np
 
     with instrumented():
-        from normalgan.studio.documents import check_document
-        from normalgan.studio.drawing_request import DrawingRequest
-        from normalgan.studio.schemas import DrawingFields, parse
+        from normalgan.studio.drawings.drawing_request import DrawingRequest
+        from normalgan.studio.drawings.schemas import DrawingFields, parse
+        from normalgan.studio.projects.format import check_document
     picture = np.full((32, 32, 1), 255, np.uint8)
 
     def read(data: bytes) -> None:

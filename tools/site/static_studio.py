@@ -20,12 +20,11 @@ from mkdocs.config.defaults import MkDocsConfig
 from normalgan.inference import edits, structures
 from normalgan.inference.mask import decision
 from normalgan.inference.network.onnx_backend import OnnxBackend
-from normalgan.studio.exports import with_export_menu
-from normalgan.studio.limits import with_limits
-from normalgan.studio.page_files import markup
+from normalgan.studio.drawings.limits import with_limits
+from normalgan.studio.page_files import PAGE, markup
+from normalgan.studio.predictions.exports import with_export_menu
 
 ROOT = Path(__file__).parents[2]
-PAGE = ROOT / "src" / "normalgan" / "studio" / "page"
 BACKEND = ROOT / "tools" / "static_studio"
 CLAY = ROOT / "src" / "normalgan" / "inference" / "outputs" / "clay.json"
 WEIGHTS = ROOT / "src" / "normalgan" / "weights"
