@@ -24,7 +24,7 @@ import numpy as np
 from machine import describe
 from PIL import Image
 
-from normalgan.cli.generate import run
+from normalgan.cli.generate.command import run
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.parallel import stream
 from normalgan.inference.preparation import prepare

@@ -14,7 +14,7 @@ import torch
 import yaml
 from torch import nn
 
-from normalgan.cli import training as cli
+from normalgan.cli.training import command as cli
 from normalgan.losses import AdversarialObjective
 
 Settings = dict[str, Any]

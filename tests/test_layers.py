@@ -14,7 +14,7 @@ SOURCE = Path(__file__).parents[1] / "src" / "normalgan"
 RINGS = {
     "the ground": (
         {"errors", "batch", "arrays", "vectors", "version"},
-        {"files", "registry", "line_widths", "contracts", "ranges", "graphs"},
+        {"files", "registry", "line_widths", "contracts", "ranges", "records", "graphs"},
         {"normals", "commit", "seeds", "progress", "decoding", "warning_filters"},
     ),
     "the method": (
@@ -37,6 +37,7 @@ LAYERS = tuple(layer for layers in RINGS.values() for layer in layers)
 PARTS = {
     "inference": ("reading", "cleaning", "network", "mask", "heights", "outputs", "jobs", "composites"),
     "data": ("store", "jobs", "loading", "sources"),
+    "studio": ("server", "drawings", "projects", "predictions"),
 }
 """The parts of the large rooms, likewise; what lies loose beside them may be above or below any."""
 LIGHT = (
@@ -45,8 +46,9 @@ LIGHT = (
 )
 """Rooms that never import torch, but for the modules in `HEAVY`."""
 HEAVY = {
-    *("cli/parser.py", "cli/training.py", "cli/trainer.py", "cli/discovery.py", "cli/normal_map_writer.py"),
-    *("cli/safe_config.py", "cli/saved_model.py", "cli/training_settings.py"),
+    "cli/discovery.py",
+    *(f"cli/training/{name}.py" for name in ("command", "parser", "trainer", "normal_map_writer")),
+    *("cli/training/safe_config.py", "cli/training/saved_model.py"),
     "inference/network/torch_backend.py",
 }
 """The exceptions, which no light module imports until it needs them."""
@@ -193,4 +195,4 @@ def test_the_front_door_opens_at_once(arguments: list[str]) -> None:
 
 def test_generate_begins_without_scipy() -> None:
     # Importing it takes a quarter of the time of a prediction, and only other maps need it.
-    assert "scipy" not in loaded("import normalgan.cli.generate")
+    assert "scipy" not in loaded("import normalgan.cli.generate.command")

@@ -74,7 +74,7 @@ def test_what_goes_wrong_is_a_sentence_and_a_code(
     def run(_: list[str]) -> int:
         raise error
 
-    monkeypatch.setattr("normalgan.cli.training.run", run)
+    monkeypatch.setattr("normalgan.cli.training.command.run", run)
     assert main(["fit"]) == code
     said = capsys.readouterr().err
     assert said.startswith(f"normalgan: {sentence}")
@@ -89,7 +89,8 @@ def test_a_bug_in_somebody_elses_class_is_told_with_its_place(
             raise KeyError("density")
 
     monkeypatch.setattr(
-        "normalgan.cli.training.run", lambda _: draw_hints(Theirs(), zeros(1, 3, 2, 2), zeros(1, 1, 2, 2), 0)
+        "normalgan.cli.training.command.run",
+        lambda _: draw_hints(Theirs(), zeros(1, 3, 2, 2), zeros(1, 1, 2, 2), 0),
     )
     assert main(["fit"]) == 1
     said = capsys.readouterr().err
@@ -102,7 +103,7 @@ def test_a_traceback_can_be_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     def run(_: list[str]) -> int:
         raise RuntimeError("odd")
 
-    monkeypatch.setattr("normalgan.cli.training.run", run)
+    monkeypatch.setattr("normalgan.cli.training.command.run", run)
     monkeypatch.setenv("NORMALGAN_TRACEBACK", "1")
     with pytest.raises(RuntimeError, match="odd"):
         main(["fit"])

@@ -11,7 +11,7 @@ from studio_client import b64, serving
 
 import normalgan
 from normalgan.__main__ import main
-from normalgan.cli.normal_map_writer import NormalMapWriter
+from normalgan.cli.training.normal_map_writer import NormalMapWriter
 from normalgan.data.settings import Prediction
 from normalgan.inference.network.torch_backend import TorchBackend
 from normalgan.inference.outputs import Normal

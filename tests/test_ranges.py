@@ -36,6 +36,7 @@ class Pen:
     ("settings", "sentence"),
     [
         ({"count": -1}, "count of Pen is -1; it must be 0 or more."),
+        ({"count": 10**400}, "; it must be 0 or more."),  # no number of a computer's
         ({"width": 0}, "width of Pen is 0; it must be more than 0."),
         ({"width": float("inf")}, "width of Pen is inf; it must be more than 0."),
         ({"width": float("nan")}, "width of Pen is nan; it must be more than 0."),

@@ -34,9 +34,9 @@ from normalgan.inference.preparation import prepare
 from normalgan.inference.reading.picture import Picture, read_picture
 from normalgan.inference.suggestion import suggest, uncertainty
 from normalgan.normals import Bits
-from normalgan.studio.drawing_request import DrawingRequest
-from normalgan.studio.limits import TILE_SIDE
-from normalgan.studio.schemas import DrawingFields, parse
+from normalgan.studio.drawings.drawing_request import DrawingRequest
+from normalgan.studio.drawings.limits import TILE_SIDE
+from normalgan.studio.drawings.schemas import DrawingFields, parse
 from normalgan.weights.shipped import SHIPPED
 from pens import blob, outline
 from web_folder import serve

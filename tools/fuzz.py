@@ -258,7 +258,7 @@ def configuration() -> Read:
     """Files in YAML: a configuration, a plan."""
     with instrumented():
         import normalgan.benchmark.plan
-        import normalgan.cli.config_files  # noqa: F401
+        import normalgan.cli.parsing.config_files  # noqa: F401
     return lambda data: read_as(data, "file.yaml", "configuration", "plan")
 
 
@@ -267,9 +267,9 @@ def project() -> Read:
     import numpy as np
 
     with instrumented():
-        from normalgan.studio.documents import check_document
-        from normalgan.studio.drawing_request import DrawingRequest
-        from normalgan.studio.schemas import DrawingFields, parse
+        from normalgan.studio.drawings.drawing_request import DrawingRequest
+        from normalgan.studio.drawings.schemas import DrawingFields, parse
+        from normalgan.studio.projects.format import check_document
     picture = np.full((32, 32, 1), 255, np.uint8)
 
     def read(data: bytes) -> None:

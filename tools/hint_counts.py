@@ -21,7 +21,7 @@ from normalgan.rendering.samples import sample_rng
 def main(meshes: str, size: int, views: int, orientation: str | None) -> None:
     """Render the maps of so many views of each mesh, seed 0, and count."""
     given = None if meshes == "animals" else meshes
-    animals, reading = EmbeddedAnimals(20), MeshReading(orientation)
+    animals, reading = EmbeddedAnimals(20), MeshReading(orientation=orientation)
     data = MeshDataModule(given, animals=animals, reading=reading, split=Split((1.0, 0.0, 0.0)), size=size)
     every: list[int] = []
     for source in data.sources["train"]:

@@ -19,7 +19,7 @@ CARRIERS = {"Job", "DrawingFiles", "Drawing", "DrawingRequest", "Picture", "Prep
 """Classes that hold a drawing, or what is known of it, on the way to its map."""
 STARTS = {
     "generate": ("normalgan/inference/predict_job.py", "JobPredictor.__call__"),
-    "stroke": ("normalgan/studio/predictor.py", "Predictor.predict"),
+    "stroke": ("normalgan/studio/predictions/predictor.py", "Predictor.predict"),
 }
 SOURCE = str(Path(normalgan.__file__).parents[1])
 
@@ -58,8 +58,8 @@ def follow(what: str, drawing: Path) -> Chain:
             with TemporaryDirectory() as folder:
                 main(["generate", str(drawing), "-o", folder])
         else:
-            from normalgan.studio.drawing_request import DrawingRequest
-            from normalgan.studio.predictor import Predictor
+            from normalgan.studio.drawings.drawing_request import DrawingRequest
+            from normalgan.studio.predictions.predictor import Predictor
             from normalgan.weights.shipped import SHIPPED
 
             Predictor(SHIPPED).predict(DrawingRequest(drawing.read_bytes()), [], None, lambda: None)

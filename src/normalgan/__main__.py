@@ -12,7 +12,7 @@ from importlib import import_module
 import normalgan
 from normalgan.cli.commands import COMMANDS, OTHERS, USAGE
 from normalgan.cli.late_imports import gc_paused
-from normalgan.cli.training_help import asked_for, overview
+from normalgan.cli.training.help import asked_for, overview
 from normalgan.errors import InputError, RunError, brief, did_you_mean, tell, third_party_place, wants_memory
 
 TRAINING_LIBRARIES = (
@@ -58,7 +58,7 @@ def main(arguments: list[str] | None = None) -> int:
             print(overview(arguments[0]), end="")
             return 0
         with gc_paused():
-            from normalgan.cli.training import run  # late: lightning takes seconds to import
+            from normalgan.cli.training.command import run  # late: lightning takes seconds to import
         return run(arguments)
     except SystemExit as stop:  # --help ends so
         return int(stop.code or 0)

@@ -2,10 +2,15 @@
 
 import difflib
 import errno
+import json
+import re
 import sys
 import traceback
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+if TYPE_CHECKING:
+    from pydantic import ValidationError
 
 __all__ = [
     "InputError",
@@ -14,6 +19,7 @@ __all__ = [
     "brief",
     "did_you_mean",
     "one_line",
+    "sentence_of",
     "tell",
     "third_party_place",
     "unwritable",
@@ -122,3 +128,34 @@ def did_you_mean(given: str, known: Iterable[str], cutoff: float = 0.6) -> str:
     # To difflib, "hrose" is as near to "house" as to "horse": letters that were swapped come first.
     near.sort(key=lambda name: sorted(name) != sorted(given))
     return f" Did you mean {near[0]}?" if near else ""
+
+
+def sentence_of(error: "ValidationError", whole: str = "the request") -> str:
+    """Return the first thing that pydantic found wrong, as one sentence.
+
+    Args:
+        error: what pydantic raised.
+        whole: what was checked, for a fault that is not in one of its fields.
+    """
+    first = error.errors(include_url=False)[0]
+    steps = [step for step in first["loc"] if step != "[key]"]
+    where = "".join(f"[{step}]" if isinstance(step, int) else f".{step}" for step in steps).removeprefix(".")
+    match first["type"]:
+        case "json_invalid":
+            return f"{whole} is not JSON: {first['ctx']['error']}."
+        case "missing" | "missing_argument":
+            return f"{where} is missing."
+        case "value_error":
+            said = str(first["ctx"]["error"])
+            return f"{where}{': ' if where else ''}{said}{'' if said.endswith(('.', '?')) else '.'}"
+    # "Input should be …", "Tuple should have at most 9 items after validation, not 10".
+    _, should, accepted = first["msg"].replace(" after validation", "").partition(" should ")
+    accepted = re.sub(r"\b(a|an) (valid )?dictionary( or an instance of \w+)?", "a table", accepted)
+    words = re.findall("'(.+?)'", accepted) if first["type"] == "literal_error" else []
+    near = did_you_mean(str(first["input"]), words)
+    return f"{where or whole} is {_shown(first['input'])}; it{should}{accepted}.{near}"
+
+
+def _shown(value: Any) -> str:
+    text = json.dumps(value, ensure_ascii=False, default=repr)
+    return text if len(text) <= 40 else f"{text[:37]}…"

@@ -1,7 +1,7 @@
 """Ranges: the numbers or words that a setting takes, in its annotation, checked by its constructor."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from numbers import Real
@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 from normalgan.errors import InputError
 
-__all__ = ["Count", "NonNegative", "Positive", "PositiveInt", "Range", "Share", "check_ranges"]
+__all__ = ["Count", "NonNegative", "OneOf", "Positive", "PositiveInt", "Range", "Share", "check_ranges"]
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,10 @@ class Range:
         """Return whether a setting may have a value; never nan or a value of another type."""
         if not isinstance(value, Real):
             return False
-        number = float(value)
+        try:
+            number = float(value)
+        except OverflowError:  # a whole number of hundreds of digits
+            return False
         low = self.least < number if self.above else self.least <= number
         return low and (number < self.most if self.below or self.most == math.inf else number <= self.most)
 
@@ -49,19 +52,47 @@ class Range:
         first = f"above {self.least:g}, up" if self.above else f"from {self.least:g}"
         return f"{first} to {'below ' if self.below else ''}{self.most:g}"
 
+    def __get_pydantic_core_schema__(self, source: Any, handler: Callable[[Any], Any]) -> Any:
+        """Let pydantic check the range, of a number that is given as a number."""
+        from pydantic_core.core_schema import no_info_after_validator_function
 
-@dataclass(frozen=True)
-class _Choice:
-    """The values that a setting takes whose type is a `Literal`."""
+        schema = handler(source)
+        if schema["type"] in {"float", "int"}:
+            schema = {**schema, "strict": True}
+        return no_info_after_validator_function(self._checked, schema)
 
-    values: tuple[Any, ...]
+    def _checked(self, value: Any) -> Any:
+        from pydantic_core import PydanticCustomError
+
+        if wrong := _wrong(value, self):
+            raise PydanticCustomError("range", "Input should be {right}", {"right": wrong})
+        return value
+
+
+class OneOf:
+    """The words that a setting takes, where no `Literal` can list them.
+
+    Args:
+        values: the words.
+    """
+
+    def __init__(self, values: Iterable[Any]) -> None:
+        self._values = tuple(values)
 
     def __contains__(self, value: object) -> bool:
-        return any(value == each and type(value) is type(each) for each in self.values)
+        """Return whether a setting may have a value."""
+        return any(value == each and type(value) is type(each) for each in self._values)
 
     def __repr__(self) -> str:
-        *first, last = map(repr, self.values)
+        """Return the words."""
+        *first, last = map(repr, self._values)
         return f"{', '.join(first)} or {last}" if first else last
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: object) -> Any:
+        """Let pydantic check the word."""
+        from pydantic_core.core_schema import literal_schema
+
+        return literal_schema(list(self._values))
 
 
 Count = Annotated[int, Range(0)]
@@ -98,13 +129,10 @@ def check_ranges(settings: Any, values: Mapping[str, Any] | None = None) -> None
     for name, hint in _hints(kind).items():
         value = getattr(settings, name) if values is None else values[name]
         for given, allowed in _given(hint, value):
-            pair = isinstance(given, list | tuple)
-            numbers = given if pair else [given]
-            if any(number not in allowed for number in numbers) or (pair and not _rising(numbers)):
-                right = "it must be" if given is value else "each must be"
-                right += " two numbers, low then high," if pair else ""
+            if wrong := _wrong(given, allowed):
+                subject = "it" if given is value else "each"
                 shown = repr(value) if isinstance(value, str) else value
-                raise InputError(f"{name} of {kind.__name__} is {shown}; {right} {allowed}.")
+                raise InputError(f"{name} of {kind.__name__} is {shown}; {subject} must be {wrong}.")
 
 
 @cache
@@ -117,25 +145,31 @@ def _ranged(hint: Any) -> bool:
     return get_origin(hint) in (Annotated, Literal) or any(map(_ranged, get_args(hint)))
 
 
-def _rising(numbers: Sequence[float]) -> bool:
-    return len(numbers) == 2 and numbers[0] <= numbers[1]
+def _wrong(given: Any, allowed: Range | OneOf) -> str:
+    """Return what a number, a pair or a word should be; nothing if it is that."""
+    pair = isinstance(given, list | tuple)
+    numbers: Sequence[Any] = given if pair else [given]
+    rising = not pair or (len(numbers) == 2 and numbers[0] <= numbers[1])
+    if rising and all(number in allowed for number in numbers):
+        return ""
+    return f"{'two numbers, low then high, ' if pair else ''}{allowed}"
 
 
-def _given(hint: Any, value: Any) -> list[tuple[Any, Range | _Choice]]:
+def _given(hint: Any, value: Any) -> list[tuple[Any, Range | OneOf]]:
     """Return the ranged parts of a value, a number, a pair or a word, and the range."""
     if value is None:
         return []
     if get_origin(hint) is Annotated:
         return [(value, each) for each in hint.__metadata__ if isinstance(each, Range)]
     if get_origin(hint) is Literal:
-        return [(value, _Choice(get_args(hint)))]
+        return [(value, OneOf(get_args(hint)))]
     inner = [each for each in get_args(hint) if each not in (type(None), ...)]
     if isinstance(value, Mapping):
         return [pair for item in value.values() for pair in _given(inner[-1], item)]
     if isinstance(value, list | tuple) and get_origin(hint) in (list, tuple):
         return [pair for item in value for pair in _given(inner[0], item)]
     literals = [each for each in inner if get_origin(each) is Literal]
-    words = _Choice(tuple(word for each in literals for word in get_args(each)))
+    words = OneOf(tuple(word for each in literals for word in get_args(each)))
     if value in words or (literals and literals == inner):
         return [(value, words)]
     inner = [each for each in inner if each not in literals]  # another type may take the value

@@ -58,10 +58,13 @@ _HANDLER = _InfoHandler()
 
 def filter_warnings() -> None:
     """Filter and shorten warnings until the surrounding `warnings.catch_warnings` ends."""
+    logging.getLogger("lightning").handlers[:] = [_HANDLER]
     for name in ("lightning.pytorch", "lightning.fabric"):
+        # Without handlers of the root logger they have some of their own; with them, "lightning" prints too.
         logger = logging.getLogger(name)
         logger.setLevel(logging.INFO)
-        logger.handlers[:] = [_HANDLER]
+        logger.handlers.clear()
+        logger.propagate = True
     for expected in NOT_SAID:
         warnings.filterwarnings("ignore", message=expected)
     for category in (DeprecationWarning, FutureWarning):

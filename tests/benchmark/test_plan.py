@@ -112,14 +112,14 @@ def test_our_plans_have_every_row_of_the_comparison(name: str) -> None:
 @pytest.mark.parametrize(
     ("wrong", "words"),
     [
-        (plan(images="many"), ["plan.yaml", "images", "a whole number, not many"]),
-        (plan(sedes=[1]), ["there is no setting sedes", "Did you mean seeds?"]),
+        (plan(images="many"), ["plan.yaml", 'images is "many"; it should be a valid integer']),
+        (plan(sedes=[1]), ["sedes is not known", "Did you mean seeds?"]),
         (plan(seeds=[]), ["a plan needs seeds"]),
-        (plan(seeds=[-1]), ["seeds of Plan is [-1]; each must be 0 or more"]),
+        (plan(seeds=[-1]), ["seeds[0] is -1; it should be 0 or more"]),
         (plan(checkpoint="first"), ["checkpoint", "first"]),
         (plan(reference="theirs"), ["the plan has no row theirs; it has mean, paper"]),
         (plan(rows=3), ["are not a list of settings"]),
-        (plan(placements=["best"], placement_counts=[3]), ["placements", "'curvature'", "not best"]),
+        (plan(placements=["best"], placement_counts=[3]), ['placements[0] is "best"', "'curvature'"]),
         (
             plan(test_data={"size": 32}),
             ["medium, meshes, ", "test_views alone, not size"],

@@ -9,7 +9,7 @@ import yaml
 from command import CONF, Bench, left_in, run
 from PIL import Image
 
-from normalgan.cli.training_help import SECTIONS
+from normalgan.cli.training.help import SECTIONS
 from normalgan.normals import read_png
 from reported import figures_of
 

@@ -71,7 +71,10 @@ def test_split_file_is_honoured(meshes: Path, cache: Path, tmp_path: Path) -> No
 def test_orientation_file_is_honoured(meshes: Path, cache: Path, tmp_path: Path) -> None:
     quarter = [[1, 0, 0], [0, 0, 1], [0, -1, 0]]
     (tmp_path / "up.json").write_text(json.dumps({"hat": {"rotation": quarter}}))
-    plain, turned = data(meshes, cache), data(meshes, cache, reading=MeshReading(str(tmp_path / "up.json")))
+    plain, turned = (
+        data(meshes, cache),
+        data(meshes, cache, reading=MeshReading(orientation=str(tmp_path / "up.json"))),
+    )
     np.testing.assert_allclose(
         loaded(turned, "hat").vertices, loaded(plain, "hat").vertices @ np.array(quarter).T, atol=1e-5
     )

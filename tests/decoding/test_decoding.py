@@ -19,7 +19,7 @@ from normalgan.decoding import decode, process
 from normalgan.errors import InputError, RunError
 from normalgan.inference.reading.drawings import read_drawing, read_pixels
 from normalgan.inference.reading.picture import read_picture
-from normalgan.studio.pictures import import_picture
+from normalgan.studio.drawings.imports import import_picture
 
 SIDES = (8, 8192)
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from normalgan.animals.species import read_species
-from normalgan.cli.config_files import check_config
+from normalgan.cli.parsing.config_files import check_config
 from normalgan.errors import InputError
 from normalgan.files.torch_files import load_torch_file
 from normalgan.inference.network.onnx_backend import OnnxBackend

@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from normalgan.__main__ import main
-from normalgan.cli.config_files import check_config
+from normalgan.cli.parsing.config_files import check_config
 from normalgan.data.splits import split_by_file
 from normalgan.errors import InputError
 from normalgan.files.shipped_configs import find_config, shipped_folder, shipped_names

@@ -11,7 +11,6 @@ from normalgan.__main__ import main
 from normalgan.decoding import DecodedLayer
 from normalgan.decoding.decoders.worker import needed
 from normalgan.inference.composites.layers import encode_layers
-from normalgan.weights.shipped import SHIPPED
 from pens import blob, outline
 
 SHAPE = (80, 120)
@@ -72,19 +71,20 @@ def test_a_job_decodes_its_drawing_once(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     decoded: list[bytes],
+    model: Path,
     write: Any,
     arguments: list[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
     write(arguments[0])
-    assert main(["generate", *arguments, "--model", str(SHIPPED)]) == 0
+    assert main(["generate", *arguments, "--model", str(model)]) == 0
     assert decoded == [Path(arguments[0]).read_bytes()]
 
 
 def test_sprites_of_one_picture_are_figures(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], model: Path
 ) -> None:
     monkeypatch.chdir(tmp_path)
     write_figures("figures.png")
-    assert main(["generate", "figures.png", "--model", str(SHIPPED)]) == 0
+    assert main(["generate", "figures.png", "--model", str(model)]) == 0
     assert "it shows 2 separate figures" in capsys.readouterr().err

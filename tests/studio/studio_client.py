@@ -15,9 +15,9 @@ from PIL import Image
 from starlette.testclient import TestClient
 
 from normalgan.studio.app import build_app
-from normalgan.studio.document_store import DocumentStore
-from normalgan.studio.opening import Opened
-from normalgan.studio.predictor import Predictor
+from normalgan.studio.predictions.predictor import Predictor
+from normalgan.studio.projects.document_store import DocumentStore
+from normalgan.studio.projects.opening import Opened
 
 PORT = 8400
 HEIGHT, WIDTH = 120, 160

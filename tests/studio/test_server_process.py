@@ -15,7 +15,7 @@ from studio_client import asking, circle, document, png
 from studio_process import Studio, running, send, slow, until
 
 from normalgan.__main__ import main
-from normalgan.studio.document_store import DocumentStore
+from normalgan.studio.projects.document_store import DocumentStore
 
 
 @pytest.mark.slow  # starts two studios

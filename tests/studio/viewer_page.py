@@ -4,22 +4,20 @@ import base64
 import io
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-import normalgan
 from chromium import page as open_page
 from normalgan.inference.outputs.lighting import CLAY_FILE
+from normalgan.studio.page_files import PAGE
 from web_folder import serve
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page, Route
 
-PAGE_FOLDER = Path(normalgan.__file__).parent / "studio" / "page"
 View = Literal["map", "lit", "matcap", "flat", "relief"]
 HTML = """<!doctype html><html lang="en"><meta charset="utf-8"><title>viewer</title>
 <link rel="icon" href="data:,">
@@ -105,7 +103,7 @@ def open_viewer(
     def answer(route: "Route") -> None:
         route.fulfill(content_type="text/html", body=HTML)
 
-    with serve(PAGE_FOLDER) as address, open_page(opened, scale=scale, tolerate=tolerate) as page:
+    with serve(PAGE) as address, open_page(opened, scale=scale, tolerate=tolerate) as page:
         page.route("**/viewer_alone.html", answer)
         page.route("**/clay.json", lambda route: route.fulfill(path=CLAY_FILE))
         page.goto(f"{address}/viewer_alone.html")

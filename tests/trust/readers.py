@@ -33,7 +33,7 @@ def rig(path: Path) -> None:
 
 def configuration(path: Path) -> None:
     """Look at a configuration as every training command does first."""
-    from normalgan.cli.config_files import check_config
+    from normalgan.cli.parsing.config_files import check_config
 
     check_config(path, ("trainer", "data", "model"))
 

@@ -16,8 +16,8 @@ from attacked_configs import FIRST, FOREIGN, NESTED, UNSAFE, URLS
 from hostile import laughs
 from jsonargparse import get_loader
 
-from normalgan.cli.config_files import load_bounded
-from normalgan.cli.training import run
+from normalgan.cli.parsing.config_files import load_bounded
+from normalgan.cli.training.command import run
 from normalgan.errors import InputError
 
 CONFIGS = Path(__file__).parents[2] / "configs"

@@ -34,7 +34,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 def settings_page() -> str:
     """Return the page of all settings of training."""
-    from normalgan.cli.training import training_parser
+    from normalgan.cli.training.command import training_parser
 
     parser = training_parser("fit")
     parts = [

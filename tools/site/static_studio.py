@@ -17,14 +17,14 @@ from pathlib import Path
 
 from mkdocs.config.defaults import MkDocsConfig
 
-from normalgan.inference import structures
+from normalgan.inference import edits, structures
+from normalgan.inference.mask import decision
 from normalgan.inference.network.onnx_backend import OnnxBackend
-from normalgan.studio.exports import with_export_menu
-from normalgan.studio.limits import with_limits
-from normalgan.studio.page_files import markup
+from normalgan.studio.drawings.limits import with_limits
+from normalgan.studio.page_files import PAGE, markup
+from normalgan.studio.predictions.exports import with_export_menu
 
 ROOT = Path(__file__).parents[2]
-PAGE = ROOT / "src" / "normalgan" / "studio" / "page"
 BACKEND = ROOT / "tools" / "static_studio"
 CLAY = ROOT / "src" / "normalgan" / "inference" / "outputs" / "clay.json"
 WEIGHTS = ROOT / "src" / "normalgan" / "weights"
@@ -35,6 +35,8 @@ CACHE = ROOT / "build" / "npm"
 RUNTIME = ("ort.wasm.min.mjs", "ort-wasm-simd-threaded.mjs")
 BINARY = "ort-wasm-simd-threaded.wasm"
 """Goes into the site packed, as not every host packs what it sends: 4 MB of 14. The worker unpacks it."""
+CONSTANTS = {"edit_defaults.js": edits, "mask_defaults.js": decision}
+"""Modules whose constants hold.js and decision.js apply as the server does, by the script that has them."""
 SERVICE_WORKER = "service_worker.js"
 FOLDER = "draw"
 _ABOUT = (
@@ -111,6 +113,10 @@ def build(folder: Path, runtime: bytes) -> None:
         shutil.copy(path, page)
     for kind in structures.KINDS:
         (page / structures.FILE.format(kind)).write_bytes(structures.tile_bytes(kind))
+    for script, module in CONSTANTS.items():
+        values = {name: getattr(module, name) for name in module.__all__ if name.isupper()}
+        lines = [f"export const {name} = {json.dumps(value)};\n" for name, value in values.items()]
+        (page / script).write_text("".join(lines), encoding="utf-8")
     # A browser's runtime does not read the line widths.
     notes = {"line_widths": OnnxBackend(MODELS[0]).line_widths, "structures": structures.KINDS}
     (page / "model.json").write_text(json.dumps(notes) + "\n", encoding="utf-8")

@@ -1,16 +1,9 @@
 /** Decision: the object in a drawing, from its lines and the reader's presence, as normalgan.inference.mask.decision finds it in Python. */
 
 import { snapOutline } from "./edge.js";
+import { INKED, OPEN, REACH, SIDE, UNSURE } from "./mask_defaults.js";
 import { SQUARE, above, boxOf, components, dilated, distance, enclosedBy, eroded, opposite, refitted, rint, sumOf, where, without } from "./raster.js";
 import { presenceAt } from "./reader.js";
-
-/** Longest side at which areas are voted on, and twice the shortest. */
-const SIDE = 512;
-const INKED = 0.35;
-/** Mean presence between which the reader is unsure of a region, and the least share of the object to warn. */
-const [LOW, HIGH, SHARE] = [0.15, 0.7, 0.02];
-/** Share of the object's longer side that an edge without a line has at least to be told of, and how near a line bounds it. */
-const [OPEN, REACH] = [0.2, 4];
 
 /** @typedef {{mask: Uint8Array | null, covered: Float32Array | null, unsure: import("./findings.js").Finding[]}} Decision
  *   the object, null if none is seen, how much of each pixel it covers, and what is to be said */
@@ -77,9 +70,10 @@ function votesOf(labels, boxes, presence) {
  * @returns {import("./findings.js").Finding[]}
  */
 function doubts({ labels, boxes, enclosed, votes, wide, high }, mask, scale) {
-  const least = SHARE * Math.max(sumOf(mask), 1);
+  const [lowest, highest, share] = UNSURE;
+  const least = share * Math.max(sumOf(mask), 1);
   const numbers = boxes.map(({ area }, k) => ({ k, area, vote: votes[k] }))
-    .filter(({ k, area, vote }) => enclosed[k] && vote > LOW && vote < HIGH && area > least).sort((one, other) => other.area - one.area);
+    .filter(({ k, area, vote }) => enclosed[k] && vote > lowest && vote < highest && area > least).sort((one, other) => other.area - one.area);
   if (!numbers.length) return [];
   const places = numbers.map(({ k }) => {
     const depth = distance(where(labels, (label) => label === k), wide, high, true, 3);

@@ -1,6 +1,7 @@
 /** Hold: a painted map held to what a hand says of it, as normalgan.inference.edits does it in Python. */
 
 import { feathered, giveForm } from "./bevel.js";
+import { AVERAGED, BRUSH_FADES, FADES, INKED, LEAST_REACH, REACH, SOFT } from "./edit_defaults.js";
 import { blurred, boxOf, components, part, where } from "./raster.js";
 import { slopesAt } from "./structures.js";
 
@@ -8,15 +9,6 @@ import { slopesAt } from "./structures.js";
 /** @typedef {{normals: Float32Array, mask: Uint8Array, width: number, height: number}} Painted */
 
 /** @typedef {{points: number[], size: number, adds: boolean, fills?: boolean}} MaskStroke fills: a click, for all of the area about it */
-
-/** How dark a line is at least that parts one area from another. */
-const INKED = 0.35;
-const REACH = 0.05;
-const SOFT = 0.01;
-/** The share of its depth in which a region fades out that has no form and says nothing else; of its radius, a stroke. */
-const [FADES, STROKE_FADES] = [0.5, 0.6];
-/** Standard deviation of the Gaussian that smooths, as a share of the brush's width. */
-const AVERAGED = 0.25;
 
 /**
  * Holds a map to its form, to areas, in their order, then to pins, exactly; in place.
@@ -51,7 +43,7 @@ const isSame = (one, other) => one !== undefined && ["kind", "picture", "period"
   /** @type {const} */ (["turn", "x", "y", "flipped"]).every((key) => Number(one[key] ?? 0) === Number(other[key] ?? 0));
 
 /** Returns how much of each pixel a stroke covers, by its strength. @param {Painted} map @param {Area} area @param {number} scale */
-const strokeOf = ({ width, height }, { points, size = 1, strength = 1, soft = STROKE_FADES }, scale) =>
+const strokeOf = ({ width, height }, { points, size = 1, strength = 1, soft = BRUSH_FADES }, scale) =>
   brushed(points.map((value) => value * scale), width, height, size * scale, soft).map((value) => value * strength);
 
 /**
@@ -251,7 +243,7 @@ function holdPins({ normals, width, height }, hints, scale) {
   for (const hint of hints) {
     const x = Math.min(width - 1, Math.max(0, Math.floor(hint.x * scale)));
     const y = Math.min(height - 1, Math.max(0, Math.floor(hint.y * scale)));
-    const reach = Math.max(2, hint.reach === undefined ? REACH * Math.max(width, height) : hint.reach * scale);
+    const reach = Math.max(LEAST_REACH, hint.reach === undefined ? REACH * Math.max(width, height) : hint.reach * scale);
     places.set(y * width + x, { x, y, reach, normal: hint.normal });
   }
   const pins = [...places.values()];

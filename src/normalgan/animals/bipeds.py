@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 
@@ -11,10 +11,11 @@ from normalgan.animals.bipeds_heads import HEADS
 from normalgan.animals.bipeds_heads import robot as robot_head
 from normalgan.animals.frames import Frame, bend, pitch, roll, spanned, unit, yaw
 from normalgan.animals.parts import Part, Ripple, ball, block, both, carried, fuse, on_side, tube
-from normalgan.animals.plan import Bone, PosedPlan, Rng, around
+from normalgan.animals.plan import PosedPlan, Rng, around
 from normalgan.animals.shapes import Shape, Sweep
+from normalgan.animals.tables import Bone, Kinds, Number, Table
 from normalgan.arrays import Doubles
-from normalgan.ranges import Range
+from normalgan.ranges import OneOf, Range
 
 __all__ = ["STANCES", "Biped", "Flesh", "Girth", "Measures", "Robot", "Skeleton", "Stance", "skeleton"]
 
@@ -22,7 +23,7 @@ _FLAT_HAND = 0.17  # half thickness of a palm, in lengths of the hand
 
 
 @dataclass(frozen=True)
-class Girth:
+class Girth(Table):
     """A section of the trunk.
 
     Args:
@@ -30,12 +31,12 @@ class Girth:
         half_width: from side to side.
     """
 
-    half_depth: float
-    half_width: float
+    half_depth: Number
+    half_width: Number
 
 
 @dataclass(frozen=True)
-class Measures:
+class Measures(Table):
     """Sizes of a body, in units of an adult's height.
 
     Args:
@@ -61,24 +62,24 @@ class Measures:
     """
 
     leg: Bone = 0.47
-    torso: float = 0.30
-    neck: float = 0.055
-    head: float = 0.140
+    torso: Number = 0.30
+    neck: Number = 0.055
+    head: Number = 0.140
     arm: Bone = 0.33
-    hand: float = 0.095
-    foot: float = 0.15
-    hips: float = 0.055
-    shoulders: float = 0.118
+    hand: Number = 0.095
+    foot: Number = 0.15
+    hips: Number = 0.055
+    shoulders: Number = 0.118
     chest: Girth = Girth(0.068, 0.108)
     waist: Girth = Girth(0.056, 0.082)
     pelvis: Girth = Girth(0.066, 0.094)
-    belly: float = 0.0
-    thigh: float = 0.054
-    calf: float = 0.037
-    upper_arm: float = 0.032
-    forearm: float = 0.026
-    stoop: float = 0.0
-    crouch: float = 0.0
+    belly: Number = 0.0
+    thigh: Number = 0.054
+    calf: Number = 0.037
+    upper_arm: Number = 0.032
+    forearm: Number = 0.026
+    stoop: Number = 0.0
+    crouch: Number = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -265,7 +266,7 @@ def _arm_bones(measures: Measures, arm: _Arm) -> _Limb:
 
 
 @dataclass(frozen=True)
-class Flesh:
+class Flesh(Table):
     """Makes an animal of a skeleton.
 
     Args:
@@ -278,12 +279,12 @@ class Flesh:
         coat: fur, or None.
     """
 
-    head: Annotated[str, tuple(HEADS)]
-    hand: Annotated[str, ("mitt", "fingers", "paw")] = "mitt"
-    foot: Annotated[str, ("shoe", "paw")] = "shoe"
-    neck: float = 0.036
-    skirt: float = 0.0
-    tail: float = 0.0
+    head: Annotated[str, OneOf(HEADS)]
+    hand: Literal["mitt", "fingers", "paw"] = "mitt"
+    foot: Literal["shoe", "paw"] = "shoe"
+    neck: Number = 0.036
+    skirt: Number = 0.0
+    tail: Number = 0.0
     coat: Ripple | None = None
 
     def parts(self, measures: Measures, bones: Skeleton, rng: Rng) -> list[Part]:
@@ -310,7 +311,7 @@ class Flesh:
 
 
 @dataclass(frozen=True)
-class Robot:
+class Robot(Table):
     """Builds a robot of boxes, balls and pipes around a skeleton."""
 
     def parts(self, measures: Measures, bones: Skeleton, rng: Rng) -> list[Part]:
@@ -352,8 +353,8 @@ class Biped(PosedPlan):
         spread: how much an individual's measures differ, as a fraction, at most a half.
     """
 
-    habits: tuple[Annotated[str, tuple(STANCES)], ...]
-    body: Annotated[Flesh | Robot, {"flesh": Flesh, "robot": Robot}]
+    habits: tuple[Annotated[str, OneOf(STANCES)], ...]
+    body: Annotated[Flesh | Robot, Kinds(flesh=Flesh, robot=Robot)]
     measures: Measures = field(default_factory=Measures)
     spread: Annotated[float, Range(0, 0.5)] = 0.09
 

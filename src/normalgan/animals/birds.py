@@ -6,18 +6,19 @@ toes before and one behind, webbed or not.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 
 from normalgan.animals.frames import Frame, about, bend, hinge, pitch, roll, yaw
 from normalgan.animals.parts import Part, Ripple, ball, both, by, carried, fuse, in_space, pair, tube
-from normalgan.animals.plan import Bone, Eyeball, Point, PosedPlan, Rng, Span, proportions
+from normalgan.animals.plan import Eyeball, PosedPlan, Rng, proportions
 from normalgan.animals.shapes import Plate, Shape, Sweep, rounded
 from normalgan.animals.stations import Profile, Stations
+from normalgan.animals.tables import Bone, Number, Point, Span, Table
 from normalgan.arrays import Doubles
 from normalgan.errors import InputError
-from normalgan.ranges import Range
+from normalgan.ranges import OneOf, Range
 
 __all__ = ["Bird", "Legs", "Tail", "Wing"]
 
@@ -27,7 +28,7 @@ _TOES = (-34.0, 0.0, 34.0, 180.0)
 
 
 @dataclass(frozen=True)
-class Wing:
+class Wing(Table):
     """A pair of wings, in units of the length of the body.
 
     Args:
@@ -41,18 +42,18 @@ class Wing:
         high: where it lies on the side, from -1 at the belly to 1 at the back.
     """
 
-    span: float
-    chord: float
+    span: Number
+    chord: Number
     primaries: Annotated[int, Range(2, 30)] = 9
-    width: float = 0.85
-    pointed: float = 0.4
-    folded: float = 0.3
-    depth: float = 0.17
-    high: float = 0.15
+    width: Number = 0.85
+    pointed: Number = 0.4
+    folded: Number = 0.3
+    depth: Number = 0.17
+    high: Number = 0.15
 
 
 @dataclass(frozen=True)
-class Tail:
+class Tail(Table):
     """A fan of feathers, in units of the length of the body.
 
     Args:
@@ -63,15 +64,15 @@ class Tail:
         raised: degrees it is raised.
     """
 
-    length: float
+    length: Number
     feathers: Annotated[int, Range(2, 30)]
-    half_width: float
-    closed: float
-    raised: float
+    half_width: Number
+    closed: Number
+    raised: Number
 
 
 @dataclass(frozen=True)
-class Legs:
+class Legs(Table):
     """A pair of legs, in units of the length of the body.
 
     Args:
@@ -89,12 +90,12 @@ class Legs:
     hip: Point
     thigh: Bone
     shank: Bone
-    thick: float
-    meat: float
-    toe: float
+    thick: Number
+    meat: Number
+    toe: Number
     web: bool = False
-    stance: float = 0.88
-    claws: float = 0.5
+    stance: Number = 0.88
+    claws: Number = 0.5
 
     def grow(self, factor: float, pose: str, body: Frame, rng: Rng) -> list[Part]:
         """Return both legs in the world; standing legs reach the ground.
@@ -228,12 +229,12 @@ class Bird(PosedPlan):
         InputError: if neck and low differ in their number of stations.
     """
 
-    habits: tuple[Annotated[str, tuple(_POSES)], ...]
+    habits: tuple[Annotated[str, OneOf(_POSES)], ...]
     body: Profile
     pitch: Span
     neck: Stations
     low: Stations
-    skull_size: float
+    skull_size: Number
     skull: Profile
     eye: Eyeball
     beak: Stations
@@ -241,11 +242,11 @@ class Bird(PosedPlan):
     wing: Wing
     tail: Tail
     leg: Legs
-    face: Annotated[str, tuple(_FACES)] | None = None
-    train: Annotated[str, ("sickles",)] | None = None
-    turn: float = 35.0
+    face: Annotated[str, OneOf(_FACES)] | None = None
+    train: Literal["sickles"] | None = None
+    turn: Number = 35.0
     chick: bool = False
-    ranges: Mapping[Annotated[str, tuple(_RANGES)], Span] = field(default_factory=dict)
+    ranges: Mapping[Annotated[str, OneOf(_RANGES)], Span] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check the neck, which is drawn between the two."""

@@ -12,12 +12,13 @@ import numpy as np
 from normalgan.animals.birds import Legs
 from normalgan.animals.frames import Frame, about, bend, pitch, spanned, unit, way_along, yaw
 from normalgan.animals.parts import Part, ball, carried, fuse, on_side, pair, tube
-from normalgan.animals.plan import Eyeball, Point, PosedPlan, Rng, Span, proportions
+from normalgan.animals.plan import Eyeball, PosedPlan, Rng, proportions
 from normalgan.animals.shapes import Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine, Stations
+from normalgan.animals.tables import Number, Point, Span, Table
 from normalgan.arrays import Doubles
 from normalgan.errors import InputError
-from normalgan.ranges import Range
+from normalgan.ranges import OneOf, Range
 
 __all__ = ["Arm", "Armour", "Theropod"]
 
@@ -31,7 +32,7 @@ _POSES = ("stand", "walk", "run", "roar")
 
 
 @dataclass(frozen=True)
-class Arm:
+class Arm(Table):
     """A pair of arms.
 
     Args:
@@ -41,8 +42,8 @@ class Arm:
     """
 
     shoulder: Point
-    length: float
-    radius: float
+    length: Number
+    radius: Number
 
 
 @dataclass(frozen=True)
@@ -67,19 +68,19 @@ class Theropod(PosedPlan):
         InputError: if the tail does not begin behind the hip.
     """
 
-    habits: tuple[Annotated[str, tuple(_POSES)], ...]
+    habits: tuple[Annotated[str, OneOf(_POSES)], ...]
     torso: Profile
     tail: Profile
     neck: Stations
-    length: float
+    length: Number
     skull: Profile
     jaw: Profile
     eye: Eyeball
     arm: Arm
     leg: Legs
-    sail: float = 0.0
+    sail: Number = 0.0
     pitch: Span = (-4.0, 16.0)
-    ranges: Mapping[Annotated[str, tuple(_RANGES)], Span] = field(default_factory=dict)
+    ranges: Mapping[Annotated[str, OneOf(_RANGES)], Span] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check the tail."""
@@ -173,7 +174,7 @@ _LEAF = ((-0.42, -0.15), (-0.50, 0.30), (-0.26, 0.72), (0.02, 1.0), (0.26, 0.70)
 
 
 @dataclass(frozen=True)
-class Armour:
+class Armour(Table):
     """Spines or plates along the back of some dinosaurs.
 
     Args:
@@ -184,9 +185,9 @@ class Armour:
     """
 
     plates: Annotated[int, Range(0, 100)] = 0
-    height: float = 0.0
+    height: Number = 0.0
     spikes: Annotated[int, Range(0, 8)] = 0
-    frill: float = 0.0
+    frill: Number = 0.0
 
     def grow(self, neck: Sweep, skull: Sweep, torso: Sweep, tail: Sweep, rng: Rng) -> list[Part]:
         """Return the parts of it, on one individual's body."""

@@ -8,12 +8,13 @@ import numpy as np
 
 from normalgan.animals.frames import spanned, unit
 from normalgan.animals.parts import Part, ball, fuse, tube
-from normalgan.animals.plan import Eyeball, Point, PosedPlan, Rng, Span, proportions
+from normalgan.animals.plan import Eyeball, PosedPlan, Rng, proportions
 from normalgan.animals.shapes import MIRROR, Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine
+from normalgan.animals.tables import Kinds, Number, Point, Span, Table
 from normalgan.arrays import Doubles
 from normalgan.errors import InputError
-from normalgan.ranges import Range
+from normalgan.ranges import OneOf, Range
 
 __all__ = ["Fin", "Fish", "Gills"]
 
@@ -25,7 +26,7 @@ _POSES = ("glide", "swim", "turn")
 
 
 @dataclass(frozen=True)
-class Fin:
+class Fin(Table):
     """A fin in the sagittal plane, or a pair of them.
 
     Args:
@@ -43,13 +44,13 @@ class Fin:
         InputError: if the outline has no area, or the chord no direction.
     """
 
-    outline: tuple[tuple[float, float], ...]
-    thick: float = 0.007
+    outline: tuple[tuple[Number, Number], ...]
+    thick: Number = 0.007
     root: Point | None = None
-    spread: float = 50.0
-    droop: float = 20.0
+    spread: Number = 50.0
+    droop: Number = 20.0
     chord: Point = (1.0, 0.0, 0.0)
-    swell: float = 0.08
+    swell: Number = 0.08
     sharp: bool = False
 
     def __post_init__(self) -> None:
@@ -60,7 +61,7 @@ class Fin:
             raise InputError("chord is a direction, and 0, 0, 0 is none.")
 
 
-def _finlet(x: float, height: float, below: bool = False) -> Fin:
+def _finlet(x: Number, height: Number, below: bool = False) -> Fin:
     """Return one of a row of small fins in the sagittal plane, before the tail.
 
     Args:
@@ -74,7 +75,7 @@ def _finlet(x: float, height: float, below: bool = False) -> Fin:
 
 
 @dataclass(frozen=True)
-class Gills:
+class Gills(Table):
     """Slits, or the groove of a gill cover, on both flanks.
 
     Args:
@@ -86,10 +87,10 @@ class Gills:
         lid: whether a gill cover shows as one curved groove.
     """
 
-    x: float
-    y: float
-    z: float
-    height: float
+    x: Number
+    y: Number
+    z: Number
+    height: Number
     slits: Annotated[int, Range(0, 20)] = 0
     lid: bool = False
 
@@ -113,16 +114,16 @@ class Fish(PosedPlan):
         InputError: if the mouth is not a line.
     """
 
-    habits: tuple[Annotated[str, tuple(_POSES)], ...]
+    habits: tuple[Annotated[str, OneOf(_POSES)], ...]
     body: Profile
-    fins: tuple[Annotated[Fin, {"fin": Fin, "finlet": _finlet}], ...]
+    fins: tuple[Annotated[Fin, Kinds(fin=Fin, finlet=_finlet)], ...]
     eye: Eyeball
     mouth: tuple[Point, ...]
     gills: Gills
     tail: Fin | None = None
     spines: Annotated[int, Range(0, 500)] = 0
-    wave: float = 26.0
-    ranges: Mapping[Annotated[str, tuple(_RANGES)], Span] = field(default_factory=dict)
+    wave: Number = 26.0
+    ranges: Mapping[Annotated[str, OneOf(_RANGES)], Span] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Check the mouth."""

@@ -8,8 +8,9 @@ from numpy.typing import ArrayLike
 
 from normalgan.animals.frames import Frame, hinge, pitch, ray, roll, yaw
 from normalgan.animals.parts import Part, Ripple, ball, both, by, carried, fuse, in_space, on_side, pair, tube
-from normalgan.animals.plan import BodyPlan, Form, Rng, Span, around
+from normalgan.animals.plan import BodyPlan, Form, Rng, around
 from normalgan.animals.shapes import Plate, Shape, Sweep
+from normalgan.animals.tables import Span
 from normalgan.arrays import Doubles
 
 __all__ = ["INSECTS", "LegRow", "legs", "wing"]

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from normalgan.animals.frames import Frame, unit
 from normalgan.animals.shapes import Box, Cut, Ellipsoid, Ring, Shape, Sweep
+from normalgan.animals.tables import Number
 from normalgan.arrays import Doubles
 
 __all__ = [
@@ -38,8 +39,8 @@ class Ripple(NamedTuple):
         wavelength: about the distance from one to the next.
     """
 
-    height: float
-    wavelength: float
+    height: Number
+    wavelength: Number
 
 
 @dataclass(frozen=True, eq=False)

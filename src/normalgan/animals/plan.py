@@ -3,42 +3,29 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from normalgan.animals.parts import Part
-from normalgan.ranges import Range
+from normalgan.animals.tables import Number, Point, Span, Table
 
 __all__ = [
-    "GREATEST",
     "BodyPlan",
-    "Bone",
     "Eyeball",
     "Form",
-    "Point",
     "PosedPlan",
     "Rng",
-    "Span",
     "around",
     "drawn_pose",
     "proportions",
 ]
 
 Rng = np.random.Generator
-GREATEST = 10_000
-"""Sizes are about 1, angles in degrees: numbers that are greater would only overflow."""
-Span = Annotated[tuple[float, float], Range(-GREATEST, GREATEST)]
-"""The least and the greatest of what is drawn evenly."""
-Point = tuple[float, float, float]
-
-
-Bone = Annotated[float, Range(0.01, 100)]
-"""The length of a bone: one of no length has no direction in which to grow."""
 
 
 @dataclass(frozen=True)
-class Eyeball:
+class Eyeball(Table):
     """The right one of a pair of eyes.
 
     Args:
@@ -47,7 +34,7 @@ class Eyeball:
     """
 
     at: Point
-    radius: float
+    radius: Number
 
 
 class BodyPlan(Protocol):
@@ -67,7 +54,7 @@ class BodyPlan(Protocol):
 
 
 @dataclass(frozen=True)
-class PosedPlan(ABC):
+class PosedPlan(Table, ABC):
     """The base of most body plans: the pose is drawn first, and everything else follows from it.
 
     Args:

@@ -8,8 +8,9 @@ from numpy.typing import ArrayLike
 from normalgan.animals.frames import Frame, pitch, ray, roll, unit, yaw
 from normalgan.animals.insects import wing
 from normalgan.animals.parts import Part, ball, block, by, carried, fuse, in_space, pair, tube
-from normalgan.animals.plan import BodyPlan, Form, Point, Rng, around
+from normalgan.animals.plan import BodyPlan, Form, Rng, around
 from normalgan.animals.shapes import Shape, Sweep
+from normalgan.animals.tables import Point
 from normalgan.arrays import Doubles
 
 __all__ = ["PLUSH"]

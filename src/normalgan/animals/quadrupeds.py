@@ -9,12 +9,14 @@ import numpy as np
 from normalgan.animals.dinosaurs import Armour
 from normalgan.animals.frames import Frame, bend, fold, pitch, unit, yaw
 from normalgan.animals.parts import Part, Ripple, both, fuse, on_side, pair, tube
-from normalgan.animals.plan import Point, Rng, Span, drawn_pose, proportions
+from normalgan.animals.plan import Rng, drawn_pose, proportions
 from normalgan.animals.quadrupeds_poses import POSES, POSTURES, Pose
 from normalgan.animals.shapes import Cut, Shape, Sweep
 from normalgan.animals.stations import Profile, Stations
+from normalgan.animals.tables import Kinds, Number, Point, Span, Table
 from normalgan.arrays import Doubles
 from normalgan.errors import InputError
+from normalgan.ranges import Count, OneOf
 
 __all__ = ["Eye", "Head", "LegTemplate", "Limb", "Mane", "Mouth", "Ornament", "Quadruped"]
 
@@ -50,7 +52,7 @@ _YOUNG_SHARE = 0.12
 
 
 @dataclass(frozen=True)
-class LegTemplate:
+class LegTemplate(Table):
     """A leg at rest, in units of the height of its uppermost joint.
 
     Args:
@@ -63,7 +65,7 @@ class LegTemplate:
     """
 
     stations: Stations
-    joints: tuple[int, int, int, int]
+    joints: tuple[Count, Count, Count, Count]
     sole: bool = True
 
     def __post_init__(self) -> None:
@@ -73,7 +75,7 @@ class LegTemplate:
 
 
 @dataclass(frozen=True)
-class Limb:
+class Limb(Table):
     """A pair of legs.
 
     Args:
@@ -86,15 +88,15 @@ class Limb:
     """
 
     template: LegTemplate
-    x: float
-    y: float
-    z: float
-    foot: float
-    thick: float = 1.0
+    x: Number
+    y: Number
+    z: Number
+    foot: Number
+    thick: Number = 1.0
 
 
 @dataclass(frozen=True)
-class Ornament:
+class Ornament(Table):
     """Something on the body or head: horn, nose, hump, lop ear.
 
     Args:
@@ -113,19 +115,19 @@ class Ornament:
     """
 
     stations: Stations
-    scale: Annotated[str, tuple(_RANGES)] | None = None
+    scale: Annotated[str, OneOf(_RANGES)] | None = None
     side: Point = (0.0, 0.0, 1.0)
     mirror: bool = True
-    blend: float = 0.01
+    blend: Number = 0.01
     carve: bool = False
-    swivel: float = 0.0
-    chance: float = 1.0
+    swivel: Number = 0.0
+    chance: Number = 1.0
     ripple: Ripple | None = None
     pivot: Point | None = None
     otherwise: bool = False
 
 
-def _nostrils(at: Point, radius: float) -> Ornament:
+def _nostrils(at: Point, radius: Number) -> Ornament:
     """Return a pair of nostrils, to be subtracted.
 
     Args:
@@ -139,12 +141,12 @@ def _nostrils(at: Point, radius: float) -> Ornament:
 def _ears(
     base: Point,
     tip: Point,
-    half_width: float,
-    thick: float,
+    half_width: Number,
+    thick: Number,
     side: Point,
-    swivel: float = 18.0,
+    swivel: Number = 18.0,
     pricked: bool = False,
-    chance: float = 1.0,
+    chance: Number = 1.0,
 ) -> Ornament:
     """Return a pair of ears shaped like leaves: wide in the middle, pointed.
 
@@ -166,7 +168,7 @@ def _ears(
 
 
 @dataclass(frozen=True)
-class Eye:
+class Eye(Table):
     """The right eye, placed on the surface of the skull.
 
     Args:
@@ -175,13 +177,13 @@ class Eye:
         radius: radius of the ball.
     """
 
-    x: float
-    angle: float
-    radius: float
+    x: Number
+    angle: Number
+    radius: Number
 
 
 @dataclass(frozen=True)
-class Mouth:
+class Mouth(Table):
     """The groove between the lips.
 
     Args:
@@ -189,12 +191,12 @@ class Mouth:
         angle: degrees above the middle of the side, negative below.
     """
 
-    x: float
-    angle: float
+    x: Number
+    angle: Number
 
 
 @dataclass(frozen=True)
-class Head:
+class Head(Table):
     """The skull and what grows on it, in the head's own frame and length: x to the nose, y up, 0 at the poll.
 
     Args:
@@ -207,17 +209,17 @@ class Head:
         flat: whether the snout ends flat.
     """
 
-    length: float
-    pitch: float
+    length: Number
+    pitch: Number
     skull: Profile
     eye: Eye
-    ornaments: tuple[Annotated[Ornament, {"tube": Ornament, "nostrils": _nostrils, "ears": _ears}], ...]
+    ornaments: tuple[Annotated[Ornament, Kinds(tube=Ornament, nostrils=_nostrils, ears=_ears)], ...]
     mouth: Mouth | None = None
     flat: bool = False
 
 
 @dataclass(frozen=True)
-class Mane:
+class Mane(Table):
     """A crest along the neck.
 
     Args:
@@ -228,15 +230,15 @@ class Mane:
         bumps: their height; 0 for none.
     """
 
-    height: float
-    radius: float
-    half_width: float
-    aside: float = 0.0
-    bumps: float = 0.0
+    height: Number
+    radius: Number
+    half_width: Number
+    aside: Number = 0.0
+    bumps: Number = 0.0
 
 
 @dataclass(frozen=True)
-class Quadruped:
+class Quadruped(Table):
     """A kind of quadruped, standing at rest, head to +x, ground at y = 0, the withers about 1 high.
 
     Args:
@@ -258,7 +260,7 @@ class Quadruped:
         neck_pitch: degrees between which the neck is raised over its rest.
     """
 
-    habits: tuple[Annotated[str, tuple(POSES)], ...]
+    habits: tuple[Annotated[str, OneOf(POSES)], ...]
     torso: Profile
     neck: Stations
     head: Head
@@ -268,7 +270,7 @@ class Quadruped:
     ornaments: tuple[Ornament, ...] = ()
     mane: Mane | None = None
     armour: Armour | None = None
-    ranges: Mapping[Annotated[str, tuple(_RANGES)], Span] = field(default_factory=dict)
+    ranges: Mapping[Annotated[str, OneOf(_RANGES)], Span] = field(default_factory=dict)
     tail_lift: Span = (-10.0, 25.0)
     tail_ripple: Ripple | None = None
     coat: Ripple | None = None

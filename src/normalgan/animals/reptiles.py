@@ -8,11 +8,12 @@ import numpy as np
 
 from normalgan.animals.frames import Frame, about, bend, pitch, spanned, way_along, yaw
 from normalgan.animals.parts import Part, ball, by, carried, fuse, in_space, on_side, pair, tube
-from normalgan.animals.plan import Eyeball, Point, PosedPlan, Rng, Span, around, proportions
+from normalgan.animals.plan import Eyeball, PosedPlan, Rng, around, proportions
 from normalgan.animals.shapes import Plate, Sweep, rounded
 from normalgan.animals.stations import Profile, Spine
+from normalgan.animals.tables import Number, Point, Span
 from normalgan.arrays import Doubles
-from normalgan.ranges import Range
+from normalgan.ranges import OneOf, Range
 
 __all__ = ["Crawler", "Snake", "Turtle"]
 
@@ -47,20 +48,20 @@ class Crawler(PosedPlan):
         ranges: ranges of proportions that differ from the general ones.
     """
 
-    habits: tuple[Annotated[str, _CRAWLING], ...]
+    habits: tuple[Annotated[str, OneOf(_CRAWLING)], ...]
     trunk: Profile
-    head: float
+    head: Number
     skull: Profile
     jaw: Profile
-    neck: tuple[float, float]
+    neck: tuple[Number, Number]
     eye: Eyeball
     shoulder: Point
     hip: Point
-    reach: float
-    thick: float
-    crest: float = 0.0
+    reach: Number
+    thick: Number
+    crest: Number = 0.0
     scutes: Annotated[int, Range(0, 10)] = 0
-    ranges: Mapping[Annotated[str, tuple(_RANGES)], Span] = field(default_factory=dict)
+    ranges: Mapping[Annotated[str, OneOf(_RANGES)], Span] = field(default_factory=dict)
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
         """Return the parts of one individual in a pose."""
@@ -104,14 +105,14 @@ class Turtle(PosedPlan):
         bumpy: how far the scutes bulge.
     """
 
-    habits: tuple[Annotated[str, _SHELLED], ...]
-    dome: float
-    half_width: float
-    neck: float
+    habits: tuple[Annotated[str, OneOf(_SHELLED)], ...]
+    dome: Number
+    half_width: Number
+    neck: Number
     skull: Profile
-    clear: float = 0.0
+    clear: Number = 0.0
     flippers: bool = False
-    bumpy: float = 0.02
+    bumpy: Number = 0.02
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
         """Return the parts of one individual in a pose."""
@@ -159,7 +160,7 @@ class Snake(PosedPlan):
         hooded: whether it spreads its neck, as a cobra does.
     """
 
-    habits: tuple[Annotated[str, _COILED], ...]
+    habits: tuple[Annotated[str, OneOf(_COILED)], ...]
     skull: Profile
     hooded: bool = False
 

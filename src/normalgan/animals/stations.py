@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from normalgan.animals.frames import Frame, about, pitch, yaw
 from normalgan.animals.parts import in_space, tube
 from normalgan.animals.shapes import Sweep
+from normalgan.animals.tables import Column, Table
 from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 
@@ -15,7 +16,7 @@ __all__ = ["Profile", "Spine", "Stations"]
 
 
 @dataclass(frozen=True, eq=False)
-class Stations:
+class Stations(Table):
     """Sections along a curve, one value of each column for each station.
 
     Args:
@@ -29,11 +30,11 @@ class Stations:
         InputError: if the columns are not of one length, or a section has no size.
     """
 
-    x: Doubles
-    y: Doubles
-    radius: Doubles
-    z: Doubles | None = None
-    half_width: Doubles | None = None
+    x: Column
+    y: Column
+    radius: Column
+    z: Column | None = None
+    half_width: Column | None = None
 
     def __post_init__(self) -> None:
         """Check the columns."""
@@ -53,7 +54,7 @@ class Stations:
 
 
 @dataclass(frozen=True, eq=False)
-class Profile:
+class Profile(Table):
     """Sections of a body that lies along x, as seen from the side and from above.
 
     Args:
@@ -66,10 +67,10 @@ class Profile:
         InputError: if the columns are not of one length, or a section has no size.
     """
 
-    x: Doubles
-    top: Doubles
-    bottom: Doubles
-    half_width: Doubles
+    x: Column
+    top: Column
+    bottom: Column
+    half_width: Column
 
     def __post_init__(self) -> None:
         """Check the columns."""

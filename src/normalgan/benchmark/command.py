@@ -10,7 +10,7 @@ from jsonargparse.typing import NonNegativeInt
 
 from normalgan.benchmark.plan import Plan, is_plan, read_plan
 from normalgan.benchmark.scale import Scale, read_budget, read_scale
-from normalgan.cli.light_parser import LightParser
+from normalgan.cli.parsing.light_parser import LightParser
 from normalgan.errors import InputError
 from normalgan.files.shipped_configs import find_beside
 from normalgan.warning_filters import filter_warnings

@@ -2,19 +2,17 @@
 
 import re
 from collections import Counter
-from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
 import yaml
 
-from normalgan.cli.config_files import check_config
-from normalgan.cli.light_parser import LightParser
-from normalgan.cli.parser_errors import refusal
+from normalgan.cli.parsing.config_files import check_config
 from normalgan.errors import InputError
 from normalgan.files.shipped_configs import find_config
 from normalgan.ranges import Count, NonNegative, PositiveInt, check_ranges
+from normalgan.records import Record, read_record
 
 __all__ = ["Placement", "Plan", "Row", "Settings", "is_plan", "read_plan", "read_yaml"]
 
@@ -29,7 +27,7 @@ Part = TypeVar("Part", "Plan", "Row")
 
 
 @dataclass(frozen=True)
-class Row:
+class Row(Record):
     """A line of the table: a trained method, or one without training.
 
     The settings of a trained method are composed as for `normalgan fit`, and later ones win: its configs, its
@@ -65,7 +63,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Plan:
+class Plan(Record):
     """A benchmark.
 
     Args:
@@ -165,7 +163,7 @@ def read_plan(path: str | Path) -> Plan:
         InputError: if something in it cannot be used; the sentence names the file and the row.
     """
     content, rows = _with_base(Path(path), ())
-    return _read(Plan, content, f"the plan {path}", rows=rows)
+    return _read(Plan, {**content, "rows": rows}, f"the plan {path}")
 
 
 def _with_base(path: Path, above: tuple[Path, ...]) -> tuple[Settings, list[Row]]:
@@ -214,18 +212,8 @@ def read_yaml(path: str | Path) -> Settings:
     return content
 
 
-def _read(kind: type[Part], content: Settings, where: str, **given: Any) -> Part:
-    """Build a dataclass from a file's fields and known ones."""
-    parser = LightParser()
-    parser.add_class_arguments(kind, skip=set(given))
+def _read(kind: type[Part], content: Settings, where: str) -> Part:
     try:
-        # A copy: the parser changes what it parses.
-        checked = vars(parser.parse_object(deepcopy(content)))
-        # Settings stay as they are written: the parser takes a mapping with a class path for that class,
-        # and adds all its defaults, some of which `normalgan fit` would refuse.
-        written = {name: content[name] for name in checked if isinstance(content.get(name), dict)}
-        return kind(**given, **checked | written)
+        return read_record(kind, content)
     except InputError as error:
         raise InputError(f"{where} cannot be used: {error}") from error
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{where} cannot be used: {refusal(error)}") from error

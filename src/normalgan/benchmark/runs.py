@@ -9,7 +9,7 @@ from typing import Any
 from normalgan.benchmark.plan import Plan, Row, Settings, read_yaml
 from normalgan.benchmark.scale import Scale
 from normalgan.benchmark.settings import MACHINE, compose, differences, digest, nest, part, without
-from normalgan.cli.class_settings import OwnDefaultsParser
+from normalgan.cli.parsing.light_parser import OwnDefaultsParser
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError
 

@@ -82,7 +82,7 @@ def compose(layers: Sequence[Mapping[str, Any]]) -> Settings:
     Raises:
         InputError: if `normalgan fit` would refuse them.
     """
-    from normalgan.cli.training import resolved_settings  # here: it imports lightning
+    from normalgan.cli.training.command import resolved_settings  # here: it imports lightning
 
     with TemporaryDirectory() as folder:
         arguments: list[str] = []

@@ -1,6 +1,6 @@
 """Commands: their list, one line of help for each, and the module that runs it."""
 
-from normalgan.cli.training_help import COMMANDS as TRAINING
+from normalgan.cli.training.help import COMMANDS as TRAINING
 
 __all__ = ["COMMANDS", "OTHERS", "USAGE"]
 
@@ -31,7 +31,7 @@ A configuration is a program; with --safe-config it can name known classes only.
 """
 OTHERS = {
     "sketch": "normalgan.cli.sketch",
-    "generate": "normalgan.cli.generate",
+    "generate": "normalgan.cli.generate.command",
     "convert": "normalgan.cli.convert",
     "mcp": "normalgan.cli.mcp_server",
     "studio": "normalgan.studio.command",

@@ -8,8 +8,8 @@ from importlib.util import find_spec
 from jsonargparse import ArgumentParser
 
 from normalgan.cli.commands import OTHERS
-from normalgan.cli.light_parser import LightParser
-from normalgan.cli.training_help import COMMANDS
+from normalgan.cli.parsing.light_parser import LightParser
+from normalgan.cli.training.help import COMMANDS
 from normalgan.errors import InputError
 
 __all__ = ["SHELLS", "build_parser", "completion_script", "run"]
@@ -53,7 +53,7 @@ def completion_script(shell: str, training: Sequence[str] = tuple(COMMANDS)) -> 
         raise InputError("completion needs shtab; install it with pip install 'normalgan[completion]'.")
     # Late: lightning takes seconds to import.
     from normalgan.cli.discovery import REGISTRIES
-    from normalgan.cli.training import training_parser
+    from normalgan.cli.training.command import training_parser
 
     whole = ArgumentParser(prog="normalgan")
     commands = whole.add_subcommands()

@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Literal
 
-from normalgan.cli.light_parser import LightParser
-from normalgan.cli.number_types import Strength
+from normalgan.cli.parsing.light_parser import LightParser
+from normalgan.cli.parsing.number_types import Strength
 from normalgan.errors import InputError, unwritable
 from normalgan.files.writing import write_bytes
 from normalgan.inference.conversion import map_of_heights, read_map, with_detail

@@ -7,7 +7,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from normalgan.cli.light_parser import LightParser
+from normalgan.cli.parsing.light_parser import LightParser
 from normalgan.errors import InputError, unwritable
 from normalgan.files.writing import write_bytes
 

@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
-from normalgan.cli.light_parser import LightParser
+from normalgan.cli.parsing.light_parser import LightParser
 
 __all__ = ["build_parser", "run"]
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from typing import Any, Literal
 
 from normalgan.cli.late_imports import gc_paused
-from normalgan.cli.light_parser import LightParser
+from normalgan.cli.parsing.light_parser import LightParser
 from normalgan.registry import LeftOut, Registry, class_path, summary
 
 __all__ = ["Kind", "build_parser", "run"]

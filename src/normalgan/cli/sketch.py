@@ -10,9 +10,9 @@ from jsonargparse.typing import NonNegativeInt
 from numpy.typing import NDArray
 
 from normalgan.animals import SPECIES, Animal
-from normalgan.cli.light_parser import LightParser
-from normalgan.cli.number_types import Degrees, Margin, Side
-from normalgan.cli.parser_errors import refusal
+from normalgan.cli.parsing.errors import refusal
+from normalgan.cli.parsing.light_parser import LightParser
+from normalgan.cli.parsing.number_types import Degrees, Margin, Side
 from normalgan.errors import InputError, did_you_mean, unwritable
 from normalgan.files.writing import write_bytes
 from normalgan.normals import encode_grey, encode_png, paint_flat

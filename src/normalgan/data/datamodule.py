@@ -4,6 +4,7 @@ import hashlib
 import json
 import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from functools import cached_property
 from typing import Any
 
@@ -24,7 +25,7 @@ from normalgan.data.loading.order import spread
 from normalgan.data.loading.stream import StreamDataset
 from normalgan.data.recipe import Loadable, SampleRecipe
 from normalgan.data.render import find_unusable, leave_out, open_samples, render_samples
-from normalgan.data.settings import EmbeddedAnimals, MeshReading, Prediction, Split, Storage
+from normalgan.data.settings import EmbeddedAnimals, MeshOptions, MeshReading, Prediction, Split, Storage
 from normalgan.data.sketches import SketchDataset, SketchSample
 from normalgan.data.sources import DataSource, MeshGroup, PairSource, SplitSettings
 from normalgan.data.sources.meshes import join_variants, split_meshes
@@ -198,14 +199,9 @@ class MeshDataModule(LightningDataModule):
         kinds = [group.split(settings) for group in self.groups]
         reading, animals = self.reading, self.animals
         if self.meshes is not None:
-            how = (
-                reading.orientation,
-                reading.crease_angle,
-                reading.poses,
-                reading.variants,
-                self.split.file,
-            )
-            kinds = [MeshGroup(self.meshes, *how).split(settings), *kinds]
+            how = {option.name: getattr(reading, option.name) for option in fields(MeshOptions)}
+            group = MeshGroup(self.meshes, split_file=self.split.file, **how)
+            kinds = [group.split(settings), *kinds]
         elif not self.groups:
             made = split_meshes([*make_animals(animals.count, self.seed, list(animals.species))], settings)
             varied = join_variants(made["train"], settings.variation, reading.variants)

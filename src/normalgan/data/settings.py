@@ -9,12 +9,12 @@ from normalgan.errors import InputError
 from normalgan.ranges import Count, PositiveInt, Share, check_ranges
 from normalgan.rendering.variation import Variation
 
-__all__ = ["EmbeddedAnimals", "MeshReading", "Prediction", "Split", "Storage"]
+__all__ = ["EmbeddedAnimals", "MeshOptions", "MeshReading", "Prediction", "Split", "Storage"]
 
 
-@dataclass(frozen=True)
-class MeshReading:
-    """How mesh files are read, and how many variants are made of each.
+@dataclass(frozen=True, kw_only=True)
+class MeshOptions:
+    """How mesh files are read, and how many samples are made of each.
 
     Args:
         orientation: JSON file that says of each mesh how it is turned upright, and whether inside out.
@@ -22,17 +22,29 @@ class MeshReading:
         poses: poses that replace each rigged glTF file; 0 keeps all files at rest.
         variants: random variants added for each training mesh or embedded animal; validation
             and test meshes do not change.
-        variation: how much these variants, and those of groups, differ from their mesh.
+
+    Raises:
+        InputError: if a number is out of its range.
     """
 
     orientation: str | None = None
     crease_angle: float | None = None
     poses: Count = 0
     variants: Count = 0
-    variation: Variation = Variation()  # noqa: RUF009  # frozen
 
     def __post_init__(self) -> None:
         check_ranges(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeshReading(MeshOptions):
+    """How the meshes that are in no group are read.
+
+    Args:
+        variation: how much variants, those of groups too, differ from their mesh.
+    """
+
+    variation: Variation = Variation()  # noqa: RUF009  # frozen
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ from typing import Literal
 from jsonargparse import Namespace
 
 from normalgan.cli.late_imports import gc_paused
-from normalgan.cli.light_parser import LightParser
-from normalgan.cli.number_types import ModelSide
+from normalgan.cli.parsing.light_parser import LightParser
+from normalgan.cli.parsing.number_types import ModelSide
 from normalgan.errors import InputError, RunError, unwritable
 from normalgan.files.writing import write_bytes
 from normalgan.warning_filters import filter_warnings

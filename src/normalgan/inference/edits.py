@@ -14,8 +14,14 @@ from normalgan.inference.regions import around
 from normalgan.normals import normalize
 
 __all__ = [
+    "AVERAGED",
+    "BRUSH_FADES",
+    "FADES",
+    "INKED",
+    "LEAST_REACH",
     "MOST_PINS",
     "REACH",
+    "SOFT",
     "MaskStroke",
     "brush",
     "carve",
@@ -31,10 +37,18 @@ REACH = 0.05
 """Default reach of a pin, as a share of the map's longer side."""
 MOST_PINS = 200
 """With more hints they are painted areas, not pins, and only the network follows them."""
-_LEAST_REACH = 2.0
+LEAST_REACH = 2.0
 """Least reach of a pin, in pixels."""
-_AVERAGED = 0.25
+AVERAGED = 0.25
 """Standard deviation of the Gaussian that smooths, as a share of the brush's width."""
+FADES = 0.5
+"""The share of its depth in which an area without a form fades out, unless it says how far."""
+BRUSH_FADES = 0.6
+"""The share of its radius in which a stroke of the brush fades out, unless it says how far."""
+SOFT = 0.01
+"""Width of the edge of an area that does not fade out, as a share of the map's longer side."""
+INKED = 0.35
+"""How dark a line is at least that parts one area from another."""
 
 
 def enforce_pins(normals: Floats, points: Floats, wanted: Floats, reaches: Floats) -> Floats:
@@ -69,7 +83,7 @@ def enforce_pins(normals: Floats, points: Floats, wanted: Floats, reaches: Float
     _, kept = np.unique((rows * width + columns)[::-1], return_index=True)
     kept = len(rows) - 1 - kept
     rows, columns, wanted, reaches = rows[kept], columns[kept], wanted[kept], reaches[kept]
-    reaches = np.maximum(reaches, _LEAST_REACH)
+    reaches = np.maximum(reaches, LEAST_REACH)
     turns = _turns(normals[rows, columns], wanted)
     apart = np.hypot(columns[:, None] - columns[None], rows[:, None] - rows[None])
     basis = _wendland(apart / reaches[None]).astype(np.float64)
@@ -136,7 +150,7 @@ def smooth(normals: Floats, mask: BoolMask, area: Floats, width: float) -> Float
     touched = (area > 1e-3) & mask
     if not touched.any():
         return normals
-    sigma = _AVERAGED * width
+    sigma = AVERAGED * width
     box = around(touched, int(np.ceil(4 * sigma)) + 1)  # as far as the Gaussian reaches
     blurred = cv2.GaussianBlur(normals[box] * mask[box][..., None], (0, 0), sigma)
     mean = normalize(np.asarray(blurred, np.float32))

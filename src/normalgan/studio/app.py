@@ -17,27 +17,26 @@ from starlette.responses import FileResponse, HTMLResponse, JSONResponse, Respon
 from starlette.routing import BaseRoute, Mount, Route
 from starlette.staticfiles import StaticFiles
 
-from normalgan.errors import InputError
+from normalgan.errors import InputError, sentence_of
 from normalgan.inference import structures
 from normalgan.inference.outputs.lighting import CLAY_FILE
-from normalgan.studio.bodies import MOST_BYTES, check_type, read_body
-from normalgan.studio.document_routes import DocumentRoutes
-from normalgan.studio.document_store import DocumentStore
-from normalgan.studio.exports import with_export_menu
-from normalgan.studio.guard import Guard
-from normalgan.studio.limits import MOST_HINTS, MOST_SIDE, with_limits
-from normalgan.studio.opening import Opened
-from normalgan.studio.page_files import markup, version_of
-from normalgan.studio.pictures import import_layers, import_picture
-from normalgan.studio.prediction_routes import PredictionRoutes
-from normalgan.studio.predictor import Predictor
-from normalgan.studio.responses import ResponseMiddleware, failed, refused
-from normalgan.studio.schemas import ImportQuery, sentence_of
+from normalgan.studio.drawings.imports import import_layers, import_picture
+from normalgan.studio.drawings.limits import MOST_HINTS, MOST_SIDE, with_limits
+from normalgan.studio.drawings.schemas import ImportQuery
+from normalgan.studio.page_files import PAGE, markup, version_of
+from normalgan.studio.predictions.exports import with_export_menu
+from normalgan.studio.predictions.predictor import Predictor
+from normalgan.studio.predictions.routes import PredictionRoutes
+from normalgan.studio.projects.document_store import DocumentStore
+from normalgan.studio.projects.opening import Opened
+from normalgan.studio.projects.routes import DocumentRoutes
+from normalgan.studio.server.bodies import MOST_BYTES, check_type, read_body
+from normalgan.studio.server.guard import Guard
+from normalgan.studio.server.responses import ResponseMiddleware, failed, refused
 from normalgan.version import __version__
 
-__all__ = ["PAGE", "build_app"]
+__all__ = ["build_app"]
 
-PAGE = Path(__file__).parent / "page"
 _AUTOSAVES = 50
 _SENTENCES = {404: "there is nothing at this address.", 405: "this address does not take that method."}
 
@@ -54,7 +53,7 @@ def build_app(
         predictor: predicts the drawings.
         projects: the saved projects; unsaved work goes into a folder below.
         port: the port it is served at.
-        opened: what the page opens first, as `normalgan.studio.opening.find_opened` gives it.
+        opened: what the page opens first, as `normalgan.studio.projects.opening.find_opened` gives it.
     """
     predictions = PredictionRoutes(predictor)
     autosaved = DocumentStore(projects.folder / "autosave")

@@ -8,15 +8,15 @@ from jsonargparse import Namespace
 from platformdirs import user_data_path
 
 from normalgan import decoding
-from normalgan.cli.light_parser import LightParser
+from normalgan.cli.parsing.light_parser import LightParser
 from normalgan.inference.network.onnx_backend import find_model
 from normalgan.inference.outputs import OUTPUTS
 from normalgan.studio.app import build_app
-from normalgan.studio.document_store import DocumentStore
-from normalgan.studio.memory import keep_memory
-from normalgan.studio.opening import find_opened
-from normalgan.studio.predictor import Predictor
-from normalgan.studio.serving import listen, serve
+from normalgan.studio.predictions.memory import keep_memory
+from normalgan.studio.predictions.predictor import Predictor
+from normalgan.studio.projects.document_store import DocumentStore
+from normalgan.studio.projects.opening import find_opened
+from normalgan.studio.server.serving import listen, serve
 
 __all__ = ["build_parser", "run", "studio"]
 

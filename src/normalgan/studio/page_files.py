@@ -5,8 +5,10 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
-__all__ = ["markup", "modules_of", "version_of"]
+__all__ = ["PAGE", "markup", "modules_of", "version_of"]
 
+PAGE = Path(__file__).parent / "page"
+"""The folder of the page's files."""
 _IMPORT = re.compile(r'^(?:import|export)\b[^;"]*?(?:\bfrom\s*)?"\./([\w.]+)"', re.MULTILINE)
 _SCRIPT = re.compile(r'^<script type="module" src="([^"]*/)([\w.]+)"></script>', re.MULTILINE)
 

@@ -10,7 +10,7 @@ from PIL import Image
 from normalgan.errors import InputError
 from normalgan.inference.inputs import as_mask
 from normalgan.inference.mask.masks import load_mask
-from normalgan.studio.drawing_request import DrawingRequest
+from normalgan.studio.drawings.drawing_request import DrawingRequest
 
 OBJECT = np.zeros((30, 40), bool)
 OBJECT[8:20, 10:30] = True

@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from normalgan.data.settings import MeshOptions
 from normalgan.data.sources.base import SplitSettings
 from normalgan.data.splits import SPLITS
-from normalgan.ranges import Count, Share, check_ranges
+from normalgan.ranges import Share
 from normalgan.rendering import MeshFile, MeshSource, find_meshes
 from normalgan.rendering.rigs import find_poses
 from normalgan.rendering.variation import Variation, Varied
@@ -14,7 +15,7 @@ __all__ = ["MeshGroup", "join_variants", "split_meshes"]
 
 
 @dataclass(frozen=True)
-class MeshGroup:
+class MeshGroup(MeshOptions):
     """Meshes of one kind: where they are, how they are read, and how many samples are made of them.
 
     Each group is split separately, so that every kind has its share in each split. As all training meshes get
@@ -22,28 +23,14 @@ class MeshGroup:
 
     Args:
         meshes: a folder, a glob or a list of mesh files.
-        orientation: JSON file that says of each mesh how it is turned upright, and whether inside out.
-        crease_angle: degrees from which an edge is sharp; None shades everything smooth.
-        poses: poses that replace each rigged glTF file; 0 keeps all files at rest.
-        variants: individuals that join each training mesh, varied at random.
         split_file: JSON file that lists the group's train, val and test meshes; None splits by fractions.
         postures: share of the training poses, from 0 to 1, that are postures such as sitting, lying or
             rearing, where the skeleton is a known one; the others come from the animations.
-
-    Raises:
-        InputError: if a number is negative, or the share greater than 1.
     """
 
     meshes: str | list[str]
-    orientation: str | None = None
-    crease_angle: float | None = None
-    poses: Count = 0
-    variants: Count = 0
     split_file: str | None = None
     postures: Share = 0.0
-
-    def __post_init__(self) -> None:
-        check_ranges(self)
 
     def split(self, settings: SplitSettings) -> dict[str, list[MeshSource]]:
         """Return the group's meshes by split.

@@ -9,7 +9,7 @@ from normalgan.graphs import connected
 from normalgan.inference.cleaning.reader import Reading
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.composites.islands import in_rows
-from normalgan.inference.mask.decision import Decision
+from normalgan.inference.mask.decision import INKED, Decision
 from normalgan.inference.reading.drawings import SMALLEST
 
 __all__ = ["alike", "find_figures"]
@@ -38,7 +38,7 @@ def find_figures(decision: Decision, reading: Reading, shape: tuple[int, int]) -
     size = decision.small.shape[0], decision.small.shape[1]
     presence = reading.presence_at(size)
     # What one line connects is one area.
-    body = (presence > 0.5) | (decision.ink > 0.35)
+    body = (presence > 0.5) | (decision.ink > INKED)
     count, found, measured, _ = cv2.connectedComponentsWithStats(body.astype(np.uint8), connectivity=8)
     labels, stats = np.asarray(found, np.int32), np.asarray(measured, np.int32)
     areas = stats[:, cv2.CC_STAT_AREA].astype(np.float64)

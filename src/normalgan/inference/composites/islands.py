@@ -12,6 +12,7 @@ from normalgan.inference.cleaning.reader import read
 from normalgan.inference.cleaning.silhouette import enclosed_by
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.composites.sheets import MOST_CELLS
+from normalgan.inference.mask.decision import INKED
 from normalgan.inference.reading.drawings import SMALLEST
 from normalgan.inference.reading.picture import MOST_WORKED, fitted_within, resize, to_picture
 
@@ -19,8 +20,8 @@ __all__ = ["drawn", "find_islands", "in_rows"]
 
 _GAP = 0.004
 """Half the gap across which parts count as connected, as a share of the sheet's longer side."""
-_INK, _FAINT = 0.35, 8
-"""Least ink of a line; largest opacity, of 255, that counts as transparent."""
+_FAINT = 8
+"""Largest opacity, of 255, that counts as transparent."""
 _SMALL = 0.2
 """A drawing that spans less than this share of the largest may be a part of the one beside it."""
 _BESIDE = 0.1
@@ -90,7 +91,7 @@ def _lines(sheet: Decoded) -> BoolMask:
     """Return the lines of a sheet and the area they enclose, (H, W)."""
     picture = to_picture(sheet)
     worked = fitted_within(picture.size, MOST_WORKED)
-    lines = enclosed_by(clean(picture.resized(worked), read(picture)).ink > _INK)
+    lines = enclosed_by(clean(picture.resized(worked), read(picture)).ink > INKED)
     return lines if worked == picture.size else resize(lines.astype(np.float32), picture.size) > 0.5
 
 

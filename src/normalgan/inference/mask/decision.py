@@ -16,19 +16,19 @@ from normalgan.inference.mask.edge import snap
 from normalgan.inference.reading.picture import fitted, resize
 from normalgan.inference.regions import depth_of, extent_of
 
-__all__ = ["Decision", "decide"]
+__all__ = ["INKED", "OPEN", "REACH", "SIDE", "UNSURE", "Decision", "decide"]
 
-_SIDE = 512
+SIDE = 512
 """Longest side in pixels at which areas are voted on, and twice the shortest; the ink gives their edge."""
 _OFF, _LEAST_OFF = 2.5, 2.0
 """How far the edge found at that size may be off, in its pixels; and at least, in pixels of the drawing."""
-_INKED = 0.35
+INKED = 0.35
 """Least ink of a line."""
-_UNSURE = 0.15, 0.7, 0.02
+UNSURE = 0.15, 0.7, 0.02
 """Mean presence between which the reader is unsure of a region; and the least share of the object to warn."""
-_OPEN = 0.2
+OPEN = 0.2
 """Share of the object's longer side over which its edge may have no line before that is reported."""
-_REACH = 4
+REACH = 4
 """How far from an edge a line bounds it, in pixels of the vote."""
 _NEAR = 0.01
 """How far from a region a point that flips it may lie, as a share of the longer side: on its outline."""
@@ -106,10 +106,10 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
     """
     shape = (ink.shape[0], ink.shape[1])
     # In a small drawing, lines are connected only between pixels.
-    side = min(max(*shape, _SIDE // 2), _SIDE)
+    side = min(max(*shape, SIDE // 2), SIDE)
     size = fitted(shape, side)
     small_ink = ink if size == shape else resize(ink, size)
-    inked = small_ink > _INKED
+    inked = small_ink > INKED
     read = None if reading is None else reading.presence_at(size)
     presence = (enclosed_by(inked) & ~inked).astype(np.float32) if read is None else read
     count, found, measured, _ = cv2.connectedComponentsWithStats((~inked).astype(np.uint8), connectivity=4)
@@ -131,9 +131,9 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
     if read is not None:
         total = int(np.count_nonzero(small))
         unsure += _unsure(regions, votes, sizes, enclosed & ~settled, total, shape)
-        unsure += _open(small, small_ink > _INKED / 2, shape)
+        unsure += _open(small, small_ink > INKED / 2, shape)
     rough: BoolMask = small if size == shape else resize(small.astype(np.float32), shape) > 0.5
-    coverage = snap(rough, ink, max(_OFF * max(shape) / _SIDE, _LEAST_OFF))
+    coverage = snap(rough, ink, max(_OFF * max(shape) / SIDE, _LEAST_OFF))
     mask = coverage > 0.5
     return Decision(small_ink, read, regions, votes, enclosed, small, mask, coverage, tuple(unsure))
 
@@ -178,7 +178,7 @@ def _unsure(
     shape: tuple[int, int],
 ) -> list[Finding]:
     """Return the finding about regions that the reader is unsure of, the largest first, if any."""
-    low, high, share = _UNSURE
+    low, high, share = UNSURE
     doubtful = asked & (votes > low) & (votes < high) & (sizes > share * max(total, 1))
     numbers = np.flatnonzero(doubtful)
     if not len(numbers):
@@ -190,17 +190,17 @@ def _unsure(
 
 def _open(small: BoolMask, inked: BoolMask, shape: tuple[int, int]) -> list[Finding]:
     """Return the finding about the longest part of an object's edge without a line, if it is long."""
-    reach = np.ones((2 * _REACH + 1, 2 * _REACH + 1), np.uint8)
+    reach = np.ones((2 * REACH + 1, 2 * REACH + 1), np.uint8)
     # What the picture's border cuts off needs no line there.
     bounded = cv2.dilate(inked.astype(np.uint8), reach, borderValue=1)
     inner = cv2.erode(small.astype(np.uint8), np.ones((3, 3), np.uint8))
     free = (small & (inner == 0) & (bounded == 0)).astype(np.uint8)
-    free[:_REACH] = free[-_REACH:] = 0
-    free[:, :_REACH] = free[:, -_REACH:] = 0
+    free[:REACH] = free[-REACH:] = 0
+    free[:, :REACH] = free[:, -REACH:] = 0
     if not free.any():
         return []
     _, labels, stats, _ = cv2.connectedComponentsWithStats(free, connectivity=8)
-    if stats[1:, cv2.CC_STAT_AREA].max() < _OPEN * extent_of(small):
+    if stats[1:, cv2.CC_STAT_AREA].max() < OPEN * extent_of(small):
         return []
     rows, columns = np.nonzero(labels == 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax()))
     middle = int(np.hypot(rows - rows.mean(), columns - columns.mean()).argmin())

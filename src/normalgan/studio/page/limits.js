@@ -1,4 +1,4 @@
-/** Limits of a drawing, which the server hands to the page; see normalgan.studio.limits. */
+/** Limits of a drawing, which the server hands to the page; see normalgan.studio.drawings.limits. */
 
 /**
  * @type {{sides: {least: number, most: number}, layers: number, name: number, strokes: number, hints: number, areas: number,

@@ -1,0 +1,113 @@
+"""Tables: the types of what species files hold."""
+
+import tomllib
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+
+from normalgan.arrays import Doubles
+from normalgan.errors import InputError, brief, did_you_mean
+from normalgan.files.limits import read_named
+from normalgan.ranges import Range
+from normalgan.records import Record, reads
+
+__all__ = ["FOLDER", "SHARED", "Bone", "Column", "Kinds", "Number", "Point", "Span", "Table", "read_toml"]
+
+FOLDER = Path(__file__).with_name("species")
+"""The species files of the package."""
+SHARED = FOLDER / "shared.toml"
+"""Tables that several of them use, by class and name."""
+
+_GREATEST = 10_000
+"""Sizes are about 1, angles in degrees: numbers that are greater would only overflow."""
+Number = Annotated[float, Range(-_GREATEST, _GREATEST)]
+Span = Annotated[tuple[Number, Number], Range(-_GREATEST, _GREATEST)]
+"""The least and the greatest of what is drawn evenly."""
+Point = tuple[Number, Number, Number]
+Bone = Annotated[float, Range(0.01, 100)]
+"""The length of a bone: one of no length has no direction in which to grow."""
+
+
+class Table(Record):
+    """The base of dataclasses that are read from a table, or from the name of a table in `SHARED`."""
+
+    @classmethod
+    def table_of(cls, given: Any) -> Any:
+        """Return the table, by its name if there are such."""
+        shared = _shared().get(cls.__name__)
+        if shared is None or not isinstance(given, str):
+            return given
+        if given not in shared:
+            known = ", ".join(sorted(shared))
+            raise InputError(f"there is no {given!r}.{did_you_mean(given, shared)} Known: {known}.")
+        return shared[given]
+
+
+class Kinds:
+    """In an annotation, what makes an object of each kind that a table may name as its ``kind``.
+
+    Args:
+        makers: dataclasses or functions, by kind; a table without a kind is of the first.
+    """
+
+    def __init__(self, **makers: Callable[..., Any]) -> None:
+        self._makers = makers
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        """Let the kind decide."""
+        from pydantic_core.core_schema import tagged_union_schema
+
+        first, *_ = self._makers
+        return tagged_union_schema(
+            {
+                kind: reads(make, _without_kind, handler.generate_schema(make))
+                for kind, make in self._makers.items()
+            },
+            discriminator=lambda table: table.get("kind", first) if isinstance(table, dict) else first,
+            custom_error_type="kind",
+            custom_error_message=f"The table should have as its kind one of {', '.join(self._makers)}",
+        )
+
+
+class _Listed:
+    """In an annotation, reads an array from a list."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
+        from pydantic_core.core_schema import no_info_after_validator_function
+
+        return no_info_after_validator_function(_column, handler.generate_schema(tuple[Number, ...]))
+
+
+Column = Annotated[Doubles, _Listed()]
+"""(n,) numbers that individuals share, so that they cannot be written to."""
+
+
+def read_toml(path: Path) -> dict[str, Any]:
+    """Return the content of a species file.
+
+    Raises:
+        InputError: if it cannot be read or is not TOML.
+    """
+    content = read_named(path)
+    try:
+        return tomllib.loads(content.decode("utf-8"))
+    except ValueError as error:  # tomllib's, or of bytes that are not UTF-8
+        raise InputError(f"{path} is not a species file, which is TOML: {brief(error)}.") from error
+
+
+def _without_kind(table: Any) -> Any:
+    return {k: v for k, v in table.items() if k != "kind"} if isinstance(table, dict) else table
+
+
+@cache
+def _shared() -> dict[str, Any]:
+    return read_toml(SHARED)
+
+
+def _column(numbers: tuple[float, ...]) -> Doubles:
+    column = np.array(numbers, dtype=np.float64)
+    column.flags.writeable = False
+    return column

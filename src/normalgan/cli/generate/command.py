@@ -1,0 +1,233 @@
+"""normalgan generate: from drawings to normal maps by a model as ONNX, without torch."""
+
+import math
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from jsonargparse import Namespace
+
+from normalgan import decoding
+from normalgan.cli.generate.batch import DrawingBatch, Found
+from normalgan.cli.generate.options import as_shell_means, build_parser, engine_of
+from normalgan.errors import InputError, tell
+from normalgan.inference.composites.packing import Packing
+from normalgan.inference.jobs.clashes import without_clashes, without_twins
+from normalgan.inference.jobs.plan import (
+    STDIN,
+    STDOUT,
+    check_writable,
+    find_many,
+    format_of,
+    is_file_name,
+    plan,
+    plan_file,
+)
+from normalgan.inference.jobs.watching import Watcher
+from normalgan.inference.jobs.writing import Writer
+from normalgan.inference.network.onnx_backend import OnnxBackend, find_model
+from normalgan.inference.outputs.outputs import Outputs, outputs_of
+from normalgan.inference.predict_job import written_for
+from normalgan.inference.predictor import Predictor
+from normalgan.inference.reading.drawings import MOST_BYTES
+
+__all__ = ["run"]
+
+
+def run(arguments: list[str]) -> int:
+    """Predict and write the maps; return the exit code, 1 if some of several drawings could not be used.
+
+    Raises:
+        InputError: if nothing can be done: a setting or the only drawing cannot be used.
+    """
+    parser = build_parser(engine_of(arguments))
+    options = [option for action in parser._actions for option in action.option_strings]
+    settings = parser.parse_args(as_shell_means(arguments, options))
+    decoding.start()  # while the model is loaded
+    packing = _packing(settings)
+    _check_explained(settings, packing)
+    holes = _points(settings.hole or ())
+    outputs = _outputs(settings)
+    piped = _Piped() if settings.output == STDOUT else None
+    content = (
+        sys.stdin.buffer.read(MOST_BYTES + 1) if STDIN in settings.sketches and not settings.dry_run else None
+    )
+
+    def find() -> Found:
+        return _find(settings, outputs, packing, content)
+
+    found = find()
+    jobs, wrong = found.jobs, [*found.missing, *found.clashing]
+    if wrong and not jobs:
+        raise wrong[0]
+    if piped is not None and len(jobs) > 1:  # refused before they are predicted
+        raise _not_one(len(jobs))
+    if holes and len(jobs) > 1:
+        raise InputError(f"a hole is a point of one drawing, but there are {len(jobs)}; name one.")
+    path = find_model(settings.model)
+    if piped is None:
+        check_writable(jobs)
+    writer = Writer(outputs) if piped is None else Writer(outputs, piped)
+    batch = DrawingBatch(settings, writer, packing, holes)
+    for each in (*found.left_out, *wrong):
+        tell(each)
+    # Before the first prediction, so that drawings saved meanwhile are predicted again.
+    watcher = Watcher(batch.read(jobs) if settings.watch else {})
+    if settings.skip_existing and piped is None:
+        jobs = batch.without_existing(jobs)
+    if settings.dry_run:
+        failed = batch.list_jobs(jobs) + len(wrong)
+        return 1 if failed else 0
+    _one_thread_each()
+    predictor = Predictor(OnnxBackend(path, threads=1))
+    batch.predict(predictor, jobs, alone=len(jobs) == 1 and not wrong and not settings.watch)
+    if settings.watch:
+        batch.watch(predictor, watcher, find, found)
+    if piped is not None:
+        piped.release()
+    return batch.code(len(jobs), len(wrong))
+
+
+def _packing(settings: Namespace) -> Packing:
+    """Return how drawings are found in a file.
+
+    Raises:
+        InputError: if its settings contradict each other.
+    """
+    packed = settings.sheet or settings.split or settings.atlas or settings.tileset
+    if settings.tile and (packed or settings.layers):
+        raise InputError(
+            "--tile repeats a whole drawing; leave --sheet, --split, --atlas, --tileset and --layers out."
+        )
+    if settings.tileset and settings.frame == "shared":
+        raise InputError("--tileset shows the model each tile with its neighbours; leave --frame shared out.")
+    if settings.tile and settings.frame == "shared":
+        raise InputError("--tile shows the model each drawing with its repeats; leave --frame shared out.")
+    if settings.pixel_art and settings.size is not None:
+        raise InputError("--pixel-art keeps the drawing's own pixels, and so its size; leave --size out.")
+    if settings.layers and packed:
+        raise InputError(
+            "--layers predicts each layer as a whole; leave --sheet, --split, --atlas and --tileset out."
+        )
+    return Packing(settings.sheet, settings.split, settings.atlas, settings.tileset)
+
+
+def _check_explained(settings: Namespace, packing: Packing) -> None:
+    """Raise `InputError` if options of the mask contradict other options."""
+    given = [
+        option
+        for option, value in (
+            ("--hole", settings.hole),
+            ("--explain", settings.explain),
+            ("--single", settings.single),
+        )
+        if value
+    ]
+    if given and (packing.given or settings.layers or settings.tile or settings.frame == "shared"):
+        raise InputError(
+            f"{given[0]} is about the mask of a single drawing; leave --sheet, --split, --atlas, --tileset, "
+            "--layers, --tile and --frame shared out."
+        )
+    if settings.explain is not None and Path(settings.explain).is_file():
+        raise InputError(f"--explain {settings.explain} is a file; name a folder.")
+
+
+def _outputs(settings: Namespace) -> Outputs:
+    """Return the outputs to write.
+
+    Raises:
+        InputError: if its settings contradict each other.
+    """
+    output = Path(settings.output)
+    form = format_of(output, settings.format) if is_file_name(output) else settings.format
+    outputs = outputs_of({**settings.as_dict(), "format": form or "png"})
+    if settings.watch and outputs.whole_batch:
+        raise InputError("--height-scale batch needs all drawings, and --watch never has them; give pixels.")
+    if settings.output == STDOUT and outputs.beside:
+        raise InputError("standard output holds the map alone; give -o a folder for the rest.")
+    if settings.output == STDOUT and (settings.watch or settings.dry_run):
+        raise InputError("standard output holds one map; --watch and --dry-run need a folder (-o).")
+    return outputs
+
+
+def _points(given: Sequence[str]) -> list[tuple[float, float]]:
+    """Return x and y of each point.
+
+    Raises:
+        InputError: if one is not a point.
+
+    >>> _points(["12,40.5"])
+    [(12.0, 40.5)]
+    """
+    points = []
+    for each in given:
+        try:
+            x, y = map(float, each.split(","))
+        except ValueError:
+            x = y = math.nan
+        if not math.isfinite(x) or not math.isfinite(y):
+            raise InputError(
+                f"--hole {each} is not a point; give x,y in pixels of the drawing, such as --hole 120,80."
+            )
+        points.append((x, y))
+    return points
+
+
+def _find(settings: Namespace, outputs: Outputs, packing: Packing, content: bytes | None) -> Found:
+    """Return the inputs that a command names."""
+    folder = Path(settings.output)
+    files, missing = find_many(
+        settings.sketches,
+        outputs.ending,
+        settings.hints,
+        settings.mask,
+        content,
+        settings.recursive,
+        folder,
+        may_be_empty=settings.watch,
+    )
+    files, left_out = without_twins(files, settings.layers)
+    others = outputs.beside
+    also_read = [path for each in files for path in packing.beside(each.drawing, each.below)]
+    also_read += [Path(settings.model)] if settings.model else []
+    if is_file_name(folder):
+        jobs = [plan_file(files, folder, others, also_read)] if files else []
+        return Found(jobs, missing, [], left_out)
+    jobs, clashing = without_clashes(
+        plan(files, folder, outputs.ending, others, may_clash=True, also_read=also_read),
+        lambda job: written_for(job, outputs, packing, settings.layers),
+    )
+    return Found(jobs, missing, clashing, left_out)
+
+
+class _Piped:
+    """Standard output as the sink of a single map, checked to be the only one."""
+
+    def __init__(self) -> None:
+        self._files: list[bytes] = []
+
+    def __call__(self, _: Path, content: bytes) -> None:
+        """Take a file."""
+        self._files.append(content)
+
+    def release(self) -> None:
+        """Write the map.
+
+        Raises:
+            InputError: if there is none, or more than one.
+        """
+        if len(self._files) != 1:
+            raise _not_one(len(self._files))
+        sys.stdout.buffer.write(self._files[0])
+        sys.stdout.flush()
+
+
+def _not_one(maps: int) -> InputError:
+    return InputError(f"standard output holds one map, but there are {maps}; give -o a folder.")
+
+
+def _one_thread_each() -> None:
+    """Let OpenCV compute in the thread that calls it: drawings share the cores, not the parts of one."""
+    import cv2
+
+    cv2.setNumThreads(1)

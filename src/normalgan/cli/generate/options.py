@@ -1,0 +1,195 @@
+"""The command line of normalgan generate, in sections."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Literal
+
+from jsonargparse.typing import ClosedUnitInterval
+
+from normalgan.cli.parsing.light_parser import LightParser, choices
+from normalgan.cli.parsing.number_types import Side, Strength
+from normalgan.cli.parsing.output_options import add_output_options
+from normalgan.inference.network.tile import Tile
+from normalgan.inference.outputs import OUTPUTS
+from normalgan.inference.outputs.engines import CONVENTIONS, Engine
+from normalgan.inference.outputs.normal import engine_defaults
+
+__all__ = ["as_shell_means", "build_parser", "engine_of"]
+
+
+def engine_of(arguments: Sequence[str]) -> Engine | None:
+    """Return the engine that a command line names; None if it names no known one.
+
+    >>> engine_of(["fox.png", "--engine", "unreal"])
+    'unreal'
+    """
+    for i, each in enumerate(arguments):
+        name, _, value = each.partition("=")
+        if name == "--engine":
+            value = value or "".join(arguments[i + 1 : i + 2])
+            return next((known for known in CONVENTIONS if known == value), None)
+    return None
+
+
+def build_parser(engine: Engine | None = None) -> LightParser:
+    """Return the parser of the command line.
+
+    Args:
+        engine: its conventions are the defaults, which the user can overrule.
+    """
+    parser = LightParser(
+        prog="normalgan generate",
+        usage="%(prog)s SKETCH... [-o FOLDER] [--SETTING VALUE]...",
+        description="Predict normal maps for drawings.",
+    )
+    parser.add_argument(
+        "sketches", nargs="+", help="files, folders or globs of drawings; - reads one from standard input"
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        default="normals",
+        help="folder where the maps go (default %(default)s); for one drawing also a file, or - for standard "
+        "output",
+    )
+    parser.add_argument("--dry-run", action="store_true", help="only print what would be read and written")
+    _add_drawing(parser)
+    _add_folders(parser)
+    _add_sheets(parser)
+    OUTPUTS.load_entry_points()
+    add_output_options(parser, parser.add_argument_group("What is written"), form=None)
+    if engine is not None:
+        parser.set_defaults(engine_defaults(engine))
+    return parser
+
+
+def _add_drawing(parser: LightParser) -> None:
+    group = parser.add_argument_group("The drawing")
+    group.add_argument(
+        "--model",
+        type=str | None,
+        help="a file or an address of a model that normalgan export wrote; by default the package's own",
+    )
+    group.add_argument(
+        "--hints",
+        type=str | None,
+        help="a file of hints, or a folder of <sketch>_hints.png or .json",
+    )
+    group.add_argument(
+        "--mask",
+        type=str | None,
+        help="where the object is: a file, a folder of <sketch>_mask.png, outline (all that lines enclose), "
+        "reader (a small network decides on each region), or model (the model's guess); by default the "
+        "drawing's opacity if that shows the object, else reader",
+    )
+    group.add_argument(
+        "--hole",
+        type=str,
+        action="append",
+        metavar="X,Y",
+        help="a point of the drawing; the region that lines enclose there becomes a hole, or object if it is "
+        "a hole; may be given several times",
+    )
+    group.add_argument("--single", action="store_true", help="predict all figures of a page as one object")
+    group.add_argument(
+        "--explain",
+        type=str | None,
+        help="a folder for pictures that show how each mask was found: ink, votes on regions, presence",
+    )
+    group.add_argument(
+        "--size",
+        type=Side | None,
+        help="longer side of the map in pixels; by default the drawing's, 1024 for an SVG",
+    )
+    group.add_argument(
+        "--strength", type=Strength, default=1.0, help="factor of the map's slopes (default %(default)s)"
+    )
+    group.add_argument(
+        "--detail",
+        type=ClosedUnitInterval,
+        default=0.0,
+        help="how much of the drawing's own shading is added as relief, 0 to 1 (default %(default)s)",
+    )
+    group.add_argument(
+        "--pixel-art",
+        action="store_true",
+        help="one normal for each art pixel, in 25 directions; thin dark outlines are flat",
+    )
+    group.add_argument(
+        "--tile",
+        type=Tile | None,
+        metavar=choices(Tile),
+        help="the drawing repeats side by side (x), one above the other (y) or both, and so do its maps",
+    )
+
+
+def _add_folders(parser: LightParser) -> None:
+    group = parser.add_argument_group("Folders")
+    group.add_argument(
+        "--recursive", action="store_true", help="search subfolders too, and mirror them in the output"
+    )
+    group.add_argument("--skip-existing", action="store_true", help="leave out drawings that have a map")
+    group.add_argument(
+        "--watch",
+        action="store_true",
+        help="keep running, and predict each drawing when it is saved; Ctrl-C ends it",
+    )
+
+
+def _add_sheets(parser: LightParser) -> None:
+    group = parser.add_argument_group("Several drawings in one file")
+    group.add_argument("--sheet", type=str | None, help="a sprite sheet: columns x rows, such as 4x3")
+    group.add_argument(
+        "--split",
+        type=Literal["auto"] | None,
+        metavar="auto",
+        help="auto finds a sheet's drawings: islands of opacity or of connected lines",
+    )
+    group.add_argument(
+        "--atlas",
+        type=str | None,
+        help="the file with the places of a sheet's sprites, from TexturePacker, Aseprite, libGDX, Spine, "
+        "Starling, Phaser, Cocos2d, Unity or Godot, or a folder of such files",
+    )
+    group.add_argument(
+        "--tileset",
+        type=str | None,
+        metavar="SIZE",
+        help="a tileset: width x height of a tile, such as 16x16 or 16x16,margin=1,spacing=2; or a tileset "
+        "of Tiled (.tsx, .tsj), or a folder of such files; or own, the tileset of an Aseprite file",
+    )
+    group.add_argument(
+        "--layers",
+        action="store_true",
+        help="predict each visible layer of a PSD, KRA, ORA or Aseprite file separately, and write them as a "
+        "layered file; with --bits 16, --engine or another --format, each layer has a file of its own",
+    )
+    group.add_argument(
+        "--frame",
+        type=Literal["own", "shared"] | None,
+        metavar="{own,shared}",
+        help="what the model is shown: own makes each drawing as large as possible; shared shows the same "
+        "square of all, so that what stands still does not flicker; by default shared for an animation, else "
+        "own",
+    )
+
+
+def as_shell_means(arguments: Sequence[str], options: Sequence[str]) -> list[str]:
+    """Return arguments in which a file whose name begins with a dash is not taken for an option.
+
+    After ``--`` nothing is an option. Before it, an argument that names an existing file and no option is
+    that file.
+
+    Args:
+        arguments: what the shell gave.
+        options: what the parser knows.
+    """
+    out: list[str] = []
+    for i, each in enumerate(arguments):
+        if each == "--":
+            return out + [
+                f"./{one}" if one.startswith("-") and one != "-" else one for one in arguments[i + 1 :]
+            ]
+        file = each.startswith("-") and each != "-" and each not in options and Path(each).is_file()
+        out.append(f"./{each}" if file else each)
+    return out

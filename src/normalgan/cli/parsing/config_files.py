@@ -1,0 +1,138 @@
+"""Configuration files: checked before the parser reads them."""
+
+import os
+import re
+from collections.abc import Callable, Collection
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from normalgan.errors import InputError, did_you_mean
+from normalgan.files.limits import MOST_SETTINGS, load_yaml, read_named, yaml_limit_error
+from normalgan.files.shipped_configs import find_config, shipped_folder, shipped_names
+
+__all__ = ["check_config", "load_bounded", "with_environment", "with_shipped_configs"]
+
+_VARIABLE = re.compile(r"\$\{([^{}]*)\}")
+
+
+def check_config(path: str | Path, sections: Collection[str] = ()) -> None:
+    """Check a configuration file.
+
+    Args:
+        path: the file.
+        sections: the keys that group settings.
+
+    Raises:
+        InputError: if it is missing, cannot be read, is not YAML, holds no settings, or is too large or too
+            deep.
+    """
+    content = _read(Path(path))
+    if not isinstance(content, dict):
+        raise InputError(
+            f"the configuration {path} holds no settings; it must be like {{data: {{size: 64}}}}."
+        )
+    if sections and not {"rows", "base"}.isdisjoint(content):
+        raise InputError(f"{path} is a plan of a comparison; give it to normalgan benchmark --config.")
+    for section in sections:
+        if section in content and not isinstance(content[section], (dict, str)):
+            is_now = "is empty" if content[section] is None else f"is {content[section]!r}"
+            raise InputError(f'"{section}" in the configuration {path} {is_now}; it must hold settings.')
+
+
+def load_bounded(text: str, load: Callable[[str], Any], safe: bool = False) -> Any:
+    """Return the content of a YAML text, from a file or an argument.
+
+    Args:
+        text: what to load.
+        load: the parser's own way of loading, which knows its numbers.
+        safe: whether it may not read the environment, which may hold secrets.
+
+    Raises:
+        InputError: if it is too large when expanded, or names a variable that cannot be read.
+    """
+    # Most are a word or a number; a short text without an anchor cannot expand to much.
+    if "&" in text or len(text) > 100:
+        if len(text) > MOST_SETTINGS:
+            raise InputError(f"a setting has more than {MOST_SETTINGS} bytes; no settings need as many.")
+        if excess := yaml_limit_error(text):
+            raise InputError(f"a setting {excess}; settings need no such thing.")
+    loaded = load(text)
+    return with_environment(loaded, safe) if "${" in text else loaded
+
+
+def with_environment(value: Any, safe: bool = False) -> Any:
+    """Return settings with ``${NAME}`` replaced by the environment variable of that name.
+
+    ``${oc.env:NAME}`` and ``${oc.env:NAME,default}``, as OmegaConf writes them, mean the same.
+
+    Args:
+        value: settings: nested lists and mappings.
+        safe: whether to refuse to read the environment.
+
+    Raises:
+        InputError: if a variable is not set, or the braces hold something else.
+    """
+    if isinstance(value, dict):
+        return {key: with_environment(item, safe) for key, item in value.items()}
+    if isinstance(value, list):
+        return [with_environment(item, safe) for item in value]
+    return _VARIABLE.sub(lambda found: _variable(found, safe), value) if isinstance(value, str) else value
+
+
+def with_shipped_configs(arguments: list[str]) -> tuple[list[str], list[str]]:
+    """Return the arguments with each configuration as one ``--config=PATH``, and the paths.
+
+    Args:
+        arguments: a command's arguments; ``--config`` may be spelled in any way, and name one of the
+            package.
+
+    >>> given = ["fit", "-c", "a.yaml", "--config=b.yaml", "-cc.yaml", "--data.size", "64"]
+    >>> with_shipped_configs(given)[0]
+    ['fit', '--config=a.yaml', '--config=b.yaml', '--config=c.yaml', '--data.size', '64']
+    """
+    replaced, found = [], []
+    words = iter(arguments)
+    for word in words:
+        joined = re.fullmatch(r"(?:--config=|-c(?!$))(.+)", word)
+        given = joined[1] if joined else next(words, None) if word in {"-c", "--config"} else None
+        if given is None:
+            replaced.append(word)
+            continue
+        found.append(find_config(given))
+        replaced.append(f"--config={found[-1]}")
+    return replaced, found
+
+
+def _variable(found: re.Match[str], safe: bool) -> str:
+    if safe:
+        raise InputError(f"a configuration names {found[0][:60]}, and --safe-config reads no environment.")
+    named = re.fullmatch(r"(oc\.env:)?\s*([A-Za-z_]\w*)\s*(?:,(.*))?", found[1])
+    if named is None or (named[3] is not None and not named[1]):
+        raise InputError(
+            f"{found[0][:60]} is not an environment variable; write ${{NAME}} or ${{oc.env:NAME,default}}."
+        )
+    value = os.environ.get(named[2], named[3])
+    if value is None:
+        raise InputError(f"{found[0][:60]} cannot be read: the environment has no {named[2]}.")
+    return value
+
+
+def _read(path: Path) -> Any:
+    """Return the content of a file."""
+    if not path.exists():
+        names, given = shipped_names(), path.with_suffix("")
+        hint = did_you_mean(given.as_posix(), names) or did_you_mean(given.name, names)
+        hint = hint or f" Those of the package, such as paper and quickstart, are in {shipped_folder()}."
+        raise InputError(f"there is no configuration file {path}.{hint}")
+    try:
+        text = read_named(path, "the configuration", MOST_SETTINGS).decode("utf-8")
+        if excess := yaml_limit_error(text):
+            raise InputError(f"the configuration {path} {excess}; settings need no such thing.")
+        return load_yaml(text)
+    except yaml.MarkedYAMLError as error:
+        line = f"line {error.problem_mark.line + 1}: " if error.problem_mark else ""
+        raise InputError(f"the configuration {path} is not YAML: {line}{error.problem}.") from None
+    except (yaml.YAMLError, UnicodeDecodeError):
+        raise InputError(f"the configuration {path} is not a text in YAML.") from None

@@ -1,0 +1,104 @@
+"""LightParser: the parser of commands without Lightning, and what all parsers do with settings of classes."""
+
+import argparse
+from collections.abc import Mapping
+from pathlib import Path
+from types import UnionType
+from typing import Any, Literal, NoReturn, Union, get_args, get_origin
+
+from jsonargparse import ActionConfigFile, ArgumentParser, Namespace  # type: ignore[attr-defined]  # so does Lightning
+
+from normalgan.cli.parsing.errors import explain
+from normalgan.errors import InputError
+from normalgan.files.limits import load_yaml
+from normalgan.registry import Registry
+
+__all__ = ["LightParser", "OwnDefaultsParser", "choices"]
+
+
+class OwnDefaultsParser(ArgumentParser):
+    """Stops the settings of one class from passing to another class that replaces it.
+
+    When another class is named, jsonargparse keeps every setting that both classes have, even one that was
+    only the first class's default (https://github.com/mauvilsa/jsonargparse/issues/460). A brush, for
+    example, got the default line width of another style. A setting from an option is still kept when another
+    option names the new class.
+    """
+
+    def add_argument(self, *names: Any, **how: Any) -> Any:
+        """Add an argument; where files with settings are given, `_Overlay` reads them."""
+        if how.get("action") in ("config", ActionConfigFile):
+            how["action"] = _Overlay
+        return super().add_argument(*names, **how)
+
+    def get_defaults(self, *given: Any, **how: Any) -> Namespace:
+        """Return all defaults; for a class that is a default, only what was set: parsing adds the rest."""
+        defaults = super().get_defaults(*given, **how)
+        for key, value in list(defaults.items(branches=True)):
+            if isinstance(value, Namespace) and "class_path" in value and "init_args" in value:
+                try:
+                    chosen = self.get_default(key)
+                except KeyError:  # a class within another
+                    continue
+                set_here = chosen.get("init_args", {}) if isinstance(chosen, dict | Namespace) else {}
+                for name in set(vars(value.init_args)) - set(dict(set_here.items())):
+                    del value.init_args[name]
+        return defaults
+
+
+class LightParser(OwnDefaultsParser):
+    """Reports mistakes in one sentence, with a suggestion for typos."""
+
+    plugins: Mapping[str, Registry[Any]] = {}
+    """The registry behind each setting that names a plug-in."""
+
+    def __init__(self, *args: Any, **settings: Any) -> None:
+        # jsonargparse's own formatter adds the type of each option in Python's notation.
+        super().__init__(*args, formatter_class=argparse.HelpFormatter, **settings)
+
+    def error(self, message: str, ex: Exception | None = None) -> NoReturn:
+        """Raise `InputError` instead of printing a usage page."""
+        if self.exit_on_error:
+            raise InputError(
+                explain(message, self.plugins, [action.dest for action in self._actions])
+            ) from ex
+        super().error(message, ex)
+
+
+def choices(kind: Any) -> str | None:
+    """Return how ``--help`` shows an option's value: its choices; None if it also takes other values.
+
+    >>> choices(Literal["png", "exr"] | None), choices(Literal["batch"] | float)
+    ('{png,exr}', None)
+    """
+    kinds = get_args(kind) if get_origin(kind) in {Union, UnionType} else (kind,)
+    named = [each for each in kinds if each is not type(None)]
+    if not named or any(get_origin(each) is not Literal for each in named):
+        return None
+    return f"{{{','.join(str(word) for each in named for word in get_args(each))}}}"
+
+
+class _Overlay(ActionConfigFile):
+    """Drops the settings of each class that a file replaces, and reads the file."""
+
+    def __call__(self, parser: Any, settings: Any, file: Any, option: Any = None) -> None:
+        if Path(file).is_file():
+            _drop_replaced(settings, load_yaml(Path(file).read_text(encoding="utf-8")))
+        super().__call__(parser, settings, file, option)  # type: ignore[no-untyped-call]
+
+
+def _drop_replaced(settings: Any, named: object) -> None:
+    """Drop the settings of replaced classes, at any depth."""
+    if not (isinstance(settings, Namespace) and isinstance(named, Mapping)):
+        return
+    another = "class_path" in named and _class_name(named) != _class_name(settings)
+    if another and "init_args" in settings:
+        settings["init_args"] = Namespace()  # type: ignore[no-untyped-call]
+    for key, value in named.items():
+        if key in settings:
+            _drop_replaced(settings[key], value)
+
+
+def _class_name(spec: Any) -> str:
+    """Return a class's short name: packages show a class in other places than where it is defined."""
+    return str(spec.get("class_path")).rpartition(".")[2]

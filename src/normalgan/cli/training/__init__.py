@@ -1,0 +1,3 @@
+"""The training commands: fit, validate, test, predict and render."""
+
+__all__ = []

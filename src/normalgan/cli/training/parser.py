@@ -1,0 +1,81 @@
+"""Parser: Lightning's, with error messages for people."""
+
+import re
+from argparse import HelpFormatter
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import Any, NoReturn
+
+from lightning.pytorch.cli import LightningArgumentParser
+
+from normalgan.cli.discovery import SETTINGS, described, namable
+from normalgan.cli.parsing.errors import explain
+from normalgan.cli.parsing.light_parser import OwnDefaultsParser
+from normalgan.errors import InputError, did_you_mean
+
+__all__ = ["Parser", "help_of"]
+
+_section: ContextVar[str | None] = ContextVar("_section", default=None)
+
+
+@contextmanager
+def help_of(section: str | None) -> Iterator[None]:
+    """Let ``--help`` list only the settings of one section; None lists all."""
+    token = _section.set(section)
+    try:
+        yield
+    finally:
+        _section.reset(token)
+
+
+_RANGED = re.compile(r"Annotated\[(\w+(?:\[[\w,\s]*\])?),(\s+[^\[\]]*)\]")
+"""A type with a range, which reads well without the word."""
+
+
+class Parser(OwnDefaultsParser, LightningArgumentParser):
+    """Reports mistakes in one sentence, with a suggestion for typos."""
+
+    def error(self, message: str, ex: Exception | None = None) -> NoReturn:
+        """Raise `InputError` instead of printing a usage page."""
+        if self.exit_on_error:
+            raise InputError(explain(message, namable(), self._settings())) from ex
+        # The parser of a class that a setting names; its message becomes part of a longer one.
+        unknown = re.fullmatch(r"Option '(.+)' is not accepted", message)
+        super().error(message + (did_you_mean(unknown[1], self._settings()) if unknown else ""), ex)
+
+    def dump(self, *given: Any, **how: Any) -> str:
+        """Return settings as text, as they were parsed: to check them again is a tenth of reading them."""
+        if "skip_none" in how:  # Lightning's word for it, which jsonargparse has renamed
+            how["skip_unset"] = how.pop("skip_none")
+        text: str = super().dump(*given, **{"skip_validation": True, **how})
+        return text
+
+    def format_help(self, formatter: HelpFormatter | None = None) -> str:
+        """Return the help, with the command directly after the program in the usage line.
+
+        The help of a command ends with the plug-ins that its settings can name. Within `help_of` only one
+        section is shown.
+        """
+        self.prog = self.prog.replace(" [options]", "")
+        dests = {action.dest for action in self._actions}
+        section, groups = _section.get(), self._action_groups
+        if section is not None and any(dest.startswith(f"{section}.") for dest in dests):
+            self._action_groups = [
+                group
+                for group in groups
+                if any(action.dest.partition(".")[0] == section for action in group._group_actions)
+            ]
+        try:
+            text = super().format_help(formatter)
+        finally:
+            self._action_groups = groups
+        text = _RANGED.sub(r"\1,\2", text)
+        if not dests >= set(SETTINGS.values()):
+            return text
+        plugins = described(section or "")
+        return f"{text}\n{plugins}" if plugins else text
+
+    def _settings(self) -> list[str]:
+        commands = [c for a in self._actions if isinstance(a.choices, dict) for c in a.choices.values()]
+        return [action.dest for parser in (self, *commands) for action in parser._actions]

@@ -1,0 +1,283 @@
+"""DrawingRequest: the picture, hints and mask of a request."""
+
+import hashlib
+import struct
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from itertools import groupby
+from pathlib import Path
+from types import MappingProxyType
+from typing import Self
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from pydantic_core import to_json
+
+from normalgan.arrays import BoolMask, Floats
+from normalgan.errors import InputError
+from normalgan.inference.edits import (
+    INKED,
+    REACH,
+    SOFT,
+    brush,
+    carve,
+    enforce_pins,
+    paint_mask,
+    polygon,
+    smooth,
+    stroke,
+    tilt,
+)
+from normalgan.inference.forms import Form, feather, give_form
+from normalgan.inference.mask.masks import MaskOrSource, MaskSource, mask_of
+from normalgan.inference.reading.hint_files import Hints, check_hints
+from normalgan.inference.reading.picture import Picture, read_picture
+from normalgan.inference.structures import Tile, impress, read_tile
+from normalgan.studio.drawings.limits import LEAST_SIDE, MOST_SIDE, MOST_STRUCTURES, TILE_SIDE
+from normalgan.studio.drawings.schemas import Area, DrawingFields, HintFields, MaskStrokeFields, Structure
+
+__all__ = ["DrawingRequest", "check_sides", "read_png", "to_hints", "to_picture"]
+
+_PNG = b"\x89PNG\r\n\x1a\n"
+
+
+@dataclass(frozen=True)
+class DrawingRequest:
+    """The drawing of a request, not decoded yet.
+
+    Args:
+        picture: PNG, or pixels (H, W, 1), grey, or (H, W, 4), with opacity.
+        mask: PNG, white on the object; or where it comes from, as for
+            `normalgan.inference.preparation.prepare`.
+        hints: pinned normals.
+        areas: what is turned as a whole or brushed, in order.
+        mask_strokes: what adds to the object or cuts from it, in order.
+        form: of the whole drawing; None leaves it as predicted.
+        structures: PNG of each picture that is a structure, white is high, by the name that areas give it.
+    """
+
+    picture: bytes | NDArray[np.uint8]
+    mask: bytes | MaskSource | None = None
+    hints: Sequence[HintFields] = ()
+    areas: Sequence[Area] = ()
+    mask_strokes: Sequence[MaskStrokeFields] = ()
+    form: Form | None = None
+    structures: Mapping[str, bytes] = field(default_factory=lambda: MappingProxyType({}))
+
+    @classmethod
+    def of(
+        cls,
+        fields: DrawingFields,
+        pixels: NDArray[np.uint8] | None = None,
+        source: MaskSource | None = None,
+    ) -> Self:
+        """Return the drawing in a request.
+
+        Args:
+            fields: of the drawing.
+            pixels: (H, W, 1 or 4), what came behind the fields; None takes the PNG in them.
+            source: where the mask comes from if it is not given; None is what the fields say.
+
+        Raises:
+            InputError: if there is no picture.
+        """
+        picture = fields.picture if pixels is None else pixels
+        if picture is None:
+            raise InputError("picture is missing.")
+        mask = (source or fields.source) if fields.mask is None else fields.mask
+        return cls(
+            picture, mask, fields.hints, fields.areas, fields.mask_strokes, fields.form, fields.structures
+        )
+
+    @property
+    def shape(self) -> tuple[int, ...] | None:
+        """(H, W), if it came as pixels."""
+        return None if isinstance(self.picture, bytes) else self.picture.shape[:2]
+
+    @property
+    def drawn(self) -> bool:
+        """Whether it is strokes alone, and no picture was imported."""
+        return not isinstance(self.picture, bytes) and self.picture.shape[-1] == 1
+
+    def digest(self) -> bytes:
+        """Return a hash of the drawing."""
+        by_hand = to_json([self.hints, self.areas, self.form])
+        own = b"".join(name.encode() + content for name, content in self.structures.items())
+        return hashlib.sha256(self.lines_digest() + hashlib.sha256(by_hand).digest() + own).digest()
+
+    def lines_digest(self) -> bytes:
+        """Return a hash of the drawing without its hints, areas, form and structures."""
+        whole = hashlib.sha256()
+        if isinstance(self.picture, bytes):
+            parts: tuple[bytes | memoryview, ...] = (b"PNG", self.picture)
+        else:
+            parts = (str(self.picture.shape).encode(), np.ascontiguousarray(self.picture).data.cast("B"))
+        given = (self.mask, b"") if isinstance(self.mask, bytes) else (b"", str(self.mask).encode())
+        by_hand = to_json(self.mask_strokes)
+        for part in (*parts, *given, by_hand):
+            whole.update(len(part).to_bytes(8, "little"))
+            whole.update(part)
+        return whole.digest()
+
+    def read_lines(self) -> tuple[Picture, MaskOrSource]:
+        """Return the picture, and the mask (H, W) or where it comes from.
+
+        Raises:
+            InputError: if they cannot be used or do not go together.
+        """
+        picture = (
+            read_png("picture", self.picture) if isinstance(self.picture, bytes) else to_picture(self.picture)
+        )
+        if not isinstance(self.mask, bytes):
+            return picture, self.mask
+        return picture, mask_of(read_png("mask", self.mask), picture.shape)
+
+    def read_mask(self, picture: Picture) -> NDArray[np.int8] | None:
+        """Return the mask edits (H, W): 1 where a stroke adds, -1 where it cuts; None without strokes.
+
+        Args:
+            picture: the drawing.
+        """
+        if not self.mask_strokes:
+            return None
+        dark = 1 - picture.colour.min(-1)
+        inked = (dark if picture.alpha is None else dark * picture.alpha) > INKED
+        return paint_mask(inked, (each.stroke for each in self.mask_strokes))
+
+    def edit(self, normals: Floats, mask: BoolMask, shape: tuple[int, int]) -> Floats:
+        """Apply the form, then the user's areas in order, then the exact pins to a predicted map.
+
+        Args:
+            normals: (h, w, 3), unit.
+            mask: (h, w), the object.
+            shape: (H, W) of the drawing, in whose pixels hints and areas are.
+
+        Raises:
+            InputError: if a hint or an area cannot be used.
+        """
+        free = all(each.reach is None for each in self.hints)
+        if not self.areas and self.form is None and free:
+            return normals  # held to these pins already
+        if self.form is not None:
+            normals = give_form(normals, mask, mask.astype(np.float32), self.form)
+        scale = normals.shape[1] / shape[1]
+        if any(area.carves for area in self.areas):
+            normals = normals.copy()  # lines are carved in place, as there may be thousands
+        # Strokes of one structure that follow one another are one: where they cross, it is no steeper.
+        for structure, group in groupby(self.areas, key=lambda area: area.structure):
+            if structure is None:
+                for area in group:
+                    normals = _edit_area(normals, mask, area, scale)
+            else:
+                cover = np.zeros(mask.shape, np.float32)
+                for area in group:
+                    np.maximum(cover, _cover(area, mask, scale), out=cover)
+                normals = impress(normals, mask, cover, self._tile(structure), structure.scaled(scale))
+        if not self.hints:
+            return normals
+        hints = to_hints(self.hints, shape)
+        usual = REACH * max(shape)
+        reaches = np.array([usual if each.reach is None else each.reach for each in self.hints], np.float32)
+        return enforce_pins(
+            normals, hints.points * np.float32(scale), hints.normals, reaches * np.float32(scale)
+        )
+
+    def _tile(self, structure: Structure) -> Tile:
+        if structure.picture is not None:
+            return _tile_of(self.structures[structure.picture])
+        assert structure.kind != "own"  # it has a picture
+        return read_tile(structure.kind)
+
+    def read_hints(self, shape: tuple[int, int]) -> Hints | None:
+        """Return the hints for the model, in pixels of the drawing (H, W); None if there are none.
+
+        Hints with their own reach are left out: the reach says how far they work, not the model.
+
+        Raises:
+            InputError: if one is invalid.
+        """
+        checked = to_hints(self.hints, shape)
+        free = [each.reach is None for each in self.hints]
+        return Hints(checked.points[free], checked.normals[free]) if any(free) else None
+
+
+def to_hints(hints: Sequence[HintFields], shape: tuple[int, int]) -> Hints:
+    """Return the hints of a request, in pixels of its drawing (H, W).
+
+    Raises:
+        InputError: if one is invalid.
+    """
+    return check_hints([(each.x, each.y, each.normal) for each in hints], "the request", shape)
+
+
+def _edit_area(normals: Floats, mask: BoolMask, area: Area, scale: float) -> Floats:
+    """Return a map edited by an area that is no structure; a carved line edits it in place."""
+    if area.height is not None and area.size is not None:
+        widths = np.array(area.widths or [area.size] * (len(area.points) // 2), np.float32)
+        carve(normals, mask, area.line(scale), widths * np.float32(scale), area.height)
+        return normals
+    cover = _cover(area, mask, scale)
+    if area.size is None:
+        if area.form is not None:
+            normals = give_form(normals, mask, cover, area.form)
+        return tilt(normals, mask, cover, area.direction)
+    if area.smooths:
+        return smooth(normals, mask, cover, area.size * scale)
+    return brush(normals, cover, area.direction)
+
+
+def _cover(area: Area, mask: BoolMask, scale: float) -> Floats:
+    """Return how much an area covers of each pixel of a map (H, W), by its strength."""
+    size, points = (mask.shape[0], mask.shape[1]), area.line(scale)
+    if area.size is not None:
+        return np.float32(area.strength) * stroke(size, points, area.size * scale, area.fade)
+    cover = polygon(size, points, SOFT * max(size))
+    return feather(cover, area.fade) if area.fade else cover
+
+
+@lru_cache(maxsize=2 * MOST_STRUCTURES)
+def _tile_of(content: bytes) -> Tile:
+    """Return the structure in a PNG, white is high."""
+    if content[:8] == _PNG and len(content) >= 33:
+        sides = struct.unpack(">II", content[16:24])
+        if sides != (TILE_SIDE, TILE_SIDE):
+            raise InputError(f"a structure is {sides[0]} × {sides[1]} pixels; it has {TILE_SIDE} a side.")
+    heights = read_png("structure", content).colour.mean(-1)
+    # Its 256 levels would be steps.
+    wide = np.pad(heights, 2, mode="wrap")
+    return Tile.of(np.asarray(cv2.GaussianBlur(wide, (5, 5), 0)[2:-2, 2:-2], np.float32))
+
+
+def to_picture(pixels: NDArray[np.uint8]) -> Picture:
+    """Return grey pixels (H, W, 1) or RGBA pixels (H, W, 4) as a picture."""
+    values = np.multiply(pixels, np.float32(1 / 255), dtype=np.float32)
+    if pixels.shape[-1] == 1:
+        return Picture(np.asarray(cv2.merge([values[..., 0]] * 3), np.float32), None)
+    alpha = values[..., 3]
+    return Picture(values[..., :3], alpha if pixels[..., 3].min() < 255 else None)
+
+
+def read_png(name: str, content: bytes) -> Picture:
+    """Return a PNG as a picture.
+
+    Raises:
+        InputError: if it is not one, or its size is out of range; that is checked before decoding.
+    """
+    if content[:8] != _PNG or content[12:16] != b"IHDR" or len(content) < 33:
+        raise InputError(f"the {name} is not a PNG.")
+    width, height = struct.unpack(">II", content[16:24])
+    check_sides(name, height, width)
+    picture = read_picture(Path(f"the {name}"), content)
+    check_sides(name, *picture.shape)  # a damaged file may have a second head
+    return picture
+
+
+def check_sides(name: str, height: int, width: int) -> None:
+    """Raise `InputError` if the studio does not take a picture of this size."""
+    if not LEAST_SIDE <= min(height, width) <= max(height, width) <= MOST_SIDE:
+        raise InputError(
+            f"the {name} is {width} × {height} pixels; "
+            f"in the studio it has {LEAST_SIDE} to {MOST_SIDE} a side."
+        )

@@ -1,0 +1,305 @@
+"""Exports: one file of a drawing or all of them, as `normalgan generate` writes them."""
+
+import io
+import json
+import zipfile
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass, replace
+from functools import lru_cache, partial
+from html import escape
+from pathlib import Path
+from typing import Final, Literal
+
+from PIL import Image
+
+from normalgan.errors import InputError
+from normalgan.inference.normal_map import Format, NormalMap
+from normalgan.inference.outputs import (
+    OUTPUTS,
+    AmbientOcclusion,
+    Curvature,
+    Height,
+    Mask,
+    Normal,
+    Output,
+    Specular,
+)
+from normalgan.inference.outputs.engines import CONVENTIONS, Engine
+from normalgan.normals import Bits
+from normalgan.studio.drawings.drawing_request import read_png
+from normalgan.studio.drawings.schemas import ExportFields
+from normalgan.studio.names import check_name
+from normalgan.studio.page_files import PAGE
+
+__all__ = [
+    "PRESETS",
+    "ExportRequest",
+    "Names",
+    "Preset",
+    "offered",
+    "read_export_request",
+    "with_export_menu",
+]
+
+
+@dataclass(frozen=True)
+class Names:
+    """The names of a program's files besides the map; ``{}`` stands for the drawing's name.
+
+    Args:
+        line: line art.
+        mask: where the object is.
+        height: height map.
+        ao: ambient occlusion.
+        curvature: ridges and hollows.
+        specular: how much each place reflects.
+        preview: the map under a lamp.
+    """
+
+    line: str = "{}_line"
+    mask: str = "{}_mask"
+    height: str = "{}_height"
+    ao: str = "{}_ao"
+    curvature: str = "{}_curvature"
+    specular: str = "{}_specular"
+    preview: str = "{}_preview"
+
+    def of(self, drawing: str) -> "Names":
+        """Return the names of a drawing's files, without endings."""
+        return Names(**{part: name.format(drawing) for part, name in asdict(self).items()})
+
+
+@dataclass(frozen=True)
+class Preset:
+    """How a program wants its files.
+
+    Args:
+        names: of its files.
+        notes: how to set up the import there, a sentence.
+        engine: whose conventions the map follows; None for none.
+        prefix: of all names.
+        height: file format of the height map.
+    """
+
+    names: Names
+    notes: str
+    engine: Engine | None = None
+    prefix: str = ""
+    height: Literal["png", "tiff"] = "png"
+
+    @property
+    def normal(self) -> Normal:
+        """How the map is written, as by `normalgan generate --engine`."""
+        if self.engine is None:
+            return Normal(alpha=True)
+        wanted = CONVENTIONS[self.engine]
+        return Normal(y=wanted.y, bits=wanted.bits, suffix=wanted.suffix, alpha=True, engine=self.engine)
+
+
+PRESETS: Final = {
+    "unity": Preset(
+        Names(
+            line="{}_LineArt",
+            mask="{}_Mask",
+            height="{}_Height",
+            ao="{}_Occlusion",
+            curvature="{}_Curvature",
+            specular="{}_Specular",
+            preview="{}_Preview",
+        ),
+        "Unity: the file .meta makes _NormalMap a normal map, which sprites take for a secondary texture. "
+        "Switch sRGB off for _Mask, _Height, _Occlusion, _Curvature and _Specular.",
+        "unity",
+    ),
+    "unreal": Preset(
+        Names(
+            line="{}_L",
+            mask="{}_M",
+            height="{}_H",
+            ao="{}_AO",
+            curvature="{}_C",
+            specular="{}_S",
+            preview="{}_Preview",
+        ),
+        "Unreal: green points down (DirectX) as the engine expects. Set the compression of _N to Normalmap, "
+        "and of _M, _H, _AO, _C and _S to Masks (no sRGB); the script does so for _N.",
+        "unreal",
+        prefix="T_",
+    ),
+    "godot": Preset(
+        Names(),
+        "Godot: green points up (OpenGL) as the engine expects. Use _n as the normal texture of a "
+        "CanvasTexture and _specular as its specular texture, or _n as Normal Map of a StandardMaterial3D.",
+        "godot",
+    ),
+    "godot3": Preset(
+        Names(),
+        "Godot 3: green points down, as its 2D lights read it. Use _n as the Normal Map of a Sprite.",
+        "godot3",
+    ),
+    "blender": Preset(
+        Names(),
+        "Blender: set the colour space of all but _line and _preview to Non-Color, and put _normal through a "
+        "Normal Map node, as the script does. _height is in pixels.",
+        "blender",
+        height="tiff",
+    ),
+}
+_PLAIN: Final = Preset(Names(), "Green points up (OpenGL); flip it for DirectX.")
+
+
+_FORMATS: Final[dict[str, Format]] = {"png8": "png", "png16": "png", "exr": "exr", "tiff": "tiff"}
+
+
+def offered() -> dict[str, tuple[str, ...]]:
+    """Return the formats of each export; the first is the default."""
+    beside = {kind.name: kind.formats() for kind in OUTPUTS}
+    return {"map": tuple(_FORMATS), "all": ("plain", *PRESETS), **beside}
+
+
+def with_export_menu(page: str) -> str:
+    """Return the page with the menu of all exports, labelled by the page's texts where there are any.
+
+    Each entry lists its file names, with ``{}`` for the drawing's name.
+    """
+    labels = {kind.name: kind.label for kind in OUTPUTS}
+    options = []
+    for name, formats in offered().items():
+        word = f"what{name.capitalize()}"
+        known = f"  {word}: " in (PAGE / "text.js").read_text(encoding="utf-8")
+        own, label = (f' data-text="{word}"', "") if known else ("", escape(labels[name]))
+        files = {form: _request("{}", name, form, line_art=b"").names for form in formats}
+        more = f'data-formats="{" ".join(formats)}" data-files="{escape(json.dumps(files))}"'
+        options.append(f'<option value="{name}" {more}{own}>{label}</option>')
+    down = " ".join(name for name, preset in PRESETS.items() if preset.normal.y == "down")
+    return page.replace("<!-- outputs -->", "".join(options)).replace("<!-- down -->", down)
+
+
+@dataclass(frozen=True)
+class ExportRequest:
+    """The files to export of a drawing.
+
+    Args:
+        name: of the drawing, without a suffix.
+        output: the kind of file; None exports all, zipped.
+        longest: longer side in pixels; None keeps the drawing's.
+        preset: the program that all files are for.
+        line_art: PNG of the lines, for the zip.
+        lit: PNG of the map under the user's own lights, for the zip; None lights it from the upper left.
+    """
+
+    name: str
+    output: Output | None
+    longest: int | None
+    preset: str = "plain"
+    line_art: bytes | None = None
+    lit: bytes | None = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the files."""
+        return tuple(name for name, _ in self._files())
+
+    def encode(self, preds: NormalMap) -> tuple[str, bytes]:
+        """Return the file's name and its content; several are zipped."""
+        once = replace(preds)  # keeps the heights that outputs share, and is gone when they are written
+        files = [(name, encode(once)) for name, encode in self._files()]
+        if self.output is not None and len(files) == 1:
+            return files[0]
+        kind = self.preset if self.output is None else self.output.name
+        return f"{self.name}_{kind}.zip", _zipped(files)
+
+    def _files(self) -> Iterator[tuple[str, Callable[[NormalMap], bytes]]]:
+        """Yield the name and the encoder of each file."""
+        if self.output is not None:
+            encode = lru_cache(maxsize=1)(self.output.encode)  # once for all its files
+            for ending in self.output.endings:
+                yield self.name + ending, partial(_encoded, encode, ending)
+            return
+        preset = PRESETS.get(self.preset, _PLAIN)
+        own = preset.prefix + self.name
+        names, normal = preset.names.of(own), preset.normal
+        encode = lru_cache(maxsize=1)(normal.encode)
+        for ending in normal.endings:
+            yield own + ending, partial(_encoded, encode, ending)
+            if (beside := normal.sidecar(Path(own + ending))) is not None:
+                yield beside[0].name, partial(_fixed, beside[1])
+        for output in (Mask(), Height(preset.height), AmbientOcclusion(), Curvature(), Specular()):
+            (ending,) = output.endings
+            yield getattr(names, output.name) + Path(ending).suffix, partial(_encoded, output.encode, ending)
+        yield f"{names.preview}.png", _preview if self.lit is None else partial(_fixed, self.lit)
+        if self.line_art is not None:
+            yield f"{names.line}.png", partial(_fixed, self.line_art)
+        yield "README.txt", partial(_fixed, f"{preset.notes}\n".encode())
+
+
+def _encoded(encode: Callable[[NormalMap], Mapping[str, bytes]], ending: str, preds: NormalMap) -> bytes:
+    return encode(preds)[ending]
+
+
+def _fixed(content: bytes, _: NormalMap) -> bytes:
+    return content
+
+
+def _zipped(files: Iterable[tuple[str, bytes]]) -> bytes:
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w") as archive:
+        for name, content in files:
+            # The same drawing gives the same bytes; pictures are compressed already.
+            archive.writestr(zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0)), content)
+    return file.getvalue()
+
+
+def _preview(preds: NormalMap) -> bytes:
+    """Return the map as clay under a lamp at the upper left, a PNG."""
+    from normalgan.inference.outputs.preview import lit
+
+    file = io.BytesIO()
+    Image.fromarray(lit(preds.extended, preds.mask, 130, 40)).save(file, "PNG")
+    return file.getvalue()
+
+
+def read_export_request(fields: ExportFields) -> ExportRequest:
+    """Return the export that a request asks for.
+
+    Raises:
+        InputError: if the kind or the format is unknown, the name is invalid, or a picture cannot be read.
+    """
+    formats = offered()
+    kind = _known("what", fields.what, formats)
+    chosen = formats[kind][0] if fields.format is None else _known("format", fields.format, formats[kind])
+    name = check_name(fields.name)
+    request = _request(name, kind, chosen, longest=fields.size, y=fields.y, alpha=fields.alpha)
+    if kind != "all":
+        return request
+    for title, content in (("line art", fields.line_art), ("lit picture", fields.lit_picture)):
+        if content is not None:
+            read_png(title, content)  # what is no picture is none of the files
+    return replace(request, line_art=fields.line_art, lit=fields.lit_picture)
+
+
+def _known(field: str, value: str, choices: Iterable[str]) -> str:
+    if value not in choices:
+        known = ", ".join(map(repr, choices))
+        raise InputError(f"{field} is {value[:40]!r}; it should be one of {known}.")
+    return value
+
+
+def _request(
+    name: str,
+    kind: str,
+    chosen: str,
+    *,
+    longest: int | None = None,
+    y: Literal["up", "down"] = "up",
+    alpha: bool = False,
+    line_art: bytes | None = None,
+) -> ExportRequest:
+    """Return the request for a kind of file in one of its formats."""
+    if kind == "all":
+        return ExportRequest(name, None, longest, chosen, line_art)
+    if kind == "map":
+        bits: Bits = 16 if chosen == "png16" else 8
+        return ExportRequest(name, Normal(_FORMATS[chosen], bits=bits, y=y, alpha=alpha), longest)
+    wanted = next(each for each in OUTPUTS if each.name == kind)
+    return ExportRequest(name, wanted(format=chosen), longest)

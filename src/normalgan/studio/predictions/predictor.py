@@ -1,0 +1,209 @@
+"""Predictor: the studio's model, with a cache of the last predictions."""
+
+from collections import OrderedDict
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
+from hashlib import sha256
+from pathlib import Path
+from threading import Lock
+from typing import TypeVar
+
+import numpy as np
+
+from normalgan.arrays import BoolMask, Floats
+from normalgan.errors import InputError, RunError
+from normalgan.inference.cleaning.reader import read
+from normalgan.inference.composites.context import Context, Inferred, context_of, surest, ways_to_see
+from normalgan.inference.network.onnx_backend import OnnxBackend
+from normalgan.inference.network.upsampling import Coarse
+from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.pipeline import finish
+from normalgan.inference.preparation import Prepared, hinted, prepare
+from normalgan.inference.reading.picture import Picture
+from normalgan.studio.drawings.drawing_request import DrawingRequest
+
+__all__ = ["Predictor"]
+
+K = TypeVar("K")
+T = TypeVar("T")
+
+_REMEMBERED = 2**24
+"""Pixels of the maps that are kept: a map, and its heights or its export, are asked for in turn, and of
+several layers only one is predicted again. So many have four of the largest drawings, each of which may take
+80 MB; the newest two are kept in any case.
+
+As many drawings are kept prepared: while a pin is turned, nothing but the hints changes.
+"""
+_VERSIONS = 4
+"""Maps that are kept of each layer: at half the size and at the whole, now and before the last stroke."""
+_Key = tuple[bytes, int | None]
+"""What is drawn, and the map's longer side."""
+_CONTEXTS = 16
+"""Drawings of several layers whose context, and what the network predicts of it, is kept."""
+
+
+class Predictor:
+    """Predicts drawings with a model.
+
+    Args:
+        path: file that `normalgan export` wrote.
+
+    Raises:
+        InputError: if it is not one.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.model = OnnxBackend(path)
+        self.name = path.name
+        # The first run is slow; nobody shall wait for it while drawing.
+        _, confidence = self.model.predict(np.zeros((self.model.size, self.model.size), np.float32))
+        read(Picture(np.ones((64, 64, 3), np.float32), None))
+        self.confident = confidence is not None
+        """Whether the model says how sure it is."""
+        self._lock = Lock()
+        self._predicted: OrderedDict[tuple[_Key, bytes], NormalMap] = OrderedDict()
+        self._prepared: OrderedDict[_Key, tuple[Prepared, tuple[int, int]]] = OrderedDict()
+        self._network = ThreadPoolExecutor(1, "network")
+        self._inferred: OrderedDict[bytes, Future[Inferred]] = OrderedDict()
+        self._contexts: OrderedDict[tuple[_Key, ...], Context] = OrderedDict()
+
+    def predict(
+        self,
+        drawing: DrawingRequest,
+        parts: Sequence[DrawingRequest],
+        longest: int | None,
+        check: Callable[[], None],
+        *,
+        any_context: bool = False,
+    ) -> NormalMap:
+        """Return the normal map of a drawing. Thread-safe.
+
+        Args:
+            drawing: the drawing.
+            parts: among which the network is to see it, the hindmost first, with the drawing itself; empty
+                if it is alone.
+            longest: longer side of the map in pixels; None is the drawing's own.
+            check: called between the steps; what it raises ends the prediction.
+            any_context: whether a map will do that was predicted while the other parts looked different.
+
+        Raises:
+            InputError: if the drawing cannot be used.
+        """
+        key = drawing.digest(), longest
+        if any_context:
+            with self._lock:
+                around = next((around for each, around in reversed(self._predicted) if each == key), None)
+            earlier = None if around is None else self._recalled(self._predicted, (key, around))
+            if earlier is not None:
+                return earlier
+        context = self._context(parts, longest, check)
+        around = sha256(b"" if context is None else context.seen.tobytes()).digest()
+        predicted = self._recalled(self._predicted, (key, around))
+        if predicted is None:
+
+            def upsample(coarse: Coarse, prepared: Prepared, mask: BoolMask) -> Floats:
+                check()
+                return self.model.upsample(coarse, prepared, mask)
+
+            check()
+            layers = max(len(parts), 1)
+            prepared, shape = self._prepare(drawing, longest, check, layers)
+            check()
+            ways = ways_to_see(prepared, context)
+            hints = drawing.read_hints(shape)
+            seen, preds, confidence = surest(
+                [hinted(each, hints, shape) for each in ways], lambda way: self._infer(way).result()
+            )
+            predicted = finish(seen, preds, confidence, upsample)
+            predicted = replace(predicted, extended=drawing.edit(predicted.extended, predicted.mask, shape))
+            self._remember(self._predicted, (key, around), predicted, _VERSIONS * layers, _size_of_map)
+        return predicted
+
+    def _infer(self, prepared: Prepared) -> "Future[Inferred]":
+        """Return the network's prediction to come; layers without hints that are seen together share it."""
+        shown = sha256(prepared.seen.tobytes())
+        if prepared.hints is not None:
+            shown.update(prepared.hints.tobytes())
+        key = shown.digest()
+        found = self._recalled(self._inferred, key)
+        if found is None or (found.done() and found.exception() is not None):
+            found = self._network.submit(self.model.predict, prepared.seen, prepared.hints)
+            self._remember(self._inferred, key, found, _CONTEXTS)
+        return found
+
+    def _context(
+        self, parts: Sequence[DrawingRequest], longest: int | None, check: Callable[[], None]
+    ) -> Context | None:
+        """Return the network's view of all parts of a drawing; None if only one can be seen."""
+        if len(parts) < 2:
+            return None
+        seen = []
+        for part in parts:
+            try:
+                seen.append((part, self._prepare(part, longest, check, len(parts))[0]))
+            except InputError as error:
+                if isinstance(error, RunError):
+                    raise
+        # Those of different sizes are refused later.
+        if len(seen) < 2 or len({prepared.ink.shape for _, prepared in seen}) > 1:
+            return None
+        key = tuple((part.lines_digest(), longest) for part, _ in seen)
+        found = self._recalled(self._contexts, key)
+        if found is None:
+            found = context_of([prepared for _, prepared in seen])
+            self._remember(self._contexts, key, found, _CONTEXTS)
+        return found
+
+    def _prepare(
+        self, drawing: DrawingRequest, longest: int | None, check: Callable[[], None], layers: int
+    ) -> tuple[Prepared, tuple[int, int]]:
+        """Return one of some layers prepared without its hints, and its (H, W).
+
+        The network runs ahead while the mask is found.
+        """
+        key = drawing.lines_digest(), longest
+        found = self._recalled(self._prepared, key)
+        if found is None:
+            picture, mask = drawing.read_lines()
+            by_hand = drawing.read_mask(picture)
+            hints = drawing.read_hints(picture.shape)
+
+            def infer_ahead(prepared: Prepared) -> None:
+                check()
+                self._infer(hinted(prepared, hints, picture.shape))
+
+            prepared = prepare(
+                *(picture, self.model.size, mask, None, longest, by_hand),
+                line_widths=self.model.line_widths,
+                drawn=drawing.drawn,
+                on_seen=infer_ahead,
+            )
+            # How the mask was found takes more memory than all else, and nobody asks for it again.
+            found = replace(prepared, decision=None, reading=None), picture.shape
+            self._remember(self._prepared, key, found, _VERSIONS * layers, _size_of_prepared)
+        return found
+
+    def _recalled(self, kept: OrderedDict[K, T], key: K) -> T | None:
+        with self._lock:
+            if key not in kept:
+                return None
+            kept.move_to_end(key)
+            return kept[key]
+
+    def _remember(
+        self, kept: OrderedDict[K, T], key: K, value: T, most: int, pixels: Callable[[T], int] = lambda _: 0
+    ) -> None:
+        """Keep a value, and at most so many, of `_REMEMBERED` pixels together; the oldest go."""
+        with self._lock:
+            kept[key] = value
+            while len(kept) > most or (len(kept) > 2 and sum(map(pixels, kept.values())) > _REMEMBERED):
+                kept.popitem(last=False)
+
+
+def _size_of_map(predicted: NormalMap) -> int:
+    return predicted.mask.size
+
+
+def _size_of_prepared(found: tuple[Prepared, tuple[int, int]]) -> int:
+    return max(found[0].ink.size, found[0].shape[0] * found[0].shape[1])

@@ -1,0 +1,53 @@
+"""Format: what a saved project holds, and in which versions."""
+
+from typing import Any
+
+from pydantic import ValidationError
+
+from normalgan.errors import InputError, sentence_of
+from normalgan.studio.drawings.schemas import Schema, Side, parse_object
+
+__all__ = ["FORMAT", "VERSION", "check_document"]
+
+FORMAT, VERSION = "normalgan-studio", 5
+_ONE_LAYER = 3
+"""Up to this version a drawing had no layers of its own; what was called so were pictures to trace."""
+
+
+class _Project(Schema):
+    """What any project has; the page checks what is in its lists."""
+
+    width: Side
+    height: Side
+    layers: list[Any]
+    settings: dict[str, Any]
+
+
+class _OneLayer(_Project):
+    strokes: list[Any]
+    hints: list[Any]
+
+
+class _Layered(_Project):
+    pictures: list[Any]
+
+
+def check_document(content: bytes) -> dict[str, Any]:
+    """Return a project's fields.
+
+    Raises:
+        InputError: if it is not a project, or was saved by a later version.
+    """
+    fields = parse_object(content)
+    if fields.get("format") != FORMAT:
+        raise InputError(f'that is not a project of the studio, which begins with "format": "{FORMAT}".')
+    if fields.get("version") not in range(1, VERSION + 1):
+        raise InputError(
+            f"the project is of another version; this studio knows 1 to {VERSION}, so update it."
+        )
+    schema = _Layered if fields["version"] > _ONE_LAYER else _OneLayer
+    try:
+        schema.model_validate(fields)
+    except ValidationError as error:
+        raise InputError(f"the project is damaged: {sentence_of(error)}") from None
+    return fields

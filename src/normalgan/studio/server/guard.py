@@ -1,0 +1,47 @@
+"""Guard: accepts only requests from the studio's own page on this machine."""
+
+from starlette.datastructures import Headers
+from starlette.types import ASGIApp, Receive, Scope, Send
+
+from normalgan.studio.server.refusals import ForeignError, RefusedError
+from normalgan.studio.server.responses import refused
+
+__all__ = ["Guard"]
+
+
+class Guard:
+    """Refuses requests under another host name and requests from other pages.
+
+    A foreign host name may resolve to this machine (DNS rebinding), and its page would then have our origin.
+
+    Args:
+        app: the application.
+        port: the port it is served at.
+    """
+
+    def __init__(self, app: ASGIApp, port: int) -> None:
+        self._app = app
+        self._hosts = {f"{name}:{port}" for name in ("127.0.0.1", "localhost")}
+        if port == 80:
+            self._hosts |= {"127.0.0.1", "localhost"}
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve or refuse a request."""
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+        refusal = self._refusal(Headers(scope=scope), scope["path"].startswith("/api/"))
+        if refusal is not None:
+            await refused(refusal)(scope, receive, send)
+            return
+        await self._app(scope, receive, send)
+
+    def _refusal(self, headers: Headers, api: bool) -> RefusedError | None:
+        host, origin = headers.get("host", ""), headers.get("origin")
+        if host not in self._hosts:
+            return ForeignError(f"the studio is at {' or '.join(sorted(self._hosts))}, not at {host[:80]!r}.")
+        if origin is not None and origin != f"http://{host}":
+            return ForeignError("another page has asked; the studio answers its own alone.")
+        if api and headers.get("sec-fetch-site", "none") not in {"same-origin", "none"}:
+            return ForeignError("another page has asked; the studio answers its own alone.")
+        return None
