@@ -15,9 +15,11 @@ import subprocess
 import tarfile
 from pathlib import Path
 
+import numpy as np
 from mkdocs.config.defaults import MkDocsConfig
 
 from normalgan.inference import edits, structures
+from normalgan.inference.cleaning import reader
 from normalgan.inference.mask import decision
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.studio.drawings.limits import with_limits
@@ -35,8 +37,8 @@ CACHE = ROOT / "build" / "npm"
 RUNTIME = ("ort.wasm.min.mjs", "ort-wasm-simd-threaded.mjs")
 BINARY = "ort-wasm-simd-threaded.wasm"
 """Goes into the site packed, as not every host packs what it sends: 4 MB of 14. The worker unpacks it."""
-CONSTANTS = {"edit_defaults.js": edits, "mask_defaults.js": decision}
-"""Modules whose constants hold.js and decision.js apply as the server does, by the script that has them."""
+CONSTANTS = {"edit_defaults.js": edits, "mask_defaults.js": decision, "reader_defaults.js": reader}
+"""Modules whose constants the page's scripts apply as the server does, by the script that has them."""
 SERVICE_WORKER = "service_worker.js"
 FOLDER = "draw"
 _ABOUT = (
@@ -115,7 +117,10 @@ def build(folder: Path, runtime: bytes) -> None:
         (page / structures.FILE.format(kind)).write_bytes(structures.tile_bytes(kind))
     for script, module in CONSTANTS.items():
         values = {name: getattr(module, name) for name in module.__all__ if name.isupper()}
-        lines = [f"export const {name} = {json.dumps(value)};\n" for name, value in values.items()]
+        lines = [
+            f"export const {name} = {json.dumps(value, default=np.ndarray.tolist)};\n"
+            for name, value in values.items()
+        ]
         (page / script).write_text("".join(lines), encoding="utf-8")
     # A browser's runtime does not read the line widths.
     notes = {"line_widths": OnnxBackend(MODELS[0]).line_widths, "structures": structures.KINDS}

@@ -1,27 +1,77 @@
 /** Reader: a small network that tells ink from ground and object from air, shown what normalgan.inference.cleaning.reader shows it. */
 
-import { components, extreme, filtered, refitted, resized, rint, where } from "./raster.js";
+import { components, extreme, filtered, part, refitted, resized, rint, where } from "./raster.js";
+import { DOUBT, FLAT, GREY, NEARER, ONE_TONE, PAPER, SIDES, STRIDE, WINDOW } from "./reader_defaults.js";
 
 /** @typedef {(picture: Float32Array, width: number, height: number) => Promise<Float32Array>} Network three planes in; ink, presence and two more out */
 /** @typedef {{ink: Float32Array, presence: Float32Array, width: number, height: number}} Reading probabilities, at the network's size */
 
-const [LEAST, MOST, STRIDE] = [256, 384, 32];
-/** Largest difference of brightness between neighbours in an area of one tone; and the least mean of ink, and of paper, in one of which the network is unsure. */
-const [ONE_TONE, DOUBT] = [0.08, 0.1];
-/** Weights of the pixels of the network within which ink follows brightness; and the variance below which there is nothing to follow. */
-const [WINDOW, FLAT] = [Array.from({ length: 9 }, () => 1 / 9), 1e-3];
+/** @typedef {{pixels: Uint8Array, width: number, height: number, channels: number}} Plane grey, in colour, or with opacity */
+const AVERAGE = Array.from({ length: WINDOW }, () => 1 / WINDOW);
 
 /**
- * Returns what the network sees in a picture as it comes.
- * @param {{pixels: Uint8Array, width: number, height: number, channels: number}} plane grey, or with opacity
- * @param {Network} network @returns {Promise<Reading>}
+ * Returns what the network finds in a picture as it comes; a small drawing on a large page is looked at again, from nearer.
+ * @param {Plane} plane @param {Network} network @returns {Promise<Reading>}
  */
-export async function read({ pixels, width: wide, height: high, channels }, network) {
+export async function read(plane, network) {
+  const { pixels, width, height, channels } = plane;
+  const paper = channels === 4 ? ground(pixels, width, height) : 1;
+  const page = await look(plane, paper, network);
+  const box = aroundDrawing(page, width, height);
+  if (!box) return page;
+  const [left, top, right, bottom] = box;
+  const nearer = new Uint8Array(part(pixels, width, height, box, channels));
+  return putIn(page, await look({ pixels: nearer, width: right - left, height: bottom - top, channels }, paper, network), box, width, height);
+}
+
+/** Returns the box of a picture that holds all that is drawn, unless it shows little more. @param {Reading} page @param {number} width @param {number} height */
+function aroundDrawing({ ink, presence, width: wide, height: high }, width, height) {
+  const drawn = where(ink, (value, i) => value > 0.5 || presence[i] > 0.5);
+  const [columns, rows] = [[wide, -1], [high, -1]];
+  drawn.forEach((on, i) => {
+    if (!on) return;
+    const [x, y] = [i % wide, Math.floor(i / wide)];
+    [columns[0], columns[1], rows[0], rows[1]] = [Math.min(columns[0], x), Math.max(columns[1], x), Math.min(rows[0], y), Math.max(rows[1], y)];
+  });
+  if (columns[1] < 0) return null;
+  const [lows, highs] = [0, 1].map((end) => [(columns[end] * width) / wide, (rows[end] * height) / high]);
+  const longest = Math.max(width, height);
+  const side = Math.max(Math.max(highs[0] - lows[0], highs[1] - lows[1]) * (1 + 2 * PAPER), longest / NEARER[1]);
+  if (shownShare(side) < NEARER[0] * shownShare(longest)) return null;
+  const starts = [width, height].map((all, k) => Math.floor(Math.min(Math.max((lows[k] + highs[k] - side) / 2, 0), Math.max(all - side, 0))));
+  const ends = [width, height].map((all, k) => Math.min(starts[k] + rint(side), all));
+  return /** @type {import("./raster.js").Box} */ ([...starts, ...ends]);
+}
+
+/** Returns how much of the detail of a picture the network sees. @param {number} side its longer side in pixels */
+const shownShare = (side) => Math.min(SIDES[1] / side, 1);
+
+/**
+ * Returns the reading of a picture with that of a part of it in its place, at the part's scale.
+ * @param {Reading} page @param {Reading} nearer @param {import("./raster.js").Box} box of the part @param {number} width @param {number} height
+ */
+function putIn(page, nearer, [left, top, right, bottom], width, height) {
+  const [across, down] = [nearer.width / (right - left), nearer.height / (bottom - top)];
+  const [wide, high] = [Math.max(rint(width * across), nearer.width), Math.max(rint(height * down), nearer.height)];
+  const [x, y] = [Math.min(rint(left * across), wide - nearer.width), Math.min(rint(top * down), high - nearer.height)];
+  /** @param {"ink" | "presence"} name */
+  const whole = (name) => {
+    const values = resized(page[name], page.width, page.height, wide, high, 1, "points");
+    for (let row = 0; row < nearer.height; row++) values.set(nearer[name].subarray(row * nearer.width, (row + 1) * nearer.width), (y + row) * wide + x);
+    return values;
+  };
+  return { ink: whole("ink"), presence: whole("presence"), width: wide, height: high };
+}
+
+/**
+ * Returns what the network finds in a picture.
+ * @param {Plane} plane @param {number} paper brightness of what is behind it @param {Network} network @returns {Promise<Reading>}
+ */
+async function look({ pixels, width: wide, height: high, channels }, paper, network) {
   const longest = Math.max(wide, high);
-  const side = Math.min(Math.max(longest, LEAST), MOST);
+  const side = Math.min(Math.max(longest, SIDES[0]), SIDES[1]);
   const [width, height] = [wide, high].map((each) => Math.max(rint(Math.max(rint((each * side) / longest), 1) / STRIDE), 1) * STRIDE);
   const picture = new Float32Array(3 * width * height);
-  const paper = channels === 4 ? ground(pixels, wide, high) : 1;
   const plane = new Float32Array(wide * high);
   for (let c = 0; c < 3; c++) {
     // One channel says it all of a grey one.
@@ -37,7 +87,7 @@ export async function read({ pixels, width: wide, height: high, channels }, netw
   }
   const found = await network(picture, width, height);
   const [ink, presence] = [0, 1].map((c) => found.slice(c * width * height, (c + 1) * width * height).map((value) => 1 / (1 + Math.exp(-value))));
-  const grey = ink.map((_, i) => 0.114 * picture[i] + 0.587 * picture[i + ink.length] + 0.299 * picture[i + 2 * ink.length]);
+  const grey = ink.map((_, i) => GREY[2] * picture[i] + GREY[1] * picture[i + ink.length] + GREY[0] * picture[i + 2 * ink.length]);
   return { ink: byTone(ink, grey, width, height), presence, width, height };
 }
 
@@ -66,7 +116,7 @@ export function brightness({ pixels, width: wide, height: high, channels }, widt
     if (channels === 1) grey[i] = pixels[i] / 255;
     else {
       const alpha = pixels[4 * i + 3] / 255;
-      grey[i] = ((0.299 * pixels[4 * i] + 0.587 * pixels[4 * i + 1] + 0.114 * pixels[4 * i + 2]) / 255) * alpha + paper * (1 - alpha);
+      grey[i] = ((GREY[0] * pixels[4 * i] + GREY[1] * pixels[4 * i + 1] + GREY[2] * pixels[4 * i + 2]) / 255) * alpha + paper * (1 - alpha);
     }
   }
   return width === wide && height === high ? grey : refitted(grey, wide, high, width, height).map((value) => Math.max(0, Math.min(1, value)));
@@ -82,7 +132,7 @@ function ground(pixels, width, height) {
   let [seen, edge] = [0, 0];
   for (let i = 0; i < alpha.length; i++) {
     const share = alpha[i] - least[i];
-    seen += ((0.299 * pixels[4 * i] + 0.587 * pixels[4 * i + 1] + 0.114 * pixels[4 * i + 2]) / 255) * share;
+    seen += ((GREY[0] * pixels[4 * i] + GREY[1] * pixels[4 * i + 1] + GREY[2] * pixels[4 * i + 2]) / 255) * share;
     edge += share;
   }
   return seen < 0.6 * Math.max(edge, 1e-6) ? 1 : 0;
@@ -100,7 +150,7 @@ export function inkAt({ ink, width: wide, height: high }, grey, width, height) {
   const small = resized(grey, width, height, wide, high, 1, Math.max(wide, high) < Math.max(width, height) ? "lines" : "points");
   const step = steps(small, wide, high);
   /** @param {(i: number) => number} value */
-  const mean = (value) => filtered(Float32Array.from(ink, (_, i) => value(i)), wide, high, WINDOW);
+  const mean = (value) => filtered(Float32Array.from(ink, (_, i) => value(i)), wide, high, AVERAGE);
   const [greys, rises, inks] = [mean((i) => small[i]), mean((i) => step[i]), mean((i) => ink[i])];
   const [squares, risen] = [mean((i) => small[i] ** 2), mean((i) => step[i] ** 2)];
   const [both, byGrey, bySteps] = [mean((i) => small[i] * step[i]), mean((i) => small[i] * ink[i]), mean((i) => step[i] * ink[i])];

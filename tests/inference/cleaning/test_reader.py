@@ -100,6 +100,17 @@ def test_an_open_outline_is_closed(gap: int) -> None:
     assert iou(prepare(picture_of(page), SIDE).mask, solid) > 0.93
 
 
+@pytest.mark.parametrize("corner", [(40, 30), (700, 900)])
+def test_a_small_drawing_on_a_large_page_is_read_as_by_itself(corner: tuple[int, int]) -> None:
+    page, _, _ = mug()
+    alone = prepare(picture_of(page), SIDE).mask
+    sheet, where = np.ones((1200, 1000), np.float32), np.zeros((1200, 1000), bool)
+    x, y = corner
+    inside = slice(y, y + SIDE), slice(x, x + SIDE)
+    sheet[inside], where[inside] = page, alone
+    assert iou(prepare(picture_of(sheet), 1200).mask, where) > 0.98
+
+
 def test_rules_of_the_paper_are_no_lines() -> None:
     page, solid = figure()
     ruled = page.copy()

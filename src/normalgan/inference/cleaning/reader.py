@@ -14,21 +14,39 @@ from normalgan.weights.shipped import READER
 if TYPE_CHECKING:
     from onnxruntime import InferenceSession
 
-__all__ = ["GREY", "Reading", "over_paper", "read", "reduced"]
+__all__ = [
+    "DOUBT",
+    "FLAT",
+    "GREY",
+    "NEARER",
+    "ONE_TONE",
+    "PAPER",
+    "SIDES",
+    "STRIDE",
+    "WINDOW",
+    "Reading",
+    "over_paper",
+    "read",
+    "reduced",
+]
 
-_SIDES = 256, 384
+SIDES = 256, 384
 """Smallest and largest longer side, in pixels, of the pictures that the network sees."""
-_STRIDE = 32
+NEARER = 1.5, 2.5
+"""Least and most by which a second look enlarges: below, it shows little more; above, it takes long."""
+PAPER = 0.15
+"""Paper about the drawing in a second look, as a share of its longer side, as in training."""
+STRIDE = 32
 """The sides of these pictures are multiples of this many pixels."""
 GREY = np.array([0.299, 0.587, 0.114], np.float32)
 """Shares of red, green and blue in the brightness of a picture."""
-_ONE_TONE = 0.08
+ONE_TONE = 0.08
 """Largest difference of brightness between neighbours in an area of one tone, with grain and uneven light."""
-_DOUBT = 0.1
+DOUBT = 0.1
 """Least share of ink, and of paper, in an area that is in doubt; pale lines are less of a page."""
-_WINDOW, _FLAT = (9, 9), 1e-3
-"""Pixels of the network within which ink follows brightness; and the variance below which there is nothing to
-follow."""
+WINDOW, FLAT = 9, 1e-3
+"""Side, in pixels of the network, of the square in which ink follows brightness; and the variance of that
+below which there is nothing to follow."""
 
 
 @dataclass(frozen=True)
@@ -64,8 +82,8 @@ class Reading:
         small = reduced(grey, (self.ink.shape[0], self.ink.shape[1]))
         steps = _steps(small)
         grey_mean, steps_mean, ink_mean = _mean(small), _mean(steps), _mean(self.ink)
-        grey_var = _mean(small * small) - grey_mean * grey_mean + _FLAT
-        steps_var = _mean(steps * steps) - steps_mean * steps_mean + _FLAT
+        grey_var = _mean(small * small) - grey_mean * grey_mean + FLAT
+        steps_var = _mean(steps * steps) - steps_mean * steps_mean + FLAT
         both = _mean(small * steps) - grey_mean * steps_mean
         by_grey = _mean(small * self.ink) - grey_mean * ink_mean
         by_steps = _mean(steps * self.ink) - steps_mean * ink_mean
@@ -79,15 +97,62 @@ class Reading:
 
 
 def read(picture: Picture) -> Reading:
-    """Return the network's output.
+    """Return the network's output; a small drawing on a large page is looked at a second time, from nearer.
 
     Args:
         picture: the raw drawing; transparent parts become white, or black if the edge of the rest is light.
     """
-    shape = picture.size
-    side = min(max(*shape, _SIDES[0]), _SIDES[1])
-    height, width = (max(round(each / _STRIDE), 1) * _STRIDE for each in fitted(shape, side))
-    shown = reduced(over_paper(picture), (height, width))
+    colour = over_paper(picture)
+    page = _look(colour)
+    window = _around_drawing(page, picture.size)
+    return page if window is None else _put_in(page, _look(colour[window]), window, picture.size)
+
+
+def _around_drawing(page: Reading, shape: tuple[int, int]) -> tuple[slice, slice] | None:
+    """Return rows and columns of a picture (H, W) that hold the drawing; None if they show little more."""
+    rows, columns = np.nonzero((page.ink > 0.5) | (page.presence > 0.5))
+    if not len(rows):
+        return None
+    scale = np.array(shape) / page.ink.shape
+    low, high = np.array([rows.min(), columns.min()]) * scale, np.array([rows.max(), columns.max()]) * scale
+    side = max(float((high - low).max()) * (1 + 2 * PAPER), max(shape) / NEARER[1])
+    if _shown_share(side) < NEARER[0] * _shown_share(max(shape)):
+        return None
+    start = np.clip((low + high - side) / 2, 0, np.maximum(np.array(shape) - side, 0)).astype(int)
+    end = np.minimum(start + round(side), shape)
+    return slice(start[0], end[0]), slice(start[1], end[1])
+
+
+def _shown_share(side: float) -> float:
+    """Return how much of the detail of a picture, whose longer side is ``side`` pixels, the network sees."""
+    return min(SIDES[1] / side, 1.0)
+
+
+def _put_in(page: Reading, part: Reading, window: tuple[slice, slice], shape: tuple[int, int]) -> Reading:
+    """Return the reading of a picture (H, W) with that of a part of it in its place, at the part's scale."""
+    start, end = np.array([[at.start, at.stop] for at in window]).T
+    within = np.array(part.ink.shape)
+    scale = within / (end - start)
+    height, width = np.maximum(np.rint(shape * scale), within).astype(int)
+    top, left = np.minimum(np.rint(start * scale), np.array([height, width]) - within).astype(int)
+    inside = slice(top, top + within[0]), slice(left, left + within[1])
+    ink, presence, x, y = (
+        _enlarged(each, (height, width)) for each in (page.ink, page.presence, *page.middle)
+    )
+    ink[inside], presence[inside] = part.ink, part.presence
+    y[inside], x[inside] = (
+        (begin + middle * (stop - begin)) / side
+        for begin, stop, middle, side in zip(start, end, part.middle[::-1], shape, strict=True)
+    )
+    return Reading(ink, presence, np.stack([x, y]))
+
+
+def _look(colour: Floats) -> Reading:
+    """Return the network's output for colours (H, W, 3)."""
+    shape = colour.shape[0], colour.shape[1]
+    side = min(max(*shape, SIDES[0]), SIDES[1])
+    height, width = (max(round(each / STRIDE), 1) * STRIDE for each in fitted(shape, side))
+    shown = reduced(colour, (height, width))
     blob = np.ascontiguousarray(shown[..., ::-1].transpose(2, 0, 1)[None], np.float32)
     found = np.asarray(_session().run(["read"], {"picture": blob})[0][0], np.float32)
     ink, presence = 1 / (1 + np.exp(-np.clip(found[:2], -30, 30)))
@@ -106,18 +171,18 @@ def _by_tone(ink: Floats, grey: Floats) -> Floats:
         ink: (h, w) in [0, 1].
         grey: (h, w), brightness.
     """
-    flat = np.asarray(_steps(grey) < _ONE_TONE, np.uint8)
+    flat = np.asarray(_steps(grey) < ONE_TONE, np.uint8)
     count, found = cv2.connectedComponents(flat, connectivity=4)
     labels = np.asarray(found, np.int32)
     sizes = np.bincount(labels.ravel(), minlength=count)
     votes = np.bincount(labels.ravel(), weights=ink.ravel(), minlength=count) / np.maximum(sizes, 1)
-    unsure = (votes > _DOUBT) & (votes < 1 - _DOUBT)
+    unsure = (votes > DOUBT) & (votes < 1 - DOUBT)
     unsure[0] = False
     return np.where(unsure[labels], votes[labels] > 0.5, ink).astype(np.float32)
 
 
 def _mean(values: Floats) -> Floats:
-    return np.asarray(cv2.blur(values, _WINDOW), np.float32)
+    return np.asarray(cv2.blur(values, (WINDOW, WINDOW)), np.float32)
 
 
 def _steps(grey: Floats) -> Floats:
