@@ -151,7 +151,7 @@ def doodle(rng: Rng, kind: str | None = None) -> Shape:
 def sheet(rng: Rng, sides: NDArray[np.floating]) -> Shape:
     """Return one closed line about its page, a card, a sign or a window: an object, no frame.
 
-    What it holds are plain figures; about a drawing, such a line would be a frame.
+    Only plain figures are drawn inside it; around a drawing, the same line would be a frame.
 
     Args:
         rng: a source of chance.

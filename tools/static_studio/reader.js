@@ -4,14 +4,15 @@ import { components, extreme, filtered, part, refitted, resized, rint, where } f
 import { DOUBT, FLAT, GREY, NEARER, ONE_TONE, PAPER, SIDES, STRIDE, WINDOW } from "./reader_defaults.js";
 
 /** @typedef {(picture: Float32Array, width: number, height: number) => Promise<Float32Array>} Network three planes in; ink, presence and two more out */
-/** @typedef {{ink: Float32Array, presence: Float32Array, width: number, height: number}} Reading probabilities, at the network's size */
+/** @typedef {{ink: Float32Array, presence: Float32Array, width: number, height: number}} Reading probabilities, at the scale at which the network saw the drawing */
+/** @typedef {{pixels: Uint8Array, width: number, height: number, channels: number}} Picture grey, in colour, or with opacity */
 
-/** @typedef {{pixels: Uint8Array, width: number, height: number, channels: number}} Plane grey, in colour, or with opacity */
+/** Weights of the pixels within which ink follows brightness. */
 const AVERAGE = Array.from({ length: WINDOW }, () => 1 / WINDOW);
 
 /**
  * Returns what the network finds in a picture as it comes; a small drawing on a large page is looked at again, from nearer.
- * @param {Plane} plane @param {Network} network @returns {Promise<Reading>}
+ * @param {Picture} plane @param {Network} network @returns {Promise<Reading>}
  */
 export async function read(plane, network) {
   const { pixels, width, height, channels } = plane;
@@ -65,7 +66,7 @@ function putIn(page, nearer, [left, top, right, bottom], width, height) {
 
 /**
  * Returns what the network finds in a picture.
- * @param {Plane} plane @param {number} paper brightness of what is behind it @param {Network} network @returns {Promise<Reading>}
+ * @param {Picture} plane @param {number} paper brightness of what is behind it @param {Network} network @returns {Promise<Reading>}
  */
 async function look({ pixels, width: wide, height: high, channels }, paper, network) {
   const longest = Math.max(wide, high);

@@ -51,7 +51,7 @@ below which there is nothing to follow."""
 
 @dataclass(frozen=True)
 class Reading:
-    """The network's output for a picture, at the network's size.
+    """What the network finds in a picture, at the scale at which it saw the drawing.
 
     Args:
         ink: (h, w), probability that a pixel is a line of a drawing.
