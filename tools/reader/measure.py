@@ -5,8 +5,8 @@ measure.py [FOLDER…] [--pages VIEWS] [--holes] [--sheet OUT.png]
 A drawing NAME.png of a FOLDER is compared with NAME_mask.png, if that is there: as it is, and grown by 3
 pixels, as masks drawn by hand lie a little outside of the lines. --pages makes pages of meshes
 that the reader was not trained on, eight of each kind, and takes such clip art as it was drawn and by its
-lines alone, and counts how often the opacity of objects is told from that of lines. --holes draws eight
-things with holes through them, 128 plain shapes without any, and 64 cards with a figure in them.
+lines alone, and counts how often the opacity of objects is told from that of lines. --holes draws twenty
+things, eight of them pierced, 128 plain shapes without holes, and 64 cards with a figure in them.
 """
 
 import argparse
@@ -19,8 +19,8 @@ import numpy as np
 from grounds import plane
 from numpy.typing import NDArray
 from pages import KINDS, page
-from pierced import drawings
 from shapes import Shape, Views, darkness
+from things import drawings
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError

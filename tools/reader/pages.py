@@ -42,7 +42,7 @@ KINDS = (
     "silhouette",
     "blank",
 )
-SHARES = (0.09, 0.1, 0.05, 0.09, 0.08, 0.05, 0.09, 0.02, 0.07, 0.06, 0.03, 0.08, 0.04, 0.07, 0.02, 0.05, 0.01)
+SHARES = (0.09, 0.1, 0.05, 0.08, 0.09, 0.05, 0.09, 0.02, 0.07, 0.06, 0.03, 0.09, 0.05, 0.06, 0.02, 0.04, 0.01)
 BLACK = 90
 """Channel, of 255, up to which a filled area is ink; one in another colour is paint, and its edge is ink."""
 SEEN = 40
@@ -192,7 +192,11 @@ class _Writer:
                         break
             return boxes
         if kind == "bordering":
-            return [(w / 2, h / 2, self.long - 2 * rng.uniform(1, 0.1 * self.long * rng.choice([1, 2])))]
+            margin = rng.uniform(1, 0.1 * self.long * rng.choice([1, 2]))
+            card = w / 2, h / 2, self.long - 2 * margin
+            if margin > 0.09 * self.long and self.chance(0.4):  # too far in for a frame: with a drawing on it
+                return [card, (w / 2, h / 2, (small - 2 * margin) * rng.uniform(0.3, 0.8))]
+            return [card]
         span = small * rng.uniform(0.55, 0.97)
         if h != w and self.chance(0.4):
             span = self.long * rng.uniform(0.6, 0.95)
@@ -206,7 +210,8 @@ class _Writer:
     def _draw(self, box: Box, style: "_Style") -> None:  # noqa: PLR0912, PLR0915 - one choice after the other
         rng = self.rng
         cx, cy, span = box
-        if self.kind == "bordering":
+        on_card = self.kind == "bordering" and bool(self.presence.any())
+        if self.kind == "bordering" and not on_card:
             shape = sheet(
                 rng,
                 1 - (self.long - min(self.h, self.w)) / span * np.array([self.h > self.w, self.w > self.h]),
@@ -303,7 +308,8 @@ class _Writer:
         present = np.maximum(mask, np.where(whisker > 0.3, whisker, 0))
         # overlapping objects: the later one covers the earlier one's middle
         self.ink = np.maximum(self.ink * (1 - mask), target)
-        self._place_middle(present > 0.5)
+        if not on_card:
+            self._place_middle(present > 0.5)
         self.presence = np.maximum(self.presence, present)
         self._weigh(contours, mask, whisker > 0.3, drawn)
         if solid and style.construction and painted is None:
@@ -579,7 +585,7 @@ class _Writer:
         """Draw a frame about all objects, and return where these lie within it."""
         rng, h, w = self.rng, self.h, self.w
         self.framed = True
-        edge = rng.uniform(0.015, 0.12) * self.long
+        edge = rng.uniform(0.01, 0.07) * self.long  # further in, it is the outline of a card
         canvas = np.zeros((h, w), np.uint8)
         thick = int(rng.choice([1, 1, 2, 3, 5, 8]))
         for k in range(int(rng.choice([1, 1, 2]))):

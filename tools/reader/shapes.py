@@ -143,15 +143,15 @@ def smoothed(path: Points, closed: bool) -> Points:
 
 def doodle(rng: Rng, kind: str | None = None) -> Shape:
     """Return a figure of round and pointed parts, as children and sign painters draw."""
-    kinds = ["figure", "animal", "blob", "thing", "stick", "ring", "snow", "frame", "wire", "plain"]
-    shares = [0.16, 0.12, 0.09, 0.11, 0.1, 0.1, 0.03, 0.02, 0.04, 0.23]
+    kinds = ["figure", "animal", "blob", "thing", "stick", "ring", "snow", "frame", "wire", "plain", "row"]
+    shares = [0.16, 0.12, 0.09, 0.1, 0.1, 0.08, 0.03, 0.02, 0.04, 0.2, 0.06]
     return _Doodle(rng).draw(kind or str(rng.choice(kinds, p=shares)))
 
 
 def sheet(rng: Rng, sides: NDArray[np.floating]) -> Shape:
     """Return one closed line about its page, a card, a sign or a window: an object, no frame.
 
-    Only plain figures are drawn inside it; around a drawing, the same line would be a frame.
+    Only plain figures, bars or rows are drawn inside it; around a drawing, the same line would be a frame.
 
     Args:
         rng: a source of chance.
@@ -177,7 +177,41 @@ def sheet(rng: Rng, sides: NDArray[np.floating]) -> Shape:
         sides = sides * np.where(rng.permutation(2) > 0, 1, rng.uniform(0.45, 0.95))
     outline = (0.5 + 0.5 * unit * sides).astype(np.float32)
     inside = _figures(rng, outline, rings=round_) if rng.random() < 0.8 else []
+    if rng.random() < 0.35:
+        inside = _divisions(rng, outline, straight=not round_ and len(corners) == 4)
     return _shape("doodle/sheet", [(outline, True)], inside, [], [], False, False, [])
+
+
+def _divisions(rng: Rng, outline: Points, straight: bool) -> list[Points]:
+    """Return what divides a made thing: the bars of a window, the rim of a screen, rows of text.
+
+    Args:
+        rng: a source of chance.
+        outline: (P, 2), convex.
+        straight: whether it is a rectangle, which bars cross from side to side.
+    """
+    low, high = outline.min(0), outline.max(0)
+    middle, room = (low + high) / 2, (high - low) / 2
+    kind = rng.choice(["bars", "rim", "rows"], p=[0.5, 0.35, 0.15] if straight else [0, 0.7, 0.3])
+    if kind == "rim":
+        share = rng.uniform(0.6, 0.94)
+        rim = (middle + (outline - middle) * share).astype(np.float32)
+        figures = _figures(rng, rim, rings=not straight) if rng.random() < 0.5 else []
+        return [_closed(rim), *figures]
+    lines: list[Points] = []
+    if kind == "rows":
+        reach = rng.uniform(0.3, 0.6) * room[0]
+        for y in middle[1] + np.linspace(-0.5, 0.5, rng.integers(2, 7)) * room[1]:
+            end = reach * rng.uniform(0.3, 1)
+            lines.append(np.array([[middle[0] - reach, y], [middle[0] + end, y]], np.float32))
+        return lines
+    for axis, count in enumerate(rng.permutation([rng.integers(1, 4), rng.integers(0, 4)])):
+        for k in range(count):
+            at = low[axis] + (k + 1) / (count + 1) * 2 * room[axis] + rng.choice([0.0, 0.02]) * rng.normal()
+            bar = np.stack([low, high]).astype(np.float32)
+            bar[:, axis] = at
+            lines.append(bar)
+    return lines
 
 
 def _figures(rng: Rng, outline: Points, rings: bool) -> list[Points]:
@@ -892,6 +926,64 @@ class _Doodle:
         elif solid == 3:
             hook = top + 0.06 * np.array([[0, 0], [rng.normal(), -1.2], [rng.normal(), -0.4]])
             self.bare.append(_curve(hook.astype(np.float32)))
+
+    def _row(self) -> None:
+        """Equal solid pieces in a row or a circle, with air between them."""
+        (self._sun, self._flower, self._planks, self._planks)[self.rng.integers(4)]()
+
+    def _sun(self) -> None:
+        """A disc with rays, which are lines or points."""
+        rng = self.rng
+        r, count, points = rng.uniform(0.1, 0.25), rng.integers(5, 17), rng.random() < 0.3
+        near, far = r * rng.uniform(1.0, 1.4), r * rng.uniform(1.5, 2.2)
+        for angle in np.arange(count) * 2 * np.pi / count + rng.uniform(0, 6.28):
+            way, across = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+            if points:
+                base = 0.98 * r * way + np.stack([-across, across]) * r * 2 / count
+                self.parts.append((_dense(0.5 + np.vstack([base, far * way]).astype(np.float32)), True))
+            else:
+                self.bare.append((0.5 + np.stack([near, far])[:, None] * way).astype(np.float32))
+        self.parts.append((self.ellipse(0.5, 0.5, r, r, squareness=1.0, wobble=0), True))
+        if rng.random() < 0.3:
+            self.face(0.5, 0.5, r)
+
+    def _flower(self) -> None:
+        """Petals about a disc, on a stem."""
+        rng = self.rng
+        r, count, y = rng.uniform(0.04, 0.12), rng.integers(4, 10), rng.uniform(0.3, 0.5)
+        long, wide = r * rng.uniform(0.8, 1.8), r * rng.uniform(0.5, 1.1)
+        stem = _curve(np.array([[0.5, y + r], [0.5 + rng.normal(0, 0.08), 0.75], [0.5, 0.95]]))
+        if rng.random() < 0.5:
+            self.bare.append(stem)
+        else:
+            self.parts.append((self.tube(stem, (0.02, 0.03)), True))
+        for angle in np.arange(count) * 2 * np.pi / count + rng.uniform(0, 6.28):
+            x, above = (r + long * 0.8) * np.cos(angle), (r + long * 0.8) * np.sin(angle)
+            petal = self.ellipse(0.5 + x, y + above, long, wide, turn=angle, squareness=1.0, wobble=0)
+            self.parts.append((petal, True))
+        self.parts.append((self.ellipse(0.5, y, r, r, squareness=1.0, wobble=0), True))
+        if rng.random() < 0.6:
+            leaf = self.ellipse(0.57, 0.8, 0.08, 0.03, turn=-0.6, squareness=1.0, wobble=0)
+            self.parts.append((leaf, True))
+
+    def _planks(self) -> None:
+        """Planks on the rails of a fence, or legs under the top of a table."""
+        rng = self.rng
+        legs = rng.random() < 0.5
+        count = rng.integers(2, 5) if legs else rng.integers(3, 9)
+        half, high = rng.uniform(0.25, 0.42), rng.uniform(0.12, 0.3)
+        wide = half / count * (rng.uniform(0.1, 0.4) if legs else rng.uniform(0.4, 0.85))
+        plank = np.array([[-wide, high], [-wide, -high], [wide, -high], [wide, high]])
+        if not legs and rng.random() < 0.5:
+            plank = np.insert(plank, 2, [0, -high - wide], axis=0)  # a point
+        bar = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+        bar = bar * [half * rng.uniform(1, 1.15), rng.uniform(0.015, 0.06)]
+        at = 0.5 + np.linspace(-1, 1, count) * (half - wide)
+        planks = [(_dense((plank + np.array([x, 0.5])).astype(np.float32)), True) for x in at]
+        heights = 0.5 + high * (np.array([-0.9]) if legs else rng.uniform(-0.7, 0.8, rng.integers(1, 3)))
+        bars = [(_dense((bar + np.array([0.5, y])).astype(np.float32)), True) for y in heights]
+        self.parts += planks + bars if legs or rng.random() < 0.3 else bars + planks
+        self.merged = bool(rng.random() < 0.2)
 
     def _snow(self) -> None:
         rng = self.rng
