@@ -51,6 +51,10 @@ def test_a_wrong_item_of_a_list_is_one_sentence(message: str, sentence: str) -> 
     [
         ("unrecognized arguments: b.png", "b.png is one argument too many."),
         ("argument --alpha: ignored explicit argument '3'", "--alpha takes no value, not 3."),
+        (
+            "argument shell: invalid choice: 'fish' (choose from 'bash', 'zsh')",
+            "shell: expected one of 'bash', 'zsh', not fish.",
+        ),
         ("argument -o/--output: expected one argument", "--output needs a value."),
         (
             "ambiguous option: --he could match --help, --height",

@@ -152,6 +152,8 @@ def _misused(message: str, options: Mapping[str, str]) -> str:
         return f"{found[1]} may be {found[2]} or {found[3]}; write the option in full."
     if found := re.fullmatch(r"argument (?:\S+/)?(-[^:]+): ignored explicit argument '(.*)'", message):
         return f"{found[1]} takes no value, not {found[2]}."
+    if found := re.fullmatch(r"argument (?:\S+/)?(.+): invalid choice: '(.*)' \(choose from (.+)\)", message):
+        return f"{found[1]}: expected one of {found[3]}, not {found[2]}."
     if found := re.fullmatch(r"argument (?:\S+/)?(-[^:]+): expected .*arguments?", message):
         return f"{found[1]} needs a value."
     return ""

@@ -146,7 +146,13 @@ class NormalGANCLI(LightningCLI):
             self._print_outcome()
 
     def _print_outcome(self) -> None:
-        """Print why training stopped early, if it did, and which checkpoint is best."""
+        """Print why nothing was trained or training stopped early, if so, and which checkpoint is best."""
+        resumed = self.saved.checkpoint if self.saved else None
+        if resumed and self.trainer.global_step == resumed.progress["global_step"]:
+            print(
+                f"Nothing was left to train: {resumed.path} has had its epochs "
+                f"({self.trainer.current_epoch}); pass a larger --trainer.max_epochs to go on."
+            )
         for stopping in self.trainer.early_stopping_callbacks:
             if isinstance(stopping, EarlyStopping) and (reason := stopping.stopping_reason_message):
                 print(f"Training stopped early. {reason.removesuffix(' Signaling Trainer to stop.')}")
