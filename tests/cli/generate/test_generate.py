@@ -266,6 +266,7 @@ def test_what_cannot_be_used_is_told_in_a_sentence(
 ) -> None:
     Path("empty").mkdir()
     Image.new("L", (9, 9), 0).save("small.png")
+    Path("fox.csv").write_text("x,y,normal")
     before = sorted(here.rglob("*"))
     model = [] if "--model" in arguments else ["--model", "model.onnx"]
     assert main(["generate", *arguments, *model]) == 2

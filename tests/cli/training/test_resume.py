@@ -80,6 +80,8 @@ def test_another_seed_ends_otherwise(bench: Bench, tmp_path: Path) -> None:
 def test_a_run_that_has_had_its_epochs_is_told(bench: Bench, trained: Path, tmp_path: Path) -> None:
     copy = tmp_path / "run"
     shutil.copytree(trained, copy)
-    outcome = bench.run("fit", copy, "--ckpt_path", "last")
+    resume = ("fit", copy, "--ckpt_path", "last", "--trainer.max_epochs")
+    outcome = bench.run(*resume, 8)
     assert outcome.code == 0, outcome.err
-    assert "last.ckpt has had its epochs (1); pass a larger --trainer.max_epochs to go on." in outcome.out
+    assert "is from epoch 8, and --trainer.max_epochs is 8; pass a larger one to train on." in outcome.out
+    bench.run(*resume, 1).refused("is from epoch 8, but --trainer.max_epochs is 1; pass a larger one")
