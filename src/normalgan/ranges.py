@@ -9,7 +9,31 @@ from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 from normalgan.errors import InputError
 
-__all__ = ["Count", "NonNegative", "OneOf", "Positive", "PositiveInt", "Range", "Share", "check_ranges"]
+__all__ = [
+    "Count",
+    "NonNegative",
+    "OneOf",
+    "OutOfRangeError",
+    "Positive",
+    "PositiveInt",
+    "Range",
+    "Share",
+    "check_ranges",
+]
+
+
+class OutOfRangeError(InputError):
+    """A setting outside its range.
+
+    Args:
+        message: the sentence, which names the setting and its class.
+        setting: the setting's name.
+        verdict: the rest of the sentence, for those who name the setting otherwise.
+    """
+
+    def __init__(self, message: str, setting: str = "", verdict: str = "") -> None:
+        super().__init__(message)
+        self.setting, self.verdict = setting, verdict
 
 
 @dataclass(frozen=True)
@@ -113,7 +137,7 @@ def check_ranges(settings: Any, values: Mapping[str, Any] | None = None) -> None
         values: the settings by name; None takes the object's attributes.
 
     Raises:
-        InputError: if one lies outside its range, or is not one of its words.
+        OutOfRangeError: if one lies outside its range, or is not one of its words.
 
     Example:
         >>> @dataclass
@@ -123,7 +147,7 @@ def check_ranges(settings: Any, values: Mapping[str, Any] | None = None) -> None
         ...         check_ranges(self)
         >>> Blur(radius=0)
         Traceback (most recent call last):
-        normalgan.errors.InputError: radius of Blur is 0; it must be more than 0.
+        normalgan.ranges.OutOfRangeError: radius of Blur is 0; it must be more than 0.
     """
     kind: Any = type(settings)  # to mypy, a type is not hashable
     for name, hint in _hints(kind).items():
@@ -132,7 +156,8 @@ def check_ranges(settings: Any, values: Mapping[str, Any] | None = None) -> None
             if wrong := _wrong(given, allowed):
                 subject = "it" if given is value else "each"
                 shown = repr(value) if isinstance(value, str) else value
-                raise InputError(f"{name} of {kind.__name__} is {shown}; {subject} must be {wrong}.")
+                verdict = f"is {shown}; {subject} must be {wrong}."
+                raise OutOfRangeError(f"{name} of {kind.__name__} {verdict}", name, verdict)
 
 
 @cache

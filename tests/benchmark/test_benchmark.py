@@ -178,9 +178,9 @@ def test_mistakes_are_told_before_anything_starts(capsys: pytest.CaptureFixture[
         (["--config", fourlegs, "--budget", "soon"], "the budget 'soon' is not a span of time"),
         (
             ["--config", fourlegs, "--seeds", "1.5"],
-            'argument "seeds", item 1: expected a whole number, not 1.5.',
+            "--seeds, item 1: expected a whole number, not 1.5.",
         ),
-        (["--config", fourlegs, "--cheat", "1"], "there is no setting cheat"),
+        (["--config", fourlegs, "--cheat", "1"], "there is no option --cheat"),
     ):
         assert main(["benchmark", *arguments]) == 2
         error = capsys.readouterr().err

@@ -104,6 +104,13 @@ def test_render_fills_the_cache_and_stops_there(bench: Bench, tmp_path: Path) ->
     assert "rendering" not in bench.run("render", tmp_path / "run", *again).err
 
 
+def test_the_first_page_of_help_lists_what_the_command_uses() -> None:
+    shown = {command: run(command, "--help").out for command in ("fit", "predict", "render")}
+    settings = ("--data.prediction.sketches", "--output.folder", "--trainer.max_epochs", "--ckpt_path")
+    found = {command: [name for name in settings if name in page] for command, page in shown.items()}
+    assert found == {"fit": [*settings[2:]], "predict": [*settings[:2], settings[3]], "render": []}
+
+
 @pytest.mark.parametrize("command", ["fit", "predict"])
 def test_help_of_all_opens_with_one_line_and_lists_the_plugins(command: str) -> None:
     outcome = run(command, "--help=all")

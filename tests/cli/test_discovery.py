@@ -145,8 +145,8 @@ def test_the_command_tells_names_summaries_packages_and_reasons(
 @pytest.mark.parametrize(
     ("arguments", "answer"),
     [
-        (["--kind", "hint_samplr"], "argument \"kind\": expected one of 'renderer', 'lines', 'hint_sampler'"),
-        (["--knd", "lines"], "there is no setting knd. Did you mean kind?"),
+        (["--kind", "hint_samplr"], "--kind: expected one of 'renderer', 'lines', 'hint_sampler'"),
+        (["--knd", "lines"], "there is no option --knd. Did you mean --kind?"),
     ],
 )
 def test_a_mistake_is_one_sentence(

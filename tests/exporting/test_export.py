@@ -230,7 +230,7 @@ def test_the_size_comes_from_the_run(tmp_path: Path, capsys: pytest.CaptureFixtu
         ),
         (["good.ckpt", "--size", "40"], "sides that are multiples of 32, not 40"),
         (["good.ckpt", "--licence", "two\nlines"], "--licence is one line"),
-        (["good.ckpt", "--halve"], "there is no setting halve"),
+        (["good.ckpt", "--halve"], "there is no option --halve"),
         (["old.ckpt"], "cannot be built here"),
         (["good.ckpt", "-o", "text.ckpt/m.safetensors"], "text.ckpt"),
     ],

@@ -31,3 +31,16 @@ def test_what_cannot_be_written_leaves_the_former_and_is_named(
     assert told.value.filename == str(path)
     assert path.read_bytes() == b"one"
     assert [each.name for each in tmp_path.iterdir()] == ["a.bin"]
+
+
+def test_a_read_only_disk_names_the_file_and_not_the_temporary_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def read_only(*_: object, **__: object) -> None:
+        raise OSError(30, "Read-only file system", "temporary")
+
+    for method in ("open", "unlink"):  # Linux refuses to remove even a file that is not there
+        monkeypatch.setattr(Path, method, read_only)
+    with pytest.raises(OSError, match="Read-only") as told:
+        write_bytes(tmp_path / "a.bin", b"one")
+    assert told.value.filename == str(tmp_path / "a.bin")

@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import Literal
 
+from jsonargparse import Namespace
+
 from normalgan.cli.parsing.light_parser import LightParser
 from normalgan.cli.parsing.number_types import Strength
 from normalgan.errors import InputError, unwritable
@@ -22,7 +24,9 @@ def run(arguments: list[str]) -> int:
     Raises:
         InputError: if a map cannot be read or written, or the arguments do not go together.
     """
-    settings = build_parser().parse_args(arguments)
+    parser = build_parser()
+    settings = parser.parse_args(arguments)
+    _check_together(settings, parser)
     output = Path(settings.output)
     if settings["from"] == "height" and settings.scale is None:
         raise InputError("a height map needs --scale: the pixels from black to white.")
@@ -50,6 +54,20 @@ def run(arguments: list[str]) -> int:
     return 0
 
 
+def _check_together(settings: Namespace, parser: LightParser) -> None:
+    """Raise `InputError` if an option has no effect beside the others."""
+    heights, maps = settings["from"] == "height", settings.to == "normal"
+    for option, applies, where in (
+        ("from_y", not heights, "a normal map that is read; leave --from height out"),
+        ("y", maps, "a normal map that is written; leave --to height out"),
+        ("bits", maps, "a normal map that is written; leave --to height out"),
+        ("scale", heights or not maps, "a height map; add --from height or --to height"),
+        ("detail_y", settings.detail is not None, "the map of --detail; add it"),
+    ):
+        if not applies and settings[option] != parser.get_default(option):
+            raise InputError(f"--{option.replace('_', '-')} applies to {where}.")
+
+
 def build_parser() -> LightParser:
     """Return the parser of the command line."""
     parser = LightParser(
@@ -64,8 +82,8 @@ def build_parser() -> LightParser:
     )
     parser.add_argument("--to", type=_Kind, default="normal", help="what to write (default %(default)s)")
     parser.add_argument(
-        "--from_y",
         "--from-y",
+        "--from_y",
         type=Green,
         default="up",
         help="where green points in the map: up is OpenGL (default %(default)s)",
@@ -92,8 +110,8 @@ def build_parser() -> LightParser:
     )
     parser.add_argument("--detail", type=str | None, help="a normal map of details to lay over it; repeated")
     parser.add_argument(
-        "--detail_y",
         "--detail-y",
+        "--detail_y",
         type=Green,
         default="up",
         help="where green points in the details (default %(default)s)",

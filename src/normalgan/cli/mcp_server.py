@@ -43,8 +43,12 @@ def build_parser() -> LightParser:
         usage="%(prog)s [--root FOLDER] [--model FILE]",
         description="Serve infer, preview, sheet and explain as MCP tools over standard input and output.",
     )
-    parser.add_argument("--root", default=".", help="the folder that tools read from and write to")
-    parser.add_argument("--model", default="shipped", help="a file that normalgan export wrote")
+    parser.add_argument(
+        "--root", default=".", help="the folder that tools read from and write to (default %(default)s)"
+    )
+    parser.add_argument(
+        "--model", default="shipped", help="a file that normalgan export wrote (default %(default)s)"
+    )
     return parser
 
 

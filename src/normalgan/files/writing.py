@@ -1,6 +1,7 @@
 """Atomic writing of files."""
 
 import os
+from contextlib import suppress
 from pathlib import Path
 
 __all__ = ["write_bytes"]
@@ -36,4 +37,5 @@ def write_bytes(
     except OSError as error:  # a full disk does not say which file
         raise OSError(error.errno, error.strerror, str(path)) from error
     finally:
-        temporary.unlink(missing_ok=True)
+        with suppress(OSError):  # of a read-only disk, which would be told in place of the first error
+            temporary.unlink(missing_ok=True)

@@ -99,7 +99,7 @@ class Checkpoint:
             InputError: if no size is known, the generator cannot be built here, or the tensors are not its
                 own.
         """
-        size = size or self._trained_size()
+        size = size or self.trained_size()
         if size is None:
             raise InputError(
                 f"{self.path} does not say the size of its pictures; give the --data.size of its training, "
@@ -120,7 +120,7 @@ class Checkpoint:
             )
             return Weights(notes, tensors)
 
-    def _trained_size(self) -> int | None:
+    def trained_size(self) -> int | None:
         """Return the size that the generator was built for or, if it takes any, the size of the run's data.
 
         That is in ``config.yaml`` of the run, in the folder above.

@@ -246,16 +246,18 @@ def test_it_loads_neither_torch_nor_what_only_others_need() -> None:
         (["fox.png", "--mask", "small.png"], "the mask small.png is 9 × 9 pixels, but its sketch 300 × 200"),
         (
             ["fox.png", "small.png", "--mask", "small.png"],
-            "one file of mask, small.png, cannot serve 2 sketches",
+            "small.png holds the mask of one sketch, but there are 2; name a folder.",
         ),
         (["fox.png", "-o", ".", "--suffix", ""], "fox.png is an input and would be overwritten"),
         (["fox.png", "--suffix", "_input", "--show-input"], "fox_input.png would be written twice"),
         (["fox.png", "--suffix", "a/b"], "the suffix 'a/b' cannot end a file's name"),
-        (["fox.png", "--size", "3"], 'argument "size": 3 is out of range; it must be >= 8 and <= 8192.'),
+        (["fox.png", "--size", "3"], "--size: 3 is out of range; it must be >= 8 and <= 8192."),
         (["fox.png", "--bits", "16", "--format", "exr"], "bits apply to PNG; a map as exr"),
         (["fox.png", "--bits", "12"], "expected one of"),
         (["fox.png", "--y", "left"], "expected one of"),
-        (["fox.png", "--widht", "3"], "there is no setting widht."),
+        (["fox.png", "--widht", "3"], "there is no option --widht."),
+        (["fox.png", "--show_mask"], "there is no option --show_mask. Did you mean --show-mask?"),
+        (["fox.png", "--hints", "fox.csv"], "the hints fox.csv are neither a list (.json) nor painted"),
         ([], "missing: sketches."),
     ],
 )
@@ -264,6 +266,7 @@ def test_what_cannot_be_used_is_told_in_a_sentence(
 ) -> None:
     Path("empty").mkdir()
     Image.new("L", (9, 9), 0).save("small.png")
+    Path("fox.csv").write_text("x,y,normal")
     before = sorted(here.rglob("*"))
     model = [] if "--model" in arguments else ["--model", "model.onnx"]
     assert main(["generate", *arguments, *model]) == 2

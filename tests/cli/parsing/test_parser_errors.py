@@ -44,3 +44,29 @@ def test_a_wrong_item_of_a_list_is_one_sentence(message: str, sentence: str) -> 
     assert said.startswith(sentence)
     assert "\n" not in said
     assert "Parser key" not in said
+
+
+@pytest.mark.parametrize(
+    ("message", "sentence"),
+    [
+        ("unrecognized arguments: b.png", "b.png is one argument too many."),
+        ("argument --alpha: ignored explicit argument '3'", "--alpha takes no value, not 3."),
+        (
+            "argument shell: invalid choice: 'fish' (choose from 'bash', 'zsh')",
+            "shell: expected one of 'bash', 'zsh', not fish.",
+        ),
+        ("argument -o/--output: expected one argument", "--output needs a value."),
+        (
+            "ambiguous option: --he could match --help, --height",
+            "--he may be --help or --height; write the option in full.",
+        ),
+        ("the following arguments are required: map, output", "missing: map, --output."),
+        (
+            "Parser key \"hand.preview\":\n  - Expected a typing.Literal['png', 'gif']\n"
+            "  - Expected a <class 'NoneType'>\n  Given value: jpg",
+            "--hand.preview: expected one of 'png', 'gif', not jpg.",
+        ),
+    ],
+)
+def test_an_option_is_named_as_a_shell_spells_it(message: str, sentence: str) -> None:
+    assert explain(message, {}, (), {"output": "--output", "hand": "--hand"}) == sentence

@@ -58,6 +58,17 @@ def test_predict_needs_nothing_but_a_drawing(predict: Callable[..., Outcome], tm
     assert 0.3 < (np.abs(target - [0, 0, 1]).max(-1) > 0.02).mean() < 0.6  # the disc
 
 
+def test_a_checkpoint_predicts_at_the_size_of_its_training(
+    predict: Callable[..., Outcome], trained: Path, weights: Path, tmp_path: Path
+) -> None:
+    maps = []
+    for path in (trained / "checkpoints" / "last.ckpt", weights):
+        outcome = predict("--ckpt_path", path)
+        assert outcome.code == 0, outcome.err
+        maps.append(predicted(tmp_path))
+    np.testing.assert_array_equal(maps[0], maps[1])
+
+
 @pytest.mark.slow  # tests and predicts twice
 def test_weights_paint_and_measure_as_their_checkpoint(
     predict: Callable[..., Outcome], bench: Bench, trained: Path, weights: Path, tmp_path: Path

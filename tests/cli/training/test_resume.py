@@ -1,4 +1,5 @@
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -74,3 +75,13 @@ def test_another_seed_ends_otherwise(bench: Bench, tmp_path: Path) -> None:
         assert bench.run("fit", folder, *more, "--model.seed", seed).code == 0
         ends.append(load(folder)["state_dict"])
     assert any(not torch.equal(ends[0][name], ends[1][name]) for name in ends[0])
+
+
+def test_a_run_that_has_had_its_epochs_is_told(bench: Bench, trained: Path, tmp_path: Path) -> None:
+    copy = tmp_path / "run"
+    shutil.copytree(trained, copy)
+    resume = ("fit", copy, "--ckpt_path", "last", "--trainer.max_epochs")
+    outcome = bench.run(*resume, 8)
+    assert outcome.code == 0, outcome.err
+    assert "is from epoch 8, and --trainer.max_epochs is 8; pass a larger one to train on." in outcome.out
+    bench.run(*resume, 1).refused("is from epoch 8, but --trainer.max_epochs is 1; pass a larger one")

@@ -211,13 +211,13 @@ def test_the_height_of_a_large_map_is_that_of_a_reduced_one(monkeypatch: pytest.
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["--height-scale", "5"], "height_scale is a setting of the height map; add --height png"),
+        (["--height-scale", "5"], "--height-scale is a setting of the height map; add --height png"),
         (
             ["--height", "tiff", "--height-scale", "5"],
-            "height_scale applies to a height map as png; add --height png.",
+            "a height scale applies to PNG; a height map as tiff holds pixels.",
         ),
-        (["--faces", "500"], "faces is a setting of the relief mesh; add --relief glb, or leave it out."),
-        (["--relief", "obj", "--faces", "2"], "faces of Relief is 2; it must be 12 or more."),
+        (["--faces", "500"], "--faces is a setting of the relief mesh; add --relief glb, or leave it out."),
+        (["--relief", "obj", "--faces", "2"], "--faces is 2; it must be 12 or more."),
         (["--engine", "unity3d"], "expected"),
     ],
 )

@@ -66,7 +66,7 @@ def test_generate_has_an_option_for_the_output_of_a_package(
     assert main(["generate", "90", *model, "-o", "again", "--dry-run"]) == 0
     assert len(capsys.readouterr().out.splitlines()) == 1
     assert main(["generate", "fox.png", *model, "--steepest", "30"]) == 2
-    assert "steepest is a setting of the slope; add --slope, or leave it out." in capsys.readouterr().err
+    assert "--steepest is a setting of the slope; add --slope, or leave it out." in capsys.readouterr().err
     assert main(["generate", "fox.png", *model, "--slope", "-o", "-"]) == 2
 
 

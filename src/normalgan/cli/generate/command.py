@@ -30,6 +30,7 @@ from normalgan.inference.outputs.outputs import Outputs, outputs_of
 from normalgan.inference.predict_job import written_for
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.reading.drawings import MOST_BYTES
+from normalgan.ranges import OutOfRangeError
 
 __all__ = ["run"]
 
@@ -140,7 +141,10 @@ def _outputs(settings: Namespace) -> Outputs:
     """
     output = Path(settings.output)
     form = format_of(output, settings.format) if is_file_name(output) else settings.format
-    outputs = outputs_of({**settings.as_dict(), "format": form or "png"})
+    try:
+        outputs = outputs_of({**settings.as_dict(), "format": form or "png"})
+    except OutOfRangeError as error:
+        raise InputError(f"--{error.setting.replace('_', '-')} {error.verdict}") from None
     if settings.watch and outputs.whole_batch:
         raise InputError("--height-scale batch needs all drawings, and --watch never has them; give pixels.")
     if settings.output == STDOUT and outputs.beside:

@@ -26,13 +26,20 @@ _FEW = 16
 """Longer lists of names are not printed."""
 
 
-def explain(message: str, plugins: Mapping[str, Registry[Any]], settings: Sequence[str] = ()) -> str:
+def explain(
+    message: str,
+    plugins: Mapping[str, Registry[Any]],
+    settings: Sequence[str] = (),
+    options: Mapping[str, str] | None = None,
+) -> str:
     r"""Return jsonargparse's message about a mistake as one sentence, with a suggestion.
 
     Args:
         message: several lines, each deeper into the types that were tried.
         plugins: the classes that can be named, by the last part of the setting that names one.
         settings: every setting there is, in dots.
+        options: of a command without configurations: how a shell spells each setting that is an option. None
+            names settings in dots, as files and options do.
 
     >>> explain('Parser key "data.size":\n  Expected a <class \'int\'>. Got value: large', {})
     'argument "data.size": expected a whole number, not large.'
@@ -42,11 +49,15 @@ def explain(message: str, plugins: Mapping[str, Registry[Any]], settings: Sequen
     'data.split is a group of settings, such as data.split.file, and x.yaml is not a file of them.'
     >>> explain("Group 'data' does not accept option 'sise'", {}, ["data.size"])
     'there is no setting data.sise. Did you mean data.size?'
+    >>> explain("unrecognized arguments: --height_scale 3", {}, (), {"height_scale": "--height-scale"})
+    'there is no option --height_scale. Did you mean --height-scale?'
+    >>> explain("argument --size: expected one argument", {})
+    '--size needs a value.'
     """
     found_keys = re.findall(r'Parser key "([^"]+)"(?: element (\d+))?:', message)
     key = ".".join(name for name, _ in found_keys)
     item = "".join(f", item {number}" for _, number in found_keys if number)
-    where = f'argument "{key}"{item}: ' if key else ""
+    where = f"{_spelled(key, options)}{item}: " if key else ""
     registry = plugins.get(key.rpartition(".")[2])
     if found := re.fullmatch(
         r"(?:Group '(.+)' does not accept option|Option|unrecognized arguments:) '?(?:--)?([^\s'=]+).*",
@@ -54,7 +65,11 @@ def explain(message: str, plugins: Mapping[str, Registry[Any]], settings: Sequen
         re.DOTALL,
     ):
         name = ".".join(part for part in found.groups() if part)
-        return f"there is no setting {name}.{did_you_mean(name, settings)}"
+        return (
+            _no_option(message, options)
+            if options
+            else f"there is no setting {name}.{did_you_mean(name, settings)}"
+        )
     if found := re.search(r'Parser key "([^"]+)": Unable to load config "([^"]*)"$', message):
         inside = next((f", such as {name}," for name in settings if name.startswith(f"{found[1]}.")), "")
         return f"{found[1]} is a group of settings{inside} and {found[2]} is not a file of them."
@@ -68,7 +83,7 @@ def explain(message: str, plugins: Mapping[str, Registry[Any]], settings: Sequen
         bounds = re.sub(r"v([<>]=?)", r"\1 ", found[2])
         return f"{where}{value} is out of range; it must be {bounds}."
     if found := re.search(r"Not of type \w+: .*: '?([^'\n]*)", message):
-        whole = "whole " if re.fullmatch(r"[+-]?\d*\.\d+", found[1]) else ""
+        whole = "whole " if "literal for int()" in found[0] else ""
         return f"{where}expected a {whole}number, not {found[1]}."
     if found := re.search(r"Option '(.+?)' is not accepted(.*)", message):
         return f"{where}there is no setting {found[1]!r} in it.{found[2]}"
@@ -82,9 +97,9 @@ def explain(message: str, plugins: Mapping[str, Registry[Any]], settings: Sequen
     if found := re.search(r"Not a valid subclass of (\w+)", message):
         known = f"; known: {', '.join(registry.names())}" if registry else ""
         return f"{where}{_given(message)} is no {found[1]}{known}."
-    if found := re.search(r"the following arguments are required: (.+)", message):
-        return f"{where}missing: {found[1]}."
-    wanted = list(dict.fromkeys(_wanted(message)))
+    if sentence := _misused(message, options or {}):
+        return where + sentence
+    wanted = [each for each in dict.fromkeys(_wanted(message)) if not options or each != "null"]
     if key and wanted:
         return f"{where}expected {' or '.join(wanted)}, not {_given(message)}."
     return " ".join(message.replace(" - ", " ").split())
@@ -114,6 +129,36 @@ def refusal(error: Exception) -> str:
     return own[0] if own else brief(error)
 
 
+def _spelled(key: str, options: Mapping[str, str] | None) -> str:
+    """Return how an error names a setting: the option of a shell, if there is one."""
+    head, dot, rest = key.partition(".")
+    option = (options or {}).get(head)
+    return f"{option}{dot}{rest}" if option else f'argument "{key}"'
+
+
+def _no_option(message: str, options: Mapping[str, str]) -> str:
+    given = message.removeprefix("unrecognized arguments: ").split()[0]
+    if not given.startswith("-"):
+        return f"{given} is one argument too many."
+    name = given.partition("=")[0]
+    return f"there is no option {name}.{did_you_mean(name, options.values())}"
+
+
+def _misused(message: str, options: Mapping[str, str]) -> str:
+    """Return what argparse says about arguments and the number of their values; nothing if it is other."""
+    if found := re.search(r"the following arguments are required: (.+)", message):
+        return f"missing: {', '.join(options.get(each, each) for each in found[1].split(', '))}."
+    if found := re.fullmatch(r"ambiguous option: (\S+) could match (.+), (\S+)", message):
+        return f"{found[1]} may be {found[2]} or {found[3]}; write the option in full."
+    if found := re.fullmatch(r"argument (?:\S+/)?(-[^:]+): ignored explicit argument '(.*)'", message):
+        return f"{found[1]} takes no value, not {found[2]}."
+    if found := re.fullmatch(r"argument (?:\S+/)?(.+): invalid choice: '(.*)' \(choose from (.+)\)", message):
+        return f"{found[1]}: expected one of {found[3]}, not {found[2]}."
+    if found := re.fullmatch(r"argument (?:\S+/)?(-[^:]+): expected .*arguments?", message):
+        return f"{found[1]} needs a value."
+    return ""
+
+
 def _unknown(registry: Registry[Any], name: str) -> str:
     if len(registry.names()) <= _FEW:
         return registry.explain_unknown(name)
@@ -130,7 +175,7 @@ def _wanted(message: str) -> Iterable[str]:
         yield (
             _KINDS.get(named[1], f"a {named[1]}")
             if named
-            else f"one of {literal[1]}"
+            else f"{'one of ' if ', ' in literal[1] else ''}{literal[1]}"
             if literal
             else f"a {text}"
         )

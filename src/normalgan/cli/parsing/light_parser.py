@@ -1,7 +1,8 @@
 """LightParser: the parser of commands without Lightning, and what all parsers do with settings of classes."""
 
 import argparse
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import UnionType
 from typing import Any, Literal, NoReturn, Union, get_args, get_origin
@@ -9,7 +10,7 @@ from typing import Any, Literal, NoReturn, Union, get_args, get_origin
 from jsonargparse import ActionConfigFile, ArgumentParser, Namespace  # type: ignore[attr-defined]  # so does Lightning
 
 from normalgan.cli.parsing.errors import explain
-from normalgan.errors import InputError
+from normalgan.errors import InputError, did_you_mean
 from normalgan.files.limits import load_yaml
 from normalgan.registry import Registry
 
@@ -30,6 +31,12 @@ class OwnDefaultsParser(ArgumentParser):
         if how.get("action") in ("config", ActionConfigFile):
             how["action"] = _Overlay
         return super().add_argument(*names, **how)
+
+    @staticmethod
+    def suggestion(message: str, settings: Iterable[str]) -> str:
+        """Return what was meant by a setting that a class does not have, to be part of a longer message."""
+        unknown = re.fullmatch(r"Option '(.+)' is not accepted", message)
+        return did_you_mean(unknown[1], settings) if unknown else ""
 
     def get_defaults(self, *given: Any, **how: Any) -> Namespace:
         """Return all defaults; for a class that is a default, only what was set: parsing adds the rest."""
@@ -58,11 +65,18 @@ class LightParser(OwnDefaultsParser):
 
     def error(self, message: str, ex: Exception | None = None) -> NoReturn:
         """Raise `InputError` instead of printing a usage page."""
+        settings = [action.dest for action in self._actions]
         if self.exit_on_error:
-            raise InputError(
-                explain(message, self.plugins, [action.dest for action in self._actions])
-            ) from ex
-        super().error(message, ex)
+            raise InputError(explain(message, self.plugins, settings, self._options())) from ex
+        super().error(message + self.suggestion(message, settings), ex)
+
+    def _options(self) -> dict[str, str]:
+        """Return the long option of each setting that is one."""
+        long = {
+            action.dest: [name for name in action.option_strings if name.startswith("--")]
+            for action in self._actions
+        }
+        return {setting: names[0] for setting, names in long.items() if names}
 
 
 def choices(kind: Any) -> str | None:

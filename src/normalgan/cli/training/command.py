@@ -146,7 +146,13 @@ class NormalGANCLI(LightningCLI):
             self._print_outcome()
 
     def _print_outcome(self) -> None:
-        """Print why training stopped early, if it did, and which checkpoint is best."""
+        """Print why nothing was trained or training stopped early, if so, and which checkpoint is best."""
+        resumed = self.saved.checkpoint if self.saved else None
+        if resumed and self.trainer.global_step == resumed.progress["global_step"]:
+            print(
+                f"Nothing was left to train: {resumed.path} is from epoch {resumed.progress['epoch'] + 1}, "
+                f"and --trainer.max_epochs is {self.trainer.max_epochs}; pass a larger one to train on."
+            )
         for stopping in self.trainer.early_stopping_callbacks:
             if isinstance(stopping, EarlyStopping) and (reason := stopping.stopping_reason_message):
                 print(f"Training stopped early. {reason.removesuffix(' Signaling Trainer to stop.')}")
@@ -220,6 +226,12 @@ class NormalGANCLI(LightningCLI):
                     callback.checkpoint = saved.path
         if saved and saved.checkpoint:
             saved.checkpoint.check_progress(self.trainer.fit_loop.state_dict())
+            epoch, most = saved.checkpoint.progress["epoch"], self.trainer.max_epochs
+            if most is not None and -1 < most < epoch:
+                raise InputError(
+                    f"{saved.path} is from epoch {epoch + 1}, but --trainer.max_epochs is {most}; "
+                    "pass a larger one to train on."
+                )
         if self.command == "fit":
             root = self.config["trainer"]["default_root_dir"]
             resumed, known = (saved.path, saved.folders) if saved else (None, set())

@@ -35,6 +35,7 @@ _MOST_USED = {
     "--data.meshes PATH": "folder, file or pattern of meshes to learn from",
     "--data.source CLASS": "what to learn from in place of meshes, such as Pairs of pictures",
     "--data.prediction.sketches PATH": "drawings to predict",
+    "--output.folder FOLDER": "where their normal maps go",
     "--data.size PIXELS": "side of the pictures",
     "--data.batch_size N": "samples of a training step",
     "--trainer.max_epochs N": "how long to train",
@@ -46,6 +47,21 @@ _MOST_USED = {
     "--print_config": "print the settings that result, and exit",
     "--safe-config": "let configurations name known classes only",
 }
+_SAMPLES, _MODEL = frozenset({"fit", "validate", "test", "render"}), frozenset(COMMANDS) - {"render"}
+_USED_BY = {
+    "--data.meshes PATH": _SAMPLES,
+    "--data.source CLASS": _SAMPLES,
+    "--data.prediction.sketches PATH": {"predict"},
+    "--output.folder FOLDER": {"predict"},
+    "--data.batch_size N": {"fit"},
+    "--trainer.max_epochs N": {"fit"},
+    "--trainer.default_root_dir FOLDER": _MODEL,
+    "--model.generator CLASS": {"fit"},
+    "--model.hint_sampler CLASS": {"fit"},
+    "--ckpt_path FILE|last|best": _MODEL,
+    "--seed_everything N": {"fit"},
+}
+"""The commands for which a setting is of use; all of them, unless it is named here."""
 
 
 def asked_for(arguments: Sequence[str]) -> tuple[list[str], str | None]:
@@ -96,7 +112,9 @@ def overview(command: str) -> str:
             f"{does[0].upper()}{does[1:]}.",
             "",
             "Most used:",
-            *_rows(_MOST_USED),
+            *_rows(
+                {name: what for name, what in _MOST_USED.items() if command in _USED_BY.get(name, COMMANDS)}
+            ),
             "",
             "All settings, by section:",
             *_rows(see),

@@ -12,7 +12,7 @@ from lightning.pytorch.cli import LightningArgumentParser
 from normalgan.cli.discovery import SETTINGS, described, namable
 from normalgan.cli.parsing.errors import explain
 from normalgan.cli.parsing.light_parser import OwnDefaultsParser
-from normalgan.errors import InputError, did_you_mean
+from normalgan.errors import InputError
 
 __all__ = ["Parser", "help_of"]
 
@@ -40,9 +40,7 @@ class Parser(OwnDefaultsParser, LightningArgumentParser):
         """Raise `InputError` instead of printing a usage page."""
         if self.exit_on_error:
             raise InputError(explain(message, namable(), self._settings())) from ex
-        # The parser of a class that a setting names; its message becomes part of a longer one.
-        unknown = re.fullmatch(r"Option '(.+)' is not accepted", message)
-        super().error(message + (did_you_mean(unknown[1], self._settings()) if unknown else ""), ex)
+        super().error(message + self.suggestion(message, self._settings()), ex)
 
     def dump(self, *given: Any, **how: Any) -> str:
         """Return settings as text, as they were parsed: to check them again is a tenth of reading them."""

@@ -81,8 +81,7 @@ def read_saved_model(path: Path, command: str, size: int, default_size: int) -> 
     Args:
         path: path of a checkpoint, or of weights.
         command: the training command.
-        size: size of the pictures, in pixels; it must be that of the model, unless the file holds weights
-            and the size is the default.
+        size: size of the pictures, in pixels; unless it is the default, it must be that of the model.
         default_size: that default.
 
     Raises:
@@ -100,6 +99,8 @@ def read_saved_model(path: Path, command: str, size: int, default_size: int) -> 
         trained = checkpoint.training_settings()
         check_sizes(path, trained, size)
         return SavedModel(path, trained, checkpoint=checkpoint)
+    if size == default_size:
+        return _to_predict(path, command, checkpoint.weights(checkpoint.trained_size() or size))
     check_size(path, checkpoint.generator_size(), size)
     return _to_predict(path, command, checkpoint.weights(size))
 

@@ -104,7 +104,8 @@ class Pairs(PairSource):
         entries = [self.files] if isinstance(self.files, str) else self.files
         pairs = [self._with_settings(pair) for entry in entries for pair in find_pairs(entry, left_out)]
         if left_out and not pairs:
-            raise InputError(f"{left_out[0]}; {LAYOUTS}.")
+            listed = all(Path(entry).suffix.lower() == ".csv" for entry in entries)
+            raise InputError(f"{left_out[0]}{'' if listed else f'; {LAYOUTS}'}.")
         if not pairs:
             raise InputError("Pairs was given no files; name a folder, a glob of sketches, or a CSV.")
         twice = [name for name, count in Counter(pair.name for pair in pairs).items() if count > 1]

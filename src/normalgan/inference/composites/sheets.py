@@ -110,7 +110,8 @@ def predict_sheet(
     fine = [(cell, each) for cell, each in done if isinstance(each, NormalMap)]
     if not fine:
         cell, error = done[0]
-        raise InputError(f"{cell.name}: {error}")
+        others = f"none of its {len(done)} drawings can be predicted; " if len(done) > 1 else ""
+        raise InputError(f"{others}{cell.name}: {error}")
     return replace(_assembled(sheet.shape, fine, _findings(done, said)), partial=len(fine) < len(done))
 
 

@@ -270,7 +270,9 @@ def _companions(
     if not source.exists():
         raise InputError(f"there is no file or folder {source} for the {kind}.")
     if source.is_file() and len(read) > 1:
-        raise InputError(f"one file of {kind}, {source}, cannot serve {len(read)} sketches; name a folder.")
+        raise InputError(
+            f"{source} holds the {kind} of one sketch, but there are {len(read)}; name a folder."
+        )
     found = [find_companion(each.drawing, source, endings, each.below) for each in read]
     if not any(found):
         wanted = " or ".join(f"<sketch>{ending}" for ending in endings if ending.startswith("_"))

@@ -21,8 +21,8 @@ class Height(Output):
 
     Args:
         format: png is 16 bits from the lowest to the highest, tiff floats in pixels.
-        height_scale: pixels of height between black and white of a png; batch take the largest value of all
-            its drawings.
+        height_scale: pixels of height between black and white of a png; batch takes the largest value of all
+            drawings.
 
     Raises:
         InputError: if they do not go together.
@@ -38,7 +38,7 @@ class Height(Output):
         """Refuse settings that contradict each other."""
         super().__post_init__()
         if self.height_scale is not None and self.format != "png":
-            raise InputError("height_scale applies to a height map as png; add --height png.")
+            raise InputError(f"a height scale applies to PNG; a height map as {self.format} holds pixels.")
 
     @property
     def whole_batch(self) -> bool:

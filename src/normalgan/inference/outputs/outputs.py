@@ -78,7 +78,8 @@ def outputs_of(settings: Mapping[str, Any]) -> Outputs:
             if each.name in own and own[each.name] != each.default:
                 flag = f"--{option.replace('_', '-')}{' ' + formats[0] if len(formats) > 1 else ''}"
                 raise InputError(
-                    f"{each.name} is a setting of the {kind.label.lower()}; add {flag}, or leave it out."
+                    f"--{each.name.replace('_', '-')} is a setting of the {kind.label.lower()}; "
+                    f"add {flag}, or leave it out."
                 )
     own = {each.name: settings.get(each.name) for each in fields(Normal)}
     normal = {name: value for name, value in own.items() if value is not None}  # null is the default

@@ -12,7 +12,7 @@ import numpy as np
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
 from normalgan.files.limits import read_named
-from normalgan.inference.reading.drawings import read_hints
+from normalgan.inference.reading.drawings import SUFFIXES, read_hints
 from normalgan.normals import LEAST_Z, normalize
 
 __all__ = ["ENDINGS", "MOST_LISTED", "Hints", "check_hints", "load_hints", "parse_hints"]
@@ -47,6 +47,8 @@ def load_hints(path: Path, shape: tuple[int, int]) -> Hints:
     """
     if path.suffix.lower() == ".json":
         return parse_hints(_parsed(path), path, shape)
+    if path.suffix and path.suffix.lower() not in SUFFIXES:
+        raise InputError(f"the hints {path} are neither a list (.json) nor painted on a transparent PNG.")
     normals, where = read_hints(path, shape)
     rows, columns = np.nonzero(where)
     points = np.stack([columns, rows], axis=1).astype(np.float32) + np.float32(0.5)
