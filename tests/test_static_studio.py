@@ -4,6 +4,7 @@ import base64
 import io
 import itertools
 import json
+import re
 import runpy
 from collections.abc import Iterator
 from dataclasses import replace
@@ -108,6 +109,17 @@ def studio(built: Path) -> Iterator["Page"]:
         page.context.set_offline(True)
         yield page
     assert [url for url in requested if not url.startswith((address, "data:", "blob:"))] == []
+
+
+def test_the_build_writes_every_constant_that_the_scripts_take(built: Path) -> None:
+    promised = (ROOT / "tools" / "static_studio" / "constants.d.ts").read_text(encoding="utf-8")
+    written = (built / "page" / "constants.js").read_text(encoding="utf-8")
+    modules = dict(re.findall(r"^export const (\w+) = (.*);$", written, re.M))
+    for module, names in re.findall(r"^export const (\w+): (.*?);$", promised, re.M | re.S):
+        has = json.loads(modules[module])
+        wanted = [quoted or named for quoted, named in re.findall(r'"(\w+)"|readonly (\w+):', names)]
+        assert wanted
+        assert set(wanted) <= set(has), module
 
 
 def test_it_is_small_enough_to_be_fetched(built: Path) -> None:

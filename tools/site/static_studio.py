@@ -14,13 +14,15 @@ import shutil
 import subprocess
 import tarfile
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 from mkdocs.config.defaults import MkDocsConfig
 
-from normalgan.inference import edits, structures
-from normalgan.inference.cleaning import reader
-from normalgan.inference.mask import decision
+from normalgan.inference import edits, forms, normal_map, pipeline, structures, suggestion
+from normalgan.inference.cleaning import cleaning, reader, silhouette
+from normalgan.inference.mask import decision, edge
+from normalgan.inference.network import extension, line_width, upsampling
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.studio.drawings.limits import with_limits
 from normalgan.studio.page_files import PAGE, markup
@@ -37,8 +39,12 @@ CACHE = ROOT / "build" / "npm"
 RUNTIME = ("ort.wasm.min.mjs", "ort-wasm-simd-threaded.mjs")
 BINARY = "ort-wasm-simd-threaded.wasm"
 """Goes into the site packed, as not every host packs what it sends: 4 MB of 14. The worker unpacks it."""
-CONSTANTS = {"edit_defaults.js": edits, "mask_defaults.js": decision, "reader_defaults.js": reader}
-"""Modules whose constants the page's scripts apply as the server does, by the script that has them."""
+CONSTANTS = "constants.js"
+MODULES = (
+    cleaning, decision, edge, edits, extension, forms, line_width, normal_map, pipeline, reader, silhouette,
+    suggestion, upsampling,
+)  # fmt: skip
+"""Modules that the page's scripts repeat, and whose constants they therefore take from there."""
 SERVICE_WORKER = "service_worker.js"
 FOLDER = "draw"
 _ABOUT = (
@@ -115,13 +121,11 @@ def build(folder: Path, runtime: bytes) -> None:
         shutil.copy(path, page)
     for kind in structures.KINDS:
         (page / structures.FILE.format(kind)).write_bytes(structures.tile_bytes(kind))
-    for script, module in CONSTANTS.items():
-        values = {name: getattr(module, name) for name in module.__all__ if name.isupper()}
-        lines = [
-            f"export const {name} = {json.dumps(value, default=np.ndarray.tolist)};\n"
-            for name, value in values.items()
-        ]
-        (page / script).write_text("".join(lines), encoding="utf-8")
+    lines = [
+        f"export const {module.__name__.rpartition('.')[2].upper()} = {json.dumps(_constants(module))};\n"
+        for module in MODULES
+    ]
+    (page / CONSTANTS).write_text("".join(lines), encoding="utf-8")
     # A browser's runtime does not read the line widths.
     notes = {"line_widths": OnnxBackend(MODELS[0]).line_widths, "structures": structures.KINDS}
     (page / "model.json").write_text(json.dumps(notes) + "\n", encoding="utf-8")
@@ -149,6 +153,17 @@ def build(folder: Path, runtime: bytes) -> None:
     text = markup(text.replace(main, first + main).replace(about, _ABOUT + about), page)
     (folder / "index.html").write_text(text, encoding="utf-8")
     _write_service_worker(folder)
+
+
+def _constants(module: ModuleType) -> dict[str, object]:
+    """Return the numbers and short lists of numbers that a module names in capitals, private ones too.
+
+    The page's scripts are the same method a second time, so what is private there is theirs as well.
+    """
+    named = {name.lstrip("_"): np.asarray(value) for name, value in vars(module).items() if name.isupper()}
+    return {
+        name: value.tolist() for name, value in named.items() if value.dtype.kind in "if" and value.ndim <= 1
+    }
 
 
 def _write_service_worker(folder: Path) -> None:

@@ -83,7 +83,7 @@ function take(key, fields, number, pixels) {
 
 /**
  * @param {import("./worker.js").Layer[]} layers @param {number | null} longest
- * @param {{what?: import("./worker.js").Wish["what"], count?: number, changedOnly?: boolean}} [more] count: of points
+ * @param {{what?: import("./worker.js").PaintRequest["what"], count?: number, changedOnly?: boolean}} [more] count: of points
  * @param {AbortSignal | null} [signal]
  * @returns {Promise<Painted>}
  */

@@ -1,11 +1,11 @@
 /** Bevel: makes a part of a map round, flat or hollow, as normalgan.inference.forms does it in Python. */
 
+import { FORMS } from "./constants.js";
 import { blurred, boxOf, distance, opposite, part as cut, resized, where } from "./raster.js";
 
 /** @typedef {import("./document.js").Form} Form */
 
-const [SIDE, COARSE, SWEEPS, OUTSIDE] = [256, 64, 24, 2];
-const DISH = Math.sin(Math.PI / 3);
+const { COARSE, DISH, OUTSIDE, SIDE, SWEEPS } = FORMS;
 
 /**
  * Brings a part of a map to a form, in place.

@@ -1,4 +1,4 @@
-/** Compose: maps of layers that were painted each for itself, one over the other, as normalgan.inference.composites.composition does it. */
+/** Compose: puts the maps of layers, each painted separately, over one another, as normalgan.inference.composites.composition does in Python. */
 
 import { distance, opposite } from "./raster.js";
 

@@ -1,9 +1,11 @@
 /** Decision: the object in a drawing, from its lines and the reader's presence, as normalgan.inference.mask.decision finds it in Python. */
 
+import { DECISION } from "./constants.js";
 import { snapOutline } from "./edge.js";
-import { INKED, OPEN, REACH, SIDE, UNSURE } from "./mask_defaults.js";
 import { SQUARE, above, boxOf, components, dilated, distance, enclosedBy, eroded, opposite, refitted, rint, sumOf, where, without } from "./raster.js";
 import { presenceAt } from "./reader.js";
+
+const { INKED, OPEN, REACH, SIDE, UNSURE } = DECISION;
 
 /** @typedef {{mask: Uint8Array | null, covered: Float32Array | null, unsure: import("./findings.js").Finding[]}} Decision
  *   the object, null if none is seen, how much of each pixel it covers, and what is to be said */

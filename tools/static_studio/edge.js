@@ -1,18 +1,17 @@
 /** Edge: where an object ends, by the ink of its outline, as normalgan.inference.mask.edge does it in Python. */
 
+import { DECISION, EDGE } from "./constants.js";
 import { lineWidth } from "./prepare.js";
 import { CROSS, SQUARE, WIDE, above, both, blurred, boxOf, components, dilated, distance, either, eroded, extreme, labelled, near, opposite, part, refitted, ridge, stretched, where, without } from "./raster.js";
 
-const [PALEST, MERGED, TIP, TOUCHING, FINER, LARGE] = [0.35, 1.5, 0.25, 1.3, 1.25, 1024];
+const { FINER, LARGE, MERGED, PALEST, TIP, TOUCHING } = EDGE;
+const { LEAST_OFF, OFF, SIDE } = DECISION;
 
 /** Returns a mask as opacity: its staircase becomes an edge of a pixel. @param {Uint8Array} mask @param {number} width @param {number} height */
 export const softEdge = (mask, width, height) => stretched(blurred(mask, width, height, 1), 1.6, -0.3);
 
-/** How far the edge of a mask found at 512 pixels may be off, in pixels of that size, and of the drawing. */
-const [OFF, LEAST_OFF] = [2.5, 2];
-
-/** Returns how much of each pixel an object covers, whose mask was found at 512 pixels. @param {Uint8Array} mask @param {Float32Array} ink @param {number} width @param {number} height */
-export const snapOutline = (mask, ink, width, height) => snap(mask, ink, width, height, Math.max((OFF * Math.max(width, height)) / 512, LEAST_OFF));
+/** Returns how much of each pixel an object covers, whose mask was found at the size of the vote. @param {Uint8Array} mask @param {Float32Array} ink @param {number} width @param {number} height */
+export const snapOutline = (mask, ink, width, height) => snap(mask, ink, width, height, Math.max((OFF * Math.max(width, height)) / SIDE, LEAST_OFF));
 
 /**
  * Returns how much of each pixel an object covers, whose mask is known to a few pixels.

@@ -1,5 +1,6 @@
 /** Finish: what the network painted at the drawing's size and place, as normalgan.inference does it in Python. */
 
+import { EXTENSION, PIPELINE, UPSAMPLING } from "./constants.js";
 import { softEdge } from "./edge.js";
 import { Unpaintable, shrunk } from "./prepare.js";
 import { SQUARE, WIDE, above, both, boxOf, components, dilated, distance, either, opposite, part, quantile, resized, sumOf, where, without } from "./raster.js";
@@ -8,11 +9,9 @@ import { SQUARE, WIDE, above, both, boxOf, components, dilated, distance, either
  * @typedef {import("./findings.js").Finding} Finding */
 /** @typedef {(planes: Float32Array, width: number, height: number) => Promise<Float32Array>} Refiner six planes in, three out */
 
-const [PRESENT, LEAST] = [0.6, 0.02];
-const [CELL, RIM, ENLARGED, LARGEST] = [4, 16, 1.2, 4];
-const SWEEPS = 6;
-/** How far beside the mask a hint may lie, as a share of the longer side; */
-const BESIDE = 0.005;
+const { BESIDE, LEAST, PRESENT } = PIPELINE;
+const { CELL, ENLARGED, LARGEST, RIM } = UPSAMPLING;
+const { SWEEPS } = EXTENSION;
 
 /**
  * Returns normals, x, y, z for each pixel, the mask, and what is to be said of it.

@@ -1,9 +1,11 @@
 /** Hold: a painted map held to what a hand says of it, as normalgan.inference.edits does it in Python. */
 
 import { feathered, giveForm } from "./bevel.js";
-import { AVERAGED, BRUSH_FADES, FADES, INKED, LEAST_REACH, REACH, SOFT } from "./edit_defaults.js";
+import { EDITS } from "./constants.js";
 import { blurred, boxOf, components, part, where } from "./raster.js";
 import { slopesAt } from "./structures.js";
+
+const { AVERAGED, BRUSH_FADES, FADES, INKED, LEAST_REACH, REACH, SOFT } = EDITS;
 
 /** @typedef {import("./document.js").Hint} Hint @typedef {import("./carving.js").Asked} Area */
 /** @typedef {{normals: Float32Array, mask: Uint8Array, width: number, height: number}} Painted */

@@ -1,5 +1,6 @@
 /** PNG: a map as a file of 8 or 16 bits, level for level what normalgan.normals writes; a canvas has 8 bits, and alters colours that are transparent. */
 
+import { NORMAL_MAP } from "./constants.js";
 import { rint } from "./raster.js";
 
 const SIGNATURE = [137, 80, 78, 71, 13, 10, 26, 10];
@@ -34,8 +35,7 @@ export function levelsOf(normals, mask, alpha, down, bits) {
   return out;
 }
 
-/** Pixels around the object that carry the colour of its edge. */
-const PADDING = 16;
+const { PADDING } = NORMAL_MAP;
 
 /**
  * Gives transparent pixels around the object the colour of the nearest one on it, nearly, in place: engines blend neighbours.

@@ -1,5 +1,6 @@
 /** Prepare: a drawing as far as it gets without the network, as normalgan.inference does it in Python. */
 
+import { CLEANING, LINE_WIDTH, SILHOUETTE } from "./constants.js";
 import { decide } from "./decision.js";
 import { brightness, inkAt, read } from "./reader.js";
 import { SQUARE, above, blurred, boxOf, components, dilated, distance, eroded, median, opposite, part, refitted, resized, ridge, rint, stretched, sumOf, thinned, where } from "./raster.js";
@@ -18,14 +19,8 @@ import { SQUARE, above, blurred, boxOf, components, dilated, distance, eroded, m
  * @property {import("./findings.js").Finding[]} unsure what is to be said of regions of which the reader is unsure
  */
 
-/** Pixels of the network that lines are wide where they are drawn anew. */
-const WIDTH = 1.25;
-const FINER = 4;
-/** As many pixels for each of the network tell that lines are surely as wide as those it knows, and none is an area. */
-const ROUGH = 2;
+const { DRAWN_WIDTH, FINER, ROUGH, THIN } = LINE_WIDTH;
 const MARGIN = 0.06;
-/** Half as wide as this share of the side a line is at least before it is an area. */
-const THIN = 0.02;
 
 /** The drawing cannot be painted. */
 export class Unpaintable extends Error {
@@ -37,10 +32,8 @@ export class Unpaintable extends Error {
   }
 }
 
-/** Least ink of a line. */
-const LEAST = 0.3;
-/** Share of a picture from which what is opaque is the sheet; and how much larger the share of ink must be to be one of lines. */
-const [SHEET, SURE] = [0.995, 0.05];
+const { LEAST } = CLEANING;
+const { SHEET, SURE } = SILHOUETTE;
 
 /**
  * Prepares a drawing.
@@ -182,9 +175,9 @@ export function shown(ink, width, height, frame, widths) {
   const lines = thick ? lineWidth(where(inked, (value, i) => value > 0 && !thick[i]), wide, high, depth) : usual;
   const known = lines >= widths[0] * FINER && lines <= widths[1] * FINER;
   if (known && !thick) return cut(ink, width, height, frame);
-  let [drawn, drawnWidth] = [inked, WIDTH * FINER - lines + 1];
+  let [drawn, drawnWidth] = [inked, DRAWN_WIDTH * FINER - lines + 1];
   if (thick || lines > widths[1] * FINER) {
-    [drawn, drawnWidth] = [known && thick ? edge(inked, thick, wide, high) : middle(inked, wide, high, lines, thick), WIDTH * FINER];
+    [drawn, drawnWidth] = [known && thick ? edge(inked, thick, wide, high) : middle(inked, wide, high, lines, thick), DRAWN_WIDTH * FINER];
   }
   const away = distance(opposite(drawn), wide, high);
   const out = new Float32Array(fine * fine);

@@ -1,7 +1,9 @@
 /** Reader: a small network that tells ink from ground and object from air, shown what normalgan.inference.cleaning.reader shows it. */
 
+import { READER } from "./constants.js";
 import { components, extreme, filtered, part, refitted, resized, rint, where } from "./raster.js";
-import { DOUBT, FLAT, GREY, NEARER, ONE_TONE, PAPER, SIDES, STRIDE, WINDOW } from "./reader_defaults.js";
+
+const { DOUBT, FLAT, GREY, NEARER, ONE_TONE, PAPER, SIDES, STRIDE, WINDOW } = READER;
 
 /** @typedef {(picture: Float32Array, width: number, height: number) => Promise<Float32Array>} Network three planes in; ink, presence and two more out */
 /** @typedef {{ink: Float32Array, presence: Float32Array, width: number, height: number}} Reading probabilities, at the scale at which the network saw the drawing */

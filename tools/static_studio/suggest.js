@@ -1,11 +1,9 @@
 /** Suggest: where a point would help most, and how unsure the model is, as normalgan.inference.suggestion has it. */
 
+import { SUGGESTION } from "./constants.js";
 import { above, blurred, both, boxOf, distance, resized, where } from "./raster.js";
 
-const SIDE = 256;
-const RIM = 0.02;
-/** Share of ink in a pixel of the small map from which on a line runs through it. */
-const INKED = 0.1;
+const { INKED, RIM, SIDE } = SUGGESTION;
 
 /** @typedef {{x: number, y: number, normal: [number, number, number], gain: number}} Point in pixels of the map; gain: 0 to 1 */
 

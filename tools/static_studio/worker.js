@@ -1,4 +1,4 @@
-/** Worker: all that is about the networks, beside the page, so that the pen never waits for it. */
+/** Worker: runs the method beside the page, so that the pen never waits for it. */
 
 import { compose } from "./compose.js";
 import { expectedError, waysToSee } from "./context.js";
@@ -22,7 +22,7 @@ import { doubt, suggest } from "./suggest.js";
  */
 /**
  * @typedef {import("./findings.js").Finding} Finding
- * @typedef {{id: number, layers: Layer[], longest: number | null, what: "map" | "exact" | "doubt" | "points", count: number, changedOnly: boolean}} Wish
+ * @typedef {{id: number, layers: Layer[], longest: number | null, what: "map" | "exact" | "doubt" | "points", count: number, changedOnly: boolean}} PaintRequest
  *   layers: the hindmost first; what is to be answered; count: of points; changedOnly: whether layers that have not changed are
  *   shown as they were, though each is seen among all
  * @typedef {import("./compose.js").LayerMap & {findings: Finding[], certainty: () => Float32Array}} Painted certainty: the model's κ
@@ -47,9 +47,9 @@ const prepared = new Map();
 const painted = new Map();
 /** @type {Promise<unknown>} one at a time */
 let turn = Promise.resolve();
-/** @type {Set<number>} wishes that are no longer wanted */
+/** @type {Set<number>} requests that are no longer wanted */
 const dropped = new Set();
-/** The wish that is being answered. */
+/** The request that is being answered. */
 let current = 0;
 
 async function load() {
@@ -157,8 +157,13 @@ async function tilesOf(areas, structures) {
 /** Returns what was tried, the least expected error first. @template {{lines: import("./prepare.js").Prepared, confidence: Float32Array}} T @param {T[]} tried */
 const byError = (tried) => tried.map((each) => ({ each, error: expectedError(each.lines, each.confidence) })).sort((a, b) => a.error - b.error).map(({ each }) => each);
 
-/** @param {Wish} wish @returns {Promise<Answer>} */
-async function paint({ layers, longest, what, count, changedOnly }) {
+/**
+ * Paints each layer, seen alone or among the others.
+ * @param {Pick<PaintRequest, "layers" | "longest" | "changedOnly">} request
+ * @returns {Promise<{maps: Painted[], findings: Finding[]}>} maps of the layers that can be painted, at least one
+ * @throws {Unpaintable} if none can be.
+ */
+async function paintLayers({ layers, longest, changedOnly }) {
   const { widths } = await ready;
   /** @type {Painted[]} */
   const maps = [];
@@ -193,6 +198,12 @@ async function paint({ layers, longest, what, count, changedOnly }) {
     }
   }
   if (!maps.length) throw new Unpaintable(lacks[0]?.code ?? "no_lines", lacks[0]?.layer);
+  return { maps, findings: [...said, ...lacks] };
+}
+
+/** @param {PaintRequest} request @returns {Promise<Answer>} */
+async function paint({ layers, longest, what, count, changedOnly }) {
+  const { maps, findings } = await paintLayers({ layers, longest, changedOnly });
   const unsure = what === "doubt" || what === "points";
   const map = compose(maps.map((each) => ({ ...each, confidence: unsure ? each.certainty() : null })));
   const { normals, mask, covered, width, height, confidence } = map;
@@ -201,7 +212,7 @@ async function paint({ layers, longest, what, count, changedOnly }) {
     for (let c = 0; c < 3; c++) rgba[4 * i + c] = Math.round((normals[3 * i + c] + 1) * 127.5);
     rgba[4 * i + 3] = Math.round(255 * covered[i]);
   }
-  const answer = { rgba, width, height, findings: [...said, ...lacks] };
+  const answer = { rgba, width, height, findings };
   if (what === "exact") return { ...answer, normals: normals.slice(), mask: mask.slice(), covered: covered.slice() };
   if (what === "doubt") {
     return { ...answer, shares: Uint8Array.from(mask, (there, i) => (there && confidence ? Math.round(255 * Math.min(doubt(confidence[i]), 1)) : 0)) };
@@ -249,7 +260,7 @@ function digest(bytes) {
 }
 
 ready.then(({ size }) => postMessage({ size }), (error) => postMessage({ failed: String(error.message ?? error) }));
-addEventListener("message", (/** @type {MessageEvent<Wish | {drop: number}>} */ { data }) => {
+addEventListener("message", (/** @type {MessageEvent<PaintRequest | {drop: number}>} */ { data }) => {
   if ("drop" in data) {
     dropped.add(data.drop);
     return;

@@ -175,6 +175,43 @@ def test_a_server_that_goes_away_in_the_middle_of_anything_is_told(server: Serve
         with studio.repainting():
             server.start()
         assert re.match("The studio is back", studio.status())
+        page.keyboard.press("Control+s")
+        assert page.locator("#name-field").input_value() == "fox"  # nobody types it again
+
+
+def test_a_problem_covers_no_toast_stays_in_the_window_and_goes_with_the_next_act(
+    opened: "Browser", server: Server
+) -> None:
+    with open_studio(opened, server.url, tolerate=(AWAY,)) as studio:
+        page = studio.page
+        studio.new()
+        with studio.repainting():
+            studio.circle()
+        page.keyboard.press("m")
+        with studio.saying("This area is open to the paper's edge"):
+            page.mouse.click(*studio.on_board(8, 8))
+        problem = page.locator("#problem")
+        page.set_viewport_size({"width": 700, "height": 500})
+        studio.wait_for_frame()
+        box = problem.bounding_box()
+        assert box is not None
+        assert box["x"] + box["width"] <= 700
+        assert box["y"] + box["height"] <= 500
+        page.set_viewport_size({"width": 1200, "height": 700})
+        page.keyboard.press("p")
+        assert problem.is_hidden()  # it was said of another tool
+        page.locator("#new").click()
+        page.locator("#choose button[value=drop]").click()
+        page.locator("#new-dialog button.strong").click()
+        page.locator("#toast").wait_for()
+        server.kill()
+        with studio.saying(OFFLINE):
+            studio.line((30, 200), (60, 200))
+        studio.wait_for_frame()
+        shown, toast = problem.bounding_box(), page.locator("#toast").bounding_box()
+        assert shown is not None
+        assert toast is not None
+        assert shown["y"] + shown["height"] < toast["y"]
 
 
 def test_what_is_drawn_while_the_computer_sleeps_is_predicted_and_saved_on_waking(

@@ -170,6 +170,21 @@ def test_a_folder_of_drawings_is_a_gallery_to_open_them_from(
         assert page.locator("#pixels").inner_text() == "1024 × 512"  # as large as the server draws an SVG
 
 
+def test_of_a_file_in_a_folder_that_cannot_be_read_it_is_said_why(
+    opened: "Browser", server: Server, tmp_path: Path
+) -> None:
+    (tmp_path / "empty.png").write_bytes(b"")
+    (tmp_path / "half.normalgan").write_text('{"format": "normalgan-studio", "stro', encoding="utf-8")
+    with open_studio(opened, server.url, tolerate=("status of 400",)) as studio:
+        page = studio.page
+        page.locator("#open").click()
+        page.set_input_files("#open-folder", tmp_path)
+        for shown in ("drawings", "maps"):
+            page.locator("#folder-shown").select_option(shown)
+            for words in ("The picture is not an image", "This file is not a studio project"):
+                page.locator("#folder-list span", has_text=words).wait_for()
+
+
 def test_the_maps_of_a_folder_are_seen_side_by_side(
     opened: "Browser", server: Server, tmp_path: Path
 ) -> None:

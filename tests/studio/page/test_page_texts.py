@@ -14,6 +14,12 @@ if TYPE_CHECKING:
 from normalgan.studio.page_files import PAGE
 from normalgan.studio.predictions.exports import with_export_menu
 
+CUT_OFF = """() => [...document.querySelectorAll(".options > .quiet, #outcome > .bar")]
+  .filter((each) => each.checkVisibility({ opacityProperty: true }))
+  .filter((each) => each.scrollHeight > each.clientHeight + 1 || each.scrollWidth > each.clientWidth)
+  .map((each) => each.textContent)"""
+"""What of help and of the bar of views is not all to be seen."""
+
 
 def test_no_words_are_left_over_and_none_are_missing() -> None:
     words = (PAGE / "text.js").read_text(encoding="utf-8")
@@ -71,6 +77,24 @@ def test_every_language_is_listed() -> None:
     listed = re.search(r"LANGUAGES = \[(.*)\]", (PAGE / "text.js").read_text(encoding="utf-8"))
     assert listed is not None
     assert re.findall(r'"(\w+)"', listed[1]) == LANGUAGES
+
+
+@pytest.mark.slow  # a server and a browser, which take seconds to start
+@pytest.mark.parametrize("locale", ["en-US", "de-DE", "es-ES", "fr-FR", "ja-JP", "zh-CN"])
+def test_no_words_beside_the_tools_and_views_are_cut_off(
+    opened: "Browser", server: Server, locale: str
+) -> None:
+    with open_page(opened, width=1280, height=800, locale=locale) as page:
+        Studio(page, server.url)
+        for width in (1024, 1280, 1920):
+            page.set_viewport_size({"width": width, "height": 800})
+            for tool in "peshrdmlv":
+                page.keyboard.press(tool)
+                page.wait_for_function("() => new Promise((done) => requestAnimationFrame(() => done(true)))")
+                assert page.evaluate(CUT_OFF) == [], (width, tool)
+                help_ = page.locator("#select-help")
+                helped = help_.evaluate("e => e.checkVisibility() && !e.matches('.cut')")
+                assert helped == (tool == "s" and width > 1024)
 
 
 @pytest.mark.slow  # a server and a browser, which take seconds to start

@@ -169,7 +169,7 @@ def test_too_much_is_not_read(client: TestClient) -> None:
         kind = {"Content-Type": "image/png"} if path.endswith("import") else headers
         answer = client.request(method, path, content=large, headers=kind)
         assert answer.status_code == 413
-        assert answer.json() == {"error": "that is more than 20 MB; send less."}
+        assert answer.json() == {"error": "it is larger than 20 MB; make it smaller."}
 
 
 def test_only_this_machine_can_reach_it() -> None:

@@ -4,7 +4,7 @@ import { paperUnder } from "./inpainting.js";
 
 /** @typedef {{left: number, top: number, right: number, bottom: number}} Rect in pixels of the picture */
 /**
- * @typedef {{id: number, pixels: Uint8ClampedArray<ArrayBuffer>, width: number, inside: Uint8Array, box: Rect, paper: number[] | null}} Wish
+ * @typedef {{id: number, pixels: Uint8ClampedArray<ArrayBuffer>, width: number, inside: Uint8Array, box: Rect, paper: number[] | null}} CutRequest
  *   pixels: RGBA; inside: above 0 for the pixels of the box that are cut out; paper: its colour, null where it is none
  * @typedef {{id: number, rest: string, piece: string, rect: Rect | null}} Answer data URLs; rect: where the piece lies, null if
  *   there is no ink
@@ -16,10 +16,10 @@ const EMPTY = 2;
 const AROUND = 48;
 
 addEventListener("message", async ({ data }) => {
-  postMessage(await part(/** @type {Wish} */ (data)));
+  postMessage(await part(/** @type {CutRequest} */ (data)));
 });
 
-/** @param {Wish} wish @returns {Promise<Answer>} */
+/** @param {CutRequest} request @returns {Promise<Answer>} */
 async function part({ id, pixels, width, inside, box, paper }) {
   const height = pixels.length / 4 / width;
   const frame = grown(box, AROUND, width, height);

@@ -181,6 +181,16 @@ export const withoutArea = (doc, index) => withActive(doc, { areas: activeLayer(
 /** @param {Doc} doc @param {MaskStroke} stroke @returns {Doc} */
 export const withMaskStroke = (doc, stroke) => withActive(doc, { mask: [...activeLayer(doc).mask, stroke] });
 
+/**
+ * Returns the middle of the pixel in which a point lies, or of the nearest one on the paper: there a server puts a hint anyway.
+ * @param {{x: number, y: number}} at @param {{width: number, height: number}} paper
+ */
+export function middleOfPixel({ x, y }, { width, height }) {
+  /** @param {number} value @param {number} side */
+  const clamp = (value, side) => Math.max(0, Math.min(side - 1, Math.floor(value))) + 0.5;
+  return { x: clamp(x, width), y: clamp(y, height) };
+}
+
 /** Where the mark of an area is. @param {Area} area @returns {{x: number, y: number}} */
 export function anchorOf({ points, size }) {
   const count = points.length / 2;

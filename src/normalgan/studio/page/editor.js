@@ -13,6 +13,9 @@ const TOGETHER = 1000;
  *   places in the strokes of the layer that is worked on, and in the document's pictures; cuts: pictures among the strokes of
  *   which only what lies in the lasso is chosen */
 
+/** @type {Selection} nothing is chosen */
+export const NOTHING = { strokes: [], pictures: [] };
+
 /**
  * Events: `change` when the document differs, with `detail.live` while a gesture goes on; `drawing` when the ink has
  * got more than the document has yet, with `detail.box`; `replaced` when the present step of history is another value of
@@ -55,7 +58,7 @@ export class Editor extends EventTarget {
     /** Whether what is drawn is mirrored at the middle of the paper. */
     this.symmetry = false;
     /** @type {Selection} what is chosen to be moved */
-    this.selection = { strokes: [], pictures: [] };
+    this.selection = NOTHING;
     /** Whether a line is drawn around what is chosen, and not a box. */
     this.lassoes = false;
     /** @type {import("./moving.js").Box | null} what is drawn around to be chosen */
@@ -158,7 +161,7 @@ export class Editor extends EventTarget {
       this.history.states = past.states.map((state, i) => (i === past.at ? doc : state));
       this.history.at = past.at;
     }
-    this.set({ chosen: -1, area: -1, suggestions: [], selection: { strokes: [], pictures: [] } });
+    this.set({ chosen: -1, area: -1, suggestions: [], selection: NOTHING });
     this.dispatchEvent(new CustomEvent("open"));
     this.#changed(false);
   }
@@ -183,7 +186,7 @@ export class Editor extends EventTarget {
     const { layer } = this;
     go();
     // Places in lists of another length are of other strokes.
-    if (this.layer.strokes.length !== layer.strokes.length) this.selection = { strokes: [], pictures: [] };
+    if (this.layer.strokes.length !== layer.strokes.length) this.selection = NOTHING;
     this.#changed(false);
   }
 
@@ -199,13 +202,13 @@ export class Editor extends EventTarget {
   #changed(live) {
     const { layer } = this;
     // Indices are of that layer's lists.
-    if (layer.id !== this.worked) this.set({ chosen: -1, area: -1, suggestions: [], selection: { strokes: [], pictures: [] } });
+    if (layer.id !== this.worked) this.set({ chosen: -1, area: -1, suggestions: [], selection: NOTHING });
     this.worked = layer.id;
     if (this.chosen >= layer.hints.length) this.set({ chosen: -1 });
     if (this.area >= layer.areas.length) this.set({ area: -1 });
     const { strokes, pictures, cuts = [] } = this.selection;
     const gone = cuts.some(({ index, stroke }) => layer.strokes[index] !== stroke) || strokes.some((i) => i >= layer.strokes.length) || pictures.some((i) => i >= this.doc.pictures.length);
-    if (gone) this.set({ selection: { strokes: [], pictures: [] } });
+    if (gone) this.set({ selection: NOTHING });
     this.dispatchEvent(new CustomEvent("change", { detail: { live } }));
   }
 }

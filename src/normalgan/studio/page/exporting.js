@@ -90,13 +90,13 @@ export class Exporting {
     const way = await open($("export-dialog"));
     if (!way) return;
     this.#remember();
-    await this.#made(way === "copy" ? () => this.#copy() : () => this.#save(this.#wish()));
+    await this.#made(way === "copy" ? () => this.#copy() : () => this.#save(this.#request()));
   }
 
   /** Hands the lit result to the browser's downloads, at the drawing's own size. */
   async saveLit() {
     const { name, file } = this.editor.doc.settings;
-    await this.#made(() => this.#save({ ...this.#wish(), name: name || file || text.untitled.toLowerCase(), what: "lit", size: null }));
+    await this.#made(() => this.#save({ ...this.#request(), name: name || file || text.untitled.toLowerCase(), what: "lit", size: null }));
   }
 
   /** @param {() => Promise<void>} make */
@@ -109,9 +109,9 @@ export class Exporting {
     }
   }
 
-  /** @param {Record<string, any>} wish */
-  async #save(wish) {
-    const { blob, name } = await this.#file(wish);
+  /** @param {Record<string, any>} request */
+  async #save(request) {
+    const { blob, name } = await this.#file(request);
     download(blob, name);
     this.status.say(say("exported", { name }));
   }
@@ -119,7 +119,7 @@ export class Exporting {
   /** Puts the picture onto the clipboard. */
   async #copy() {
     // A promise, so that the browser takes it as what was clicked for however long the file takes.
-    const picture = this.#file(this.#wish()).then(({ blob }) => new Blob([blob], { type: "image/png" }));
+    const picture = this.#file(this.#request()).then(({ blob }) => new Blob([blob], { type: "image/png" }));
     picture.catch(() => {}); // what goes wrong is told by the writing
     try {
       await navigator.clipboard.write([new ClipboardItem({ "image/png": picture })]);
@@ -131,18 +131,18 @@ export class Exporting {
   }
 
   /**
-   * @param {Record<string, any>} wish
+   * @param {Record<string, any>} request
    * @returns {Promise<{blob: Blob, name: string}>}
    */
-  async #file(wish) {
+  async #file(request) {
     const { doc } = this.editor;
     const own = Math.max(doc.width, doc.height);
-    const longest = wish.size ?? own;
-    if (wish.what === "lit") return { blob: await this.#lit(longest === own ? null : longest), name: `${wish.name}_lit.png` };
-    const more = { ...wish };
-    if (["lines", "all"].includes(wish.what)) {
+    const longest = request.size ?? own;
+    if (request.what === "lit") return { blob: await this.#lit(longest === own ? null : longest), name: `${request.name}_lit.png` };
+    const more = { ...request };
+    if (["lines", "all"].includes(request.what)) {
       const lines = await toPng(linesAt(doc, longest));
-      if (wish.what === "lines") return { blob: lines, name: `${wish.name}_line.png` };
+      if (request.what === "lines") return { blob: lines, name: `${request.name}_line.png` };
       more.line_art = await toBase64(lines);
       more.lit_picture = await toBase64(await this.#lit(longest === own ? null : longest));
     }
@@ -162,7 +162,7 @@ export class Exporting {
     return toPng(canvas);
   }
 
-  #wish() {
+  #request() {
     const value = (/** @type {string} */ id) => field(`export-${id}`).value;
     return {
       name: value("name").trim() || text.untitled.toLowerCase(),
@@ -175,7 +175,7 @@ export class Exporting {
   }
 
   #remember() {
-    const { what, format, y, alpha, size } = this.#wish();
+    const { what, format, y, alpha, size } = this.#request();
     remember(KEY, { what, format, y, alpha, size });
   }
 
@@ -226,7 +226,7 @@ export class Exporting {
 
   /** Lists the files that will be written. */
   #list() {
-    const { name, what, format } = this.#wish();
+    const { name, what, format } = this.#request();
     /** @type {Record<string, string[]>} */
     const files = JSON.parse(whatList().selectedOptions[0].dataset.files ?? "{}");
     const names = (files[format] ?? []).map((each) => each.replace("{}", name));
@@ -237,9 +237,8 @@ export class Exporting {
 
   /** Shows a picture of what will be written. */
   async #preview() {
-    if (!this.editor.layer) return;
     const look = ++this.looks;
-    const { what, format, y } = this.#wish();
+    const { what, format, y } = this.#request();
     const { painted } = this.predictor;
     const down = what === "all" ? ($("export-engines").dataset.down ?? "").split(" ").includes(format) : y === "down";
     /** @type {HTMLCanvasElement | ImageBitmap | null} */

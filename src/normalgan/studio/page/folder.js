@@ -7,8 +7,9 @@ import { $, make } from "./dom.js";
 import { wordsOfFindings } from "./findings.js";
 import { SIDE, drawDocument, drawFitted, showTiles } from "./gallery.js";
 import { darkOnLight, decodeAll, free } from "./pictures.js";
+import { projectIn } from "./projects.js";
 import { recalled, remember } from "./settings.js";
-import { say, sentence, text } from "./text.js";
+import { say, text } from "./text.js";
 
 const PROJECT = ".normalgan";
 const KEY = "normalgan-folder";
@@ -106,7 +107,7 @@ export class Folder {
   /** @param {File} file @param {HTMLCanvasElement} canvas */
   async #draw(file, canvas) {
     if (this.#kind(file) === "project") {
-      await drawDocument(canvas, JSON.parse(await file.text()));
+      await drawDocument(canvas, await projectIn(file));
       return;
     }
     // What the browser cannot read the server can.
@@ -130,7 +131,7 @@ export class Folder {
     try {
       let doc;
       if (this.#kind(file) === "project") {
-        doc = parseDocument(JSON.parse(await file.text()));
+        doc = parseDocument(await projectIn(file));
         fresh = await decodeAll(picturesOf(doc));
       } else {
         const { picture, width, height } = await imported(file);
@@ -149,10 +150,8 @@ export class Folder {
       drawFitted(canvas, whole);
       note(wordsOfFindings(map.findings));
     } catch (error) {
-      if (error instanceof Lacking) note(wordsOfFindings(error.findings));
-      else note(error instanceof Away || !(error instanceof Error) ? "" : sentence(error.message));
       if (error instanceof Away) this.projects.status.fail(error);
-      throw error;
+      throw error instanceof Lacking ? new Error(wordsOfFindings(error.findings)) : error;
     } finally {
       // A drawing that is being opened by now needs them.
       if (canvas.closest("dialog[open]")) free(fresh);

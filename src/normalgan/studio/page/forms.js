@@ -22,77 +22,106 @@ const BEVELS = { round: 1, flat: 0.2, hollow: 1 };
 /** How soft the edge is that says nothing else, of a region as predicted and of one with a form. */
 const SOFT = { none: 0.5, formed: 0 };
 
-/**
- * Wires the form's buttons and sliders.
- * @param {import("./editor.js").Editor} editor
- * @param {import("./predictor.js").Predictor} predictor
- * @param {(map: import("./viewer.js").Picture) => Uint8ClampedArray<ArrayBuffer>} shaded returns a map as it is seen in the light
- * @returns {() => void} takes the next form
- */
-export function followForms(editor, predictor, shaded) {
-  const [bevel, strength, soft] = ["form-bevel", "form-strength", "form-soft"].map(field);
-  /** The chosen region; undefined is the whole layer. */
-  const region = () => {
-    const area = editor.layer.areas[editor.area];
+/** @typedef {"none" | Form["kind"]} Kind */
+
+/** The form's button, its card and its sliders. */
+export class Forms {
+  /**
+   * @param {import("./editor.js").Editor} editor
+   * @param {import("./predictor.js").Predictor} predictor
+   * @param {(map: import("./viewer.js").Picture) => Uint8ClampedArray<ArrayBuffer>} shaded returns a map as it is seen in the light
+   */
+  constructor(editor, predictor, shaded) {
+    this.editor = editor;
+    this.predictor = predictor;
+    this.shaded = shaded;
+    this.bevel = field("form-bevel");
+    this.strength = field("form-strength");
+    this.soft = field("form-soft");
+    /** Counts the previews that were asked for, so that only the latest is shown. */
+    this.looks = 0;
+    // What keeps a map from coming is said where the map itself is; a form can be chosen by its icon.
+    followPicker("form-choose", () => { this.#preview().catch(() => {}); });
+    for (const kind of KINDS) $(`form-${kind}`).addEventListener("click", () => this.#take(kind));
+    for (const [event, ended] of /** @type {const} */ ([["input", false], ["change", true]])) {
+      for (const part of /** @type {const} */ (["bevel", "strength"])) {
+        this[part].addEventListener(event, () => {
+          const form = this.#formNow();
+          if (form) this.#change({ form: { ...form, [part]: this[part].valueAsNumber / 100 } }, ended, part);
+        });
+      }
+      this.soft.addEventListener(event, () => this.#change({ soft: this.soft.valueAsNumber / 100 }, ended, "soft"));
+    }
+    for (const event of ["change", "state"]) editor.addEventListener(event, () => this.#show());
+    this.#show();
+  }
+
+  /** Takes the next form. */
+  next() {
+    this.editor.set({ tool: "region" });
+    this.#take(KINDS[(KINDS.indexOf(this.#formNow()?.kind ?? "none") + 1) % KINDS.length]);
+  }
+
+  /** Returns the chosen region; undefined is the whole layer. */
+  #region() {
+    const area = this.editor.layer.areas[this.editor.area];
     return area?.size ? undefined : area;
-  };
-  const formNow = () => (region() ?? editor.layer).form ?? null;
+  }
+
+  #formNow() {
+    return (this.#region() ?? this.editor.layer).form ?? null;
+  }
+
+  /** @param {Kind} kind @returns {Form | null} */
+  #formOf(kind) {
+    return kind === "none" ? null : { strength: 1, ...this.#formNow(), kind, bevel: BEVELS[kind] };
+  }
+
+  /** @param {Kind} kind */
+  #take(kind) {
+    this.#change({ form: this.#formOf(kind) }, true);
+  }
 
   /**
    * @param {Partial<import("./document.js").Area>} change @param {boolean} ended
    * @param {string} [slider] whose presses that follow one another are one step in history
    */
-  const change = (change, ended, slider) => {
+  #change(change, ended, slider) {
+    const { editor } = this;
     const { state } = editor.history;
-    const doc = region() ? changedArea(state, editor.area, change) : withActive(state, { form: change.form ?? null });
+    const doc = this.#region() ? changedArea(state, editor.area, change) : withActive(state, { form: change.form ?? null });
     if (ended) editor.commit(doc, slider && `${slider} ${editor.area}`);
     else editor.preview(doc);
-  };
-  /** @param {"none" | Form["kind"]} kind @returns {Form | null} */
-  const formOf = (kind) => (kind === "none" ? null : { strength: 1, ...formNow(), kind, bevel: BEVELS[kind] });
-  /** @param {"none" | Form["kind"]} kind */
-  const take = (kind) => change({ form: formOf(kind) }, true);
+  }
 
-  let looks = 0;
   /** Shows what each form would make of the part; until then, and where nothing is drawn, icons stand for it. */
-  const preview = async () => {
-    const look = ++looks;
+  async #preview() {
+    const { editor } = this;
+    const look = ++this.looks;
     const { doc, layer } = editor;
     for (const kind of KINDS) $(`form-${kind}`).querySelector("canvas")?.remove();
     if (!drawnLayers(doc).includes(layer)) return;
     const alone = { ...doc, layers: [layer] };
-    const area = region();
+    const area = this.#region();
     const box = area && boxOf(area.points);
     const longest = Math.max(doc.width, doc.height);
     const size = box ? Math.min(MOST, longest, Math.round((SIDE * longest) / Math.max(1, box.width, box.height))) : 2 * SIDE;
     for (const kind of KINDS) {
-      const form = (formNow()?.kind ?? "none") === kind ? formNow() : formOf(kind);
+      const now = this.#formNow();
+      const form = (now?.kind ?? "none") === kind ? now : this.#formOf(kind);
       const formed = area ? changedArea(alone, editor.area, { form }) : withActive(alone, { form });
-      const map = await predictor.askAt(Math.max(2 * SIDE, size), (request) => predict(request), {}, formed, "form");
+      const map = await this.predictor.askAt(Math.max(2 * SIDE, size), (request) => predict(request), {}, formed, "form");
       // Another part was chosen, or the card was opened again.
-      if (look !== looks || editor.layer !== layer || !map) return;
+      if (look !== this.looks || editor.layer !== layer || !map) return;
       const canvas = make("canvas", { width: SIDE, height: SIDE, "aria-hidden": "true" });
-      drawPart(canvas, map, shaded(map), box && scaledBox(box, map.width / doc.width));
+      drawPart(canvas, map, this.shaded(map), box && scaledBox(box, map.width / doc.width));
       $(`form-${kind}`).prepend(canvas);
     }
-  };
-  // What keeps a map from coming is said where the map itself is; a form can be chosen by its icon.
-  followPicker("form-choose", () => { preview().catch(() => {}); });
-
-  for (const kind of KINDS) $(`form-${kind}`).addEventListener("click", () => take(kind));
-  for (const [event, ended] of /** @type {const} */ ([["input", false], ["change", true]])) {
-    for (const [slider, part] of /** @type {const} */ ([[bevel, "bevel"], [strength, "strength"]])) {
-      slider.addEventListener(event, () => {
-        const form = formNow();
-        if (form) change({ form: { ...form, [part]: slider.valueAsNumber / 100 } }, ended, part);
-      });
-    }
-    soft.addEventListener(event, () => change({ soft: soft.valueAsNumber / 100 }, ended, "soft"));
   }
 
-  const show = () => {
-    const [area, form] = [region(), formNow()];
-    $("form-of").textContent = area ? say("formRegion", { number: editor.area + 1 }) : text.formLayer;
+  #show() {
+    const [area, form] = [this.#region(), this.#formNow()];
+    $("form-of").textContent = area ? say("formRegion", { number: this.editor.area + 1 }) : text.formLayer;
     const now = form?.kind ?? "none";
     for (const kind of KINDS) $(`form-${kind}`).setAttribute("aria-pressed", String(kind === now));
     $("form-choose").replaceChildren(icon(now), make("span", { text: wordsOf(NAMES[now]) }));
@@ -100,17 +129,10 @@ export function followForms(editor, predictor, shaded) {
     $("form-bevel-label").hidden = $("form-strength-label").hidden = !form;
     $("form-soft-label").hidden = !area;
     $("region-help").hidden = form !== null || area !== undefined;
-    bevel.value = String(100 * (form?.bevel ?? 1));
-    strength.value = String(100 * (form?.strength ?? 1));
-    soft.value = String(100 * (area?.soft ?? SOFT[form ? "formed" : "none"]));
-  };
-  editor.addEventListener("change", show);
-  editor.addEventListener("state", show);
-  show();
-  return () => {
-    editor.set({ tool: "region" });
-    take(KINDS[(KINDS.indexOf(formNow()?.kind ?? "none") + 1) % KINDS.length]);
-  };
+    this.bevel.value = String(100 * (form?.bevel ?? 1));
+    this.strength.value = String(100 * (form?.strength ?? 1));
+    this.soft.value = String(100 * (area?.soft ?? SOFT[form ? "formed" : "none"]));
+  }
 }
 
 /** @typedef {{x: number, y: number, width: number, height: number}} Box */

@@ -1,11 +1,13 @@
 /** Gallery: tiles of projects, or of the drawings in a folder. Each is drawn once it comes into sight. */
 
+import { Away } from "./api.js";
 import { context2d } from "./canvas.js";
 import { parseDocument, picturesOf } from "./document.js";
 import { label, make } from "./dom.js";
 import { icon } from "./icons.js";
 import { linesAt } from "./ink.js";
 import { decodeAll, free } from "./pictures.js";
+import { reasonOf } from "./status.js";
 
 export const SIDE = 192;
 
@@ -37,9 +39,13 @@ export function showTiles(list, tiles) {
         if (!target.isConnected) return;
         // Nothing is drawn behind a closed dialog: it waits until it is in sight again.
         if (!list.closest("dialog[open]")) { seen.observe(target); return; }
-        // What cannot be read stays a blank sheet; opening it says why.
-        await tile.draw(canvas, (words) => { below.textContent = below.title = words; })
-          .then(() => drawn.set(tile.key, { canvas, words: below.textContent }), () => {});
+        const before = below.textContent;
+        /** @param {string} words */
+        const note = (words) => { below.textContent = below.title = words; };
+        await tile.draw(canvas, note).then(
+          () => drawn.set(tile.key, { canvas, words: below.textContent }),
+          (error) => note(error instanceof Away ? before : reasonOf(error)), // that it is away is said once for all
+        );
       });
     }
   });

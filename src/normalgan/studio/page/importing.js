@@ -172,7 +172,7 @@ export class Importing {
     if (fresh) this.view.fit();
     const smaller = given[0] !== width || given[1] !== height;
     const [from, to] = [given, [width, height]].map(([x, y]) => say("pixels", { width: x, height: y }));
-    this.status.say([said, ...(smaller ? [say("importedSmaller", { from, to })] : []), ...lost].join(" "), lost.length ? "warning" : "");
+    this.status.say([said, ...(smaller ? [say("importedSmaller", { from, to })] : []), ...lost].join(" "), lost.length ? "loss" : "");
   }
 
   /**

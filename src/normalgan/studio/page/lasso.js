@@ -24,7 +24,7 @@ const LIGHT = 128;
 
 /** @type {Worker | null} */
 let worker = null;
-let wishes = 0;
+let requests = 0;
 /** @type {Set<string>} pictures that were cut and are in no document yet */
 const unused = new Set();
 
@@ -190,13 +190,13 @@ function drawnIn(data, width, { inside, box: { left, top, right, bottom } }, pap
   return { found: found.right ? found : null, outside };
 }
 
-/** Has a worker part the pixels of a picture. @param {Omit<import("./cutting.js").Wish, "id">} wish @returns {Promise<import("./cutting.js").Answer>} */
-function asked(wish) {
+/** Has a worker part the pixels of a picture. @param {Omit<import("./cutting.js").CutRequest, "id">} request @returns {Promise<import("./cutting.js").Answer>} */
+function asked(request) {
   free([...unused]);
   unused.clear();
   worker ??= new Worker(new URL("cutting.js", import.meta.url), { type: "module" });
   const own = worker;
-  const id = ++wishes;
+  const id = ++requests;
   return new Promise((resolve, reject) => {
     const over = new AbortController();
     own.addEventListener("message", ({ data }) => {
@@ -209,7 +209,7 @@ function asked(wish) {
       worker = null;
       reject(new Error(event.message));
     }, over);
-    own.postMessage({ ...wish, id }, [wish.pixels.buffer, wish.inside.buffer]);
+    own.postMessage({ ...request, id }, [request.pixels.buffer, request.inside.buffer]);
   });
 }
 

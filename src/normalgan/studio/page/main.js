@@ -7,12 +7,12 @@ import { Board } from "./board.js";
 import { View } from "./camera.js";
 import { Connection } from "./connection.js";
 import { $, fill, make, open } from "./dom.js";
-import { Editor } from "./editor.js";
+import { Editor, NOTHING } from "./editor.js";
 import { Exporting } from "./exporting.js";
 import { Folder } from "./folder.js";
 import { followHistory } from "./history_list.js";
 import { followBrushes } from "./brushes.js";
-import { followForms } from "./forms.js";
+import { Forms } from "./forms.js";
 import { teach } from "./first_steps.js";
 import { Importing } from "./importing.js";
 import { Inks } from "./ink.js";
@@ -28,7 +28,7 @@ import { Points } from "./points.js";
 import { Projects } from "./projects.js";
 import { Result, VIEWS } from "./result.js";
 import { offerSamples } from "./samples.js";
-import { NOTHING, SelectTool } from "./selecting.js";
+import { SelectTool } from "./selecting.js";
 import { followSheets } from "./sheets.js";
 import { begin } from "./start.js";
 import { SHOWN, followKeys } from "./shortcuts.js";
@@ -108,7 +108,7 @@ offerSamples((doc, name) => {
 });
 followHistory(editor, announce);
 followPaper(editor, importing);
-const nextForm = followForms(editor, predictor, (map) => result.viewer.shaded(map, null));
+const forms = new Forms(editor, predictor, (map) => result.viewer.shaded(map, null));
 const brush = followBrushes(editor, (file) => importing.pictureOf(file), announce);
 const stepLayer = followLayers(editor, inks, announce);
 autosave.addEventListener("failed", (event) => status.fail(/** @type {CustomEvent} */ (event).detail));
@@ -207,7 +207,7 @@ followKeys({
   q: () => editor.set({ tool: "select", lassoes: editor.tool !== "select" || !editor.lassoes }), j: () => arranging.toLayer("new"),
   PageUp: () => stepLayer(1), PageDown: () => stepLayer(-1),
   ",": () => turn(-15), ".": () => turn(15),
-  g: nextForm, t: () => result.turnOver("tiled"), k: () => result.turnOver("pixelated"),
+  g: () => forms.next(), t: () => result.turnOver("tiled"), k: () => result.turnOver("pixelated"),
   n: () => points.next(1), "shift+n": () => points.next(-1),
   y: () => editor.set({ symmetry: !editor.symmetry }), "ctrl+a": () => select.all(), "ctrl+d": () => arranging.duplicate(), Delete: remove, Backspace: remove, Escape: escape, "?": help,
 });

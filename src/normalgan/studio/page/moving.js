@@ -1,6 +1,6 @@
-/** Moving: strokes, pictures and whole documents made larger or smaller and put elsewhere. */
+/** Moving: moves, scales, turns and flips strokes, pictures and whole documents. */
 
-import { possiblePeriod } from "./document.js";
+import { middleOfPixel, possiblePeriod } from "./document.js";
 import { sidesOf } from "./strokes.js";
 
 /**
@@ -73,15 +73,11 @@ function movedStroke(stroke, move) {
   return [{ ...line, points: moved(stroke.points, 3, move), size, mirror: placeBy(move)({ x: mirror, y: 0 }).x }];
 }
 
-/** A point stays on the paper, in the middle of a pixel. @param {import("./document.js").Hint} hint @param {Move} move @param {{width: number, height: number}} doc */
-function movedHint(hint, move, { width, height }) {
-  const clamp = (/** @type {number} */ value, /** @type {number} */ side) => Math.max(0, Math.min(side - 1, Math.floor(value))) + 0.5;
-  const { x, y } = placeBy(move)(hint);
-  return {
-    ...hint, x: clamp(x, width), y: clamp(y, height), normal: movedNormal(hint.normal, move),
-    ...(hint.reach !== undefined && { reach: hint.reach * move.scale }),
-  };
-}
+/** A point stays on the paper. @param {import("./document.js").Hint} hint @param {Move} move @param {{width: number, height: number}} paper */
+const movedHint = (hint, move, paper) => ({
+  ...hint, ...middleOfPixel(placeBy(move)(hint), paper), normal: movedNormal(hint.normal, move),
+  ...(hint.reach !== undefined && { reach: hint.reach * move.scale }),
+});
 
 /** @param {import("./document.js").Area} area @param {Move} move @returns {import("./document.js").Area} */
 const movedArea = (area, move) => ({

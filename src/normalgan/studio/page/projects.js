@@ -16,6 +16,9 @@ const ENDING = ".normalgan";
 /** What the tab remembers: the project that it shows as the server has it. */
 const SHOWN = "normalgan-project";
 
+/** Returns what the JSON of a project's file holds; null, which is no project, if it is damaged. @param {File} file @returns {Promise<unknown>} */
+export const projectIn = (file) => file.text().then(JSON.parse).catch(() => null);
+
 export class Projects {
   /**
    * @param {import("./editor.js").Editor} editor
@@ -28,6 +31,8 @@ export class Projects {
     this.status = status;
     /** @type {import("./document.js").Doc | null} what may be left: saved, empty, or given up when that was asked */
     this.left = null;
+    /** The name under which this drawing could not be saved yet: nobody types it twice. */
+    this.tried = "";
     /** @type {{doc: import("./document.js").Doc, etag: string | null, past: import("./steps.js").Past} | null} what was given up now */
     this.discarded = null;
     $("open-file").addEventListener("change", () => this.#openFile());
@@ -55,8 +60,9 @@ export class Projects {
 
   /** Asks for a name and saves. @returns {Promise<boolean>} */
   async saveAs() {
-    const name = await askName(this.name || this.editor.doc.settings.file);
+    const name = await askName(this.name || this.tried || this.editor.doc.settings.file);
     if (!name) return false;
+    this.tried = name;
     return this.#write(name, name === this.name ? this.etag : null);
   }
 
@@ -143,6 +149,7 @@ export class Projects {
    */
   #show(doc, etag, saved = true, past = null) {
     this.etag = etag;
+    this.tried = "";
     this.#remember(etag === null ? null : doc.settings.name);
     if (saved) this.autosave.clean = doc;
     this.editor.open(doc, past);
@@ -240,8 +247,7 @@ export class Projects {
   async openFile(file) {
     if (!(await this.mayLeave())) return;
     try {
-      const value = await file.text().then(JSON.parse).catch(() => null);
-      if (await this.load(value, null, false)) this.status.say(say("opened", { name: file.name }));
+      if (await this.load(await projectIn(file), null, false)) this.status.say(say("opened", { name: file.name }));
     } catch (error) {
       this.status.fail(error);
     }

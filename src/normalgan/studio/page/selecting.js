@@ -1,6 +1,7 @@
-/** Selecting: strokes, pictures and parts of them are chosen, moved, made larger or smaller, and removed. */
+/** Selecting: chooses, moves, scales, turns and removes strokes, pictures and parts of pictures. */
 
 import { activeLayer, withActive } from "./document.js";
+import { NOTHING } from "./editor.js";
 import { chosenBy, insideOf, takeParts } from "./lasso.js";
 import { aboutPoint, alongWith, extentOf, isHit, movedParts, movedPicture, unitedBox } from "./moving.js";
 import { makeRoom } from "./simplify.js";
@@ -9,12 +10,14 @@ import { say, text } from "./text.js";
 /** @typedef {import("./editor.js").Selection} Selection @typedef {import("./tools.js").Touch} Touch */
 
 const ACCENT = "#5b62e0";
+/** Pixels that the handle at a corner is wide. */
 const HANDLE = 9;
+/** Pixels of the drawing from which the hand scales at least: nearer to the fixed corner each would do too much. */
 const LEAST = 4;
+/** How far one drag scales. */
+const SCALES = { least: 0.02, most: 50 };
 /** Pixels from the box to the knob that turns it, and radians of its steps. */
 const [KNOB, STEP] = [26, Math.PI / 12];
-/** @type {Selection} */
-export const NOTHING = { strokes: [], pictures: [] };
 
 /** @param {Selection} selection */
 export const isNothing = (selection) => !hasInk(selection) && !selection.pictures.length;
@@ -83,12 +86,35 @@ const knobOf = ({ left, top, right }, scale) => ({ x: (left + right) / 2, y: top
 /** @param {{x: number, y: number}} at @returns {[number, number]} */
 const pairOf = ({ x, y }) => [x, y];
 
+/**
+ * @typedef {object} Held a drag that goes on
+ * @property {"move" | "scale" | "turn" | "around"} kind
+ * @property {Touch} from where it began
+ * @property {{x: number, y: number}} [fixed] what stays where it is while it scales or turns
+ * @property {Selection} before
+ * @property {Touch} [late] where the hand is before the parts of cut pictures are there
+ */
+
+/** Returns how a drag moves, scales or turns what is chosen. @param {Held} held @param {Touch} touch @returns {import("./moving.js").Move} */
+function moveOf({ kind, from, fixed }, touch) {
+  if (!fixed) return { scale: 1, x: touch.x - from.x, y: touch.y - from.y };
+  if (kind === "turn") {
+    const direction = (/** @type {Touch} */ at) => Math.atan2(at.y - fixed.y, at.x - fixed.x);
+    const angle = direction(touch) - direction(from);
+    // With Shift in steps.
+    return aboutPoint(fixed, { scale: 1, angle: touch.straight ? Math.round(angle / STEP) * STEP : angle });
+  }
+  const length = (/** @type {Touch} */ at) => Math.hypot(at.x - fixed.x, at.y - fixed.y);
+  const scale = Math.max(SCALES.least, Math.min(SCALES.most, length(touch) / Math.max(length(from), LEAST)));
+  return aboutPoint(fixed, { scale });
+}
+
 export class SelectTool {
   /** @param {import("./editor.js").Editor} editor @param {import("./status.js").Announce} announce */
   constructor(editor, announce) {
     this.editor = editor;
     this.announce = announce;
-    /** @type {{kind: "move" | "scale" | "turn" | "around", from: Touch, fixed?: {x: number, y: number}, before: Selection, late?: Touch} | null} late: where the hand is before the parts of cut pictures are there */
+    /** @type {Held | null} */
     this.held = null;
   }
 
@@ -130,19 +156,8 @@ export class SelectTool {
   move(touch) {
     const { held, editor } = this;
     if (!held) return;
-    if (held.kind === "around" && editor.lassoes) {
-      editor.lasso ??= [held.from.x, held.from.y];
-      const [x, y] = editor.lasso.slice(-2);
-      if (Math.hypot(touch.x - x, touch.y - y) > touch.reach / 5) {
-        makeRoom(editor.lasso);
-        editor.lasso.push(touch.x, touch.y);
-      }
-      editor.mark();
-      return;
-    }
     if (held.kind === "around") {
-      editor.marquee = unitedBox([held.from, touch].map(({ x, y }) => ({ left: x, top: y, right: x, bottom: y })));
-      editor.mark();
+      this.#drawAround(held.from, touch);
       return;
     }
     if (!isCut(held.before)) {
@@ -150,23 +165,28 @@ export class SelectTool {
       held.late = touch;
       return;
     }
-    /** @type {import("./moving.js").Move} */
-    let move = { scale: 1, x: touch.x - held.from.x, y: touch.y - held.from.y };
-    if (held.fixed && held.kind === "turn") {
-      const { x, y } = held.fixed;
-      const direction = (/** @type {{x: number, y: number}} */ at) => Math.atan2(at.y - y, at.x - x);
-      const angle = direction(touch) - direction(held.from);
-      // With Shift in steps.
-      move = aboutPoint(held.fixed, { scale: 1, angle: touch.straight ? Math.round(angle / STEP) * STEP : angle });
-    } else if (held.fixed) {
-      const { x, y } = held.fixed;
-      const length = (/** @type {{x: number, y: number}} */ at) => Math.hypot(at.x - x, at.y - y);
-      const scale = Math.max(0.02, Math.min(50, length(touch) / Math.max(length(held.from), LEAST)));
-      move = { scale, x: x * (1 - scale), y: y * (1 - scale) };
-    } else if (!editor.draft && Math.hypot(move.x, move.y) < touch.reach / 4) return;
+    const move = moveOf(held, touch);
+    // A press that stirs a little only chooses.
+    if (!held.fixed && !editor.draft && Math.hypot(move.x, move.y) < touch.reach / 4) return;
     const { doc, selection } = withMoved(editor.history.state, held.before, move);
     editor.selection = selection;
     editor.preview(doc);
+  }
+
+  /** Draws a line or a box around what is to be chosen. @param {Touch} from where it began @param {Touch} touch */
+  #drawAround(from, touch) {
+    const { editor } = this;
+    if (editor.lassoes) {
+      editor.lasso ??= [from.x, from.y];
+      const [x, y] = editor.lasso.slice(-2);
+      if (Math.hypot(touch.x - x, touch.y - y) > touch.reach / 5) {
+        makeRoom(editor.lasso);
+        editor.lasso.push(touch.x, touch.y);
+      }
+    } else {
+      editor.marquee = unitedBox([from, touch].map(({ x, y }) => ({ left: x, top: y, right: x, bottom: y })));
+    }
+    editor.mark();
   }
 
   up() {

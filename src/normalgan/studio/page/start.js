@@ -158,7 +158,7 @@ function actsOf(parts) {
     offered = offered.filter((each) => each !== left || missing);
     noteCount();
     $("restore").hidden = true;
-    status.say(missing ? say("restoredPart", { count: missing }) : text.restored, missing ? "warning" : "");
+    status.say(missing ? say("restoredPart", { count: missing }) : text.restored, missing ? "loss" : "");
   };
   /** Discards after a question; until the toast has gone it can be undone. @param {Left[]} dropped @returns {Promise<void>} */
   const discard = async (dropped) => {

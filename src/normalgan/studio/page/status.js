@@ -11,7 +11,18 @@ const PROBLEM_STAYS = 15_000;
 /** Pixels between a problem and what it is about. */
 const GAP = 10;
 
-/** @typedef {"" | "warning" | "error" | "away"} Kind @typedef {(words: string, kind?: Kind) => void} Announce */
+/**
+ * @typedef {"" | "warning" | "loss" | "error" | "away"} Kind what is said: what was done; why it could not be done; what is missing
+ *   of it; what failed; that the server is away
+ */
+/** @typedef {(words: string, kind?: Kind) => void} Announce */
+
+/** Returns an error in words: what the page or the server refuses is a sentence, anything else an error of the program. @param {unknown} error */
+export function reasonOf(error) {
+  const said = error instanceof Refused || (error instanceof Error && error.constructor === Error);
+  const reason = error instanceof Error ? error.message : String(error);
+  return said ? sentence(reason) : say("broken", { reason });
+}
 
 export class Status {
   /** @param {import("./connection.js").Connection} connection */
@@ -27,6 +38,9 @@ export class Status {
       addEventListener(name, ({ target }) => { this.act = target instanceof Element ? target : null; }, { capture: true });
     }
     $("problem-close").addEventListener("click", () => this.#settle());
+    addEventListener("resize", () => this.#place());
+    // A toast may come or go after the problem did; neither may cover the other's buttons.
+    new ResizeObserver(() => this.#place()).observe($("toast"));
     connection.addEventListener("away", () => this.say(text.offline, "away"));
     connection.addEventListener("back", () => {
       this.#settle();
@@ -44,9 +58,10 @@ export class Status {
     else if (words !== text.loading) this.timer = setTimeout(() => { this.line.textContent = ""; }, STAYS);
   }
 
-  /** Forgets what was done: something else was done since, or will be. */
+  /** Forgets what was done, and why something could not be done: something else was done since, or will be. */
   clear() {
     if (this.line.textContent !== text.loading) this.say("");
+    if (this.problem.dataset.kind === "warning") this.#settle();
   }
 
   /** Says that the model is there, unless something else was said meanwhile. */
@@ -66,10 +81,7 @@ export class Status {
       this.say(text.offline, "away"); // again, where it is known already: what was begun has ended
       return;
     }
-    // What the page or the server refuses is a sentence; anything else is an error of the program.
-    const said = error instanceof Refused || (error instanceof Error && error.constructor === Error);
-    const reason = error instanceof Error ? error.message : String(error);
-    this.say(said ? sentence(reason) : say("broken", { reason }), "error");
+    this.say(reasonOf(error), "error");
   }
 
   /** @param {string} words @param {string} kind */
@@ -106,8 +118,12 @@ export class Status {
     const middle = (box.left + box.right) / 2 - width / 2;
     const inside = box.height > 3 * height;
     const below = box.top < innerHeight / 2;
-    const top = inside ? box.bottom - height - 4 * GAP : below ? box.bottom + GAP : box.top - height - GAP;
-    problem.style.left = `${Math.max(GAP, Math.min(innerWidth - width - GAP, middle))}px`;
-    problem.style.top = `${Math.max(GAP, Math.min(innerHeight - height - GAP, top))}px`;
+    const beside = inside ? box.bottom - height - 4 * GAP : below ? box.bottom + GAP : box.top - height - GAP;
+    const left = Math.max(GAP, Math.min(innerWidth - width - GAP, middle));
+    const top = Math.max(GAP, Math.min(innerHeight - height - GAP, beside));
+    const toast = $("toast").getBoundingClientRect();
+    const covers = left < toast.right && toast.left < left + width && top < toast.bottom && toast.top < top + height;
+    problem.style.left = `${left}px`;
+    problem.style.top = `${covers ? toast.top - height - GAP : top}px`;
   }
 }

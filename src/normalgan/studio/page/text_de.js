@@ -204,7 +204,7 @@ export const words = {
   offer: "Oder öffne ein Beispiel:",
   suggest: "Punkte vorschlagen",
   points: "Punkte",
-  regionHelp: "Umkreise einen Teil, um ihn zu drehen oder zu formen, oder gib der ganzen Ebene eine Form.",
+  regionHelp: "Umkreise einen Teil zum Drehen oder Formen, oder forme die ganze Ebene.",
   form: "Form",
   formNone: "Wie berechnet",
   formRound: "Rund",

@@ -204,7 +204,7 @@ export const words = {
   offer: "O abre un ejemplo:",
   suggest: "Sugerir puntos",
   points: "Puntos",
-  regionHelp: "Rodea una parte para girarla o darle forma, o da una forma a toda la capa.",
+  regionHelp: "Rodea una parte para girarla o darle forma, o da forma a la capa.",
   form: "Forma",
   formNone: "Como se predijo",
   formRound: "Redonda",

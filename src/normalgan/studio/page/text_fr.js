@@ -204,7 +204,7 @@ export const words = {
   offer: "Ou ouvrez un exemple :",
   suggest: "Proposer des points",
   points: "Points",
-  regionHelp: "Entourez une partie pour la tourner ou la former, ou donnez une forme à tout le calque.",
+  regionHelp: "Entourez une partie à tourner ou à former, ou donnez une forme au calque.",
   form: "Forme",
   formNone: "Telle que prédite",
   formRound: "Ronde",

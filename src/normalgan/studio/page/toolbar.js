@@ -51,8 +51,17 @@ export function widen(editor, step) {
 /** Has the pen's lines cut in, then stand out, then only drawn. @param {import("./editor.js").Editor} editor */
 export const turnCarving = (editor) => editor.set({ tool: "pen", carves: editor.carves === 0 ? -1 : editor.carves < 0 ? 1 : 0 });
 
+/** Hides help beside a tool's options where it would be cut off in the middle of its sentence. */
+function followHelp() {
+  const sized = new ResizeObserver((entries) => {
+    for (const { target } of entries) target.classList.toggle("cut", target.scrollHeight > target.clientHeight + 1);
+  });
+  for (const help of document.querySelectorAll(".options > .quiet")) sized.observe(help);
+}
+
 /** @param {import("./editor.js").Editor} editor @param {import("./ink.js").Inks} inks */
 export function followTools(editor, inks) {
+  followHelp();
   for (const tool of TOOLS) $(`tool-${tool}`).addEventListener("click", () => editor.set({ tool, area: -1, suggestions: [] }));
   /** @type {HTMLInputElement} */
   const size = $("size");

@@ -1,7 +1,7 @@
 /** Tools: what a gesture does, whether it comes from a pointer or from the keyboard. */
 
 import { Areas, layerAt } from "./areas.js";
-import { MOST_AREAS, MOST_HINTS, MOST_MASK_STROKES, MOST_STROKES, activeLayer, anchorOf, changedHint, knobOf, mostReach, withArea, withHint, withMaskStroke, withStroke, withStructures } from "./document.js";
+import { MOST_AREAS, MOST_HINTS, MOST_MASK_STROKES, MOST_STROKES, activeLayer, anchorOf, changedHint, knobOf, middleOfPixel, mostReach, withArea, withHint, withMaskStroke, withStroke, withStructures } from "./document.js";
 import { LIMITS } from "./limits.js";
 import { nearest } from "./marks.js";
 import { meanNormal, normalAt } from "./normal.js";
@@ -257,7 +257,7 @@ export class HintTool {
     const { x, y } = activeLayer(state).hints[held.index];
     const change = held.ring
       ? { reach: Math.round(Math.min(mostReach(state), Math.hypot(touch.x - x, touch.y - y))) }
-      : this.#inside({ x: touch.x + held.dx, y: touch.y + held.dy });
+      : middleOfPixel({ x: touch.x + held.dx, y: touch.y + held.dy }, editor.doc);
     editor.preview(changedHint(state, held.index, change));
   }
 
@@ -294,17 +294,9 @@ export class HintTool {
       this.announce(text.tooMany, "warning");
       return false;
     }
-    editor.commit(withHint(editor.doc, { ...this.#inside(at), normal }));
+    editor.commit(withHint(editor.doc, { ...middleOfPixel(at, editor.doc), normal }));
     editor.set({ chosen: hints.length });
     return true;
-  }
-
-  /** Middles of pixels: there the server puts a hint anyway. @param {{x: number, y: number}} at */
-  #inside({ x, y }) {
-    const { width, height } = this.editor.doc;
-    /** @param {number} value @param {number} side */
-    const clamp = (value, side) => Math.max(0, Math.min(side - 1, Math.floor(value))) + 0.5;
-    return { x: clamp(x, width), y: clamp(y, height) };
   }
 }
 

@@ -44,7 +44,7 @@ async def read_body(request: Request, most: int = MOST_BYTES) -> bytes:
 
 
 def _too_large(most: int) -> TooLargeError:
-    return TooLargeError(f"that is more than {most // 2**20} MB; send less.")
+    return TooLargeError(f"it is larger than {most // 2**20} MB; make it smaller.")
 
 
 async def read_json(request: Request) -> bytes:

@@ -1,0 +1,19 @@
+/** The constants of Python's modules that the page's scripts apply as these do, by their names there; the build of the site writes them. */
+
+type Named<Names extends string> = { readonly [name in Names]: number };
+
+export const CLEANING: Named<"LEAST">;
+export const DECISION: Named<"INKED" | "LEAST_OFF" | "OFF" | "OPEN" | "REACH" | "SIDE"> & { readonly UNSURE: [number, number, number] };
+export const EDGE: Named<"FINER" | "LARGE" | "MERGED" | "PALEST" | "TIP" | "TOUCHING">;
+export const EDITS: Named<"AVERAGED" | "BRUSH_FADES" | "FADES" | "INKED" | "LEAST_REACH" | "REACH" | "SOFT">;
+export const EXTENSION: Named<"SWEEPS">;
+export const FORMS: Named<"COARSE" | "DISH" | "OUTSIDE" | "SIDE" | "SWEEPS">;
+export const LINE_WIDTH: Named<"DRAWN_WIDTH" | "FINER" | "ROUGH" | "THIN">;
+export const NORMAL_MAP: Named<"PADDING">;
+export const PIPELINE: Named<"BESIDE" | "LEAST" | "PRESENT">;
+export const READER: Named<"DOUBT" | "FLAT" | "ONE_TONE" | "PAPER" | "STRIDE" | "WINDOW"> & {
+  readonly GREY: [number, number, number]; readonly NEARER: [number, number]; readonly SIDES: [number, number];
+};
+export const SILHOUETTE: Named<"SHEET" | "SURE">;
+export const SUGGESTION: Named<"INKED" | "RIM" | "SIDE">;
+export const UPSAMPLING: Named<"CELL" | "ENLARGED" | "LARGEST" | "RIM">;
