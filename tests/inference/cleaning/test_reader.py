@@ -84,6 +84,24 @@ def test_a_plain_shape_is_no_hole(corners: int, radius: int) -> None:
     assert iou(prepare(picture_of(page), SIDE).mask, solid > 0) > 0.93
 
 
+@pytest.mark.parametrize(
+    "inside",
+    [
+        [(200, 50), (200, 350)],
+        [(60, 60), (200, 210), (340, 60)],
+        [(200, 140), (240, 200), (200, 260), (160, 200), (200, 140)],
+    ],
+    ids=["window", "envelope", "card"],
+)
+@pytest.mark.parametrize("margin", [44, 60])
+def test_a_rectangle_about_plain_lines_is_no_frame(inside: list[tuple[int, int]], margin: int) -> None:
+    page, solid = np.ones((400, 400), np.float32), np.zeros((400, 400), bool)
+    cv2.rectangle(page, (margin, margin), (399 - margin, 399 - margin), 0, 3, cv2.LINE_AA)
+    cv2.polylines(page, [np.clip(inside, margin, 399 - margin).astype(np.int32)], False, (0,), 3, cv2.LINE_AA)
+    solid[margin : 400 - margin, margin : 400 - margin] = True
+    assert iou(prepare(picture_of(page), SIDE).mask, solid) > 0.93
+
+
 @pytest.mark.parametrize("radius", [4, 8, 14])
 def test_eyes_are_no_holes(radius: int) -> None:
     page, _ = figure()
