@@ -89,7 +89,7 @@ def test_a_taken_port_is_told(model: Path, capsys: pytest.CaptureFixture[str]) -
         (["--model", "none.onnx"], "there is no model none.onnx"),
         (["nothing"], "there is neither a project nor a file called nothing"),
         (["--port", "x"], "expected a whole number, not x"),
-        (["--prot", "1"], "there is no setting prot"),
+        (["--prot", "1"], "there is no option --prot. Did you mean --port?"),
     ],
 )
 def test_what_cannot_be_used_is_told_before_it_starts(

@@ -102,9 +102,9 @@ def test_a_setting_that_its_class_refuses_is_one_sentence(
 
 def test_options_are_checked_like_settings(bench: Bench, tmp_path: Path) -> None:
     run("fit", "--modle.n_critic", 3).refused("no setting modle.n_critic. Did you mean model.n_critic?")
-    run("fit", "--model.n_critic").refused("--model.n_critic: expected one argument")
+    run("fit", "--model.n_critic").refused("--model.n_critic needs a value.")
     run("fit", "extra").refused("there is no setting extra.")
-    run("fit", "--config").refused("--config: expected one argument")
+    run("fit", "--config").refused("--config needs a value.")
     run("fit", "--config", tmp_path / "gone.yaml").refused("there is no configuration file", "gone.yaml")
     run("fit", "--config", tmp_path).refused("cannot be read: Is a directory")
 
