@@ -43,6 +43,9 @@ KINDS = (
     "blank",
 )
 SHARES = (0.09, 0.1, 0.05, 0.08, 0.09, 0.05, 0.09, 0.02, 0.07, 0.06, 0.03, 0.09, 0.05, 0.06, 0.02, 0.04, 0.01)
+FRAME, CARD = 0.07, 0.09
+"""How far from the edge a line about a drawing is a frame at most, and a card's outline at least: shares of
+the longer side."""
 BLACK = 90
 """Channel, of 255, up to which a filled area is ink; one in another colour is paint, and its edge is ink."""
 SEEN = 40
@@ -194,7 +197,7 @@ class _Writer:
         if kind == "bordering":
             margin = rng.uniform(1, 0.1 * self.long * rng.choice([1, 2]))
             card = w / 2, h / 2, self.long - 2 * margin
-            if margin > 0.09 * self.long and self.chance(0.4):  # too far in for a frame: with a drawing on it
+            if margin > CARD * self.long and self.chance(0.4):  # with a drawing on it
                 return [card, (w / 2, h / 2, (small - 2 * margin) * rng.uniform(0.3, 0.8))]
             return [card]
         span = small * rng.uniform(0.55, 0.97)
@@ -585,7 +588,7 @@ class _Writer:
         """Draw a frame about all objects, and return where these lie within it."""
         rng, h, w = self.rng, self.h, self.w
         self.framed = True
-        edge = rng.uniform(0.01, 0.07) * self.long  # further in, it is the outline of a card
+        edge = rng.uniform(0.01, FRAME) * self.long
         canvas = np.zeros((h, w), np.uint8)
         thick = int(rng.choice([1, 1, 2, 3, 5, 8]))
         for k in range(int(rng.choice([1, 1, 2]))):

@@ -151,7 +151,8 @@ def doodle(rng: Rng, kind: str | None = None) -> Shape:
 def sheet(rng: Rng, sides: NDArray[np.floating]) -> Shape:
     """Return one closed line about its page, a card, a sign or a window: an object, no frame.
 
-    Only plain figures, bars or rows are drawn inside it; around a drawing, the same line would be a frame.
+    Only plain figures, bars or rows are drawn inside it; around a drawing, the same line near the edge of the
+    page would be a frame.
 
     Args:
         rng: a source of chance.
@@ -176,19 +177,21 @@ def sheet(rng: Rng, sides: NDArray[np.floating]) -> Shape:
     if rng.random() < 0.3:
         sides = sides * np.where(rng.permutation(2) > 0, 1, rng.uniform(0.45, 0.95))
     outline = (0.5 + 0.5 * unit * sides).astype(np.float32)
-    inside = _figures(rng, outline, rings=round_) if rng.random() < 0.8 else []
+    inside: list[Points] = []
     if rng.random() < 0.35:
         inside = _divisions(rng, outline, straight=not round_ and len(corners) == 4)
+    elif rng.random() < 0.8:
+        inside = _figures(rng, outline, rings=round_)
     return _shape("doodle/sheet", [(outline, True)], inside, [], [], False, False, [])
 
 
 def _divisions(rng: Rng, outline: Points, straight: bool) -> list[Points]:
-    """Return what divides a made thing: the bars of a window, the rim of a screen, rows of text.
+    """Return what lies inside a made thing: the bars of a window, the rim of a screen, rows of text.
 
     Args:
         rng: a source of chance.
         outline: (P, 2), convex.
-        straight: whether it is a rectangle, which bars cross from side to side.
+        straight: whether it is a rectangle; bars cross it from side to side.
     """
     low, high = outline.min(0), outline.max(0)
     middle, room = (low + high) / 2, (high - low) / 2
