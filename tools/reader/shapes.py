@@ -143,8 +143,11 @@ def smoothed(path: Points, closed: bool) -> Points:
 
 def doodle(rng: Rng, kind: str | None = None) -> Shape:
     """Return a figure of round and pointed parts, as children and sign painters draw."""
-    kinds = ["figure", "animal", "blob", "thing", "stick", "ring", "snow", "frame", "wire", "plain", "row"]
-    shares = [0.16, 0.12, 0.09, 0.1, 0.1, 0.08, 0.03, 0.02, 0.04, 0.2, 0.06]
+    kinds = [
+        *("figure", "animal", "blob", "thing", "stick", "ring"),
+        *("snow", "frame", "wire", "plain", "row", "lobes"),
+    ]
+    shares = [0.12, 0.1, 0.06, 0.11, 0.08, 0.08, 0.02, 0.03, 0.04, 0.15, 0.13, 0.08]
     return _Doodle(rng).draw(kind or str(rng.choice(kinds, p=shares)))
 
 
@@ -741,6 +744,10 @@ class _Doodle:
                 self.details.append(
                     _closed(self.ellipse(cx, cy, rx, ry, squareness=float(rng.choice([0.3, 1.0]))))
                 )
+        elif kind == 2 and rng.random() < 0.5:  # a porthole, away from the middle, where it would be a hole
+            size = min(high - low) * rng.uniform(0.12, 0.25)
+            cx, cy = 0.5 + (high - low) * rng.uniform(-0.2, 0.2, 2)
+            self.details.append(_closed(self.ellipse(cx, cy, size, size, squareness=1.0, wobble=0)))
         if rng.random() < 0.3:
             self.parts.insert(
                 0,
@@ -932,7 +939,7 @@ class _Doodle:
 
     def _row(self) -> None:
         """Equal solid pieces in a row or a circle, with air between them."""
-        (self._sun, self._flower, self._planks, self._planks)[self.rng.integers(4)]()
+        (self._sun, self._flower, self._planks)[self.rng.integers(3)]()
 
     def _sun(self) -> None:
         """A disc with rays, which are lines or points."""
@@ -969,8 +976,45 @@ class _Doodle:
             leaf = self.ellipse(0.57, 0.8, 0.08, 0.03, turn=-0.6, squareness=1.0, wobble=0)
             self.parts.append((leaf, True))
 
+    def _lobes(self) -> None:
+        """Solid loops that hang on a body or a stem: wings, leaves, bows."""
+        rng = self.rng
+        tall = rng.uniform(0.15, 0.4)
+        bend = rng.normal(0, 0.06) if rng.random() < 0.5 else 0.0
+        stem = _curve(np.array([[0.5, 0.5 - tall], [0.5 + bend, 0.5], [0.5, 0.5 + tall]]))
+        wings = rng.random() < 0.6
+        pairs = rng.integers(1, 3) if wings else rng.integers(3, 7)
+        long = rng.uniform(0.15, 0.42) if wings else min(rng.uniform(0.1, 0.3), 2 * tall / pairs)
+        wide = rng.uniform(0.3, 1.0) if wings else rng.uniform(0.2, 0.5)
+        start, pointed, fuller = rng.uniform(-0.8, 0.2), rng.random() < 0.4, rng.choice([-0.4, -0.2, 0.3])
+        around = np.linspace(0, 2 * np.pi, _ROUND, endpoint=False)
+        across = wide * np.sin(around) * (0.6 + fuller * np.cos(around))
+        loop = np.stack([(1 - np.cos(around)) / 2, across * (np.abs(np.sin(around)) if pointed else 1)], 1)
+        shift = rng.choice([0.0, 0.5])
+        for k, side in ((k, side) for k in range(pairs) for side in (-1, 1) if rng.random() < 0.95):
+            root = stem[min(int((k + 0.5 + shift * (side > 0)) / pairs * len(stem)), len(stem) - 1)]
+            lean = start + rng.normal(0, 0.05) + (rng.uniform(0.7, 1.0) if wings and k else 0)
+            reach = long * (rng.uniform(0.6, 0.9) if wings and k else 1)
+            way = reach * np.array([np.cos(lean), np.sin(lean)])
+            lobe = loop @ np.array([way, [-way[1], way[0]]]) * [side, 1] + root
+            self.parts.append((lobe.astype(np.float32), True))
+            if rng.random() < 0.2:  # a vein
+                self.details.append(np.stack([root, 0.2 * root + 0.8 * lobe[_ROUND // 2]]).astype(np.float32))
+        body = rng.integers(3)
+        if body == 0:
+            self.bare.append(stem)
+        elif body == 1:
+            self.parts.append((self.tube(stem, (0.02, 0.03)), True))
+        else:
+            thick = rng.uniform(0.02, 0.08)
+            middle = self.ellipse(0.5 + bend / 2, 0.5, thick, tall, squareness=1.0, wobble=0)
+            self.parts.append((middle, True))
+            for side in (-1, 1) if rng.random() < 0.5 else ():
+                feeler = np.array([[0, 0], [0.03 * side, -0.05], [0.08 * side, -0.1]]) + stem[0]
+                self.bare.append(_curve(feeler.astype(np.float32)))
+
     def _planks(self) -> None:
-        """Planks on the rails of a fence, or legs under the top of a table."""
+        """Planks on the rails of a fence, or legs under a top, with bars between them or without."""
         rng = self.rng
         legs = rng.random() < 0.5
         count = rng.integers(2, 5) if legs else rng.integers(3, 9)
@@ -983,9 +1027,14 @@ class _Doodle:
         bar = bar * [half * rng.uniform(1, 1.15), rng.uniform(0.015, 0.06)]
         at = 0.5 + np.linspace(-1, 1, count) * (half - wide)
         planks = [(_dense((plank + np.array([x, 0.5])).astype(np.float32)), True) for x in at]
-        heights = 0.5 + high * (np.array([-0.9]) if legs else rng.uniform(-0.7, 0.8, rng.integers(1, 3)))
+        heights = 0.5 + high * rng.uniform(-0.7, 0.8, rng.integers(0 if legs else 1, 3))
         bars = [(_dense((bar + np.array([0.5, y])).astype(np.float32)), True) for y in heights]
-        self.parts += planks + bars if legs or rng.random() < 0.3 else bars + planks
+        self.parts += planks + bars if rng.random() < 0.3 else bars + planks
+        if legs:
+            flat = bar[:, 1].max() if rng.random() < 0.5 else rng.uniform(0.03, 0.1)
+            round_ = rng.random() < 0.5
+            top = self.ellipse(0.5, 0.5 - high, half * 1.1, flat, squareness=1.0 if round_ else 0.1, wobble=0)
+            self.parts.append((top, True))
         self.merged = bool(rng.random() < 0.2)
 
     def _snow(self) -> None:
