@@ -23,7 +23,7 @@ import { Predictor } from "./predictor.js";
 import { Materials } from "./materials.js";
 import { Panes } from "./panes.js";
 import { followPaper } from "./paper.js";
-import { followPointers } from "./pointer.js";
+import { Pointers } from "./pointer.js";
 import { Points } from "./points.js";
 import { Projects } from "./projects.js";
 import { Result, VIEWS } from "./result.js";
@@ -96,7 +96,7 @@ const overResult = () => {
   return tool();
 };
 const pointers = [{ each: board, chosen: tool }, { each: overlay, chosen: overResult }].map(({ each, chosen }) =>
-  followPointers(each, chosen, () => points.use(each), (fingers) => (fingers === 2 ? undo() : redo())));
+  new Pointers(each, chosen, () => points.use(each), (fingers) => (fingers === 2 ? undo() : redo())));
 followKeyboard(board, tool, status, (x, y) => arranging.nudge(x, y));
 followTools(editor, inks);
 offerSamples((doc, name) => {
