@@ -11,7 +11,7 @@ import { Editor, NOTHING } from "./editor.js";
 import { Exporting } from "./exporting.js";
 import { Folder } from "./folder.js";
 import { followHistory } from "./history_list.js";
-import { followBrushes } from "./brushes.js";
+import { Brushes } from "./brushes.js";
 import { Forms } from "./forms.js";
 import { teach } from "./first_steps.js";
 import { Importing } from "./importing.js";
@@ -109,7 +109,7 @@ offerSamples((doc, name) => {
 followHistory(editor, announce);
 followPaper(editor, importing);
 const forms = new Forms(editor, predictor, (map) => result.viewer.shaded(map, null));
-const brush = followBrushes(editor, (file) => importing.pictureOf(file), announce);
+const brush = new Brushes(editor, (file) => importing.pictureOf(file), announce);
 const stepLayer = followLayers(editor, inks, announce);
 autosave.addEventListener("failed", (event) => status.fail(/** @type {CustomEvent} */ (event).detail));
 
