@@ -17,7 +17,7 @@ import { teach } from "./first_steps.js";
 import { Importing } from "./importing.js";
 import { Inks } from "./ink.js";
 import { followKeyboard } from "./keyboard_pen.js";
-import { followLayers } from "./layers.js";
+import { Layers } from "./layers.js";
 import { Lights } from "./lights.js";
 import { Predictor } from "./predictor.js";
 import { Materials } from "./materials.js";
@@ -110,7 +110,7 @@ followHistory(editor, announce);
 followPaper(editor, importing);
 const forms = new Forms(editor, predictor, (map) => result.viewer.shaded(map, null));
 const brush = new Brushes(editor, (file) => importing.pictureOf(file), announce);
-const stepLayer = followLayers(editor, inks, announce);
+const layers = new Layers(editor, inks, announce);
 autosave.addEventListener("failed", (event) => status.fail(/** @type {CustomEvent} */ (event).detail));
 
 // What was done last is no news once something else is done; who does it says so after it.
@@ -205,7 +205,7 @@ followKeys({
   u: () => brush.change("soft", 1), "shift+u": () => brush.change("soft", -1),
   i: () => brush.change("strength", 1), "shift+i": () => brush.change("strength", -1),
   q: () => editor.set({ tool: "select", lassoes: editor.tool !== "select" || !editor.lassoes }), j: () => arranging.toLayer("new"),
-  PageUp: () => stepLayer(1), PageDown: () => stepLayer(-1),
+  PageUp: () => layers.step(1), PageDown: () => layers.step(-1),
   ",": () => turn(-15), ".": () => turn(15),
   g: () => forms.next(), t: () => result.turnOver("tiled"), k: () => result.turnOver("pixelated"),
   n: () => points.next(1), "shift+n": () => points.next(-1),
