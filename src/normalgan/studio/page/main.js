@@ -37,7 +37,11 @@ import { claimTab } from "./tab.js";
 import { say, text, wordsOf } from "./text.js";
 import { followTheme } from "./theme.js";
 import { followTools, turnCarving, widen } from "./toolbar.js";
-import { AreaTool, HintTool, LightTool, LineTool, MaskTool } from "./tools.js";
+import { AreaTool } from "./tool_area.js";
+import { HintTool } from "./tool_hint.js";
+import { LineTool } from "./tool_line.js";
+import { MaskTool } from "./tool_mask.js";
+import { LightTool } from "./tools.js";
 
 fill();
 followTheme($("theme"));

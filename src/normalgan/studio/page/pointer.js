@@ -1,5 +1,7 @@
 /** Pointer: mouse, pen and fingers on a board, as strokes, pinches and moves of the view. */
 
+import { apart } from "./simplify.js";
+
 /** @typedef {import("./tools.js").Tool} Tool @typedef {{x: number, y: number}} Place */
 
 /** @type {Record<string, number>} */
@@ -16,8 +18,6 @@ const RESTS = 500;
 /** Whether it is the other end of a pen. @param {PointerEvent} event */
 const isEraser = (event) => event.pointerType === "pen" && (event.button === 5 || (event.buttons & 32) !== 0);
 
-/** @param {Place} from @param {Place} to */
-const distance = (from, to) => Math.hypot(to.x - from.x, to.y - from.y);
 /** @param {Place} from @param {Place} to */
 const angle = (from, to) => Math.atan2(to.y - from.y, to.x - from.x);
 
@@ -135,7 +135,7 @@ export class Pointers {
     const at = this.#inPane(event);
     board.pointer = board.camera.toDrawing(at.x, at.y);
     if (before) {
-      tap.stirred += distance(before, at);
+      tap.stirred += apart(before, at);
       // Fingers that lie still stir a little.
       if (pressed.size > 1 && tap.stirred < STIRRED) return;
       if (pressed.size > 1) this.#pinch(event.pointerId, before, at);
@@ -176,7 +176,7 @@ export class Pointers {
   #pinch(id, from, to) {
     const { camera } = this.board;
     const [other] = [...this.pressed].filter(([key]) => key !== id).map(([, at]) => at);
-    const growth = distance(other, to) / Math.max(1, distance(other, from));
+    const growth = apart(other, to) / Math.max(1, apart(other, from));
     const turn = angle(other, to) - angle(other, from);
     this.turned += Math.atan2(Math.sin(turn), Math.cos(turn));
     // A pinch that is meant to zoom always turns a little.
