@@ -28,7 +28,6 @@ import { Points } from "./points.js";
 import { Projects } from "./projects.js";
 import { Result, VIEWS } from "./result.js";
 import { offerSamples } from "./samples.js";
-import { SelectTool } from "./selecting.js";
 import { followSheets } from "./sheets.js";
 import { begin } from "./start.js";
 import { SHOWN, followKeys } from "./shortcuts.js";
@@ -41,6 +40,7 @@ import { AreaTool } from "./tool_area.js";
 import { HintTool } from "./tool_hint.js";
 import { LineTool } from "./tool_line.js";
 import { MaskTool } from "./tool_mask.js";
+import { SelectTool } from "./tool_select.js";
 import { LightTool } from "./tools.js";
 
 fill();
