@@ -16,7 +16,7 @@ import { Forms } from "./forms.js";
 import { teach } from "./first_steps.js";
 import { Importing } from "./importing.js";
 import { Inks } from "./ink.js";
-import { followKeyboard } from "./keyboard_pen.js";
+import { KeyboardPen } from "./keyboard_pen.js";
 import { Layers } from "./layers.js";
 import { Lights } from "./lights.js";
 import { Predictor } from "./predictor.js";
@@ -35,7 +35,7 @@ import { Status } from "./status.js";
 import { claimTab } from "./tab.js";
 import { say, text, wordsOf } from "./text.js";
 import { followTheme } from "./theme.js";
-import { followTools, turnCarving, widen } from "./toolbar.js";
+import { Toolbar, turnCarving, widen } from "./toolbar.js";
 import { AreaTool } from "./tool_area.js";
 import { HintTool } from "./tool_hint.js";
 import { LineTool } from "./tool_line.js";
@@ -101,8 +101,8 @@ const overResult = () => {
 };
 const pointers = [{ each: board, chosen: tool }, { each: overlay, chosen: overResult }].map(({ each, chosen }) =>
   new Pointers(each, chosen, () => points.use(each), (fingers) => (fingers === 2 ? undo() : redo())));
-followKeyboard(board, tool, status, (x, y) => arranging.nudge(x, y));
-followTools(editor, inks);
+new KeyboardPen(board, tool, status, (x, y) => arranging.nudge(x, y));
+new Toolbar(editor, inks);
 offerSamples((doc, name) => {
   projects.load(doc, null, false).then((shown) => {
     if (!shown) return;
