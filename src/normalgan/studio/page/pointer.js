@@ -41,6 +41,8 @@ export class Pointers {
     this.panning = false;
     /** When a pen was near the pane last. */
     this.penAt = -Infinity;
+    /** Whether a pen has said how hard it is pressed. */
+    this.feelsPressure = false;
     this.spaceHeld = false;
     /** Radians that two fingers have turned. */
     this.turned = 0;
@@ -205,8 +207,10 @@ export class Pointers {
   #touch(event) {
     const { camera } = this.board;
     const { x, y } = this.#inPane(event);
-    // A mouse has no pressure, and some pens report none: they draw with the middle one.
-    const pressure = event.pointerType === "pen" && event.pressure > 0 ? event.pressure : 0.5;
+    const pen = event.pointerType === "pen";
+    this.feelsPressure ||= pen && event.pressure > 0;
+    // A mouse has no pressure, and some pens report none: they draw with the middle one. Others report 0 as they are lifted.
+    const pressure = pen && this.feelsPressure ? event.pressure : 0.5;
     const reach = (REACH[event.pointerType] ?? REACH.mouse) / camera.scale;
     return { ...camera.toDrawing(x, y), pressure, reach, scale: camera.scale, pane: { x, y }, straight: event.shiftKey, eraser: isEraser(event) };
   }
