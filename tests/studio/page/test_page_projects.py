@@ -185,6 +185,24 @@ def test_of_a_file_in_a_folder_that_cannot_be_read_it_is_said_why(
                 page.locator("#folder-list span", has_text=words).wait_for()
 
 
+def test_a_gallery_stays_when_one_of_its_files_cannot_be_opened(
+    opened: "Browser", server: Server, tmp_path: Path
+) -> None:
+    (tmp_path / "empty.png").write_bytes(b"")
+    (tmp_path / "half.normalgan").write_text('{"format": "normalgan-studio", "stro', encoding="utf-8")
+    with open_studio(opened, server.url, tolerate=("status of 400",)) as studio:
+        page = studio.page
+        page.locator("#open").click()
+        page.set_input_files("#open-folder", tmp_path)
+        for i, words in enumerate(("Couldn't import “empty.png”", "This file is not a studio project")):
+            with studio.saying(words):
+                page.locator("#folder-list .project").nth(i).click()
+            assert page.locator("#open-dialog").is_visible()
+        page.set_input_files("#open-file", tmp_path / "half.normalgan")
+        page.locator("#problem-words", has_text="This file is not a studio project").wait_for()
+        assert page.locator("#open-dialog").is_visible()
+
+
 def test_the_maps_of_a_folder_are_seen_side_by_side(
     opened: "Browser", server: Server, tmp_path: Path
 ) -> None:

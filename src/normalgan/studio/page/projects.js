@@ -183,19 +183,18 @@ export class Projects {
     showTiles($("project-list"), rows.map(({ name, changed }) => ({
       name, key: `${name} ${changed}`, note: new Date(changed).toLocaleString([], { dateStyle: "medium", timeStyle: "short" }),
       draw: async (canvas) => drawDocument(canvas, (await projects.read(name)).doc),
-      open: () => {
-        dialog.close();
-        this.open(name);
-      },
+      open: () => { this.open(name, () => dialog.close()); },
       remove: { words: say("deleteProject", { name }), act: () => this.#remove(name) },
     })));
   }
 
-  /** Opens a project of the server. @param {string} name */
-  async open(name) {
-    if (!(await this.mayLeave())) return;
+  /** Opens a project of the server. @param {string} name @param {() => void} [ready] called once it is read */
+  async open(name, ready = () => {}) {
     try {
       const { doc, etag } = await projects.read(name);
+      parseDocument(doc);
+      ready();
+      if (!(await this.mayLeave())) return;
       const shown = await this.load({ ...doc, settings: { ...doc.settings, name } }, etag);
       if (shown) this.status.say(say("opened", { name }));
     } catch (error) {
@@ -239,15 +238,19 @@ export class Projects {
     const [file] = chosen.files ?? [];
     chosen.value = "";
     if (!file) return;
-    /** @type {HTMLDialogElement} */ ($("open-dialog")).close();
-    await this.openFile(file);
+    /** @type {HTMLDialogElement} */
+    const dialog = $("open-dialog");
+    await this.openFile(file, () => dialog.close());
   }
 
-  /** Opens a project that was kept as a file. @param {File} file */
-  async openFile(file) {
-    if (!(await this.mayLeave())) return;
+  /** Opens a project that was kept as a file. @param {File} file @param {() => void} [ready] called once it is read */
+  async openFile(file, ready = () => {}) {
     try {
-      if (await this.load(await projectIn(file), null, false)) this.status.say(say("opened", { name: file.name }));
+      const value = await projectIn(file);
+      parseDocument(value);
+      ready();
+      if (!(await this.mayLeave())) return;
+      if (await this.load(value, null, false)) this.status.say(say("opened", { name: file.name }));
     } catch (error) {
       this.status.fail(error);
     }
