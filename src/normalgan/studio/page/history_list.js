@@ -3,7 +3,7 @@
 import { $, make } from "./dom.js";
 import { say, text } from "./text.js";
 
-/** Steps that are listed; older ones are undone one by one. */
+/** Steps that are listed, about the present one; others are undone or redone one by one. */
 const SHOWN = 200;
 
 /** Whether a line was made a shape: moved lines keep their number of points. @param {import("./document.js").Stroke | undefined} from @param {import("./document.js").Stroke | undefined} to */
@@ -86,8 +86,8 @@ export function followHistory(editor, announce) {
   const show = () => {
     if (!panel.open) return;
     const { states, at } = editor.history;
-    const first = Math.max(0, states.length - SHOWN);
-    const rows = states.slice(first).map((state, i) => {
+    const first = Math.max(0, Math.min(at - SHOWN / 2, states.length - SHOWN));
+    const rows = states.slice(first, first + SHOWN).map((state, i) => {
       const number = first + i;
       const name = number ? nameOf(states[number - 1], state) : text.stepFirst;
       const button = make("button", { type: "button", text: name });
