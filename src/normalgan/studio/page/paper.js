@@ -3,8 +3,9 @@
 import { withPictures } from "./document.js";
 import { $, field, label, make, open } from "./dom.js";
 import { icon } from "./icons.js";
-import { onPaper } from "./moving.js";
-import { say } from "./text.js";
+import { drawnBox } from "./ink.js";
+import { onPaper, trimmedTo } from "./moving.js";
+import { say, text } from "./text.js";
 
 /**
  * Wires the panel of the paper and its pictures.
@@ -49,6 +50,16 @@ export function followPaper(editor, importing) {
     if (!(await open(/** @type {HTMLDialogElement} */ ($("paper-dialog"))))) return;
     const along = field("paper-along").checked;
     editor.commit(onPaper(editor.doc, field("paper-width").valueAsNumber, field("paper-height").valueAsNumber, along));
+  });
+  $("paper-trim").addEventListener("click", () => {
+    const box = drawnBox(editor.doc);
+    if (!box) {
+      importing.status.say(text.trimNothing, "warning");
+      return;
+    }
+    const doc = trimmedTo(editor.doc, box);
+    if (doc.width !== editor.doc.width || doc.height !== editor.doc.height) editor.commit(doc);
+    importing.status.say(say("trimmed", { size: say("pixels", { width: doc.width, height: doc.height }) }));
   });
   editor.addEventListener("change", show);
   show();
