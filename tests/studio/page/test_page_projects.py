@@ -198,6 +198,14 @@ def test_a_gallery_stays_when_one_of_its_files_cannot_be_opened(
             with studio.saying(words):
                 page.locator("#folder-list .project").nth(i).click()
             assert page.locator("#open-dialog").is_visible()
+            whole = page.evaluate(
+                """() => {
+                  const { x, y, width, height } = document.getElementById("problem").getBoundingClientRect();
+                  return [y + 4, y + height - 4].map((row) =>
+                    document.elementFromPoint(x + width / 2, row).closest("#problem") !== null);
+                }"""
+            )
+            assert whole == [True, True]  # the dialog's buttons, which stay at its foot, cover nothing of it
         page.set_input_files("#open-file", tmp_path / "half.normalgan")
         page.locator("#problem-words", has_text="This file is not a studio project").wait_for()
         assert page.locator("#open-dialog").is_visible()
