@@ -183,18 +183,19 @@ export class Projects {
     showTiles($("project-list"), rows.map(({ name, changed }) => ({
       name, key: `${name} ${changed}`, note: new Date(changed).toLocaleString([], { dateStyle: "medium", timeStyle: "short" }),
       draw: async (canvas) => drawDocument(canvas, (await projects.read(name)).doc),
-      open: () => { this.open(name, () => dialog.close()); },
+      open: () => {
+        dialog.close(); // one may draw while it comes
+        this.open(name);
+      },
       remove: { words: say("deleteProject", { name }), act: () => this.#remove(name) },
     })));
   }
 
-  /** Opens a project of the server. @param {string} name @param {() => void} [ready] called once it is read */
-  async open(name, ready = () => {}) {
+  /** Opens a project of the server. @param {string} name */
+  async open(name) {
+    if (!(await this.mayLeave())) return;
     try {
       const { doc, etag } = await projects.read(name);
-      parseDocument(doc);
-      ready();
-      if (!(await this.mayLeave())) return;
       const shown = await this.load({ ...doc, settings: { ...doc.settings, name } }, etag);
       if (shown) this.status.say(say("opened", { name }));
     } catch (error) {
