@@ -280,7 +280,7 @@ export const words = {
   paperTitle: "Papier",
   paperResize: "Größe ändern",
   paperAlong: "Zeichnung mit dem Papier skalieren",
-  trim: "Auf die Zeichnung zuschneiden",
+  trim: "Auf Zeichnung zuschneiden",
   trimmed: "Auf {size} zugeschnitten.",
   trimNothing: "Auf den sichtbaren Ebenen ist nichts gezeichnet.",
   pictureTitle: "Referenzbilder",
