@@ -147,6 +147,27 @@ def test_the_server_keeps_unsaved_work_for_another_browser(opened: "Browser", se
         assert other.inked(MIDDLE + 80, MIDDLE)
 
 
+def test_a_project_that_another_tab_has_deleted_is_saved_anew_without_a_question(
+    opened: "Browser", server: Server
+) -> None:
+    with open_studio(opened, server.url, tolerate=("status of 412", "status of 404")) as studio:
+        studio.new()
+        studio.circle()
+        studio.save_as("deleted")
+        deleted = studio.page.evaluate(
+            """async () => {
+              const { src } = document.querySelector("script[type=module]");
+              const { projects } = await import(src.replace("main", "api"));
+              await projects.remove("deleted", (await projects.read("deleted")).etag);
+              return projects.list();
+            }"""
+        )
+        assert deleted == []
+        studio.line((20, 20), (60, 20))
+        with studio.saying("Saved “deleted”."):
+            studio.page.keyboard.press("Control+s")
+
+
 def test_projects_of_a_server_that_is_away_are_not_said_to_be_none(opened: "Browser", server: Server) -> None:
     with open_studio(opened, server.url, tolerate=(AWAY,)) as studio:
         server.kill()

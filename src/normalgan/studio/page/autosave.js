@@ -1,6 +1,6 @@
 /** Autosave: each change goes to the browser's store at once and to the server some seconds later. */
 
-import { Away, Refused, autosaves } from "./api.js";
+import { Away, autosaves, isGone } from "./api.js";
 import { isEmpty } from "./document.js";
 import { StoreFailure, forget, keep, kept } from "./store.js";
 import { text } from "./text.js";
@@ -172,11 +172,6 @@ export class Autosave extends EventTarget {
     if (error instanceof Away) this.connection.lost();
     else if (!isGone(error)) this.dispatchEvent(new CustomEvent("failed", { detail: inWords(error) }));
   }
-}
-
-/** @param {unknown} error @returns {boolean} whether the server says that it holds no such work */
-function isGone(error) {
-  return error instanceof Refused && error.status === 404;
 }
 
 /**

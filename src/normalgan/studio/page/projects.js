@@ -1,6 +1,6 @@
 /** Projects: saved on the server, opened again, or kept as files. */
 
-import { Away, Refused, projects } from "./api.js";
+import { Away, Refused, isGone, projects } from "./api.js";
 import { askName, choose } from "./dialogs.js";
 import { isEmpty, newDocument, parseDocument, picturesOf, withSettings } from "./document.js";
 import { $, download } from "./dom.js";
@@ -93,6 +93,9 @@ export class Projects {
 
   /** @param {string} name @param {string | null} etag @returns {Promise<boolean>} whether it was saved */
   async #conflict(name, etag) {
+    // Where another tab has deleted it there is nothing to overwrite.
+    const gone = etag !== null && (await projects.read(name).then(() => false, isGone));
+    if (gone) return this.#write(name, null);
     const ways = [{ value: "overwrite", text: text.overwrite }, { value: "copy", text: text.copy, strong: true }];
     const way = await choose(etag ? text.conflictTitle : text.takenTitle, say(etag ? "conflict" : "taken", { name }), ways);
     if (way === "copy") return this.saveAs();
