@@ -242,18 +242,17 @@ export class Projects {
     const [file] = chosen.files ?? [];
     chosen.value = "";
     if (!file) return;
-    /** @type {HTMLDialogElement} */
-    const dialog = $("open-dialog");
-    await this.openFile(file, () => dialog.close());
+    /** @type {HTMLDialogElement} */ ($("open-dialog")).close();
+    await this.openFile(file);
   }
 
   /** Opens a project that was kept as a file. @param {File} file @param {() => void} [ready] called once it is read */
   async openFile(file, ready = () => {}) {
+    if (!(await this.mayLeave())) return;
     try {
       const value = await projectIn(file);
       parseDocument(value);
       ready();
-      if (!(await this.mayLeave())) return;
       if (await this.load(value, null, false)) this.status.say(say("opened", { name: file.name }));
     } catch (error) {
       this.status.fail(error);
