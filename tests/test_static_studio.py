@@ -603,6 +603,17 @@ def test_what_needs_python_cannot_be_chosen(studio: "Page") -> None:
     assert formats.evaluate_all("all => all.map((each) => each.value)") == ["png8", "png16"]
 
 
+def test_a_picture_that_is_too_narrow_for_a_drawing_is_refused_as_by_the_server(studio: "Page") -> None:
+    told = studio.evaluate(
+        """async () => {
+          const canvas = Object.assign(document.createElement("canvas"), { width: 4096, height: 20 });
+          const body = await new Promise((resolve) => canvas.toBlob(resolve));
+          return (await fetch("/api/import", { method: "POST", body })).json();
+        }"""
+    )
+    assert told["error"] == "the picture is 2048 × 10 pixels; in the studio it has 16 to 2048 a side."
+
+
 def test_it_opens_again_without_a_network(built: Path) -> None:
     with browser(webgl=False) as opened, storage(opened, width=1200, height=700) as context:
         with serve(built.parent) as address:

@@ -24,7 +24,7 @@ HTML = """<!doctype html><html lang="en"><meta charset="utf-8"><title>viewer</ti
 <style>body { margin: 0; background: rgb(60, 70, 80); color: white }
 canvas { display: block; outline: none }</style>
 <script type="module">
-import { createViewer } from "./viewer.js";
+import { Viewer } from "./viewer.js";
 const text = { reliefNeedsWebgl: "no relief here", contextLost: "lost", webglFailed: "failed:" };
 // A new viewer on a new canvas, and nothing left of the one before.
 window.renew = (width, height) => {
@@ -36,7 +36,7 @@ window.renew = (width, height) => {
   document.body.append(canvas);
   window.said = [];
   window.moves = [];
-  window.viewer = createViewer(canvas, {
+  window.viewer = new Viewer(canvas, {
     onError: (sentence) => said.push(sentence), onMove: (move) => moves.push(move.light), text,
   });
 };

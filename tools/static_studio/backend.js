@@ -156,9 +156,12 @@ async function picture(file) {
     URL.revokeObjectURL(image.src);
   }
   const given = [image.naturalWidth || 1024, image.naturalHeight || 1024];
-  const scale = Math.min(1, LIMITS.sides.most / Math.max(...given));
+  const { least, most } = LIMITS.sides;
+  const scale = Math.min(1, most / Math.max(...given));
+  const [width, height] = given.map((side) => Math.max(1, Math.round(side * scale)));
+  if (Math.min(width, height) < least) return refused(`the picture is ${width} × ${height} pixels; in the studio it has ${least} to ${most} a side`, 400);
   const canvas = document.createElement("canvas");
-  [canvas.width, canvas.height] = given.map((side) => Math.max(1, Math.round(side * scale)));
+  [canvas.width, canvas.height] = [width, height];
   canvas.getContext("2d")?.drawImage(image, 0, 0, canvas.width, canvas.height);
   const [, content] = canvas.toDataURL("image/png").split(",");
   return json({ picture: content, width: canvas.width, height: canvas.height, given, layered: false, parts: 1, pages: false, notes: [] });

@@ -211,6 +211,22 @@ def test_a_layer_and_a_region_take_a_form_by_buttons_sliders_and_keys(studio: St
     assert page.locator("#history-list li").all_inner_texts().count("Form changed") == 5
 
 
+def test_history_says_which_region_was_deleted_and_not_that_forms_changed(studio: Studio) -> None:
+    page = studio.page
+    page.keyboard.press("r")
+    studio.line((60, 90), (110, 90), (110, 160), (60, 160), (60, 92))
+    page.keyboard.press("Escape")  # the ball lies where the next one is drawn
+    studio.line((140, 90), (190, 90), (190, 160), (140, 160), (140, 92))
+    page.keyboard.press("g")
+    page.keyboard.press("Escape")
+    page.mouse.click(*studio.on_board(80, 118))
+    assert page.locator("#form-of").inner_text() == "Region 1"
+    page.keyboard.press("Delete")
+    page.locator("#history summary").click()
+    page.locator("#history-list [aria-current]").wait_for()
+    assert page.locator("#history-list li").all_inner_texts()[-2:] == ["Form changed", "Region deleted"]
+
+
 def test_forms_are_shown_as_pictures_which_are_made_when_their_card_opens(studio: Studio) -> None:
     page = studio.page
     tabs: list[str] = []

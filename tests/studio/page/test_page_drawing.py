@@ -206,6 +206,36 @@ def test_a_busy_page_takes_no_stroke_for_one_that_is_held(studio: Studio) -> Non
     assert rows.all_inner_texts() == ["Beginning", "Line"]
 
 
+def test_far_back_in_history_the_list_shows_the_present_step_and_a_reload_keeps_both_ways(
+    studio: Studio,
+) -> None:
+    page = studio.page
+    page.evaluate(
+        """([x, y]) => {
+          const board = document.getElementById("board");
+          board.setPointerCapture = () => {};
+          const fire = (kind, i) => board.dispatchEvent(new PointerEvent(kind, {
+            bubbles: true, isPrimary: true, pointerType: "mouse", clientX: x + (i % 60), clientY: y + i / 60,
+          }));
+          for (let i = 0; i < 320; i++) for (const kind of ["pointerdown", "pointerup"]) fire(kind, i);
+          delete board.setPointerCapture;
+          const undo = new KeyboardEvent("keydown", { key: "z", code: "KeyZ", ctrlKey: true, bubbles: true });
+          for (let i = 0; i < 230; i++) document.body.dispatchEvent(undo);
+        }""",
+        list(studio.on_board(60, 60)),
+    )
+    page.locator("#history summary").click()
+    page.locator("#history-list [aria-current]").wait_for()
+    assert page.locator("#history-list button.undone").count() == 109
+    studio.wait_for_store(lambda kept: len(kept["doc"]["layers"][0]["strokes"]) == 90)
+    page.reload()
+    page.wait_for_selector("html[data-ready]")
+    page.locator("#history summary").click()
+    page.locator("#history-list [aria-current]").wait_for()
+    assert page.locator("#history-list button.undone").count() == 49
+    assert page.locator("#undo").is_enabled()
+
+
 @pytest.mark.parametrize("meant", ["square", "circle", "line"])
 def test_a_stroke_held_at_its_end_becomes_the_shape_that_it_means(studio: Studio, meant: str) -> None:
     page = studio.page

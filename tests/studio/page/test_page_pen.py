@@ -72,6 +72,15 @@ def test_a_line_is_as_wide_as_the_pen_is_pressed(studio: Studio) -> None:
     assert light < 0.7 * middle < 0.7 * firm
 
 
+def test_a_stroke_that_is_pressed_less_and_less_ends_thin(studio: Studio) -> None:
+    pen = Pen(studio)
+    pen.down(studio.on_board(60, MIDDLE), 0.6)
+    for step in range(1, 15):
+        pen.move(studio.on_board(60 + 8 * step, MIDDLE), max(0, 0.6 - 0.05 * step))
+    pen.up(studio.on_board(172, MIDDLE))
+    assert thickness(studio, 170) < thickness(studio, 100) / 2
+
+
 def test_the_pens_other_end_erases(studio: Studio) -> None:
     stroke(studio, MIDDLE, (0.6, 0.6))
     assert studio.inked(130, MIDDLE)

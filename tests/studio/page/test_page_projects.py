@@ -147,6 +147,27 @@ def test_the_server_keeps_unsaved_work_for_another_browser(opened: "Browser", se
         assert other.inked(MIDDLE + 80, MIDDLE)
 
 
+def test_a_project_that_another_tab_has_deleted_is_saved_anew_without_a_question(
+    opened: "Browser", server: Server
+) -> None:
+    with open_studio(opened, server.url, tolerate=("status of 412", "status of 404")) as studio:
+        studio.new()
+        studio.circle()
+        studio.save_as("deleted")
+        deleted = studio.page.evaluate(
+            """async () => {
+              const { src } = document.querySelector("script[type=module]");
+              const { projects } = await import(src.replace("main", "api"));
+              await projects.remove("deleted", (await projects.read("deleted")).etag);
+              return projects.list();
+            }"""
+        )
+        assert deleted == []
+        studio.line((20, 20), (60, 20))
+        with studio.saying("Saved “deleted”."):
+            studio.page.keyboard.press("Control+s")
+
+
 def test_projects_of_a_server_that_is_away_are_not_said_to_be_none(opened: "Browser", server: Server) -> None:
     with open_studio(opened, server.url, tolerate=(AWAY,)) as studio:
         server.kill()
@@ -183,6 +204,29 @@ def test_of_a_file_in_a_folder_that_cannot_be_read_it_is_said_why(
             page.locator("#folder-shown").select_option(shown)
             for words in ("The picture is not an image", "This file is not a studio project"):
                 page.locator("#folder-list span", has_text=words).wait_for()
+
+
+def test_a_gallery_stays_when_one_of_its_files_cannot_be_opened(
+    opened: "Browser", server: Server, tmp_path: Path
+) -> None:
+    (tmp_path / "empty.png").write_bytes(b"")
+    (tmp_path / "half.normalgan").write_text('{"format": "normalgan-studio", "stro', encoding="utf-8")
+    with open_studio(opened, server.url, tolerate=("status of 400",)) as studio:
+        page = studio.page
+        page.locator("#open").click()
+        page.set_input_files("#open-folder", tmp_path)
+        for i, words in enumerate(("Couldn't import “empty.png”", "This file is not a studio project")):
+            with studio.saying(words):
+                page.locator("#folder-list .project").nth(i).click()
+            assert page.locator("#open-dialog").is_visible()
+            whole = page.evaluate(
+                """() => {
+                  const { x, y, width, height } = document.getElementById("problem").getBoundingClientRect();
+                  return [y + 4, y + height - 4].map((row) =>
+                    document.elementFromPoint(x + width / 2, row).closest("#problem") !== null);
+                }"""
+            )
+            assert whole == [True, True]  # the dialog's buttons, which stay at its foot, cover nothing of it
 
 
 def test_the_maps_of_a_folder_are_seen_side_by_side(

@@ -177,6 +177,25 @@ def test_work_on_a_full_disk_is_not_lost_and_it_is_said(server: Server, tmp_path
             assert studio.inked(100, 20)
 
 
+def test_where_the_disk_was_full_the_servers_newer_copy_is_restored(server: Server, tmp_path: Path) -> None:
+    write_noise(tmp_path / "large.png", 2 * MB)
+    with profile(tmp_path / "profile") as context:
+        with begun(context, server, room=MB) as studio:
+            studio.new()
+            studio.line((40, 40), (200, 40))
+            studio.wait_for_store(lambda kept: len(kept["history"]["steps"]) == 2)
+            with studio.saying("storage is full"):
+                studio.page.set_input_files("#import-file", files=tmp_path / "large.png")
+                studio.page.locator("#choose button[value=traced]").click()
+            with studio.page.expect_response("**/api/autosave/*"):
+                studio.line((40, 120), (200, 120))
+        with begun(context, server, room=MB) as studio:
+            studio.restored()
+            assert studio.inked(120, 40)
+            assert studio.inked(120, 120)
+            assert studio.page.locator("#picture-list li").count() == 1
+
+
 def test_without_room_for_the_history_the_drawing_is_kept(server: Server, tmp_path: Path) -> None:
     write_noise(tmp_path / "noise.png", 2 * MB)
     with profile(tmp_path / "profile") as context:

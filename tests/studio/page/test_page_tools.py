@@ -127,6 +127,41 @@ def test_the_paper_is_resized_with_what_is_on_it_or_without(studio: Studio) -> N
     assert studio.inked(100, 125)
 
 
+def test_the_paper_is_trimmed_to_what_is_drawn(studio: Studio) -> None:
+    page = studio.page
+    page.locator("#paper summary").click()
+    with studio.saying("Nothing is drawn"):
+        page.locator("#paper-trim").click()
+    page.locator("#paper summary").click()
+    with studio.repainting():
+        studio.line((60, 100), (120, 100), (120, 150), (60, 150), (60, 100))
+    studio.line((180, 40), (200, 40))
+    page.keyboard.press("e")
+    studio.line((160, 40), (220, 40))  # what is erased is not drawn
+    page.locator("#paper summary").click()
+    with studio.repainting():
+        page.locator("#paper-trim").click()
+    page.locator("#paper summary").click()
+    width, height = (int(side) for side in page.locator("#pixels").inner_text().split(" × "))
+    assert 64 <= width <= 70
+    assert 54 <= height <= 60
+    studio.size = width, height
+    assert studio.inked(3, height / 2)
+    assert not studio.inked(width / 2, height / 2)
+    page.keyboard.press("Control+z")
+    studio.size = SIDE, SIDE
+    assert studio.inked(60, 125)
+
+
+def test_paper_that_is_trimmed_to_a_dot_is_as_large_as_a_drawing_must_be(studio: Studio) -> None:
+    page = studio.page
+    with studio.repainting():
+        studio.line((60, 100), (62, 100))
+    page.locator("#paper summary").click()
+    page.locator("#paper-trim").click()
+    assert page.locator("#pixels").inner_text() == "16 × 16"
+
+
 def test_a_picture_to_look_at_is_placed_beside_the_paper(studio: Studio, tmp_path: Path) -> None:
     page = studio.page
     with studio.repainting():

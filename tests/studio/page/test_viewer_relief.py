@@ -195,12 +195,12 @@ def test_dispose_gives_everything_back(viewer: Viewer) -> None:
             };
             gl[`delete${kind}`] = function (thing) { made.delete(thing); remove.call(this, thing); };
         }
-        const { createViewer } = await import("./viewer.js");
+        const { Viewer } = await import("./viewer.js");
         const canvas = document.createElement("canvas");
         canvas.style.width = canvas.style.height = "50px";
         document.body.append(canvas);
         const moves = [];
-        const second = createViewer(canvas, { text: {}, onMove: () => moves.push(1) });
+        const second = new Viewer(canvas, { text: {}, onMove: () => moves.push(1) });
         const key = () => canvas.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowLeft" }));
         second.setHeight(new Float32Array(9), 3, 3);
         second.setView("matcap");

@@ -15,6 +15,9 @@ export class Refused extends Error {
   }
 }
 
+/** @param {unknown} error @returns {boolean} whether the server says that it holds no such document */
+export const isGone = (error) => error instanceof Refused && error.status === 404;
+
 /** The drawing is not yet, or no longer, one that can be painted. */
 export class Lacking extends Error {
   /** @param {Finding[]} findings what it lacks */

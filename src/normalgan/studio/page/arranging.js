@@ -4,7 +4,7 @@ import { LISTS, MOST_LAYERS, activeLayer, changedLayer, hasRoom, newDocument, pa
 import { $, enable, make } from "./dom.js";
 import { aboutPoint, alongWith, movedParts } from "./moving.js";
 import { decodeAll } from "./pictures.js";
-import { boxOfSelection, hasInk, insideOfSelection, isCut, isNothing, onceCut, withCuts, withMoved } from "./selecting.js";
+import { boxOfSelection, hasInk, insideOfSelection, isCut, isNothing, onceCut, withCuts, withMoved } from "./selection.js";
 import { say, text } from "./text.js";
 
 /** @typedef {import("./document.js").Doc} Doc @typedef {import("./document.js").Layer} Layer */

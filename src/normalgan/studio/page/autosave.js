@@ -1,6 +1,6 @@
 /** Autosave: each change goes to the browser's store at once and to the server some seconds later. */
 
-import { Away, Refused, autosaves } from "./api.js";
+import { Away, autosaves, isGone } from "./api.js";
 import { isEmpty } from "./document.js";
 import { StoreFailure, forget, keep, kept } from "./store.js";
 import { text } from "./text.js";
@@ -32,6 +32,8 @@ export class Autosave extends EventTarget {
     /** @type {Left | null} what another tab left and this one shows; it stays where it is until more is drawn and kept */
     this.borrowed = null;
     this.stale = false;
+    /** How often the document has changed: tells which copy is newer, whatever the clock says. */
+    this.revision = 0;
     /** @type {Promise<void> | null} the writing to the browser's store that goes on */
     this.writing = null;
     /** @type {import("./document.js").Doc | null} what the browser's store holds */
@@ -127,7 +129,7 @@ export class Autosave extends EventTarget {
   async #send(doc) {
     this.there = true;
     try {
-      await autosaves.write(this.tab, { ...doc, etag: this.etag });
+      await autosaves.write(this.tab, { ...doc, etag: this.etag, revision: this.revision });
       this.sent = doc;
     } catch (error) {
       this.#failed(error);
@@ -137,6 +139,7 @@ export class Autosave extends EventTarget {
   #changed() {
     // From now on it is this tab's, whatever is undone.
     if (this.borrowed && this.dirty) this.clean = null;
+    this.revision += 1;
     this.#keep();
     this.timer ||= setTimeout(() => this.flush(), LATER);
   }
@@ -154,7 +157,7 @@ export class Autosave extends EventTarget {
       const { state } = this.editor.history;
       try {
         if (!this.dirty) await forget(this.tab, true);
-        else await keep({ tab: this.tab, changed: new Date().toISOString(), etag: this.etag, doc: state, past: this.editor.history });
+        else await keep({ tab: this.tab, changed: new Date().toISOString(), etag: this.etag, revision: this.revision, doc: state, past: this.editor.history });
         this.kept = state;
         if (this.borrowed && this.dirty) await this.#return();
       } catch (error) {
@@ -171,15 +174,10 @@ export class Autosave extends EventTarget {
   }
 }
 
-/** @param {unknown} error @returns {boolean} whether the server says that it holds no such work */
-function isGone(error) {
-  return error instanceof Refused && error.status === 404;
-}
-
 /**
- * @typedef {{doc: unknown, etag: string | null, past: import("./steps.js").Past | null, missing: number}} Found etag: of the
- *   project it was made from, null for none; past: its history, if that was kept; missing: strokes and pictures that could not
- *   be read
+ * @typedef {{doc: unknown, etag: string | null, revision: number, past: import("./steps.js").Past | null, missing: number}} Found
+ *   etag: of the project it was made from, null for none; revision: greater is newer, 0 is not known; past: its history, if
+ *   that was kept; missing: strokes and pictures that could not be read
  * @typedef {{tab: string, changed: string, name: string, here: boolean, there: boolean, read: () => Promise<Found>}} Left
  *   unsaved work of a tab; here: it is in the browser's store; there: it is on the server
  */
@@ -202,19 +200,19 @@ export async function unsaved(open) {
   /** @type {Map<string, Left>} */
   const found = new Map(there.map(({ name: tab, changed }) =>
     [tab, { tab, changed, name: "", here: false, there: true, read: () => fromServer(tab) }]));
-  for (const { tab, changed, etag, name, read } of here) {
+  for (const { tab, changed, etag, revision, name, read } of here) {
     const other = found.get(tab);
-    // The store holds each change at once, the server some seconds later: the store's is never older.
     const both = async () => {
       const own = await read().catch((error) => {
         if (!other) throw error instanceof StoreFailure && error.why === "broken" ? new Error(text.damaged) : inWords(error);
         return null;
       });
-      if (own && !own.missing) return { ...own, etag };
-      // Something of it is damaged: the server's is whole, if there is one.
       const whole = await other?.read().catch(() => null);
       if (!whole && !own) throw new Error(text.damaged);
-      return whole ?? { .../** @type {import("./store.js").Whole} */ (own), etag };
+      // The store holds each change at once, the server some seconds later; but one that is full holds an older one, or it may
+      // be damaged.
+      const better = whole && (!own || own.missing || whole.revision > revision);
+      return better ? whole : { .../** @type {import("./store.js").Whole} */ (own), etag, revision };
     };
     found.set(tab, { tab, changed: changed || (other?.changed ?? ""), name, here: true, there: other !== undefined, read: both });
   }
@@ -225,5 +223,5 @@ export async function unsaved(open) {
 /** @param {string} tab @returns {Promise<Found>} */
 async function fromServer(tab) {
   const { doc } = await autosaves.read(tab);
-  return { doc, etag: typeof doc.etag === "string" ? doc.etag : null, past: null, missing: 0 };
+  return { doc, etag: typeof doc.etag === "string" ? doc.etag : null, revision: Number(doc.revision ?? 0), past: null, missing: 0 };
 }

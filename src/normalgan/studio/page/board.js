@@ -3,7 +3,7 @@
 import { clear, context2d } from "./canvas.js";
 import { Camera } from "./camera.js";
 import { drawAreas, drawGuides, drawHints, drawMaskStroke, drawRings, drawSuggestions, drawVote } from "./marks.js";
-import { drawSelection } from "./selecting.js";
+import { drawSelection } from "./selection_frame.js";
 import { Sheet } from "./sheet.js";
 
 /** @typedef {{x: number, y: number}} Point */

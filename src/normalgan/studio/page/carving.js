@@ -1,6 +1,6 @@
 /** Carving: lines that are cut into the object or stand out of it, as the server takes them. */
 
-import { MOST_POINTS } from "./simplify.js";
+import { MOST_POINTS, rounded } from "./simplify.js";
 import { boxOf, curveOf, sidesOf, widthAt } from "./strokes.js";
 
 /** @typedef {import("./strokes.js").Point} Point @typedef {import("./document.js").Line} Line */
@@ -37,17 +37,14 @@ function piecesOf(line, later) {
     }
   }
   return pieces.filter((piece) => piece.length).map((piece) => ({
-    points: piece.flatMap(({ x, y }) => [round(x), round(y)]), normal: [0, 0, 1], size: line.size, height: line.carve,
-    widths: piece.map(({ p }) => round(widthAt(line.size, p))),
+    points: piece.flatMap(({ x, y }) => [rounded(x), rounded(y)]), normal: [0, 0, 1], size: line.size, height: line.carve,
+    widths: piece.map(({ p }) => rounded(widthAt(line.size, p))),
   }));
 }
 
 /** @typedef {{left: number, top: number, right: number, bottom: number}} Box */
 /** @param {Box} a @param {Box} b */
 const meet = (a, b) => a.left <= b.right && b.left <= a.right && a.top <= b.bottom && b.top <= a.bottom;
-
-/** @param {number} value */
-const round = (value) => Math.round(value * 100) / 100;
 
 /** Returns points along a line, closer than it is wide. @param {{size: number, points: number[]}} side */
 const sampled = (side) => curveOf(side, Math.max(1, side.size / 3));

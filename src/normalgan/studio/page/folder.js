@@ -160,8 +160,10 @@ export class Folder {
 
   /** @param {File} file */
   #open(file) {
-    /** @type {HTMLDialogElement} */ ($("open-dialog")).close();
-    if (this.#kind(file) === "project") this.projects.openFile(file);
-    else this.importing.open(file);
+    /** @type {HTMLDialogElement} */
+    const dialog = $("open-dialog");
+    const ready = () => dialog.close();
+    if (this.#kind(file) === "project") this.projects.openFile(file, ready);
+    else this.importing.open(file, ready);
   }
 }

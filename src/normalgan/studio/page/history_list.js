@@ -3,7 +3,7 @@
 import { $, make } from "./dom.js";
 import { say, text } from "./text.js";
 
-/** Steps that are listed; older ones are undone one by one. */
+/** Steps that are listed, about the present one; others are undone or redone one by one. */
 const SHOWN = 200;
 
 /** Whether a line was made a shape: moved lines keep their number of points. @param {import("./document.js").Stroke | undefined} from @param {import("./document.js").Stroke | undefined} to */
@@ -11,6 +11,49 @@ const isShaped = (from, to) => from?.kind === "pen" && to?.kind === "pen" && fro
 
 /** Whether a part of a picture was taken away. @param {any} from @param {any} to */
 const isCut = (from, to) => from.kind === "picture" && to.kind === "picture" && from.picture !== to.picture;
+
+/** @typedef {import("./document.js").Stroke} Stroke @typedef {import("./document.js").Area} Area */
+
+/** Returns what a step did to a layer's strokes. @param {Stroke[]} from @param {Stroke[]} to */
+function strokesStep(from, to) {
+  /** @param {number} count */
+  const begins = (count) => from.slice(0, count).every((each, i) => each === to[i]);
+  if (from.length === to.length && begins(from.length - 1) && isShaped(from.at(-1), to.at(-1))) return text.stepShape;
+  if (to.length > from.length) {
+    // A picture that is cut, or a mirrored line that is turned, becomes two.
+    if (!begins(from.length)) return text.stepMoved;
+    return { eraser: text.stepErased, picture: text.stepImported, pen: text.stepLine }[to[to.length - 1].kind];
+  }
+  const gone = to.length < from.length || from.some((each, i) => isCut(each, to[i]));
+  return gone ? text.stepRemoved : text.stepMoved;
+}
+
+/** Returns what a step did to a layer's regions and strokes of the brush. @param {Area[]} from @param {Area[]} to */
+function areasStep(from, to) {
+  if (to.length < from.length) return text.stepAreaGone;
+  if (to.length > from.length) {
+    const last = to[to.length - 1];
+    return last.structure ? text.stepStructure : last.size ? text.stepBrush : text.stepArea;
+  }
+  /** @param {(keyof Area)[]} parts @param {Area} area @param {number} i */
+  const differs = (parts, area, i) => parts.some((part) => area[part] !== from[i][part]);
+  if (to.some((area, i) => area.size && differs(["soft", "strength", "structure"], area, i))) return text.stepBrushChanged;
+  return to.some((area, i) => differs(["form", "soft"], area, i)) ? text.stepForm : text.stepTurned;
+}
+
+/** Returns what a step did to a layer. @param {import("./document.js").Layer} old @param {import("./document.js").Layer} now @returns {string | null} null: nothing */
+function layerStep(old, now) {
+  if (old.name !== now.name) return text.stepLayerNamed;
+  if (old.form !== now.form) return text.stepForm;
+  if (old.source !== now.source) return text.stepSource;
+  if (old.visible !== now.visible) return now.visible ? text.stepLayerShown : text.stepLayerHidden;
+  if (old.strokes !== now.strokes) return strokesStep(old.strokes, now.strokes);
+  const points = now.hints.length - old.hints.length;
+  if (old.hints !== now.hints) return points > 0 ? text.stepPoint : points < 0 ? text.stepPointGone : text.stepTurned;
+  if (old.areas !== now.areas) return areasStep(old.areas, now.areas);
+  if (old.mask !== now.mask) return now.mask.length < old.mask.length ? text.stepMaskGone : text.stepMask;
+  return null;
+}
 
 /**
  * Returns what a step did.
@@ -30,32 +73,8 @@ export function nameOf(before, after) {
   if (before.width !== after.width || before.height !== after.height) return text.stepPaper;
   // One step changes one layer.
   const at = Math.max(0, before.layers.findIndex((layer, i) => layer !== after.layers[i]));
-  const [old, now] = [before.layers[at], after.layers[at]];
-  if (old.name !== now.name) return text.stepLayerNamed;
-  if (old.form !== now.form) return text.stepForm;
-  if (old.source !== now.source) return text.stepSource;
-  if (old.visible !== now.visible) return now.visible ? text.stepLayerShown : text.stepLayerHidden;
-  /** @type {["strokes" | "hints" | "areas" | "mask", string, string, string][]} */
-  const lists = [
-    ["strokes", text.stepLine, text.stepRemoved, text.stepMoved], ["hints", text.stepPoint, text.stepPointGone, text.stepTurned],
-    ["areas", text.stepArea, text.stepAreaGone, text.stepTurned], ["mask", text.stepMask, text.stepMaskGone, text.stepMask],
-  ];
-  for (const [list, added, removed, changed] of lists) {
-    const [from, to] = [old[list], now[list]];
-    if (from === to) continue;
-    if (list === "strokes" && from.length === to.length && old.strokes.slice(0, -1).every((each, i) => each === now.strokes[i]) && isShaped(old.strokes.at(-1), now.strokes.at(-1))) return text.stepShape;
-    // A picture that is cut, or a mirrored line that is turned, becomes two.
-    if (list === "strokes" && to.length > from.length && !from.every((each, i) => each === to[i])) return changed;
-    if (to.length > from.length) {
-      const last = list === "strokes" ? now.strokes[now.strokes.length - 1].kind : "";
-      if (list === "areas" && now.areas.at(-1)?.structure) return text.stepStructure;
-      if (list === "areas" && now.areas.at(-1)?.size) return text.stepBrush;
-      return last === "eraser" ? text.stepErased : last === "picture" ? text.stepImported : added;
-    }
-    if (list === "areas" && now.areas.some((area, i) => area.size && (area.soft !== old.areas[i]?.soft || area.strength !== old.areas[i]?.strength || area.structure !== old.areas[i]?.structure))) return to.length < from.length ? removed : text.stepBrushChanged;
-    if (list === "areas" && now.areas.some((area, i) => area.form !== old.areas[i]?.form || area.soft !== old.areas[i]?.soft)) return text.stepForm;
-    return to.length < from.length || (list === "strokes" && from.some((each, i) => isCut(each, now.strokes[i]))) ? removed : changed;
-  }
+  const name = layerStep(before.layers[at], after.layers[at]);
+  if (name) return name;
   const more = after.pictures.length - before.pictures.length;
   if (before.pictures !== after.pictures) return more > 0 ? text.stepPicture : more < 0 ? text.stepPictureGone : text.stepPictureChanged;
   return text.stepSettings;
@@ -67,8 +86,8 @@ export function followHistory(editor, announce) {
   const show = () => {
     if (!panel.open) return;
     const { states, at } = editor.history;
-    const first = Math.max(0, states.length - SHOWN);
-    const rows = states.slice(first).map((state, i) => {
+    const first = Math.max(0, Math.min(at - SHOWN / 2, states.length - SHOWN));
+    const rows = states.slice(first, first + SHOWN).map((state, i) => {
       const number = first + i;
       const name = number ? nameOf(states[number - 1], state) : text.stepFirst;
       const button = make("button", { type: "button", text: name });

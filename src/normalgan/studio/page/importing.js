@@ -125,10 +125,11 @@ export class Importing {
     return way ? { ...chosen, way } : null;
   }
 
-  /** Opens a picture as a drawing of its own. @param {File} file */
-  async open(file) {
+  /** Opens a picture as a drawing of its own. @param {File} file @param {() => void} [ready] called once it is read */
+  async open(file, ready = () => {}) {
     try {
       const picture = await this.read(file);
+      ready();
       if (!(await this.projects.mayLeave())) return;
       this.projects.create(picture.width, picture.height);
       await this.#place(picture, "drawing", file.name);

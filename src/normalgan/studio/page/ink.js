@@ -10,6 +10,8 @@ import { boxOf, drawPiece, drawStroke, prepare, sidesOf } from "./strokes.js";
 /** Finer than this many pixels a side, or than threefold, costs more than it shows. */
 const FINE = 1536;
 const MOST = 3;
+/** The darkest that still is paper. */
+const WHITE = 250;
 const ALL = { left: -Infinity, top: -Infinity, right: Infinity, bottom: Infinity };
 
 /** @param {Box | null} a @param {Box} b @returns {Box} */
@@ -67,6 +69,30 @@ export function linesAt(doc, longest) {
   context.globalCompositeOperation = "source-over"; // an eraser may have been the last
   for (const canvas of others) context.drawImage(canvas, 0, 0);
   return first;
+}
+
+/**
+ * Returns the box of what is drawn on the layers that are on show, as far as it lies on the paper.
+ * @param {import("./document.js").Doc} doc
+ * @returns {Box | null} in whole pixels; null: there is nothing
+ */
+export function drawnBox({ width, height, layers }) {
+  let [left, top, right, bottom] = [width, height, 0, 0];
+  for (const { strokes } of layers.filter(({ visible }) => visible)) {
+    const { bytes, channels } = inkAt({ width, height, strokes }, Math.max(width, height)).pixels();
+    const { onPaper } = kindOf(strokes);
+    for (let row = 0, at = 0; row < height; row++) {
+      for (let column = 0; column < width; column++, at += channels) {
+        const drawn = onPaper
+          ? bytes[at] <= WHITE || (channels === 4 && (bytes[at + 1] <= WHITE || bytes[at + 2] <= WHITE))
+          : bytes[at + 3] >= 255 - WHITE;
+        if (!drawn) continue;
+        [left, right] = [Math.min(left, column), Math.max(right, column + 1)];
+        [top, bottom] = [Math.min(top, row), Math.max(bottom, row + 1)];
+      }
+    }
+  }
+  return right > left ? { left, top, right, bottom } : null;
 }
 
 export class Ink {
@@ -146,7 +172,7 @@ export class Ink {
     const { stale } = this;
     const { bytes, channels } = this.pixels(true);
     this.stale = stale; // the server has not got it
-    return bytes.every((value, i) => (channels === 4 && i % 4 === 3) || value > 250);
+    return bytes.every((value, i) => (channels === 4 && i % 4 === 3) || value > WHITE);
   }
 
   /** @param {Drawn} doc */

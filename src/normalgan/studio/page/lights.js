@@ -34,6 +34,7 @@ function raised([x, y], degrees) {
 const isShare = (value, most) => typeof value === "number" && value >= 0 && value <= most;
 const isColour = (/** @type {unknown} */ value) => typeof value === "string" && /^#[0-9a-f]{6}$/.test(value);
 
+/** The one or two lights, and what sets them. */
 export class Lights {
   /** @param {import("./viewer.js").Viewer} viewer @param {() => string} view which is on show @param {(view: import("./viewer.js").View) => void} show */
   constructor(viewer, view, show) {
@@ -52,6 +53,11 @@ export class Lights {
     this.directions = [DEFAULT_LIGHT, SECOND];
     this.frame = 0;
     this.#recall();
+    this.#listen();
+    this.#changed();
+  }
+
+  #listen() {
     $("light-play").addEventListener("click", () => this.play());
     for (const i of [0, 1]) {
       $(`light-${i + 1}`).addEventListener("input", (event) => {
@@ -85,7 +91,6 @@ export class Lights {
         this.#changed();
       });
     }
-    this.#changed();
   }
 
   /** Moves a light over a point of the result. @param {number} x @param {number} y */

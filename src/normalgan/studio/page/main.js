@@ -11,24 +11,23 @@ import { Editor, NOTHING } from "./editor.js";
 import { Exporting } from "./exporting.js";
 import { Folder } from "./folder.js";
 import { followHistory } from "./history_list.js";
-import { followBrushes } from "./brushes.js";
+import { Brushes } from "./brushes.js";
 import { Forms } from "./forms.js";
 import { teach } from "./first_steps.js";
 import { Importing } from "./importing.js";
 import { Inks } from "./ink.js";
-import { followKeyboard } from "./keyboard_pen.js";
-import { followLayers } from "./layers.js";
+import { KeyboardPen } from "./keyboard_pen.js";
+import { Layers } from "./layers.js";
 import { Lights } from "./lights.js";
 import { Predictor } from "./predictor.js";
 import { Materials } from "./materials.js";
 import { Panes } from "./panes.js";
 import { followPaper } from "./paper.js";
-import { followPointers } from "./pointer.js";
+import { Pointers } from "./pointer.js";
 import { Points } from "./points.js";
 import { Projects } from "./projects.js";
 import { Result, VIEWS } from "./result.js";
 import { offerSamples } from "./samples.js";
-import { SelectTool } from "./selecting.js";
 import { followSheets } from "./sheets.js";
 import { begin } from "./start.js";
 import { SHOWN, followKeys } from "./shortcuts.js";
@@ -36,8 +35,13 @@ import { Status } from "./status.js";
 import { claimTab } from "./tab.js";
 import { say, text, wordsOf } from "./text.js";
 import { followTheme } from "./theme.js";
-import { followTools, turnCarving, widen } from "./toolbar.js";
-import { AreaTool, HintTool, LightTool, LineTool, MaskTool } from "./tools.js";
+import { Toolbar, turnCarving, widen } from "./toolbar.js";
+import { AreaTool } from "./tool_area.js";
+import { HintTool } from "./tool_hint.js";
+import { LineTool } from "./tool_line.js";
+import { MaskTool } from "./tool_mask.js";
+import { SelectTool } from "./tool_select.js";
+import { LightTool } from "./tools.js";
 
 fill();
 followTheme($("theme"));
@@ -96,9 +100,9 @@ const overResult = () => {
   return tool();
 };
 const pointers = [{ each: board, chosen: tool }, { each: overlay, chosen: overResult }].map(({ each, chosen }) =>
-  followPointers(each, chosen, () => points.use(each), (fingers) => (fingers === 2 ? undo() : redo())));
-followKeyboard(board, tool, status, (x, y) => arranging.nudge(x, y));
-followTools(editor, inks);
+  new Pointers(each, chosen, () => points.use(each), (fingers) => (fingers === 2 ? undo() : redo())));
+new KeyboardPen(board, tool, status, (x, y) => arranging.nudge(x, y));
+new Toolbar(editor, inks);
 offerSamples((doc, name) => {
   projects.load(doc, null, false).then((shown) => {
     if (!shown) return;
@@ -109,8 +113,8 @@ offerSamples((doc, name) => {
 followHistory(editor, announce);
 followPaper(editor, importing);
 const forms = new Forms(editor, predictor, (map) => result.viewer.shaded(map, null));
-const brush = followBrushes(editor, (file) => importing.pictureOf(file), announce);
-const stepLayer = followLayers(editor, inks, announce);
+const brush = new Brushes(editor, (file) => importing.pictureOf(file), announce);
+const layers = new Layers(editor, inks, announce);
 autosave.addEventListener("failed", (event) => status.fail(/** @type {CustomEvent} */ (event).detail));
 
 // What was done last is no news once something else is done; who does it says so after it.
@@ -205,7 +209,7 @@ followKeys({
   u: () => brush.change("soft", 1), "shift+u": () => brush.change("soft", -1),
   i: () => brush.change("strength", 1), "shift+i": () => brush.change("strength", -1),
   q: () => editor.set({ tool: "select", lassoes: editor.tool !== "select" || !editor.lassoes }), j: () => arranging.toLayer("new"),
-  PageUp: () => stepLayer(1), PageDown: () => stepLayer(-1),
+  PageUp: () => layers.step(1), PageDown: () => layers.step(-1),
   ",": () => turn(-15), ".": () => turn(15),
   g: () => forms.next(), t: () => result.turnOver("tiled"), k: () => result.turnOver("pixelated"),
   n: () => points.next(1), "shift+n": () => points.next(-1),

@@ -1,6 +1,6 @@
 /** Moving: moves, scales, turns and flips strokes, pictures and whole documents. */
 
-import { middleOfPixel, possiblePeriod } from "./document.js";
+import { SIDES, middleOfPixel, possiblePeriod } from "./document.js";
 import { sidesOf } from "./strokes.js";
 
 /**
@@ -219,7 +219,24 @@ const isInside = (hull, point) => hull.length > 2 && hull.every((from, i) => tur
 export function onPaper(doc, width, height, along) {
   const scale = along ? Math.min(width / doc.width, height / doc.height) : 1;
   const offset = (/** @type {number} */ to, /** @type {number} */ from) => (along ? (to - from * scale) / 2 : Math.round((to - from) / 2));
-  const move = { scale, x: offset(width, doc.width), y: offset(height, doc.height) };
+  return movedOnto(doc, width, height, { scale, x: offset(width, doc.width), y: offset(height, doc.height) });
+}
+
+/**
+ * Returns a document on paper that is as large as a box of it, or a little larger where that would be too small.
+ * @param {Doc} doc
+ * @param {Box} box in whole pixels
+ * @returns {Doc}
+ */
+export function trimmedTo(doc, { left, top, right, bottom }) {
+  const [width, height] = [right - left, bottom - top].map((side) => Math.max(SIDES.least, side));
+  /** @param {number} paper @param {number} first @param {number} end */
+  const offset = (paper, first, end) => Math.floor((paper - (end - first)) / 2) - first;
+  return movedOnto(doc, width, height, { scale: 1, x: offset(width, left, right), y: offset(height, top, bottom) });
+}
+
+/** Moves all of a document onto paper of another size. @param {Doc} doc @param {number} width @param {number} height @param {Move} move @returns {Doc} */
+function movedOnto(doc, width, height, move) {
   const places = (/** @type {unknown[]} */ list) => new Set(list.keys());
   const layers = doc.layers.map((layer) => {
     const all = { strokes: places(layer.strokes), hints: places(layer.hints), areas: places(layer.areas), mask: places(layer.mask) };

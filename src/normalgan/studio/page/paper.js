@@ -3,8 +3,9 @@
 import { withPictures } from "./document.js";
 import { $, field, label, make, open } from "./dom.js";
 import { icon } from "./icons.js";
-import { onPaper } from "./moving.js";
-import { say } from "./text.js";
+import { drawnBox } from "./ink.js";
+import { onPaper, trimmedTo } from "./moving.js";
+import { say, text } from "./text.js";
 
 /**
  * Wires the panel of the paper and its pictures.
@@ -43,13 +44,29 @@ export function followPaper(editor, importing) {
     });
   };
   $("picture-choose").addEventListener("click", () => importing.pick("traced"));
-  $("paper-resize").addEventListener("click", async () => {
-    const { width, height } = editor.doc;
-    [field("paper-width").value, field("paper-height").value] = [String(width), String(height)];
-    if (!(await open(/** @type {HTMLDialogElement} */ ($("paper-dialog"))))) return;
-    const along = field("paper-along").checked;
-    editor.commit(onPaper(editor.doc, field("paper-width").valueAsNumber, field("paper-height").valueAsNumber, along));
-  });
+  $("paper-resize").addEventListener("click", () => resize(editor));
+  $("paper-trim").addEventListener("click", () => trim(editor, importing.status));
   editor.addEventListener("change", show);
   show();
+}
+
+/** Asks for the paper's size. @param {import("./editor.js").Editor} editor */
+async function resize(editor) {
+  const { width, height } = editor.doc;
+  [field("paper-width").value, field("paper-height").value] = [String(width), String(height)];
+  if (!(await open(/** @type {HTMLDialogElement} */ ($("paper-dialog"))))) return;
+  const along = field("paper-along").checked;
+  editor.commit(onPaper(editor.doc, field("paper-width").valueAsNumber, field("paper-height").valueAsNumber, along));
+}
+
+/** Makes the paper as large as what is drawn. @param {import("./editor.js").Editor} editor @param {import("./status.js").Status} status */
+function trim(editor, status) {
+  const box = drawnBox(editor.doc);
+  if (!box) {
+    status.say(text.trimNothing, "warning");
+    return;
+  }
+  const doc = trimmedTo(editor.doc, box);
+  if (doc.width !== editor.doc.width || doc.height !== editor.doc.height) editor.commit(doc);
+  status.say(say("trimmed", { size: say("pixels", { width: doc.width, height: doc.height }) }));
 }

@@ -20,7 +20,7 @@ const LOW = 236;
 export class Points {
   /**
    * @param {import("./board.js").Board[]} boards that show points; the card is in the one that was touched last
-   * @param {import("./tools.js").HintTool} tool
+   * @param {import("./tool_hint.js").HintTool} tool
    * @param {import("./predictor.js").Predictor} predictor
    * @param {import("./status.js").Status} status
    */

@@ -1,6 +1,6 @@
 /** Projects: saved on the server, opened again, or kept as files. */
 
-import { Away, Refused, projects } from "./api.js";
+import { Away, Refused, isGone, projects } from "./api.js";
 import { askName, choose } from "./dialogs.js";
 import { isEmpty, newDocument, parseDocument, picturesOf, withSettings } from "./document.js";
 import { $, download } from "./dom.js";
@@ -93,6 +93,9 @@ export class Projects {
 
   /** @param {string} name @param {string | null} etag @returns {Promise<boolean>} whether it was saved */
   async #conflict(name, etag) {
+    // Where another tab has deleted it there is nothing to overwrite.
+    const gone = etag !== null && (await projects.read(name).then(() => false, isGone));
+    if (gone) return this.#write(name, null);
     const ways = [{ value: "overwrite", text: text.overwrite }, { value: "copy", text: text.copy, strong: true }];
     const way = await choose(etag ? text.conflictTitle : text.takenTitle, say(etag ? "conflict" : "taken", { name }), ways);
     if (way === "copy") return this.saveAs();
@@ -184,7 +187,7 @@ export class Projects {
       name, key: `${name} ${changed}`, note: new Date(changed).toLocaleString([], { dateStyle: "medium", timeStyle: "short" }),
       draw: async (canvas) => drawDocument(canvas, (await projects.read(name)).doc),
       open: () => {
-        dialog.close();
+        dialog.close(); // one may draw while it comes
         this.open(name);
       },
       remove: { words: say("deleteProject", { name }), act: () => this.#remove(name) },
@@ -243,11 +246,14 @@ export class Projects {
     await this.openFile(file);
   }
 
-  /** Opens a project that was kept as a file. @param {File} file */
-  async openFile(file) {
+  /** Opens a project that was kept as a file. @param {File} file @param {() => void} [ready] called once it is read */
+  async openFile(file, ready = () => {}) {
     if (!(await this.mayLeave())) return;
     try {
-      if (await this.load(await projectIn(file), null, false)) this.status.say(say("opened", { name: file.name }));
+      const value = await projectIn(file);
+      parseDocument(value);
+      ready();
+      if (await this.load(value, null, false)) this.status.say(say("opened", { name: file.name }));
     } catch (error) {
       this.status.fail(error);
     }

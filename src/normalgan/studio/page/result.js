@@ -5,7 +5,7 @@ import { $ } from "./dom.js";
 import { followFindings } from "./findings.js";
 import { recalled, remember } from "./settings.js";
 import { say, text } from "./text.js";
-import { createViewer } from "./viewer.js";
+import { Viewer } from "./viewer.js";
 
 /** @typedef {"map" | "lit" | "matcap" | "flat" | "relief"} View */
 /** @type {View[]} */
@@ -33,7 +33,7 @@ export class Result extends EventTarget {
     this.onLight = () => {};
     /** Called when the map is repeated, or its pixels are shown, or no longer. @type {(way: "tiled" | "pixelated") => void} */
     this.onLook = () => {};
-    this.viewer = createViewer($("viewer"), {
+    this.viewer = new Viewer($("viewer"), {
       text: text.viewerTexts, onError: (words) => this.#say(words), onMove: ({ light }) => this.onLight(light),
     });
     predictor.addEventListener("painting", () => $("result").setAttribute("aria-busy", "true"));

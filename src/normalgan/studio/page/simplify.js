@@ -7,6 +7,9 @@ import { LIMITS } from "./limits.js";
 /** @param {Point} a @param {Point} b */
 export const apart = (a, b) => Math.hypot(a.x - b.x, a.y - b.y);
 
+/** Returns a coordinate to a hundredth of a pixel. @param {number} value */
+export const rounded = (value) => Math.round(value * 100) / 100;
+
 /** How far a point is from the line between two others. @param {Point} at @param {Point} a @param {Point} b */
 export function offLine(at, a, b) {
   const length = apart(a, b) || 1e-9;

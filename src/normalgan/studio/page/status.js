@@ -89,9 +89,12 @@ export class Status {
     const { problem } = this;
     // What lies behind an open dialog can be neither seen nor pressed. That the server is away is not of the dialog.
     const dialog = kind === "away" ? null : document.querySelector("dialog[open] form");
-    (dialog ?? document.body).append(problem);
+    const buttons = dialog?.querySelector(".ways");
+    if (buttons) buttons.before(problem); // they stay at the dialog's foot and would cover it
+    else (dialog ?? document.body).append(problem);
     problem.dataset.kind = kind;
     problem.hidden = false;
+    if (dialog) problem.scrollIntoView({ block: "nearest" });
     $("problem-words").textContent = words;
     this.#place();
     clearTimeout(this.problemTimer);

@@ -27,12 +27,12 @@ const differing = (to, from) =>
 /**
  * Returns a history as steps, each of which holds only what it changed.
  * @param {Past} past
- * @param {number} most steps
+ * @param {number} most steps, as many to be undone as to be redone where there are more
  * @param {(piece: Piece) => number} numbered
  * @returns {Steps}
  */
 export function toSteps({ states, at }, most, numbered) {
-  const first = Math.max(0, Math.min(at, states.length - most));
+  const first = Math.max(0, Math.min(at - Math.floor(most / 2), states.length - most));
   const shown = states.slice(first, first + most);
   const steps = shown.map((state, i) => {
     const before = /** @type {Doc | undefined} */ (shown[i - 1]);

@@ -11,11 +11,11 @@ const PIECES = "pieces";
 /** @typedef {import("./document.js").Doc} Doc @typedef {import("./document.js").Layer} Layer
  * @typedef {import("./steps.js").Piece} Piece @typedef {import("./steps.js").Past} Past */
 /**
- * @typedef {{tab: string, changed: string, etag: string | null, doc: Doc}} Unsaved
- *   changed: ISO time; etag: what the server called the project when it was opened or saved here
+ * @typedef {{tab: string, changed: string, etag: string | null, revision: number, doc: Doc}} Unsaved
+ *   changed: ISO time; etag: what the server called the project when it was opened or saved here; revision: of the tab's work
  * @typedef {Omit<Layer, "strokes"> & {strokes: number[]}} LayerHead
  * @typedef {Omit<Doc, "layers" | "pictures"> & {layers: LayerHead[], pictures: number[]}} Head
- * @typedef {{tab: string, changed: string, etag?: string | null, doc: Head,
+ * @typedef {{tab: string, changed: string, etag?: string | null, revision?: number, doc: Head,
  *   history?: import("./steps.js").Steps}} Entry
  */
 
@@ -179,7 +179,7 @@ export const keep = (entry) => inTurn(async () => {
 });
 
 /** @param {Unsaved & {past: Past}} entry */
-async function write({ tab, changed, etag, doc, past }) {
+async function write({ tab, changed, etag, revision, doc, past }) {
   const wanted = new Map();
   /** @param {Piece} each */
   const numbered = (each) => {
@@ -196,7 +196,7 @@ async function write({ tab, changed, etag, doc, past }) {
   await run("readwrite", (heads, pieces) => {
     for (const [number, piece] of fresh) pieces.put(piece, [tab, number]);
     for (const number of old) pieces.delete([tab, number]);
-    return heads.put({ tab, changed, etag, doc: head, history });
+    return heads.put({ tab, changed, etag, revision, doc: head, history });
   });
   for (const [number] of fresh) stored.add(number);
   for (const number of old) stored.delete(number);
@@ -206,17 +206,17 @@ async function write({ tab, changed, etag, doc, past }) {
 
 /**
  * Returns what was kept, without the documents, which are read when they are asked for.
- * @returns {Promise<{tab: string, changed: string, etag: string | null, name: string, read: () => Promise<Whole>}[]>} of an
+ * @returns {Promise<{tab: string, changed: string, etag: string | null, revision: number, name: string, read: () => Promise<Whole>}[]>} of an
  *   entry that cannot be read, `read` fails
  * @throws {StoreFailure} if nothing can be read.
  */
 export async function kept() {
   const entries = await each((heads) => heads.getAll(), (heads) => heads.getAllKeys(), (key) => (heads) => heads.get(key));
   return entries.map(([key, entry]) => {
-    const { changed, etag, doc, history } = /** @type {Partial<Entry>} */ (entry ?? {});
+    const { changed, etag, revision, doc, history } = /** @type {Partial<Entry>} */ (entry ?? {});
     const tab = String(key);
     return {
-      tab, changed: changed ?? "", etag: etag ?? null, name: String(doc?.settings?.name ?? ""),
+      tab, changed: changed ?? "", etag: etag ?? null, revision: revision ?? 0, name: String(doc?.settings?.name ?? ""),
       read: async () => {
         if (!doc) throw new StoreFailure("broken");
         return whole(tab, doc, history);

@@ -8,6 +8,8 @@ import { recalled, remember } from "./settings.js";
 import { say, text } from "./text.js";
 
 const TOOLS = ["pen", "eraser", "select", "hint", "region", "brush", "mask", "light", "hand"];
+/** Those with options of their own beside the line's. */
+const WITH_OPTIONS = ["hint", "region", "hand", "select", "mask", "light"];
 /** Sides of a structure's tiles that can be chosen, in pixels of the drawing. */
 export const PERIODS = [16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512];
 const WIDTHS = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96];
@@ -59,59 +61,57 @@ function followHelp() {
   for (const help of document.querySelectorAll(".options > .quiet")) sized.observe(help);
 }
 
-/** @param {import("./editor.js").Editor} editor @param {import("./ink.js").Inks} inks */
-export function followTools(editor, inks) {
-  followHelp();
-  for (const tool of TOOLS) $(`tool-${tool}`).addEventListener("click", () => editor.set({ tool, area: -1, suggestions: [] }));
-  /** @type {HTMLInputElement} */
-  const size = $("size");
-  /** @type {HTMLInputElement} */
-  const smoothing = $("smoothing");
-  size.max = String(WIDTHS.length - 1);
-  size.addEventListener("input", () => {
-    editor.set({ widths: { ...editor.widths, [editor.tool]: WIDTHS[size.valueAsNumber] } });
-  });
-  smoothing.addEventListener("input", () => editor.set({ smoothing: smoothing.valueAsNumber / 100 }));
-  for (const [id, adds] of /** @type {[string, boolean][]} */ ([["mask-add", true], ["mask-cut", false]])) $(id).addEventListener("click", () => editor.set({ adds, fills: false }));
-  $("mask-area").addEventListener("click", () => editor.set({ fills: true }));
-  const colour = field("colour");
-  colour.addEventListener("input", () => editor.set({ colour: colour.value }));
-  $("carve").addEventListener("click", () => turnCarving(editor));
-  const carveHeight = field("carve-height");
-  carveHeight.addEventListener("input", () => editor.set({ carveHeight: carveHeight.valueAsNumber / 100 }));
-  for (const id of SWITCHES) $(id).addEventListener("click", () => editor.set({ [id]: !editor[id] }));
-  recallBrushes(editor);
-  editor.addEventListener("state", () => keepBrushes(editor));
-  $("mask-clear").addEventListener("click", () => editor.commit(withActive(editor.doc, { mask: [], source: null })));
-  const show = () => {
-    const { tool, doc, layer } = editor;
-    for (const each of TOOLS) $(`tool-${each}`).setAttribute("aria-pressed", String(each === tool));
+/** The buttons of the tools, and what each tool can be set to. */
+export class Toolbar {
+  /** @param {import("./editor.js").Editor} editor @param {import("./ink.js").Inks} inks */
+  constructor(editor, inks) {
+    this.editor = editor;
+    this.inks = inks;
+    this.size = field("size");
+    this.smoothing = field("smoothing");
+    this.colour = field("colour");
+    this.carveHeight = field("carve-height");
+    this.size.max = String(WIDTHS.length - 1);
+    followHelp();
+    this.#listen();
+    recallBrushes(editor);
+    editor.addEventListener("state", () => keepBrushes(editor));
+    for (const event of ["change", "state"]) editor.addEventListener(event, () => this.#show());
+    this.#show();
+  }
+
+  #listen() {
+    const { editor, size, smoothing, colour, carveHeight } = this;
+    for (const tool of TOOLS) $(`tool-${tool}`).addEventListener("click", () => editor.set({ tool, area: -1, suggestions: [] }));
+    size.addEventListener("input", () => editor.set({ widths: { ...editor.widths, [editor.tool]: WIDTHS[size.valueAsNumber] } }));
+    smoothing.addEventListener("input", () => editor.set({ smoothing: smoothing.valueAsNumber / 100 }));
+    colour.addEventListener("input", () => editor.set({ colour: colour.value }));
+    $("carve").addEventListener("click", () => turnCarving(editor));
+    carveHeight.addEventListener("input", () => editor.set({ carveHeight: carveHeight.valueAsNumber / 100 }));
+    for (const id of SWITCHES) $(id).addEventListener("click", () => editor.set({ [id]: !editor[id] }));
+    $("mask-add").addEventListener("click", () => editor.set({ adds: true, fills: false }));
+    $("mask-cut").addEventListener("click", () => editor.set({ adds: false, fills: false }));
+    $("mask-area").addEventListener("click", () => editor.set({ fills: true }));
+    $("mask-clear").addEventListener("click", () => editor.commit(withActive(editor.doc, { mask: [], source: null })));
+  }
+
+  #show() {
+    const { tool } = this.editor;
+    for (const each of TOOLS) press(`tool-${each}`, each === tool);
     for (const each of document.querySelectorAll("#board, #overlay")) /** @type {HTMLElement} */ (each).dataset.tool = tool;
+    for (const each of WITH_OPTIONS) $(`${each}-options`).hidden = tool !== each;
+    this.#showLine();
+    this.#showCarving();
+    this.#showMask();
+    this.#showDrawing();
+  }
+
+  /** Shows how lines are drawn. */
+  #showLine() {
+    const { editor, size, smoothing, colour } = this;
+    const { tool } = editor;
     const width = editor.widths[tool];
     $("line-options").hidden = !width || (tool === "mask" && editor.fills);
-    $("mask-help").hidden = !editor.fills;
-    $("hint-options").hidden = tool !== "hint";
-    $("region-options").hidden = tool !== "region";
-    $("hand-options").hidden = tool !== "hand";
-    $("select-options").hidden = tool !== "select";
-    colour.value = editor.colour;
-    colour.hidden = tool !== "pen";
-    for (const id of SWITCHES) {
-      $(id).setAttribute("aria-pressed", String(editor[id]));
-      $(id).hidden = !["pen", "eraser"].includes(tool);
-    }
-    $("carve").hidden = tool !== "pen";
-    $("carve").setAttribute("aria-pressed", String(editor.carves !== 0));
-    $("carve").replaceChildren(icon(editor.carves > 0 ? "emboss" : "engrave"));
-    label($("carve"), editor.carves < 0 ? text.carveIn : editor.carves > 0 ? text.carveOut : text.carveNot);
-    $("carve-height-label").hidden = tool !== "pen" || editor.carves === 0;
-    carveHeight.value = String(Math.round(100 * editor.carveHeight));
-    $("mask-options").hidden = tool !== "mask";
-    $("mask-add").setAttribute("aria-pressed", String(editor.adds && !editor.fills));
-    $("mask-cut").setAttribute("aria-pressed", String(!editor.adds && !editor.fills));
-    $("mask-area").setAttribute("aria-pressed", String(editor.fills));
-    enable("mask-clear", layer.mask.length > 0 || layer.source !== null);
-    $("light-options").hidden = tool !== "light";
     if (width) {
       size.value = String(WIDTHS.findIndex((each) => each >= width));
       size.setAttribute("aria-valuetext", say("widthValue", { width }));
@@ -119,17 +119,50 @@ export function followTools(editor, inks) {
     }
     smoothing.value = String(editor.smoothing * 100);
     $("smoothing-label").hidden = tool !== "pen";
-    enable("undo", editor.history.canUndo);
-    enable("redo", editor.history.canRedo);
+    colour.value = editor.colour;
+    colour.hidden = tool !== "pen";
+    for (const id of SWITCHES) {
+      press(id, editor[id]);
+      $(id).hidden = !["pen", "eraser"].includes(tool);
+    }
+  }
+
+  /** Shows whether the pen's lines are cut in or stand out. */
+  #showCarving() {
+    const { tool, carves, carveHeight } = this.editor;
+    const button = $("carve");
+    button.hidden = tool !== "pen";
+    press("carve", carves !== 0);
+    button.replaceChildren(icon(carves > 0 ? "emboss" : "engrave"));
+    label(button, carves < 0 ? text.carveIn : carves > 0 ? text.carveOut : text.carveNot);
+    $("carve-height-label").hidden = tool !== "pen" || carves === 0;
+    this.carveHeight.value = String(Math.round(100 * carveHeight));
+  }
+
+  #showMask() {
+    const { adds, fills, layer } = this.editor;
+    $("mask-help").hidden = !fills;
+    press("mask-add", adds && !fills);
+    press("mask-cut", !adds && !fills);
+    press("mask-area", fills);
+    enable("mask-clear", layer.mask.length > 0 || layer.source !== null);
+  }
+
+  /** Shows what depends on the drawing. */
+  #showDrawing() {
+    const { inks, editor: { doc, layer, history } } = this;
+    enable("undo", history.canUndo);
+    enable("redo", history.canRedo);
     enable("suggest", layer.visible && layer.strokes.length > 0);
-    $("project-name").textContent = doc.settings.name || text.untitled;
-    document.title = `${doc.settings.name || text.untitled} – ${text.title}`;
+    const name = doc.settings.name || text.untitled;
+    $("project-name").textContent = name;
+    document.title = `${name} – ${text.title}`;
     const begun = doc.pictures.length > 0 || doc.layers.some((each) => each.strokes.length > 0) || inks.live;
     $("empty-board").hidden = begun;
     $("offer").hidden = begun;
     $("pixels").textContent = say("pixels", { width: doc.width, height: doc.height });
-  };
-  editor.addEventListener("change", show);
-  editor.addEventListener("state", show);
-  show();
+  }
 }
+
+/** Shows whether a button is pressed. @param {string} id @param {boolean} pressed */
+const press = (id, pressed) => $(id).setAttribute("aria-pressed", String(pressed));

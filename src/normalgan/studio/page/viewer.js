@@ -1,8 +1,8 @@
 /** The viewer: a normal map under a movable light, as matcap, in flat paints, or as a relief to turn. */
 
-import { createPlainPainter, shadedPixels } from "./viewer_2d.js";
-import { createGlPainter } from "./viewer_gl.js";
-import { DEFAULT_LIGHT, FRONT, listen } from "./viewer_input.js";
+import { PlainPainter, shadedPixels } from "./viewer_2d.js";
+import { GlPainter } from "./viewer_gl.js";
+import { DEFAULT_LIGHT, FRONT, ViewerInput } from "./viewer_input.js";
 import { WHITE, normalised } from "./viewer_shading.js";
 
 /** @type {Record<string, string>} */
@@ -38,174 +38,206 @@ function checkSize(values, width, height, channels) {
  * @typedef {{transform: Way, angle: number}} Frame where the map lies: from its shares to pixels of the page, and
  *   how far it is turned
  * @typedef {{direction: number[], colour: number[]}} Lamp direction towards it; colour: linear red, green, blue
- * @typedef {object} Viewer
- * @property {boolean} available whether there is WebGL; without it, CPU draws all but the relief
- * @property {(rgba: Uint8Array | null, width?: number, height?: number) => void} setMap
- *   colours of normals, OpenGL green, row by row from the top; alpha is the object
- * @property {(heights: Float32Array | null, width?: number, height?: number) => void} setHeight
- *   in pixels towards the viewer, row by row from the top, NaN off the object
- * @property {(view: View) => void} setView
- * @property {(light: number[]) => void} setLight towards the light: x right, y up, z to the viewer
- * @property {(frame: Frame | null) => void} setFrame where the map lies; null fits it into the canvas
- * @property {number[]} light towards the light
- * @property {(x: number, y: number) => number[]} lightAt towards a light over a point of the canvas, in pixels of the page
- * @property {(first: Lamp, second: Lamp | null, falloff?: number) => void} setLights colours show in the views Lit and Relief
- * @property {(picture: Picture | null) => void} setColours of the surface in these views; null is clay
- * @property {(look: {tiled: boolean, pixelated: boolean}) => void} setLook whether a flat view repeats the map, three by three, and
- *   whether it shows its pixels
- * @property {(map: Picture, colours: Picture | null) => Uint8ClampedArray<ArrayBuffer>} shaded RGBA of a map as it is seen now, of any
- *   size; in the views of the map and the relief as lit
- * @property {() => void} resize
- * @property {() => void} dispose
  */
 
-/**
- * Returns a viewer on a canvas, which must be sized by CSS.
- * @param {HTMLCanvasElement} canvas
- * @param {object} options
- * @param {{reliefNeedsWebgl: string, contextLost: string, webglFailed: string}} options.text sentences
- * @param {(sentence: string | null) => void} [options.onError] gets one of them, or null: all is well again
- * @param {(move: {light: number[]}) => void} [options.onMove] is told where the user moved the light
- * @returns {Viewer}
- */
-export function createViewer(canvas, { onError = () => {}, text, onMove = () => {} }) {
-/** @type {Scene} */
-  const scene = { map: null, heights: null, view: "lit", light: DEFAULT_LIGHT, turn: { ...FRONT }, ratio: 1, frame: null, colour: WHITE, second: null, falloff: 0, colours: null, tiled: false, pixelated: false };
-  const gl = canvas.getContext("webgl2", { antialias: true, depth: true });
-  const ending = new AbortController();
+/** A viewer on a canvas, which must be sized by CSS. */
+export class Viewer {
   /** @type {ScenePainter | null} */
-  let painter = null;
-  let frame = 0;
+  #painter = null;
+  /** @type {Scene} */
+  #scene = { map: null, heights: null, view: "lit", light: DEFAULT_LIGHT, turn: { ...FRONT }, ratio: 1, frame: null, colour: WHITE, second: null, falloff: 0, colours: null, tiled: false, pixelated: false };
+  /** Of the animation frame that draws next; 0 is none. */
+  #frame = 0;
+  #ending = new AbortController();
 
-  function redraw() {
-    frame ||= requestAnimationFrame(() => {
-      frame = 0;
-      painter?.draw(scene);
+  /**
+   * @param {HTMLCanvasElement} canvas
+   * @param {object} options
+   * @param {{reliefNeedsWebgl: string, contextLost: string, webglFailed: string}} options.text sentences
+   * @param {(sentence: string | null) => void} [options.onError] gets one of them, or null: all is well again
+   * @param {(move: {light: number[]}) => void} [options.onMove] is told where the user moved the light
+   */
+  constructor(canvas, { onError = () => {}, text, onMove = () => {} }) {
+    this.canvas = canvas;
+    this.text = text;
+    this.onError = onError;
+    this.gl = canvas.getContext("webgl2", { antialias: true, depth: true });
+    canvas.tabIndex = 0;
+    canvas.style.touchAction = "none"; // a finger moves the light, not the page
+    const { signal } = this.#ending;
+    this.#followContext(signal);
+    this.input = new ViewerInput(canvas, this.#scene, (what) => {
+      this.#redraw();
+      if (what === "light") onMove({ light: [...this.light] });
+    }, signal);
+    const observer = new ResizeObserver(() => this.resize());
+    observer.observe(canvas);
+    signal.addEventListener("abort", () => observer.disconnect());
+    this.#start();
+    this.resize();
+  }
+
+  /** Whether there is WebGL; without it, CPU draws all but the relief. */
+  get available() {
+    return this.gl !== null;
+  }
+
+  /** Towards the light. */
+  get light() {
+    return this.#scene.light;
+  }
+
+  /**
+   * Returns what points towards a light over a point of the canvas.
+   * @param {number} x in pixels of the page
+   * @param {number} y
+   */
+  lightAt(x, y) {
+    return this.input.lightAt(x, y);
+  }
+
+  /**
+   * @param {Uint8Array | null} rgba colours of normals, OpenGL green, row by row from the top; alpha is the object
+   * @param {number} [width]
+   * @param {number} [height]
+   */
+  setMap(rgba, width = 0, height = 0) {
+    if (rgba) checkSize(rgba, width, height, 4);
+    this.#scene.map = rgba && { rgba, width, height };
+    this.#painter?.setMap(this.#scene.map);
+    this.#redraw();
+  }
+
+  /**
+   * @param {Float32Array | null} heights in pixels towards the viewer, row by row from the top, NaN off the object
+   * @param {number} [width]
+   * @param {number} [height]
+   */
+  setHeight(heights, width = 0, height = 0) {
+    if (heights) checkSize(heights, width, height, 1);
+    this.#scene.heights = heights && { heights, width, height };
+    this.#painter?.setHeight(this.#scene.heights);
+    this.#redraw();
+  }
+
+  /** @param {View} view */
+  setView(view) {
+    if (!VIEWS.has(view)) throw new RangeError(`no view is called ${view}`);
+    if (!this.gl && view === "relief") this.onError(this.text.reliefNeedsWebgl);
+    if (!this.gl && this.#scene.view === "relief" && view !== "relief") this.onError(null);
+    this.canvas.style.cursor = CURSORS[view] ?? "crosshair";
+    this.#change({ view });
+  }
+
+  /** @param {number[]} light towards the light: x right, y up, z to the viewer */
+  setLight(light) {
+    this.#change({ light: normalised(light) });
+  }
+
+  /**
+   * Sets the lights, whose colours show in the views Lit and Relief.
+   * @param {Lamp} first
+   * @param {Lamp | null} second
+   * @param {number} [falloff]
+   */
+  setLights(first, second, falloff = 0) {
+    this.#change({
+      falloff, light: normalised(first.direction), colour: first.colour,
+      second: second && { ...second, direction: normalised(second.direction) },
     });
   }
 
-  function start() {
-    if (!gl) {
-      painter = createPlainPainter(canvas, text, redraw);
-      return;
-    }
-    if (gl.isContextLost()) return; // webglcontextrestored will come
-    try {
-      painter = createGlPainter(canvas, gl);
-    } catch (error) {
-      onError(`${text.webglFailed} ${error instanceof Error ? error.message : error}`);
-      return;
-    }
-    painter.setMap(scene.map);
-    painter.setHeight(scene.heights);
-    painter.setColours(scene.colours);
-    redraw();
+  /** @param {Frame | null} frame where the map lies; null fits it into the canvas */
+  setFrame(frame) {
+    this.#change({ frame });
   }
 
-  function resize() {
+  /** @param {Picture | null} picture of the surface in the views Lit and Relief; null is clay */
+  setColours(picture) {
+    this.#painter?.setColours(picture);
+    this.#change({ colours: picture });
+  }
+
+  /** @param {{tiled: boolean, pixelated: boolean}} look whether a flat view repeats the map, three by three, and whether it shows its pixels */
+  setLook(look) {
+    this.#change(look);
+  }
+
+  /**
+   * Returns the RGBA of a map of any size as it is seen now; in the views of the map and the relief as lit.
+   * @param {Picture} map
+   * @param {Picture | null} colours
+   */
+  shaded(map, colours) {
+    const { view } = this.#scene;
+    return shadedPixels(map, view === "matcap" || view === "flat" ? view : "lit", { ...this.#scene, colours });
+  }
+
+  resize() {
+    const { canvas } = this;
     const box = canvas.getBoundingClientRect();
-    scene.ratio = window.devicePixelRatio;
+    const ratio = window.devicePixelRatio;
+    this.#scene.ratio = ratio;
     /** @param {number} side */
-    const pixels = (side) => Math.max(1, Math.round(side * scene.ratio));
+    const pixels = (side) => Math.max(1, Math.round(side * ratio));
     const [width, height] = [pixels(box.width), pixels(box.height)];
     if (canvas.width === width && canvas.height === height) return;
     [canvas.width, canvas.height] = [width, height];
     // Setting a size empties the canvas: draw at once, or it would flicker.
-    painter?.draw(scene);
+    this.#painter?.draw(this.#scene);
   }
 
-  canvas.tabIndex = 0;
-  canvas.style.touchAction = "none"; // a finger moves the light, not the page
-  const { signal } = ending;
-  canvas.addEventListener(
-    "webglcontextlost",
-    (event) => {
-      event.preventDefault(); // asks for the context back
-      painter = null;
-      onError(text.contextLost);
-    },
-    { signal },
-  );
-  canvas.addEventListener(
-    "webglcontextrestored",
-    () => {
-      onError(null);
-      start();
-    },
-    { signal },
-  );
-  /** @param {"light" | "turn"} what */
-  const moved = (what) => {
-    redraw();
-    if (what === "light") onMove({ light: [...scene.light] });
-  };
-  const lightAt = listen(canvas, scene, moved, signal);
-  const observer = new ResizeObserver(resize);
-  observer.observe(canvas);
-  start();
-  resize();
+  dispose() {
+    this.#ending.abort();
+    cancelAnimationFrame(this.#frame);
+    this.#painter?.dispose();
+    this.#painter = null;
+  }
 
-  return {
-    available: gl !== null,
-    setMap(rgba, width = 0, height = 0) {
-      if (rgba) checkSize(rgba, width, height, 4);
-      scene.map = rgba && { rgba, width, height };
-      painter?.setMap(scene.map);
-      redraw();
-    },
-    setHeight(heights, width = 0, height = 0) {
-      if (heights) checkSize(heights, width, height, 1);
-      scene.heights = heights && { heights, width, height };
-      painter?.setHeight(scene.heights);
-      redraw();
-    },
-    setView(view) {
-      if (!VIEWS.has(view)) throw new RangeError(`no view is called ${view}`);
-      if (!gl && view === "relief") onError(text.reliefNeedsWebgl);
-      if (!gl && scene.view === "relief" && view !== "relief") onError(null);
-      scene.view = view;
-      canvas.style.cursor = CURSORS[view] ?? "crosshair";
-      redraw();
-    },
-    setLight(light) {
-      scene.light = normalised(light);
-      redraw();
-    },
-    setFrame(frame) {
-      scene.frame = frame;
-      redraw();
-    },
-    get light() {
-      return scene.light;
-    },
-    lightAt,
-    setColours(picture) {
-      scene.colours = picture;
-      painter?.setColours(picture);
-      redraw();
-    },
-    setLook(look) {
-      Object.assign(scene, look);
-      redraw();
-    },
-    shaded(map, colours) {
-      const { view } = scene;
-      return shadedPixels(map, view === "matcap" || view === "flat" ? view : "lit", { ...scene, colours });
-    },
-    setLights(first, second, falloff = 0) {
-      scene.falloff = falloff;
-      scene.light = normalised(first.direction);
-      scene.colour = first.colour;
-      scene.second = second && { ...second, direction: normalised(second.direction) };
-      redraw();
-    },
-    resize,
-    dispose() {
-      ending.abort();
-      observer.disconnect();
-      cancelAnimationFrame(frame);
-      painter?.dispose();
-      painter = null;
-    },
-  };
+  /** @param {AbortSignal} signal */
+  #followContext(signal) {
+    this.canvas.addEventListener("webglcontextlost", (event) => {
+      event.preventDefault(); // asks for the context back
+      this.#painter = null;
+      this.onError(this.text.contextLost);
+    }, { signal });
+    this.canvas.addEventListener("webglcontextrestored", () => {
+      this.onError(null);
+      this.#start();
+    }, { signal });
+  }
+
+  /** Makes the painter, and gives it what there is to be seen. */
+  #start() {
+    const { canvas, gl, text } = this;
+    if (!gl) {
+      this.#painter = new PlainPainter(canvas, text, () => this.#redraw());
+      return;
+    }
+    if (gl.isContextLost()) return; // webglcontextrestored will come
+    try {
+      this.#painter = new GlPainter(canvas, gl);
+    } catch (error) {
+      this.onError(`${text.webglFailed} ${error instanceof Error ? error.message : error}`);
+      return;
+    }
+    const { map, heights, colours } = this.#scene;
+    this.#painter.setMap(map);
+    this.#painter.setHeight(heights);
+    this.#painter.setColours(colours);
+    this.#redraw();
+  }
+
+  /** @param {Partial<Scene>} change */
+  #change(change) {
+    Object.assign(this.#scene, change);
+    this.#redraw();
+  }
+
+  #redraw() {
+    this.#frame ||= requestAnimationFrame(() => {
+      this.#frame = 0;
+      this.#painter?.draw(this.#scene);
+    });
+  }
 }

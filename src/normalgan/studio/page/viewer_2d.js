@@ -59,122 +59,143 @@ function sparse({ rgba, width, height }, step) {
   return { rgba: out, width: wide, height: high };
 }
 
-/**
- * Returns a painter whose relief is the sentence that it needs WebGL.
- * @param {HTMLCanvasElement} canvas
- * @param {{reliefNeedsWebgl: string}} text
- * @param {() => void} redraw asks to be drawn with the next frame
- * @returns {import("./viewer.js").ScenePainter}
- */
-export function createPlainPainter(canvas, text, redraw) {
-  const context = context2d(canvas);
-  const sheet = document.createElement("canvas");
-  let drawn = ""; // the view and light that the sheet shows
-  let shown = ""; // the view alone
-  let coarse = false; // whether the sheet shows but some of the map's pixels
+/** Draws scenes without WebGL. Its relief is the sentence that it needs WebGL. */
+export class PlainPainter {
+  /** The view and lights that the sheet shows. */
+  #drawn = "";
+  /** The view alone. */
+  #shown = "";
+  /** Whether the sheet shows but some of the map's pixels. */
+  #coarse = false;
   /** @type {import("./viewer.js").Picture | null} some of the map's pixels, if it has many */
-  let few = null;
-  let resting = 0;
-  let paints = 0; // how often other colours came
-  let restsAt = 0;
+  #few = null;
+  /** The timer after which a light rests, and when that is. */
+  #resting = 0;
+  #restsAt = 0;
+  /** How often other colours came. */
+  #paints = 0;
+
+  /**
+   * @param {HTMLCanvasElement} canvas
+   * @param {{reliefNeedsWebgl: string}} text
+   * @param {() => void} redraw asks to be drawn with the next frame
+   */
+  constructor(canvas, text, redraw) {
+    this.canvas = canvas;
+    this.text = text;
+    this.redraw = redraw;
+    this.context = context2d(canvas);
+    this.sheet = document.createElement("canvas");
+  }
 
   /** @param {import("./viewer.js").Picture | null} map */
-  function setMap(map) {
-    clearTimeout(resting);
-    drawn = shown = "";
-    coarse = false;
+  setMap(map) {
+    clearTimeout(this.#resting);
+    this.#drawn = this.#shown = "";
+    this.#coarse = false;
     const step = map ? Math.ceil(Math.sqrt((map.width * map.height) / MOVING)) : 1;
-    few = map && step > 1 ? sparse(map, step) : null;
+    this.#few = map && step > 1 ? sparse(map, step) : null;
   }
 
-  /** @param {import("./viewer.js").Picture} picture @param {Uint8ClampedArray<ArrayBuffer>} pixels */
-  function put({ width, height }, pixels) {
-    if (sheet.width !== width || sheet.height !== height) [sheet.width, sheet.height] = [width, height];
-    context2d(sheet).putImageData(new ImageData(pixels, width), 0, 0);
+  setColours() {
+    this.#paints++;
   }
 
-  /** @param {import("./viewer.js").Picture} map @param {import("./viewer.js").Scene} scene */
-  function fillSheet(map, scene) {
-    const { view, light, colour, second, falloff } = scene;
-    if (view === "relief") return;
-    const wanted = view === "map" ? view : JSON.stringify([view, light, colour, second, falloff, paints]);
-    const rests = performance.now() >= restsAt;
-    if (drawn === wanted && !(coarse && rests)) return;
-    if (view === "map") {
-      put(map, new Uint8ClampedArray(map.rgba));
-      coarse = false;
-    } else {
-      // A light that follows the hand shades some pixels at once, and all when it rests.
-      coarse = few !== null && shown === view && drawn !== wanted;
-      const picture = coarse && few ? few : map;
-      put(picture, shadedPixels(picture, view, scene));
-    }
-    if (coarse) {
-      restsAt = performance.now() + REST;
-      clearTimeout(resting);
-      resting = setTimeout(redraw, REST + 1);
-    }
-    [drawn, shown] = [wanted, view];
-  }
-
-  /** @param {import("./viewer.js").Way} place @param {number} ratio */
-  function drawChecker([a, b, c, d, e, f], ratio) {
-    const side = CHECKER.side * ratio;
-    const corners = [[e, f], [e + a, f + b], [e + a + c, f + b + d], [e + c, f + d]];
-    /** @param {0 | 1} k @param {number} first @param {number} most */
-    const range = (k, first, most) => {
-      const values = corners.map((corner) => corner[k]);
-      return [Math.floor((Math.max(0, Math.min(...values)) - first) / side), (Math.min(most, Math.max(...values)) - first) / side];
-    };
-    const [left, top] = [Math.round(e), Math.round(f)];
-    const [firstColumn, columns] = range(0, left, canvas.width);
-    const [firstRow, rows] = range(1, top, canvas.height);
-    context.save();
-    context.beginPath();
-    for (const [x, y] of corners) context.lineTo(x, y);
-    context.clip();
-    context.fillStyle = `rgba(${CHECKER.grey}, ${CHECKER.grey}, ${CHECKER.grey}, ${CHECKER.alpha})`;
-    for (let row = firstRow; row < rows; row++) {
-      for (let column = firstColumn; column < columns; column++) {
-        if ((row + column) % 2) context.fillRect(left + column * side, top + row * side, side, side);
-      }
-    }
-    context.restore();
-  }
-
-  /** @param {string} sentence @param {number} ratio */
-  function write(sentence, ratio) {
-    context.font = `${15 * ratio}px system-ui, sans-serif`;
-    context.fillStyle = getComputedStyle(canvas).color;
-    context.textAlign = "center";
-    const lines = [""];
-    for (const word of sentence.split(" ")) {
-      const longer = `${lines.at(-1)} ${word}`.trim();
-      if (context.measureText(longer).width < 0.85 * canvas.width) lines[lines.length - 1] = longer;
-      else lines.push(word);
-    }
-    const first = canvas.height / 2 - 11 * ratio * (lines.length - 1);
-    lines.forEach((line, i) => context.fillText(line, canvas.width / 2, first + 22 * ratio * i));
-  }
+  setHeight() {}
 
   /** @param {import("./viewer.js").Scene} scene */
-  function draw(scene) {
+  draw(scene) {
+    const { canvas, context } = this;
     context.clearRect(0, 0, canvas.width, canvas.height);
     if (scene.view === "relief") {
-      write(text.reliefNeedsWebgl, scene.ratio);
+      write(context, this.text.reliefNeedsWebgl, scene.ratio);
     } else if (scene.map) {
       const place = placeOf(scene, scene.map, canvas);
-      if (scene.view === "map") drawChecker(place, scene.ratio);
-      fillSheet(scene.map, scene);
+      if (scene.view === "map") drawChecker(context, place, scene.ratio);
+      this.#fillSheet(scene.view, scene.map, scene);
       context.imageSmoothingQuality = "medium"; // "high" enlarges with halos
       context.imageSmoothingEnabled = !scene.pixelated;
       context.setTransform(...place);
       const beside = scene.tiled ? [-1, 0, 1] : [0];
-      for (const x of beside) for (const y of beside) context.drawImage(sheet, x, y, 1, 1);
+      for (const x of beside) for (const y of beside) context.drawImage(this.sheet, x, y, 1, 1);
       context.setTransform(1, 0, 0, 1, 0, 0);
     }
   }
 
-  setMap(null);
-  return { setMap, setColours: () => { paints++; }, setHeight() {}, draw, dispose: () => setMap(null) };
+  dispose() {
+    this.setMap(null);
+  }
+
+  /** @param {"map" | keyof typeof SHADERS} view @param {import("./viewer.js").Picture} map @param {import("./viewer.js").Scene} scene */
+  #fillSheet(view, map, scene) {
+    const { light, colour, second, falloff } = scene;
+    const wanted = view === "map" ? view : JSON.stringify([view, light, colour, second, falloff, this.#paints]);
+    const rests = performance.now() >= this.#restsAt;
+    if (this.#drawn === wanted && !(this.#coarse && rests)) return;
+    if (view === "map") {
+      this.#put(map, new Uint8ClampedArray(map.rgba));
+      this.#coarse = false;
+    } else {
+      // A light that follows the hand shades some pixels at once, and all when it rests.
+      const few = this.#shown === view && this.#drawn !== wanted ? this.#few : null;
+      this.#coarse = few !== null;
+      const picture = few ?? map;
+      this.#put(picture, shadedPixels(picture, view, scene));
+    }
+    if (this.#coarse) {
+      this.#restsAt = performance.now() + REST;
+      clearTimeout(this.#resting);
+      this.#resting = setTimeout(this.redraw, REST + 1);
+    }
+    [this.#drawn, this.#shown] = [wanted, view];
+  }
+
+  /** @param {import("./viewer.js").Picture} picture @param {Uint8ClampedArray<ArrayBuffer>} pixels */
+  #put({ width, height }, pixels) {
+    const { sheet } = this;
+    if (sheet.width !== width || sheet.height !== height) [sheet.width, sheet.height] = [width, height];
+    context2d(sheet).putImageData(new ImageData(pixels, width), 0, 0);
+  }
+}
+
+/** Draws the checker that shows where a map is transparent. @param {CanvasRenderingContext2D} context @param {import("./viewer.js").Way} place @param {number} ratio */
+function drawChecker(context, [a, b, c, d, e, f], ratio) {
+  const { canvas } = context;
+  const side = CHECKER.side * ratio;
+  const corners = [[e, f], [e + a, f + b], [e + a + c, f + b + d], [e + c, f + d]];
+  /** @param {0 | 1} k @param {number} first @param {number} most */
+  const range = (k, first, most) => {
+    const values = corners.map((corner) => corner[k]);
+    return [Math.floor((Math.max(0, Math.min(...values)) - first) / side), (Math.min(most, Math.max(...values)) - first) / side];
+  };
+  const [left, top] = [Math.round(e), Math.round(f)];
+  const [firstColumn, columns] = range(0, left, canvas.width);
+  const [firstRow, rows] = range(1, top, canvas.height);
+  context.save();
+  context.beginPath();
+  for (const [x, y] of corners) context.lineTo(x, y);
+  context.clip();
+  context.fillStyle = `rgba(${CHECKER.grey}, ${CHECKER.grey}, ${CHECKER.grey}, ${CHECKER.alpha})`;
+  for (let row = firstRow; row < rows; row++) {
+    for (let column = firstColumn; column < columns; column++) {
+      if ((row + column) % 2) context.fillRect(left + column * side, top + row * side, side, side);
+    }
+  }
+  context.restore();
+}
+
+/** Writes a sentence in lines into the middle of a canvas. @param {CanvasRenderingContext2D} context @param {string} sentence @param {number} ratio */
+function write(context, sentence, ratio) {
+  const { canvas } = context;
+  context.font = `${15 * ratio}px system-ui, sans-serif`;
+  context.fillStyle = getComputedStyle(canvas).color;
+  context.textAlign = "center";
+  const lines = [""];
+  for (const word of sentence.split(" ")) {
+    const longer = `${lines.at(-1)} ${word}`.trim();
+    if (context.measureText(longer).width < 0.85 * canvas.width) lines[lines.length - 1] = longer;
+    else lines.push(word);
+  }
+  const first = canvas.height / 2 - 11 * ratio * (lines.length - 1);
+  lines.forEach((line, i) => context.fillText(line, canvas.width / 2, first + 22 * ratio * i));
 }

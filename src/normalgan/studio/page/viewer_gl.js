@@ -2,7 +2,7 @@
 
 import { CHECKER, fitted, inverted, placeOf } from "./viewer_fit.js";
 import { PAINT_UNIT, createProgram, createTexture, setLamps } from "./viewer_program.js";
-import { createRelief } from "./viewer_relief.js";
+import { Relief } from "./viewer_relief.js";
 import { FLAT_FRAGMENTS, FLAT_VERTEX } from "./viewer_shaders.js";
 import { MATCAP_SIZE, matcapPixels } from "./viewer_shading.js";
 
@@ -25,60 +25,80 @@ function premultiplied(rgba) {
   return copy;
 }
 
-/**
- * Returns a painter; throws an Error if the shaders do not compile.
- * @param {HTMLCanvasElement} canvas
- * @param {WebGL2RenderingContext} gl its context
- * @returns {import("./viewer.js").ScenePainter}
- */
-export function createGlPainter(canvas, gl) {
-  /** @param {keyof typeof FLAT_FRAGMENTS} view */
-  const shown = (view) => createProgram(gl, FLAT_VERTEX, FLAT_FRAGMENTS[view]);
-  const flat = { map: shown("map"), lit: shown("lit"), matcap: shown("matcap"), flat: shown("flat") };
-  const relief = createRelief(gl, MAP_UNIT);
-  const nothing = gl.createVertexArray(); // the triangle comes from gl_VertexID
-  const map = createTexture(gl, MAP_UNIT, gl.LINEAR_MIPMAP_LINEAR);
-  const ball = createTexture(gl, BALL_UNIT, gl.LINEAR);
-  const paints = createTexture(gl, PAINT_UNIT, gl.LINEAR_MIPMAP_LINEAR);
-  let ballLight = "";
-  gl.disable(gl.DITHER);
-  gl.clearColor(0, 0, 0, 0);
-  gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+/** @typedef {"map" | "lit" | "matcap" | "flat"} FlatView */
 
-  /** @param {number} unit @param {number} width @param {number} height @param {Uint8Array} pixels */
-  function upload(unit, width, height, pixels) {
-    gl.activeTexture(gl.TEXTURE0 + unit);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, width, height, 0, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+/** Draws scenes by WebGL. */
+export class GlPainter {
+  /** The light of the ball in the matcap's texture. */
+  #ballLight = "";
+
+  /**
+   * @param {HTMLCanvasElement} canvas
+   * @param {WebGL2RenderingContext} gl its context
+   * @throws {Error} if the shaders do not compile
+   */
+  constructor(canvas, gl) {
+    this.canvas = canvas;
+    this.gl = gl;
+    /** @param {FlatView} view */
+    const shown = (view) => createProgram(gl, FLAT_VERTEX, FLAT_FRAGMENTS[view]);
+    this.programs = { map: shown("map"), lit: shown("lit"), matcap: shown("matcap"), flat: shown("flat") };
+    this.relief = new Relief(gl, MAP_UNIT);
+    this.nothing = gl.createVertexArray(); // the triangle comes from gl_VertexID
+    this.textures = [
+      createTexture(gl, MAP_UNIT, gl.LINEAR_MIPMAP_LINEAR),
+      createTexture(gl, BALL_UNIT, gl.LINEAR),
+      createTexture(gl, PAINT_UNIT, gl.LINEAR_MIPMAP_LINEAR),
+    ];
+    gl.disable(gl.DITHER);
+    gl.clearColor(0, 0, 0, 0);
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+    this.setMap(null);
+    this.setColours(null);
   }
 
-  /** @param {import("./viewer.js").Picture | null} picture */
-  function setMap(picture) {
-    const { rgba, width, height } = picture ?? { rgba: new Uint8Array(4), width: 1, height: 1 };
-    upload(MAP_UNIT, width, height, premultiplied(rgba));
-    gl.generateMipmap(gl.TEXTURE_2D);
+  /** @param {import("./viewer.js").Picture | null} map */
+  setMap(map) {
+    this.#setPicture(MAP_UNIT, map);
   }
 
-  /** @param {import("./viewer.js").Picture | null} picture */
-  function setColours(picture) {
-    const { rgba, width, height } = picture ?? { rgba: new Uint8Array(4), width: 1, height: 1 };
-    upload(PAINT_UNIT, width, height, premultiplied(rgba));
-    gl.generateMipmap(gl.TEXTURE_2D);
+  /** @param {import("./viewer.js").Picture | null} colours */
+  setColours(colours) {
+    this.#setPicture(PAINT_UNIT, colours);
   }
 
-  /** @param {number[]} light */
-  function makeBall(light) {
-    if (ballLight === light.join()) return;
-    upload(BALL_UNIT, MATCAP_SIZE, MATCAP_SIZE, new Uint8Array(matcapPixels(light).buffer));
-    ballLight = light.join();
+  /** @param {import("./viewer.js").Heights | null} heights */
+  setHeight(heights) {
+    this.relief.setHeight(heights);
   }
 
-  /** @param {import("./viewer.js").Picture} picture @param {import("./viewer.js").Scene} scene */
-  function drawFlat(picture, scene) {
-    if (scene.view === "relief") return;
-    const place = placeOf(scene, picture, canvas);
-    if (scene.view === "matcap") makeBall(scene.light);
+  /** @param {import("./viewer.js").Scene} scene */
+  draw(scene) {
+    const { gl, canvas } = this;
+    gl.viewport(0, 0, canvas.width, canvas.height);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    if (scene.view === "relief") {
+      if (scene.heights) this.relief.draw(scene, fitted(scene.heights, canvas), canvas);
+    } else if (scene.map) {
+      this.#drawFlat(scene.view, scene.map, scene);
+    }
+  }
+
+  dispose() {
+    const { gl } = this;
+    this.relief.dispose();
+    for (const { program } of Object.values(this.programs)) gl.deleteProgram(program);
+    gl.deleteVertexArray(this.nothing);
+    for (const texture of this.textures) gl.deleteTexture(texture);
+  }
+
+  /** @param {FlatView} view @param {import("./viewer.js").Picture} map @param {import("./viewer.js").Scene} scene */
+  #drawFlat(view, map, scene) {
+    const { gl, canvas } = this;
+    const place = placeOf(scene, map, canvas);
+    if (view === "matcap") this.#makeBall(scene.light);
     gl.disable(gl.DEPTH_TEST);
-    const { program, at } = flat[scene.view];
+    const { program, at } = this.programs[view];
     gl.useProgram(program);
     // What a view does not have, is null here, and ignored.
     gl.uniform1i(at.map, MAP_UNIT);
@@ -93,31 +113,28 @@ export function createGlPainter(canvas, gl) {
       gl.activeTexture(gl.TEXTURE0 + unit);
       gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, scene.pixelated ? gl.NEAREST : gl.LINEAR);
     }
-    gl.bindVertexArray(nothing);
+    gl.bindVertexArray(this.nothing);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
 
-  /** @param {import("./viewer.js").Scene} scene */
-  function draw(scene) {
-    gl.viewport(0, 0, canvas.width, canvas.height);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    if (scene.view === "relief") {
-      if (scene.heights) relief.draw(scene, fitted(scene.heights, canvas), canvas);
-    } else if (scene.map) {
-      drawFlat(scene.map, scene);
-    }
+  /** @param {number[]} light */
+  #makeBall(light) {
+    if (this.#ballLight === light.join()) return;
+    this.#upload(BALL_UNIT, MATCAP_SIZE, MATCAP_SIZE, new Uint8Array(matcapPixels(light).buffer));
+    this.#ballLight = light.join();
   }
 
-  function dispose() {
-    relief.dispose();
-    for (const { program } of Object.values(flat)) gl.deleteProgram(program);
-    gl.deleteVertexArray(nothing);
-    gl.deleteTexture(map);
-    gl.deleteTexture(ball);
-    gl.deleteTexture(paints);
+  /** @param {number} unit @param {import("./viewer.js").Picture | null} picture */
+  #setPicture(unit, picture) {
+    const { rgba, width, height } = picture ?? { rgba: new Uint8Array(4), width: 1, height: 1 };
+    this.#upload(unit, width, height, premultiplied(rgba));
+    this.gl.generateMipmap(this.gl.TEXTURE_2D);
   }
 
-  setMap(null);
-  setColours(null);
-  return { setMap, setColours, setHeight: relief.setHeight, draw, dispose };
+  /** @param {number} unit @param {number} width @param {number} height @param {Uint8Array} pixels */
+  #upload(unit, width, height, pixels) {
+    const { gl } = this;
+    gl.activeTexture(gl.TEXTURE0 + unit);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, width, height, 0, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+  }
 }

@@ -27,108 +27,125 @@ export function lightOver(x, y) {
 /** @param {number} value @param {number} low @param {number} high */
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 
-/**
- * Moves scene.light or scene.turn as the user does.
- * @param {HTMLCanvasElement} canvas
- * @param {{view: string, light: number[], turn: {yaw: number, pitch: number, zoom: number},
- *   frame: import("./viewer.js").Frame | null}} scene
- * @param {(what: "light" | "turn") => void} changed
- * @param {AbortSignal} signal ends it
- * @returns {(x: number, y: number) => number[]} gives a light over a point of the canvas
- */
-export function listen(canvas, scene, changed, signal) {
-  const isTurning = () => scene.view === "relief";
-  const isStill = () => scene.view === "map";
-  /** @type {PointerEvent | null} the pointer while it drags */
-  let last = null;
+/** @typedef {{view: string, light: number[], turn: {yaw: number, pitch: number, zoom: number}, frame: import("./viewer.js").Frame | null}} Scene as far as hands move it */
 
-  /** @param {number} x @param {number} y */
-  function setLight(x, y) {
-    scene.light = lightOver(x, y);
-    changed("light");
-  }
-
-  /** @param {number} yaw @param {number} pitch */
-  function turn(yaw, pitch) {
-    scene.turn.yaw = (scene.turn.yaw + yaw) % (2 * Math.PI);
-    scene.turn.pitch = clamp(scene.turn.pitch + pitch, -Math.PI / 2, Math.PI / 2);
-    changed("turn");
-  }
-
-  /** @param {PointerEvent} event @param {PointerEvent} before */
-  function drag(event, before) {
-    const box = canvas.getBoundingClientRect();
-    const radius = Math.min(box.width, box.height) / 2;
-    if (isTurning()) {
-      const [right, down] = [event.clientX - before.clientX, event.clientY - before.clientY];
-      turn(((right / radius) * Math.PI) / 2, ((down / radius) * Math.PI) / 2);
-    } else {
-      scene.light = lightAt(event.clientX - box.x, event.clientY - box.y);
-      changed("light");
+/** Moves a scene's light, or turns its relief, as the user does. */
+export class ViewerInput {
+  /**
+   * @param {HTMLCanvasElement} canvas
+   * @param {Scene} scene
+   * @param {(what: "light" | "turn") => void} changed
+   * @param {AbortSignal} signal ends it
+   */
+  constructor(canvas, scene, changed, signal) {
+    this.canvas = canvas;
+    this.scene = scene;
+    this.changed = changed;
+    /** @type {PointerEvent | null} the pointer while it drags */
+    this.last = null;
+    /** @template {keyof HTMLElementEventMap} K @param {K} name @param {(event: HTMLElementEventMap[K]) => void} act */
+    const on = (name, act) => canvas.addEventListener(name, act, { signal, passive: false });
+    on("pointerdown", (event) => this.#down(event));
+    on("pointermove", (event) => {
+      if (this.last && event.pointerId === this.last.pointerId) this.#drag(event, this.last);
+    });
+    for (const end of /** @type {const} */ (["pointerup", "pointercancel", "lostpointercapture"])) {
+      on(end, (event) => {
+        if (event.pointerId === this.last?.pointerId) this.last = null;
+      });
     }
-    last = event;
+    on("wheel", (event) => {
+      if (this.#still || event.ctrlKey) return; // Ctrl and the wheel zoom the page
+      event.preventDefault();
+      this.#approach(clamp(-event.deltaY / 800, -0.2, 0.2));
+    });
+    on("keydown", (event) => {
+      if (!this.#still && !event.ctrlKey && !event.metaKey && !event.altKey) this.#press(event);
+    });
   }
 
-  // The light turns with the drawing, as if it were fixed to the paper.
-  /** @param {number} x @param {number} y */
-  function lightAt(x, y) {
-    const box = canvas.getBoundingClientRect();
+  /**
+   * Returns the unit vector to a light over a point of the canvas. It turns with the drawing, as if it were fixed to the paper.
+   * @param {number} x in pixels of the page
+   * @param {number} y
+   */
+  lightAt(x, y) {
+    const box = this.canvas.getBoundingClientRect();
     const radius = Math.min(box.width, box.height) / 2;
     const [right, up] = [(x - box.width / 2) / radius, (box.height / 2 - y) / radius];
-    const angle = scene.frame?.angle ?? 0;
+    const angle = this.scene.frame?.angle ?? 0;
     return lightOver(right * Math.cos(angle) - up * Math.sin(angle), right * Math.sin(angle) + up * Math.cos(angle));
   }
 
-  // Nearer: a larger relief, or a light that is higher above the surface.
-  /** @param {number} amount */
-  function approach(amount) {
-    if (isTurning()) {
-      scene.turn.zoom = clamp(scene.turn.zoom * Math.exp(amount), 0.3, 5);
-      changed("turn");
+  /** Whether the relief is turned. */
+  get #turning() {
+    return this.scene.view === "relief";
+  }
+
+  /** Whether there is nothing to be moved. */
+  get #still() {
+    return this.scene.view === "map";
+  }
+
+  /** @param {PointerEvent} event */
+  #down(event) {
+    if (!event.isPrimary || event.button !== 0 || this.#still) return;
+    this.canvas.setPointerCapture(event.pointerId);
+    this.last = event;
+    if (!this.#turning) this.#drag(event, event);
+  }
+
+  /** @param {PointerEvent} event @param {PointerEvent} before */
+  #drag(event, before) {
+    const box = this.canvas.getBoundingClientRect();
+    if (this.#turning) {
+      const radius = Math.min(box.width, box.height) / 2;
+      const [right, down] = [event.clientX - before.clientX, event.clientY - before.clientY];
+      this.#turn(((right / radius) * Math.PI) / 2, ((down / radius) * Math.PI) / 2);
     } else {
-      const [x, y] = scene.light;
-      setLight(x * Math.exp(-amount), y * Math.exp(-amount));
+      this.#shine(this.lightAt(event.clientX - box.x, event.clientY - box.y));
     }
+    this.last = event;
   }
 
   /** @param {KeyboardEvent} event */
-  function press(event) {
+  #press(event) {
+    const [x, y] = this.scene.light;
     const factor = event.shiftKey ? 3 : 1;
     const arrow = ARROWS[event.key]?.map((value) => value * factor);
-    if (arrow && isTurning()) turn(arrow[0] * TURN, -arrow[1] * TURN);
-    else if (arrow) setLight(scene.light[0] + arrow[0] * STEP, scene.light[1] + arrow[1] * STEP);
-    else if (event.key in ZOOMS) approach(0.12 * ZOOMS[event.key]);
-    else if (event.key === "Home" && isTurning()) {
-      Object.assign(scene.turn, FRONT);
-      changed("turn");
-    } else if (event.key === "Home") setLight(DEFAULT_LIGHT[0], DEFAULT_LIGHT[1]);
+    if (arrow && this.#turning) this.#turn(arrow[0] * TURN, -arrow[1] * TURN);
+    else if (arrow) this.#shine(lightOver(x + arrow[0] * STEP, y + arrow[1] * STEP));
+    else if (event.key in ZOOMS) this.#approach(0.12 * ZOOMS[event.key]);
+    else if (event.key === "Home" && this.#turning) {
+      Object.assign(this.scene.turn, FRONT);
+      this.changed("turn");
+    } else if (event.key === "Home") this.#shine(lightOver(DEFAULT_LIGHT[0], DEFAULT_LIGHT[1]));
     else return;
     event.preventDefault();
   }
 
-  /** @template {keyof HTMLElementEventMap} K @param {K} name @param {(event: HTMLElementEventMap[K]) => void} act */
-  const on = (name, act) => canvas.addEventListener(name, act, { signal, passive: false });
-  on("pointerdown", (event) => {
-    if (!event.isPrimary || event.button !== 0 || isStill()) return;
-    canvas.setPointerCapture(event.pointerId);
-    last = event;
-    if (!isTurning()) drag(event, event);
-  });
-  on("pointermove", (event) => {
-    if (last && event.pointerId === last.pointerId) drag(event, last);
-  });
-  for (const end of /** @type {const} */ (["pointerup", "pointercancel", "lostpointercapture"])) {
-    on(end, (event) => {
-      if (event.pointerId === last?.pointerId) last = null;
-    });
+  /** Brings nearer: a larger relief, or a light that is higher above the surface. @param {number} amount */
+  #approach(amount) {
+    const { turn, light: [x, y] } = this.scene;
+    if (this.#turning) {
+      turn.zoom = clamp(turn.zoom * Math.exp(amount), 0.3, 5);
+      this.changed("turn");
+    } else {
+      this.#shine(lightOver(x * Math.exp(-amount), y * Math.exp(-amount)));
+    }
   }
-  on("wheel", (event) => {
-    if (isStill() || event.ctrlKey) return; // Ctrl and the wheel zoom the page
-    event.preventDefault();
-    approach(clamp(-event.deltaY / 800, -0.2, 0.2));
-  });
-  on("keydown", (event) => {
-    if (!isStill() && !event.ctrlKey && !event.metaKey && !event.altKey) press(event);
-  });
-  return lightAt;
+
+  /** @param {number[]} light */
+  #shine(light) {
+    this.scene.light = light;
+    this.changed("light");
+  }
+
+  /** @param {number} yaw @param {number} pitch */
+  #turn(yaw, pitch) {
+    const { turn } = this.scene;
+    turn.yaw = (turn.yaw + yaw) % (2 * Math.PI);
+    turn.pitch = clamp(turn.pitch + pitch, -Math.PI / 2, Math.PI / 2);
+    this.changed("turn");
+  }
 }

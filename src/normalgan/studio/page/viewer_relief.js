@@ -17,38 +17,43 @@ function turnMatrix({ yaw, pitch }) {
   return [ca, sb * sa, -cb * sa, 0, cb, sb, sa, -sb * ca, cb * ca];
 }
 
-/**
- * Returns what draws a relief: {setHeight, draw, dispose}.
- * @param {WebGL2RenderingContext} gl
- * @param {number} mapUnit the texture unit that holds the map
- */
-export function createRelief(gl, mapUnit) {
-  const { program, at } = createProgram(gl, RELIEF_VERTEX, RELIEF_FRAGMENT);
-  const array = gl.createVertexArray();
-  const places = gl.createBuffer();
-  const wheres = gl.createBuffer();
-  const indices = gl.createBuffer();
-  let count = 0;
-  gl.bindVertexArray(array);
-  for (const { location, buffer, channels } of [
-    { location: 0, buffer: places, channels: 3 },
-    { location: 1, buffer: wheres, channels: 2 },
-  ]) {
-    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-    gl.enableVertexAttribArray(location);
-    gl.vertexAttribPointer(location, channels, gl.FLOAT, false, 0, 0);
+/** What draws a relief. */
+export class Relief {
+  #count = 0;
+
+  /**
+   * @param {WebGL2RenderingContext} gl
+   * @param {number} mapUnit the texture unit that holds the map
+   */
+  constructor(gl, mapUnit) {
+    this.gl = gl;
+    this.mapUnit = mapUnit;
+    this.program = createProgram(gl, RELIEF_VERTEX, RELIEF_FRAGMENT);
+    this.array = gl.createVertexArray();
+    this.buffers = { places: gl.createBuffer(), wheres: gl.createBuffer(), corners: gl.createBuffer() };
+    const { places, wheres, corners } = this.buffers;
+    gl.bindVertexArray(this.array);
+    for (const { location, buffer, channels } of [
+      { location: 0, buffer: places, channels: 3 },
+      { location: 1, buffer: wheres, channels: 2 },
+    ]) {
+      gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+      gl.enableVertexAttribArray(location);
+      gl.vertexAttribPointer(location, channels, gl.FLOAT, false, 0, 0);
+    }
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, corners);
+    gl.bindVertexArray(null);
   }
-  gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, indices);
-  gl.bindVertexArray(null);
 
   /** @param {import("./viewer.js").Heights | null} heights */
-  function setHeight(heights) {
+  setHeight(heights) {
+    const { gl, buffers } = this;
     const mesh = meshOf(heights ?? { heights: new Float32Array(), width: 0, height: 0 });
-    count = mesh.corners.length;
-    gl.bindVertexArray(array);
-    gl.bindBuffer(gl.ARRAY_BUFFER, places);
+    this.#count = mesh.corners.length;
+    gl.bindVertexArray(this.array);
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffers.places);
     gl.bufferData(gl.ARRAY_BUFFER, mesh.places, gl.STATIC_DRAW);
-    gl.bindBuffer(gl.ARRAY_BUFFER, wheres);
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffers.wheres);
     gl.bufferData(gl.ARRAY_BUFFER, mesh.wheres, gl.STATIC_DRAW);
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, mesh.corners, gl.STATIC_DRAW);
     gl.bindVertexArray(null);
@@ -59,25 +64,25 @@ export function createRelief(gl, mapUnit) {
    * @param {{width: number, height: number}} place where the drawing lies on the canvas when it is seen from the front
    * @param {{width: number, height: number}} canvas
    */
-  function draw(scene, place, canvas) {
+  draw(scene, place, canvas) {
+    const { gl, program: { program, at } } = this;
     const size = ROOM * scene.turn.zoom * Math.max(place.width, place.height);
     gl.enable(gl.DEPTH_TEST);
     gl.useProgram(program);
-    gl.uniform1i(at.map, mapUnit);
+    gl.uniform1i(at.map, this.mapUnit);
     gl.uniformMatrix3fv(at.turn, false, turnMatrix(scene.turn));
     gl.uniform2f(at.scale, size / canvas.width, size / canvas.height);
     gl.uniform1f(at.eye, EYE);
     gl.uniform3fv(at.light, scene.light);
     setLamps(gl, at, scene);
-    gl.bindVertexArray(array);
-    gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0);
+    gl.bindVertexArray(this.array);
+    gl.drawElements(gl.TRIANGLES, this.#count, gl.UNSIGNED_INT, 0);
   }
 
-  function dispose() {
-    gl.deleteProgram(program);
-    gl.deleteVertexArray(array);
-    for (const buffer of [places, wheres, indices]) gl.deleteBuffer(buffer);
+  dispose() {
+    const { gl } = this;
+    gl.deleteProgram(this.program.program);
+    gl.deleteVertexArray(this.array);
+    for (const buffer of Object.values(this.buffers)) gl.deleteBuffer(buffer);
   }
-
-  return { setHeight, draw, dispose };
 }
