@@ -57,7 +57,7 @@ from normalgan.cli.training.saved_model import (
 )
 from normalgan.cli.training.trainer import RenderingTrainer, SaveConfig, check_trainer
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.errors import InputError, brief
+from normalgan.errors import InputError, brief, printable
 from normalgan.files.run_lock import check_writable, one_run_in
 from normalgan.gan import NormalGAN
 from normalgan.inference.outputs.outputs import outputs_of
@@ -150,8 +150,9 @@ class NormalGANCLI(LightningCLI):
         resumed = self.saved.checkpoint if self.saved else None
         if resumed and self.trainer.global_step == resumed.progress["global_step"]:
             print(
-                f"Nothing was left to train: {resumed.path} is from epoch {resumed.progress['epoch'] + 1}, "
-                f"and --trainer.max_epochs is {self.trainer.max_epochs}; pass a larger one to train on."
+                f"Nothing was left to train: {printable(resumed.path)} is from epoch "
+                f"{resumed.progress['epoch'] + 1}, and --trainer.max_epochs is {self.trainer.max_epochs}; "
+                "pass a larger one to train on."
             )
         for stopping in self.trainer.early_stopping_callbacks:
             if isinstance(stopping, EarlyStopping) and (reason := stopping.stopping_reason_message):
@@ -159,7 +160,7 @@ class NormalGANCLI(LightningCLI):
         for callback in self.trainer.checkpoint_callbacks:
             if isinstance(callback, ModelCheckpoint) and callback.monitor and callback.best_model_path:
                 score = f"{callback.monitor} {float(callback.best_model_score or 0):.4g}"
-                print(f"The best checkpoint is {callback.best_model_path} ({score}).")
+                print(printable(f"The best checkpoint is {callback.best_model_path} ({score})."))
 
     def add_arguments_to_parser(self, parser: LightningArgumentParser) -> None:
         """Add our settings and the command's options."""
