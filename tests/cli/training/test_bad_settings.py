@@ -83,6 +83,7 @@ def test_a_bad_setting_is_one_sentence(tmp_path: Path, yaml: str, words: list[st
         ("data: {size: 48}", ["a power of two", "not 48"]),
         ("data: {batch_size: 0}", ["batch_size of MeshDataModule is 0; it must be 1 or more."]),
         ("trainer: {accelerator: quantum}", ["a setting cannot be used", "accelerator='quantum'"]),
+        ("trainer: {accelerator: tpu}", ["trainer.accelerator is tpu, which PyTorch", "use cpu or auto"]),
         (
             "trainer: {gradient_clip_val: 1.0}",
             ["trainer.gradient_clip_val cannot", "use model.gradient_clip."],
@@ -103,7 +104,7 @@ def test_a_setting_that_its_class_refuses_is_one_sentence(
 def test_options_are_checked_like_settings(bench: Bench, tmp_path: Path) -> None:
     run("fit", "--modle.n_critic", 3).refused("no setting modle.n_critic. Did you mean model.n_critic?")
     run("fit", "--model.n_critic").refused("--model.n_critic needs a value.")
-    run("fit", "extra").refused("there is no setting extra.")
+    run("fit", "cpu.yaml").refused("'cpu.yaml' is not an option; write --config FILE,")
     run("fit", "--config").refused("--config needs a value.")
     run("fit", "--config", tmp_path / "gone.yaml").refused("there is no configuration file", "gone.yaml")
     run("fit", "--config", tmp_path).refused("cannot be read: Is a directory")

@@ -65,11 +65,7 @@ def explain(
         re.DOTALL,
     ):
         name = ".".join(part for part in found.groups() if part)
-        return (
-            _no_option(message, options)
-            if options
-            else f"there is no setting {name}.{did_you_mean(name, settings)}"
-        )
+        return _no_option(message, options) if options else _no_setting(message, name, settings)
     if found := re.search(r'Parser key "([^"]+)": Unable to load config "([^"]*)"$', message):
         inside = next((f", such as {name}," for name in settings if name.startswith(f"{found[1]}.")), "")
         return f"{found[1]} is a group of settings{inside} and {found[2]} is not a file of them."
@@ -134,6 +130,12 @@ def _spelled(key: str, options: Mapping[str, str] | None) -> str:
     head, dot, rest = key.partition(".")
     option = (options or {}).get(head)
     return f"{option}{dot}{rest}" if option else f'argument "{key}"'
+
+
+def _no_setting(message: str, name: str, settings: Sequence[str]) -> str:
+    if re.match("unrecognized arguments: [^-]", message):
+        return f"{name!r} is not an option; write --config FILE, --ckpt_path FILE or --SETTING VALUE."
+    return f"there is no setting {name}.{did_you_mean(name, settings)}"
 
 
 def _no_option(message: str, options: Mapping[str, str]) -> str:
