@@ -51,7 +51,7 @@ def test_a_loss_that_is_no_number_stops_the_run(bench: Bench, tmp_path: Path) ->
     outcome = bench.run("fit", tmp_path / "run", *MORE, *spoil, *batch)
     stopped = tmp_path / "run" / "checkpoints" / "stopped.ckpt"
     spoilt = next(line for line in outcome.out.splitlines() if line.startswith("spoilt")).split()[1:]
-    outcome.refused("is nan", "in epoch 1, batch 2", ", ".join(spoilt), f"are in {stopped}.", code=1)
+    outcome.refused("is nan", "in epoch 2, batch 3", ", ".join(spoilt), f"are in {stopped}.", code=1)
     for name, weights in load(stopped)["state_dict"].items():
         # The running statistics of batch norm are taken when the batch passes, before there is a loss.
         assert torch.isfinite(weights).all() or ".running_" in name, name
@@ -63,7 +63,7 @@ def test_only_what_is_not_finite_is_named() -> None:
     bad = not_finite(losses)
     assert bad == ["hints is nan", "adversarial is -inf"]
     said = str(loss_error(bad, [f"horse/{i}" for i in range(10)], 3, 17))
-    assert "(hints is nan, adversarial is -inf) in epoch 3, batch 17, with the samples horse/0," in said
+    assert "(hints is nan, adversarial is -inf) in epoch 4, batch 18, with the samples horse/0," in said
     assert "horse/7 and 2 more; lower" in said
     assert "another process" in str(loss_error([], ["a/0"], 0, 0))
 
