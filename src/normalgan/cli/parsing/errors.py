@@ -22,6 +22,7 @@ _KINDS = {
     "dict": "a mapping",
 }
 """Plain words for the Python types of settings."""
+_OF_A_CLASS = ("class_path", "init_args")
 _FEW = 16
 """Longer lists of names are not printed."""
 
@@ -82,10 +83,14 @@ def explain(
         whole = "whole " if "literal for int()" in found[0] else ""
         return f"{where}expected a {whole}number, not {found[1]}."
     if found := re.search(r"Option '(.+?)' is not accepted(.*)", message):
-        return f"{where}there is no setting {found[1]!r} in it.{found[2]}"
+        return (
+            f"{where}there is no setting {found[1]!r} in it.{found[2] or did_you_mean(found[1], _OF_A_CLASS)}"
+        )
     if found := re.search(r"Expected a dot import path string: (.+)", message):
         return where + (_unknown(registry, found[1]) if registry else f"no class named {found[1]!r}.")
     if found := re.search(r"Problem with given class_path '(.+?)':\s+(?!\s|Parser key)(.+)", message):
+        if group := re.match(r"Group '(.+)' does not accept option '(.+)'", found[2]):
+            return f"{where}{group[1]}.{group[2]} is not a setting of it; write class_path and init_args."
         advice = f": {_unknown(registry, found[1].rpartition('.')[2])}" if registry else "."
         missing = found[2].startswith(f"No module named '{found[1].partition('.')[0]}")
         elsewhere = where_classes_are_looked_for(found[1]) if missing else ""
