@@ -48,8 +48,8 @@ def main(arguments: list[str] | None = None) -> int:
         return code
     except InputError as error:
         return _fail(str(error), 1 if isinstance(error, RunError) else 2)
-    except KeyboardInterrupt:
-        return _fail("stopped.", 130)
+    except KeyboardInterrupt as stop:
+        return _fail(str(stop) or "stopped.", 130)
     except OSError as error:
         if isinstance(error, BrokenPipeError) and _nobody_reads():
             return 128 + 13  # as if SIGPIPE had ended it
