@@ -43,6 +43,12 @@ def test_an_unknown_plugin_in_a_file_is_answered_by_its_near_miss(tmp_path: Path
             "model: {hint_sampler: {class_path: gone.Dots}}",
             ["gone.Dots cannot be imported", "UniformHints", "run python -m normalgan in the folder of gone"],
         ),
+        ("model: {hint_sampler: HintSampler}", ["HintSampler is abstract; name a class that defines all of"]),
+        (
+            "data: {lines: normalgan.hints.NoHints}",
+            ["normalgan.hints.NoHints is no LineDrawing; known: Brush,"],
+        ),
+        ("data: {source: Pairs}", ["Pairs needs its settings files; give them in init_args."]),
         ("model: {hint_sampler: 3}", ["3 is no HintSampler", "CurvatureHints"]),
         ("model: {generator_optimizer: RMSProp}", ["no Optimizer named 'RMSProp'. Did you mean RMSprop?"]),
         ("model: {lr_scheduler: {class_path: StepLR}}", ["model.lr_scheduler", "missing: step_size"]),

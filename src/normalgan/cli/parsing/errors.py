@@ -86,18 +86,8 @@ def explain(
         return (
             f"{where}there is no setting {found[1]!r} in it.{found[2] or did_you_mean(found[1], _OF_A_CLASS)}"
         )
-    if found := re.search(r"Expected a dot import path string: (.+)", message):
-        return where + (_unknown(registry, found[1]) if registry else f"no class named {found[1]!r}.")
-    if found := re.search(r"Problem with given class_path '(.+?)':\s+(?!\s|Parser key)(.+)", message):
-        if group := re.match(r"Group '(.+)' does not accept option '(.+)'", found[2]):
-            return f"{where}{group[1]}.{group[2]} is not a setting of it; write class_path and init_args."
-        advice = f": {_unknown(registry, found[1].rpartition('.')[2])}" if registry else "."
-        missing = found[2].startswith(f"No module named '{found[1].partition('.')[0]}")
-        elsewhere = where_classes_are_looked_for(found[1]) if missing else ""
-        return f"{where}{found[1]} cannot be imported ({found[2]}){advice}{elsewhere}"
-    if found := re.search(r"Not a valid subclass of (\w+)", message):
-        known = f"; known: {', '.join(registry.names())}" if registry else ""
-        return f"{where}{_given(message)} is no {found[1]}{known}."
+    if sentence := _of_a_class(message, registry):
+        return where + sentence
     if sentence := _misused(message, options or {}):
         return where + sentence
     wanted = [each for each in dict.fromkeys(_wanted(message)) if not options or each != "null"]
@@ -164,6 +154,39 @@ def _misused(message: str, options: Mapping[str, str]) -> str:
     if found := re.fullmatch(r"argument (?:\S+/)?(-[^:]+): expected .*arguments?", message):
         return f"{found[1]} needs a value."
     return ""
+
+
+def _of_a_class(message: str, registry: Registry[Any] | None) -> str:
+    """Return what is wrong with a class that was named; empty if the message is about something else."""
+    if found := re.search(r"but (\S+) is abstract", message):
+        return f"{found[1]} is abstract; name a class that defines all of its methods."
+    if found := re.search(r"Import path (\S+) does not correspond to a subclass of (\w+)", message):
+        return f"{found[1]} is no {found[2]}{_known(registry)}."
+    if found := re.search(r"Expected a dot import path string: (.+)", message):
+        return _unknown(registry, found[1]) if registry else f"no class named {found[1]!r}."
+    if found := re.search(r"Problem with given class_path '(.+?)':\s+(?!\s|Parser key)(.+)", message):
+        if sentence := _of_its_settings(found[1], found[2]):
+            return sentence
+        advice = f": {_unknown(registry, found[1].rpartition('.')[2])}" if registry else "."
+        missing = found[2].startswith(f"No module named '{found[1].partition('.')[0]}")
+        elsewhere = where_classes_are_looked_for(found[1]) if missing else ""
+        return f"{found[1]} cannot be imported ({found[2]}){advice}{elsewhere}"
+    if found := re.search(r"Not a valid subclass of (\w+)", message):
+        return f"{_given(message)} is no {found[1]}{_known(registry)}."
+    return ""
+
+
+def _of_its_settings(path: str, problem: str) -> str:
+    """Return what is wrong with the settings of a class that was found; empty if it was not found."""
+    if found := re.match(r"Group '(.+)' does not accept option '(.+)'", problem):
+        return f"{found[1]}.{found[2]} is not a setting of it; write class_path and init_args."
+    if found := re.match(r"the following arguments are required: ([^)]+)", problem):
+        return f"{path} needs its settings {found[1]}; give them in init_args."
+    return ""
+
+
+def _known(registry: Registry[Any] | None) -> str:
+    return f"; known: {', '.join(registry.names())}" if registry else ""
 
 
 def _unknown(registry: Registry[Any], name: str) -> str:
