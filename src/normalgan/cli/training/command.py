@@ -371,7 +371,7 @@ def _add_settings(parser: LightningArgumentParser) -> None:
     group.add_argument(
         "--output.strength", type=Strength, default=1.0, help="what the slopes of the map are multiplied by"
     )
-    add_output_options(parser, group, "output.")
+    add_output_options(group, "output.")
     parser.set_defaults(_DEFAULTS)
     for action in parser._actions:
         if action.dest in _DEFAULTS:
