@@ -1,4 +1,5 @@
 import errno
+import os
 import re
 import subprocess
 import sys
@@ -37,6 +38,22 @@ def test_an_unknown_command_is_answered_by_its_near_miss(capsys: pytest.CaptureF
         "The commands are fit, validate, test, predict, render, sketch, generate, convert, mcp, studio, "
         "export, benchmark, models, plugins, completion.\n"
     )
+
+
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_a_reader_that_has_ended_is_no_failure(unbuffered: str) -> None:
+    """As in ``normalgan --help | head -1``."""
+    read, write = os.pipe()
+    os.close(read)
+    ended = subprocess.run(
+        [sys.executable, "-m", "normalgan", "--help"],
+        env={**os.environ, "PYTHONUNBUFFERED": unbuffered},
+        stdout=write,
+        stderr=subprocess.PIPE,
+        check=False,
+    )
+    os.close(write)
+    assert (ended.returncode, ended.stderr) == (141, b"")
 
 
 @pytest.mark.parametrize(

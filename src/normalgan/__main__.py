@@ -1,7 +1,7 @@
 """The front door: turns whatever happens inside into an exit code and, if it went wrong, one sentence.
 
 0: done. 2: something that was given cannot be used. 1: it failed while running. 130: stopped by Ctrl-C.
-143: stopped by SIGTERM, the checkpoint saved.
+141: nobody reads what it prints, as after ``| head``. 143: stopped by SIGTERM, the checkpoint saved.
 """
 
 import errno
@@ -41,32 +41,18 @@ def main(arguments: list[str] | None = None) -> int:
         arguments: the arguments after the program's name; None takes those of the command line.
     """
     arguments = sys.argv[1:] if arguments is None else arguments
-    if not arguments or arguments[0] in {"-h", "--help"}:
-        print(USAGE, end="")
-        return 0 if arguments else 2
-    if arguments[0] == "--version":
-        print(f"normalgan {normalgan.__version__}")
-        return 0
-    if arguments[0] not in COMMANDS:
-        return _fail(_unknown(arguments[0]), 2)
     try:
-        if arguments[0] in OTHERS:
-            with gc_paused():
-                command = import_module(OTHERS[arguments[0]])
-            return int(command.run(arguments[1:]))
-        if asked_for(arguments)[1] == "":
-            print(overview(arguments[0]), end="")
-            return 0
-        with gc_paused():
-            from normalgan.cli.training.command import run  # late: lightning takes seconds to import
-        return run(arguments)
-    except SystemExit as stop:  # --help ends so
-        return int(stop.code or 0)
+        code = _run(arguments)
+        if sys.stdout is not None:  # as in a program without a console
+            sys.stdout.flush()  # or else Python tells of a full disk at its exit, with a traceback
+        return code
     except InputError as error:
         return _fail(str(error), 1 if isinstance(error, RunError) else 2)
-    except KeyboardInterrupt:
-        return _fail("stopped.", 130)
+    except KeyboardInterrupt as stop:
+        return _fail(str(stop) or "stopped.", 130)
     except OSError as error:
+        if isinstance(error, BrokenPipeError) and _nobody_reads():
+            return 128 + 13  # as if SIGPIPE had ended it
         return _fail(_explain(error), 1)
     except Exception as error:
         if os.environ.get("NORMALGAN_TRACEBACK"):
@@ -80,6 +66,41 @@ def main(arguments: list[str] | None = None) -> int:
             "(set NORMALGAN_TRACEBACK=1 to see where).",
             1,
         )
+
+
+def _run(arguments: list[str]) -> int:
+    if not arguments or arguments[0] in {"-h", "--help"}:
+        print(USAGE, end="")
+        return 0 if arguments else 2
+    if arguments[0] == "--version":
+        print(f"normalgan {normalgan.__version__}")
+        return 0
+    if arguments[0] not in COMMANDS:
+        raise InputError(_unknown(arguments[0]))
+    try:
+        if arguments[0] in OTHERS:
+            with gc_paused():
+                command = import_module(OTHERS[arguments[0]])
+            return int(command.run(arguments[1:]))
+        if asked_for(arguments)[1] == "":
+            print(overview(arguments[0]), end="")
+            return 0
+        with gc_paused():
+            from normalgan.cli.training.command import run  # late: lightning takes seconds to import
+        return run(arguments)
+    except SystemExit as stop:  # --help ends so
+        return int(stop.code or 0)
+
+
+def _nobody_reads() -> bool:
+    """Return whether the reader of the output, such as ``head``, has ended; then write nothing more."""
+    try:
+        print(flush=True)  # flushing again would not tell, as an output without a buffer has nothing left
+    except BrokenPipeError:
+        # Python flushes again at its exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return True
+    return False
 
 
 def _unknown(command: str) -> str:

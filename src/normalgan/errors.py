@@ -19,6 +19,7 @@ __all__ = [
     "brief",
     "did_you_mean",
     "one_line",
+    "printable",
     "sentence_of",
     "tell",
     "third_party_place",
@@ -26,6 +27,10 @@ __all__ = [
     "wants_memory",
     "with_subject",
 ]
+
+
+_STEERING = re.compile(r"[\0-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
+"""Characters that control a terminal, end a line, turn the direction of writing, or cannot be encoded."""
 
 
 class InputError(ValueError):
@@ -66,13 +71,22 @@ def with_subject(what: object, error: InputError) -> InputError:
     return type(error)(text if str(what) in text else f"{what}: {text}")
 
 
+def printable(name: object) -> str:
+    r"""Return a name with its line ends and terminal commands escaped; letters of all scripts are kept.
+
+    >>> printable("a\nfast  \x1b[2Jhorse.png")
+    'a\\nfast  \\x1b[2Jhorse.png'
+    """
+    return _STEERING.sub(lambda found: repr(found[0])[1:-1], str(name))
+
+
 def one_line(text: str) -> str:
     r"""Return a text as one printable line, because names in files may hold terminal commands.
 
     >>> one_line("the mesh \x1b[2Jhorse\n is missing")
     'the mesh \\x1b[2Jhorse is missing'
     """
-    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in " ".join(text.split()))
+    return printable(" ".join(text.split()))
 
 
 def tell(message: object) -> None:

@@ -14,7 +14,7 @@ from torch.optim.lr_scheduler import CosineAnnealingLR, LRScheduler
 
 from normalgan.batch import Batch
 from normalgan.contracts import check_kinds, describe
-from normalgan.errors import InputError
+from normalgan.errors import InputError, brief
 from normalgan.evaluation import Evaluation
 from normalgan.hints import HintSampler
 from normalgan.hints.draw import draw_hints
@@ -49,6 +49,13 @@ def _weighted(terms: dict[str, Term]) -> Tensor:
 
 def _rmsprop(parameters: object) -> Optimizer:
     return RMSprop(cast("list[Tensor]", parameters), lr=5e-5, alpha=0.9)
+
+
+def _optimizer(make: OptimizerCallable, network: nn.Module, name: str) -> Optimizer:
+    try:
+        return make(network.parameters())
+    except ValueError as error:  # such as a negative learning rate, which is found only here
+        raise InputError(f"{name} cannot be used: {brief(error)}.") from error
 
 
 def _check_optimizer(name: str, optimizer: object) -> None:
@@ -350,9 +357,10 @@ class NormalGAN(SavedSettings, Evaluation):
 
     def configure_optimizers(self) -> tuple[list[Optimizer], list[LRScheduler]]:
         """Return the optimisers of the generator and of the discriminator, in this order."""
-        optimizers = [self.generator_optimizer(self.generator.parameters())]
+        optimizers = [_optimizer(self.generator_optimizer, self.generator, "generator_optimizer")]
         if self.discriminator is not None:
-            optimizers.append(self.discriminator_optimizer(self.discriminator.parameters()))
+            name = "discriminator_optimizer"
+            optimizers.append(_optimizer(self.discriminator_optimizer, self.discriminator, name))
         return optimizers, [self.lr_scheduler(o) for o in optimizers] if self.lr_scheduler else []
 
     def _optimizers(self) -> list[LightningOptimizer]:

@@ -171,9 +171,9 @@ def test_mistakes_are_told_before_anything_starts(capsys: pytest.CaptureFixture[
     fourlegs = str(ROOT / "configs" / "benchmark" / "fourlegs.yaml")
     cpu = str(ROOT / "configs" / "cpu.yaml")
     for arguments, said in (
-        ([], "such as configs/benchmark/fourlegs.yaml, but was given 0."),
-        (["--config", cpu], "but was given 0"),
-        (["--config", fourlegs, "--config", fourlegs], "but was given 2"),
+        ([], "such as configs/benchmark/fourlegs.yaml, but was given no --config."),
+        (["--config", cpu], "but was given only overlays."),
+        (["--config", fourlegs, "--config", fourlegs], f"but was given {fourlegs}, {fourlegs}."),
         (["--config", fourlegs, "--rows", "paper,their"], "the plan has no row their"),
         (["--config", fourlegs, "--budget", "soon"], "the budget 'soon' is not a span of time"),
         (

@@ -9,6 +9,7 @@ import yaml
 from command import CONF, Bench, left_in, run
 from PIL import Image
 
+from normalgan.__main__ import main
 from normalgan.cli.training.help import SECTIONS
 from normalgan.normals import read_png
 from reported import figures_of
@@ -188,3 +189,24 @@ def test_ctrl_c_ends_with_its_own_code(bench: Bench, tmp_path: Path, monkeypatch
     finally:
         signal.signal(signal.SIGINT, handler)  # Lightning leaves it switched off
     outcome.refused("stopped.", code=130)
+
+
+def test_a_name_with_a_line_end_or_a_terminal_command_is_printed_as_one_line(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """In what commands print about success, as in their messages."""
+    name = "red\x1b[31m\nfox"
+    picture = np.full((64, 64, 3), 255, np.uint8)
+    picture[16:48, 16] = picture[16:48, 47] = picture[16, 16:48] = picture[47, 16:48] = 0
+    Image.fromarray(picture).save(f"{name}.png")
+    Image.fromarray(np.full((64, 64, 3), (128, 128, 255), np.uint8)).save("map.png")
+    for arguments in (
+        ("generate", f"{name}.png", "--dry-run"),
+        ("generate", f"{name}.png"),
+        ("convert", "map.png", "-o", f"{name}.tif"),
+        ("sketch", "horse-3", "--size", "64", "-o", f"{name}.svg"),
+    ):
+        assert main([*arguments]) == 0
+        (line,) = capsys.readouterr().out.splitlines()
+        assert r"red\x1b[31m\nfox" in line
+        assert line.isprintable()

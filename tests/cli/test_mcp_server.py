@@ -79,12 +79,29 @@ def test_a_sprite_has_the_details_that_generate_gives_it(here: Path) -> None:
     assert "detail of Sprite is 2.0; it must be from 0 to 1" in answer.content[0].text
 
 
+@pytest.mark.parametrize("tool", ["infer", "preview", "sheet"])
+def test_the_drawing_is_not_written_over(here: Path, tool: str) -> None:
+    Image.fromarray(GREY).save("fox.png")
+    before = Path("fox.png").read_bytes()
+    answer = call(tool, drawing="fox.png", output="./fox.png")
+    assert "./fox.png is an input and would be overwritten" in answer.content[0].text
+    assert Path("fox.png").read_bytes() == before
+
+
+def test_a_preview_is_a_png(here: Path) -> None:
+    Image.fromarray(GREY).save("fox.png")
+    answer = call("preview", drawing="fox.png", output="lit.jpg")
+    assert "the preview lit.jpg must end in .png." in answer.content[0].text
+    assert not Path("lit.jpg").exists()
+
+
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
         ({"drawing": "gone.png", "output": "a.png"}, "there is no file"),
         ({"drawing": "fox.png", "output": "a.jpg"}, "must end in one of .png .exr"),
         ({"drawing": "fox.png", "output": "../a.png"}, "../a.png lies outside"),
+        ({"drawing": "fox\0.png", "output": "a.png"}, r"'fox\x00.png' is not the name of a file."),
         ({"drawing": "/etc/hostname", "output": "a.png"}, "/etc/hostname lies outside"),
         ({"drawing": "fox.png", "output": "a.png", "hints": [{"x": 1}]}, "a hint has x, y"),
     ],

@@ -112,6 +112,19 @@ def test_a_source_that_gives_no_splits_is_named() -> None:
         _ = MeshDataModule(source=Nothing()).sources
 
 
+@dataclass(frozen=True)
+class Names(DataSource):
+    """Gives names in place of meshes."""
+
+    def split(self, settings: SplitSettings) -> Mapping[str, Sequence[Loadable]]:
+        return {"train": ["cow.obj"]}  # type: ignore[list-item]
+
+
+def test_a_source_of_things_that_cannot_be_loaded_is_named() -> None:
+    with pytest.raises(InputError, match=r"^Names gave a str; a mesh or pair has a name, fingerprint\(\)"):
+        _ = MeshDataModule(source=Names()).sources
+
+
 @pytest.mark.parametrize(
     ("given", "sentence"),
     [

@@ -22,7 +22,7 @@ from normalgan.errors import InputError
 from normalgan.hints import HintSampler
 from normalgan.losses import AdversarialObjective, Reconstruction, Scores, Term
 from normalgan.metrics import MapMetric, angular_error
-from normalgan.models import Discriminator, Generator, Predictions
+from normalgan.models import Discriminator, Generator, Predictions, UNetGenerator
 from normalgan.rendering import Camera, EmbreeRenderer, Maps, Mesh, Renderer
 from normalgan.rendering.lines import LineDrawing, Silhouette
 from normalgan.rendering.strokes import Stroke
@@ -207,6 +207,17 @@ SETTINGS: Cases = [
     (Locked, "Locked raised TypeError .* when asked for being handed to another process; it must survive"),
     (_Private, "_Private has a part that begins with an underscore in its path"),
 ]
+
+
+class Passing(UNetGenerator):
+    """Passes its settings on to its base, whose docstring explains them."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+
+
+def test_settings_that_are_passed_on_need_no_words_of_their_own() -> None:
+    check(Passing(size=32, width=4), size=32)
 
 
 # Networks

@@ -45,13 +45,23 @@ def test_a_preempted_run_saves_and_says_where(bench: Bench, tmp_path: Path) -> N
         assert load(last)["epoch"] == 1
 
 
+@pytest.mark.slow  # trains in a process
+def test_ctrl_c_says_how_to_resume(bench: Bench, tmp_path: Path) -> None:
+    stop = ("--trainer.callbacks", "killer.KillAt", "--trainer.callbacks.number", int(signal.SIGINT))
+    when = ("--trainer.callbacks.epoch", 1, "--trainer.callbacks.batch", 1)
+    outcome = bench.run("fit", tmp_path / "run", *MORE, *stop, *when)
+    last = tmp_path / "run" / "checkpoints" / "last.ckpt"
+    outcome.refused(f"stopped; resume with --ckpt_path {last}.", code=130)
+    assert load(last)["epoch"] == 0
+
+
 def test_a_loss_that_is_no_number_stops_the_run(bench: Bench, tmp_path: Path) -> None:
     spoil = ("--trainer.callbacks", "stoppers.SpoilAt", "--trainer.callbacks.epoch", 1)
     batch = ("--trainer.callbacks.batch", 2, "--trainer.callbacks.value", ".inf")
     outcome = bench.run("fit", tmp_path / "run", *MORE, *spoil, *batch)
     stopped = tmp_path / "run" / "checkpoints" / "stopped.ckpt"
     spoilt = next(line for line in outcome.out.splitlines() if line.startswith("spoilt")).split()[1:]
-    outcome.refused("is nan", "in epoch 1, batch 2", ", ".join(spoilt), f"are in {stopped}.", code=1)
+    outcome.refused("is nan", "in epoch 2, batch 3", ", ".join(spoilt), f"are in {stopped}.", code=1)
     for name, weights in load(stopped)["state_dict"].items():
         # The running statistics of batch norm are taken when the batch passes, before there is a loss.
         assert torch.isfinite(weights).all() or ".running_" in name, name
@@ -63,7 +73,7 @@ def test_only_what_is_not_finite_is_named() -> None:
     bad = not_finite(losses)
     assert bad == ["hints is nan", "adversarial is -inf"]
     said = str(loss_error(bad, [f"horse/{i}" for i in range(10)], 3, 17))
-    assert "(hints is nan, adversarial is -inf) in epoch 3, batch 17, with the samples horse/0," in said
+    assert "(hints is nan, adversarial is -inf) in epoch 4, batch 18, with the samples horse/0," in said
     assert "horse/7 and 2 more; lower" in said
     assert "another process" in str(loss_error([], ["a/0"], 0, 0))
 

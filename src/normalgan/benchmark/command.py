@@ -143,9 +143,10 @@ def _read(options: Namespace) -> tuple[Plan, Scale]:
     files = options.config or []
     plans = [path for path in files if is_plan(path)]
     if len(plans) != 1:
+        given = ", ".join(map(str, plans)) if plans else "only overlays" if files else "no --config"
         raise InputError(
-            f"benchmark takes one plan, a --config file with rows such as configs/benchmark/fourlegs.yaml, "
-            f"but was given {len(plans)}."
+            "benchmark takes one plan, a --config file with rows such as configs/benchmark/fourlegs.yaml, "
+            f"but was given {given}."
         )
     seconds = read_budget(options.budget) if options.budget else None
     overlays = [path for path in files if path not in plans]

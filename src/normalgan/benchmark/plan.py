@@ -6,10 +6,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
-import yaml
-
 from normalgan.cli.parsing.config_files import check_config
 from normalgan.errors import InputError
+from normalgan.files.limits import load_yaml
 from normalgan.files.shipped_configs import find_config
 from normalgan.ranges import Count, NonNegative, PositiveInt, check_ranges
 from normalgan.records import Record, read_record
@@ -208,7 +207,7 @@ def read_yaml(path: str | Path) -> Settings:
     """
     path = find_config(str(path))
     check_config(path)
-    content: Settings = yaml.safe_load(Path(path).read_text(encoding="utf-8"))
+    content: Settings = load_yaml(Path(path).read_text(encoding="utf-8"))
     return content
 
 

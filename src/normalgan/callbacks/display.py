@@ -14,11 +14,21 @@ _WIDE = 160
 
 
 class WideProgressBar(RichProgressBar):
-    """Lightning's bar, as wide as the terminal, and wide enough for all losses in a file."""
+    """Lightning's bar: as wide as the terminal, wide enough for all losses in a file, epochs from 1."""
 
     def __init__(self) -> None:
         terminal = any(stream.isatty() for stream in (sys.stdout, sys.stderr) if stream is not None)
         super().__init__(console_kwargs=None if terminal else {"width": _WIDE})
+
+    def on_train_epoch_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
+        """Name the epoch as people count, from 1."""
+        super().on_train_epoch_start(trainer, pl_module)
+        if self.progress is not None and self.train_progress_bar_id is not None:
+            most = trainer.max_epochs
+            of = f"/{most}" if most is not None and most > 0 else ""
+            self.progress.update(
+                self.train_progress_bar_id, description=f"Epoch {trainer.current_epoch + 1}{of}"
+            )
 
 
 class NetworkSummary(Callback):

@@ -16,6 +16,7 @@ from normalgan.callbacks.table import results_table
 from normalgan.commit import commit
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.loading.order import spread
+from normalgan.errors import printable
 from normalgan.files.writing import write_bytes
 from normalgan.gan import NormalGAN
 from normalgan.metrics import MapMetric, StageMetrics
@@ -124,8 +125,8 @@ class TestReport(Callback):
         write_bytes(folder / "metrics.json", _json(measured, results))
         write_gallery(folder / "gallery.png", self._rows)
         print(f"\n{results_table(results, f'Test split, {self._total} samples', self.metrics)}\n")
-        print(f"Metrics: {(folder / 'metrics.json').resolve()}")
-        print(f"Picture: {(folder / 'gallery.png').resolve()}")
+        print(printable(f"Metrics: {(folder / 'metrics.json').resolve()}"))
+        print(printable(f"Picture: {(folder / 'gallery.png').resolve()}"))
 
     def _measured(self, trainer: Trainer, pl_module: LightningModule) -> dict[str, Any]:
         """Return the description of the measured run as plain values for JSON."""

@@ -7,7 +7,7 @@ from jsonargparse import Namespace
 
 from normalgan.cli.parsing.light_parser import LightParser
 from normalgan.cli.parsing.number_types import Strength
-from normalgan.errors import InputError, unwritable
+from normalgan.errors import InputError, printable, unwritable
 from normalgan.files.writing import write_bytes
 from normalgan.inference.conversion import map_of_heights, read_map, with_detail
 from normalgan.inference.outputs.height import Height
@@ -50,7 +50,7 @@ def run(arguments: list[str]) -> int:
             found.save(output, settings.bits, settings.y, alpha=bool((found.alpha < 1).any()))
     except OSError as error:
         raise unwritable(f"the map cannot be written to {output}: {error.strerror}.", error) from None
-    print(output)
+    print(printable(output))
     return 0
 
 

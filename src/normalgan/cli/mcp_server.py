@@ -121,11 +121,11 @@ class Tools:
         from normalgan.inference.sprites import Sprite
 
         with _tool_errors():
-            where = self._mask(mask)
+            where, target = self._mask(mask), self._target(output, drawing, mask)
             sprite, picture = Sprite(detail, pixel_art), as_picture(self._inside(drawing), size)
             preds = self._load()(picture, hints, where, size, tile)
             preds = sprite(preds, picture).stronger(strength)
-            preds.save(target := self._inside(output), bits, green, alpha)
+            preds.save(target, bits, green, alpha)
         return self._answer(target, preds)
 
     def preview(self, drawing: str, output: str | None = None) -> Any:
@@ -142,10 +142,13 @@ class Tools:
         from normalgan.inference.outputs.preview import preview_png
 
         with _tool_errors():
+            target = None if output is None else self._target(output, drawing)
+            if target is not None and target.suffix.lower() != ".png":
+                raise InputError(f"the preview {output} must end in .png.")
             preds = self._load()(self._inside(drawing))
             content = preview_png(as_it_lies(preds), preds.mask)
-            if output is not None:
-                write_bytes(self._inside(output), content)
+            if target is not None:
+                write_bytes(target, content)
         with Pictures.open(BytesIO(content)) as picture:
             picture.thumbnail((1024, 1024))
             picture.save(small := BytesIO(), "PNG")
@@ -175,13 +178,15 @@ class Tools:
         from normalgan.inference.reading.drawings import read_pixels
 
         with _tool_errors():
-            path = self._inside(drawing)
+            path, target = self._inside(drawing), self._target(output, drawing, atlas)
+            if grid is not None and atlas is not None:
+                raise InputError("grid and atlas each say where the sprites are; give one of them.")
             split = "auto" if grid is None and atlas is None else None
             packing = Packing(grid, split, None if atlas is None else str(self._inside(atlas)))
             pixels = read_pixels(path)
             found = packing.cells(pixels, path)
             preds = predict_sheet(self._load(), pixels, found.cells, said=found.warnings)
-            preds.save(target := self._inside(output), 8, green, alpha)
+            preds.save(target, 8, green, alpha)
         return self._answer(target, preds) | {"sprites": len(found.cells)}
 
     def explain(self, drawing: str, output: str, mask: str | None = None) -> dict[str, Any]:
@@ -225,12 +230,26 @@ class Tools:
         """Return a file below the root.
 
         Raises:
-            InputError: if it lies elsewhere.
+            InputError: if it lies elsewhere, or no file can have this name.
         """
-        path = (self.root / name).resolve()
+        try:
+            path = (self.root / name).resolve()
+        except (ValueError, OSError):  # a zero byte, a loop of links
+            raise InputError(f"{name!r} is not the name of a file.") from None
         if not path.is_relative_to(self.root):
             raise InputError(f"{name} lies outside {self.root}; name a file in that folder.")
         return path
+
+    def _target(self, output: str, *inputs: str | None) -> Path:
+        """Return the file below the root to write to.
+
+        Raises:
+            InputError: if it lies elsewhere, or is one of the inputs.
+        """
+        target = self._inside(output)
+        if target in [self._inside(each) for each in inputs if each is not None]:
+            raise InputError(f"{output} is an input and would be overwritten; give another output.")
+        return target
 
     def _mask(self, mask: str | None) -> str | None:
         """Return a source of masks as it is, or the file of a mask below the root."""

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from normalgan.cli.parsing.light_parser import LightParser
+from normalgan.errors import InputError, printable
 
 __all__ = ["build_parser", "run"]
 
@@ -30,7 +31,7 @@ def run(arguments: list[str]) -> int:
             f"{float(str(model['bytes'])) / 1e6:.1f} MB",
             *(str(model[key]) for key in _SHOWN if key in model),
         ]
-        print(f"{model['name']}\n  {model['path']}\n  {', '.join(about)}")
+        print(printable(model["name"]), printable(model["path"]), printable(", ".join(about)), sep="\n  ")
     return 0
 
 
@@ -54,7 +55,6 @@ def _model(name: str, path: Path) -> dict[str, object]:
 
 def _notes(path: Path) -> Mapping[str, str]:
     """Return the metadata of an ONNX file; empty for other files, which need torch."""
-    from normalgan.errors import InputError
     from normalgan.inference.network.onnx_backend import OnnxBackend
 
     if path.suffix.lower() != ".onnx":

@@ -13,7 +13,7 @@ from normalgan.animals import SPECIES, Animal
 from normalgan.cli.parsing.errors import refusal
 from normalgan.cli.parsing.light_parser import LightParser
 from normalgan.cli.parsing.number_types import Degrees, Margin, Side
-from normalgan.errors import InputError, did_you_mean, unwritable
+from normalgan.errors import InputError, did_you_mean, printable, unwritable
 from normalgan.files.writing import write_bytes
 from normalgan.normals import encode_grey, encode_png, paint_flat
 from normalgan.registry import Registry
@@ -77,7 +77,9 @@ def run(arguments: list[str]) -> int:
         raise unwritable(
             f"the drawing cannot be written to {error.filename}: {error.strerror}.", error
         ) from error
-    print(settings.output, *([settings.normal] if settings.normal else []), sep="\n")
+    for path in (settings.output, settings.normal):
+        if path is not None:
+            print(printable(path))
     return 0
 
 

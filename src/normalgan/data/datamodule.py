@@ -192,7 +192,11 @@ class MeshDataModule(LightningDataModule):
             raise InputError(
                 f"{class_name(self.source)} has a split {min(unknown)!r}; the splits are {', '.join(SPLITS)}."
             )
-        return {split: list(found.get(split, [])) for split in SPLITS}
+        sources: dict[str, Sequence[Loadable]] = {split: list(found.get(split, [])) for split in SPLITS}
+        for source in (each for part in sources.values() for each in part):
+            if not isinstance(source, Loadable):
+                raise refused(self.source, source, "a mesh or pair has a name, fingerprint() and load()")
+        return sources
 
     def _meshes(self, settings: SplitSettings) -> dict[str, Sequence[Loadable]]:
         """Return the default source: meshes, groups of them, or the embedded animals."""

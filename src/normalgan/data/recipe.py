@@ -1,6 +1,6 @@
 """The two interfaces of a data set: sources that can be loaded, and a recipe that makes samples of them."""
 
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from normalgan.errors import InputError
 from normalgan.rendering.samples import Sample
@@ -8,6 +8,7 @@ from normalgan.rendering.samples import Sample
 __all__ = ["Loadable", "SampleRecipe", "fingerprint"]
 
 
+@runtime_checkable
 class Loadable(Protocol):
     """A source of samples, such as a mesh or a pair; cheap to keep and to send to a worker."""
 

@@ -152,6 +152,6 @@ def _refuse_twins(names: Sequence[str], noun: str) -> None:
         raise InputError(f"two {plural(noun)} are named {_few(twins)}; every {noun} needs a name of its own.")
 
 
-def _few(names: Sequence[str], limit: int = 5) -> str:
-    more = f" and {len(names) - limit} more" if len(names) > limit else ""
-    return ", ".join(names[:limit]) + more
+def _few(names: Sequence[str]) -> str:
+    more = f" and {len(names) - 5} more" if len(names) > 5 else ""
+    return ", ".join(names[:5]) + more

@@ -10,7 +10,7 @@ from jsonargparse import Namespace
 from normalgan.cli.late_imports import gc_paused
 from normalgan.cli.parsing.light_parser import LightParser
 from normalgan.cli.parsing.number_types import ModelSide
-from normalgan.errors import InputError, RunError, unwritable
+from normalgan.errors import InputError, RunError, printable, unwritable
 from normalgan.files.writing import write_bytes
 from normalgan.warning_filters import filter_warnings
 
@@ -111,7 +111,7 @@ def _export(options: Namespace, target: Path) -> str:
         raise unwritable(
             f"the model cannot be written to {error.filename}: {error.strerror}.", error
         ) from error
-    return f"{target}\n{model.name}, {model.size} pixels, {len(content) / 1e6:.1f} MB; {said}."
+    return f"{printable(target)}\n{model.name}, {model.size} pixels, {len(content) / 1e6:.1f} MB; {said}."
 
 
 def _check(options: Namespace) -> Path:

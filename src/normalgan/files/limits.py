@@ -133,8 +133,8 @@ def load_yaml(text: str) -> Any:
     """Return the value of a YAML text, loaded safely; ask `yaml_limit_error` first.
 
     Raises:
-        yaml.MarkedYAMLError: with the line, also for what looks like a date or a number and is none, where
-            PyYAML raises a bare ValueError or worse.
+        yaml.MarkedYAMLError: with the line, also for a key that a mapping has twice, and for what looks like
+            a date or a number and is none, where PyYAML raises a bare ValueError or worse.
 
     >>> load_yaml("a: 2026-02-30")
     Traceback (most recent call last):
@@ -147,6 +147,18 @@ def load_yaml(text: str) -> Any:
 
 
 class _Loader(yaml.SafeLoader):
+    def compose_mapping_node(self, anchor: dict[Any, yaml.Node]) -> yaml.MappingNode:
+        node = super().compose_mapping_node(anchor)
+        first: dict[str, int] = {}
+        for key, _ in node.value:
+            if isinstance(key, yaml.ScalarNode) and key.tag != "tag:yaml.org,2002:merge":
+                # PyYAML would take the last one and drop the others, with all that is in them.
+                if key.value in first:
+                    problem = f"{key.value:.40} was given in line {first[key.value]} already"
+                    raise yaml.constructor.ConstructorError(None, None, problem, key.start_mark)
+                first[key.value] = key.start_mark.line + 1
+        return node
+
     def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
         try:
             return super().construct_object(node, deep)

@@ -48,6 +48,10 @@ def load_torch_file(path: Path) -> Any:
     Raises:
         InputError: if it is missing, damaged, or holds anything but data.
     """
+    if path.is_dir():
+        raise InputError(
+            f"{path} is a folder; name a checkpoint in it, such as checkpoints/last.ckpt of a run."
+        )
     if not path.is_file():
         raise InputError(f"there is no checkpoint {path}.")
     try:

@@ -77,7 +77,7 @@ def loss_error(bad: Sequence[str], names: Sequence[str], epoch: int, batch: int)
     more = f" and {len(names) - FEW} more" if len(names) > FEW else ""
     which = ", ".join(bad) if bad else "a loss of another process is not finite"
     return LossError(
-        f"the loss is not finite ({which}) in epoch {epoch}, batch {batch}, with the "
+        f"the loss is not finite ({which}) in epoch {epoch + 1}, batch {batch + 1}, with the "
         f"samples {', '.join(names[:FEW])}{more}; lower the learning rates, or look at these samples."
     )
 

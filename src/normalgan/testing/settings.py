@@ -162,8 +162,11 @@ def _pickled(plugin: object) -> None:
 
 
 def settings_of(cls: type[Any]) -> dict[str, inspect.Parameter]:
-    """Return the settings of a class, as its signature has them, by name."""
-    return dict(inspect.signature(cls).parameters)
+    """Return the settings of a class, as its signature has them, by name; not ``**kwargs``."""
+    passed_on = {inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD}
+    return {
+        name: each for name, each in inspect.signature(cls).parameters.items() if each.kind not in passed_on
+    }
 
 
 def as_config(plugin: object) -> dict[str, Any]:

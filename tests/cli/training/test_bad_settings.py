@@ -43,6 +43,12 @@ def test_an_unknown_plugin_in_a_file_is_answered_by_its_near_miss(tmp_path: Path
             "model: {hint_sampler: {class_path: gone.Dots}}",
             ["gone.Dots cannot be imported", "UniformHints", "run python -m normalgan in the folder of gone"],
         ),
+        ("model: {hint_sampler: HintSampler}", ["HintSampler is abstract; name a class that defines all of"]),
+        (
+            "data: {lines: normalgan.hints.NoHints}",
+            ["normalgan.hints.NoHints is no LineDrawing; known: Brush,"],
+        ),
+        ("data: {source: Pairs}", ["Pairs needs its settings files; give them in init_args."]),
         ("model: {hint_sampler: 3}", ["3 is no HintSampler", "CurvatureHints"]),
         ("model: {generator_optimizer: RMSProp}", ["no Optimizer named 'RMSProp'. Did you mean RMSprop?"]),
         ("model: {lr_scheduler: {class_path: StepLR}}", ["model.lr_scheduler", "missing: step_size"]),
@@ -65,7 +71,18 @@ def test_an_unknown_plugin_in_a_file_is_answered_by_its_near_miss(tmp_path: Path
         ("trainer: {max_epochs: many}", ["expected a whole number or null, not many."]),
         ("output: {engine: unity}", ["there is no setting output.engine."]),
         ("data: [1", ["bad.yaml is not YAML: line 1: "]),
-        ("data:\n\tsize: 3", ["bad.yaml is not YAML: line 2: "]),
+        (
+            "data: {size: 32}\ntrainer: {}\ndata: {batch_size: 2}",
+            ["line 3: data was given in line 1 already."],
+        ),
+        ("data: {size: 32}\n---\ndata: {size: 64}", ["expected a single document in the stream but found"]),
+        ("seed_everything: -1", ["seed_everything is -1; it must be from 0 to 4294967295."]),
+        (
+            "model: {generator: {UNetGenerator: {width: 4}}}",
+            ["UNetGenerator.width is not a setting of it; write class_path and init_args."],
+        ),
+        ("model: {generator: {classpath: UNetGenerator}}", ["'classpath' in it. Did you mean class_path?"]),
+        ("data:\n\tsize: 3", ["bad.yaml is not YAML: line 2: ", "; indent with spaces."]),
         ("just words", ["bad.yaml holds no settings"]),
         ("\x00\x01", ["bad.yaml is not a text in YAML"]),
     ],
@@ -83,6 +100,11 @@ def test_a_bad_setting_is_one_sentence(tmp_path: Path, yaml: str, words: list[st
         ("data: {size: 48}", ["a power of two", "not 48"]),
         ("data: {batch_size: 0}", ["batch_size of MeshDataModule is 0; it must be 1 or more."]),
         ("trainer: {accelerator: quantum}", ["a setting cannot be used", "accelerator='quantum'"]),
+        (
+            "model: {generator_optimizer: {class_path: RMSprop, init_args: {lr: -1}}}",
+            ["generator_optimizer cannot be used: Invalid learning rate: -1.0."],
+        ),
+        ("trainer: {accelerator: tpu}", ["trainer.accelerator is tpu, which PyTorch", "use cpu or auto"]),
         (
             "trainer: {gradient_clip_val: 1.0}",
             ["trainer.gradient_clip_val cannot", "use model.gradient_clip."],
@@ -103,7 +125,7 @@ def test_a_setting_that_its_class_refuses_is_one_sentence(
 def test_options_are_checked_like_settings(bench: Bench, tmp_path: Path) -> None:
     run("fit", "--modle.n_critic", 3).refused("no setting modle.n_critic. Did you mean model.n_critic?")
     run("fit", "--model.n_critic").refused("--model.n_critic needs a value.")
-    run("fit", "extra").refused("there is no setting extra.")
+    run("fit", "cpu.yaml").refused("'cpu.yaml' is not an option; write --config FILE,")
     run("fit", "--config").refused("--config needs a value.")
     run("fit", "--config", tmp_path / "gone.yaml").refused("there is no configuration file", "gone.yaml")
     run("fit", "--config", tmp_path).refused("cannot be read: Is a directory")

@@ -31,6 +31,7 @@ def test_fit_says_why_it_stopped_what_a_profiler_measured_and_which_checkpoint_i
     assert f"The best checkpoint is {best} (val/hints/angular_mean " in done.out
     assert "FLOPs" not in done.out
     assert "generator: UNetGenerator, 65.9 thousand parameters" in done.out
+    assert "Epoch 2/4" in done.out  # counted from 1
     assert "train/discriminator: " in done.out.replace("\n", "")  # not cut at 80 columns
 
 

@@ -276,6 +276,6 @@ def test_a_frame_without_lines_is_left_flat_and_named(here: Path, capsys: pytest
     grain[40, 40] = 250
     animate("grain.png", [pen(FRAMES[0]), grain, pen(FRAMES[1])])
     assert generate("grain.png") == 1  # something is drawn on it
-    assert "1 of 1 sketches are incomplete." in capsys.readouterr().err
+    assert "some frames or layers of 1 of 1 sketches could not be used" in capsys.readouterr().err
     assert generate("blink.png", "--sheet", "2x1") == 2
     assert "blink.png is an animation; a sheet is a still picture." in capsys.readouterr().err

@@ -191,7 +191,7 @@ def test_layers_that_nothing_can_be_seen_on_are_left_out_and_named(
     assert [each.name for each in found] == ["body", "hand", "hat"]
     said = capsys.readouterr().err
     assert "layer 'mist': it is left out, as no line is seen in it" in said
-    assert "1 of 1 sketches are incomplete." in said
+    assert "some frames or layers of 1 of 1 sketches could not be used" in said
 
 
 def test_a_speck_is_a_drawing_too(here: Path) -> None:
@@ -293,7 +293,7 @@ def test_where_a_layer_is_missing_the_rest_is_written_and_the_exit_code_is_1(
     assert generate(f"fox.{kind}", "--layers") == 1
     said = capsys.readouterr().err
     assert "cannot be read" in said
-    assert "1 of 1 sketches are incomplete." in said
+    assert "some frames or layers of 1 of 1 sketches could not be used" in said
     written = Path(f"normals/fox_normal.{'ora' if kind == 'kra' else kind}")
     # Krita's file has a sheet of paper besides, which is not written.
     assert len(read_layers(written).layers) == (1 if kind == "kra" else 2)

@@ -156,7 +156,7 @@ def test_what_no_generator_needs_is_refused_before_it_is_loaded(
     ],
 )
 def test_what_is_no_protobuf_is_refused(content: bytes) -> None:
-    with pytest.raises(InputError, match="it is not ONNX"):
+    with pytest.raises(InputError, match="it is not ONNX; `normalgan export` writes it"):
         check_graph("bad.onnx", content)
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from jsonargparse import Namespace
 
-from normalgan.errors import InputError, RunError, tell, unwritable, with_subject
+from normalgan.errors import InputError, RunError, printable, tell, unwritable, with_subject
 from normalgan.inference.composites.packing import Packing
 from normalgan.inference.jobs.plan import STDOUT, Job, companions_of
 from normalgan.inference.jobs.watching import Watcher
@@ -88,10 +88,11 @@ class DrawingBatch:
                 there = next(each for each in target.absolute().parents if each.is_dir())
                 with suppress(FileNotFoundError):
                     (there / target.name).lstat()  # refuses a name that is too long
-                print(f"{job.files.drawing}{''.join(extras)} -> {target}")
             except (InputError, OSError) as error:
                 failed += 1
                 tell(_sentence(job, error))
+            else:
+                print(printable(f"{job.files.drawing}{''.join(extras)} -> {target}"))
         return failed
 
     def predict(self, predictor: Predictor, jobs: Sequence[Job], alone: bool = False) -> None:
@@ -136,7 +137,7 @@ class DrawingBatch:
                 if outcome.note:
                     tell(f"{job.files.drawing}: {outcome.note}.")
                 if settings.output != STDOUT:
-                    print(outcome.target, flush=self._settings.watch)
+                    print(printable(outcome.target), flush=self._settings.watch)
 
     def watch(
         self,
@@ -204,7 +205,10 @@ class DrawingBatch:
         if failed:
             tell(f"{failed} of {total} sketches could not be used.")
         if self._partial:
-            tell(f"{self._partial} of {total} sketches are incomplete.")
+            tell(
+                f"some frames or layers of {self._partial} of {total} sketches could not be used; "
+                "the lines above name them."
+            )
         return 1 if failed or self._partial else 0
 
     def _target(self, job: Job) -> Path:

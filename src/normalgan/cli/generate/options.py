@@ -57,7 +57,7 @@ def build_parser(engine: Engine | None = None) -> LightParser:
     _add_folders(parser)
     _add_sheets(parser)
     OUTPUTS.load_entry_points()
-    add_output_options(parser, parser.add_argument_group("What is written"), form=None)
+    add_output_options(parser.add_argument_group("What is written"), form=None)
     if engine is not None:
         parser.set_defaults(engine_defaults(engine))
     return parser

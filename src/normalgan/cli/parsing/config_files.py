@@ -133,6 +133,10 @@ def _read(path: Path) -> Any:
         return load_yaml(text)
     except yaml.MarkedYAMLError as error:
         line = f"line {error.problem_mark.line + 1}: " if error.problem_mark else ""
-        raise InputError(f"the configuration {path} is not YAML: {line}{error.problem}.") from None
+        problem = str(error.problem)
+        if problem.startswith("but"):  # "expected a single document", "but found another document"
+            problem = f"{error.context} {problem}"
+        advice = "; indent with spaces" if r"'\t'" in problem else ""
+        raise InputError(f"the configuration {path} is not YAML: {line}{problem}{advice}.") from None
     except (yaml.YAMLError, UnicodeDecodeError):
         raise InputError(f"the configuration {path} is not a text in YAML.") from None

@@ -22,6 +22,7 @@ _KINDS = {
     "dict": "a mapping",
 }
 """Plain words for the Python types of settings."""
+_OF_A_CLASS = ("class_path", "init_args")
 _FEW = 16
 """Longer lists of names are not printed."""
 
@@ -65,11 +66,7 @@ def explain(
         re.DOTALL,
     ):
         name = ".".join(part for part in found.groups() if part)
-        return (
-            _no_option(message, options)
-            if options
-            else f"there is no setting {name}.{did_you_mean(name, settings)}"
-        )
+        return _no_option(message, options) if options else _no_setting(message, name, settings)
     if found := re.search(r'Parser key "([^"]+)": Unable to load config "([^"]*)"$', message):
         inside = next((f", such as {name}," for name in settings if name.startswith(f"{found[1]}.")), "")
         return f"{found[1]} is a group of settings{inside} and {found[2]} is not a file of them."
@@ -86,17 +83,11 @@ def explain(
         whole = "whole " if "literal for int()" in found[0] else ""
         return f"{where}expected a {whole}number, not {found[1]}."
     if found := re.search(r"Option '(.+?)' is not accepted(.*)", message):
-        return f"{where}there is no setting {found[1]!r} in it.{found[2]}"
-    if found := re.search(r"Expected a dot import path string: (.+)", message):
-        return where + (_unknown(registry, found[1]) if registry else f"no class named {found[1]!r}.")
-    if found := re.search(r"Problem with given class_path '(.+?)':\s+(?!\s|Parser key)(.+)", message):
-        advice = f": {_unknown(registry, found[1].rpartition('.')[2])}" if registry else "."
-        missing = found[2].startswith(f"No module named '{found[1].partition('.')[0]}")
-        elsewhere = where_classes_are_looked_for(found[1]) if missing else ""
-        return f"{where}{found[1]} cannot be imported ({found[2]}){advice}{elsewhere}"
-    if found := re.search(r"Not a valid subclass of (\w+)", message):
-        known = f"; known: {', '.join(registry.names())}" if registry else ""
-        return f"{where}{_given(message)} is no {found[1]}{known}."
+        return (
+            f"{where}there is no setting {found[1]!r} in it.{found[2] or did_you_mean(found[1], _OF_A_CLASS)}"
+        )
+    if sentence := _of_a_class(message, registry):
+        return where + sentence
     if sentence := _misused(message, options or {}):
         return where + sentence
     wanted = [each for each in dict.fromkeys(_wanted(message)) if not options or each != "null"]
@@ -136,6 +127,12 @@ def _spelled(key: str, options: Mapping[str, str] | None) -> str:
     return f"{option}{dot}{rest}" if option else f'argument "{key}"'
 
 
+def _no_setting(message: str, name: str, settings: Sequence[str]) -> str:
+    if re.match("unrecognized arguments: [^-]", message):
+        return f"{name!r} is not an option; write --config FILE, --ckpt_path FILE or --SETTING VALUE."
+    return f"there is no setting {name}.{did_you_mean(name, settings)}"
+
+
 def _no_option(message: str, options: Mapping[str, str]) -> str:
     given = message.removeprefix("unrecognized arguments: ").split()[0]
     if not given.startswith("-"):
@@ -157,6 +154,39 @@ def _misused(message: str, options: Mapping[str, str]) -> str:
     if found := re.fullmatch(r"argument (?:\S+/)?(-[^:]+): expected .*arguments?", message):
         return f"{found[1]} needs a value."
     return ""
+
+
+def _of_a_class(message: str, registry: Registry[Any] | None) -> str:
+    """Return what is wrong with a class that was named; empty if the message is about something else."""
+    if found := re.search(r"but (\S+) is abstract", message):
+        return f"{found[1]} is abstract; name a class that defines all of its methods."
+    if found := re.search(r"Import path (\S+) does not correspond to a subclass of (\w+)", message):
+        return f"{found[1]} is no {found[2]}{_known(registry)}."
+    if found := re.search(r"Expected a dot import path string: (.+)", message):
+        return _unknown(registry, found[1]) if registry else f"no class named {found[1]!r}."
+    if found := re.search(r"Problem with given class_path '(.+?)':\s+(?!\s|Parser key)(.+)", message):
+        if sentence := _of_its_settings(found[1], found[2]):
+            return sentence
+        advice = f": {_unknown(registry, found[1].rpartition('.')[2])}" if registry else "."
+        missing = found[2].startswith(f"No module named '{found[1].partition('.')[0]}")
+        elsewhere = where_classes_are_looked_for(found[1]) if missing else ""
+        return f"{found[1]} cannot be imported ({found[2]}){advice}{elsewhere}"
+    if found := re.search(r"Not a valid subclass of (\w+)", message):
+        return f"{_given(message)} is no {found[1]}{_known(registry)}."
+    return ""
+
+
+def _of_its_settings(path: str, problem: str) -> str:
+    """Return what is wrong with the settings of a class that was found; empty if it was not found."""
+    if found := re.match(r"Group '(.+)' does not accept option '(.+)'", problem):
+        return f"{found[1]}.{found[2]} is not a setting of it; write class_path and init_args."
+    if found := re.match(r"the following arguments are required: ([^)]+)", problem):
+        return f"{path} needs its settings {found[1]}; give them in init_args."
+    return ""
+
+
+def _known(registry: Registry[Any] | None) -> str:
+    return f"; known: {', '.join(registry.names())}" if registry else ""
 
 
 def _unknown(registry: Registry[Any], name: str) -> str:

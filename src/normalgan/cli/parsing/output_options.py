@@ -6,7 +6,6 @@ from dataclasses import fields
 from typing import Any, Literal, NamedTuple, get_type_hints
 
 from docstring_parser import DocstringStyle, parse
-from jsonargparse import ArgumentParser
 
 from normalgan.cli.parsing.light_parser import choices
 from normalgan.errors import InputError
@@ -26,12 +25,11 @@ class _Option(NamedTuple):
 
 
 def add_output_options(
-    parser: ArgumentParser, group: argparse._ArgumentGroup, section: str = "", form: Format | None = "png"
+    group: argparse._ArgumentGroup, section: str = "", form: Format | None = "png"
 ) -> None:
     """Add the options that `outputs_of` reads.
 
     Args:
-        parser: parser of the command.
         group: group of the options in the help.
         section: prefix of their names, such as ``output.``; empty spells them for a shell.
         form: default format of the map; None takes it from the name of the output file.

@@ -57,7 +57,7 @@ from normalgan.cli.training.saved_model import (
 )
 from normalgan.cli.training.trainer import RenderingTrainer, SaveConfig, check_trainer
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.errors import InputError, brief
+from normalgan.errors import InputError, brief, printable
 from normalgan.files.run_lock import check_writable, one_run_in
 from normalgan.gan import NormalGAN
 from normalgan.inference.outputs.outputs import outputs_of
@@ -150,8 +150,9 @@ class NormalGANCLI(LightningCLI):
         resumed = self.saved.checkpoint if self.saved else None
         if resumed and self.trainer.global_step == resumed.progress["global_step"]:
             print(
-                f"Nothing was left to train: {resumed.path} is from epoch {resumed.progress['epoch'] + 1}, "
-                f"and --trainer.max_epochs is {self.trainer.max_epochs}; pass a larger one to train on."
+                f"Nothing was left to train: {printable(resumed.path)} is from epoch "
+                f"{resumed.progress['epoch'] + 1}, and --trainer.max_epochs is {self.trainer.max_epochs}; "
+                "pass a larger one to train on."
             )
         for stopping in self.trainer.early_stopping_callbacks:
             if isinstance(stopping, EarlyStopping) and (reason := stopping.stopping_reason_message):
@@ -159,7 +160,13 @@ class NormalGANCLI(LightningCLI):
         for callback in self.trainer.checkpoint_callbacks:
             if isinstance(callback, ModelCheckpoint) and callback.monitor and callback.best_model_path:
                 score = f"{callback.monitor} {float(callback.best_model_score or 0):.4g}"
-                print(f"The best checkpoint is {callback.best_model_path} ({score}).")
+                print(printable(f"The best checkpoint is {callback.best_model_path} ({score})."))
+
+    @property
+    def stopped(self) -> str:
+        """What is said after Ctrl-C: how to resume, if there is something to resume from."""
+        last = Path(checkpoint_folder(self.config["trainer"]["default_root_dir"])) / "last.ckpt"
+        return f"stopped; resume with --ckpt_path {last}." if self.command == "fit" and last.exists() else ""
 
     def add_arguments_to_parser(self, parser: LightningArgumentParser) -> None:
         """Add our settings and the command's options."""
@@ -175,6 +182,9 @@ class NormalGANCLI(LightningCLI):
         """Parse, and take the model's settings from the file given by ``ckpt_path``."""
         super().parse_arguments(parser, args)
         _check_groups(parser, self.config)
+        seed = self.config["seed_everything"]
+        if not 0 <= seed < 2**32:
+            raise InputError(f"seed_everything is {seed}; it must be from 0 to {2**32 - 1}.")
         if self.safe:
             check_outputs(parser, args, self.config)
         name, root = self.config.get("ckpt_path"), self.config["trainer"]["default_root_dir"]
@@ -284,15 +294,17 @@ def run(arguments: list[str]) -> int:
     ]  # a shell does not expand variables in single quotes
     with _reading_settings(safe) as held:
         held.enter_context(help_of(section if section in SECTIONS else None))
+        command: NormalGANCLI | None = None
         try:
-            NormalGANCLI(arguments[0], arguments[1:], held, safe).run_command()
+            command = NormalGANCLI(arguments[0], arguments[1:], held, safe)
+            command.run_command()
         except MisconfigurationException as error:
             raise InputError(shorten(brief(error), 250, placeholder=" …")) from error
         except SIGTERMException as stop:
             raise SystemExit(128 + signal.SIGTERM) from stop
         except SystemExit as stop:
             if isinstance(stop.__context__, KeyboardInterrupt):  # Lightning makes exit(1) of it
-                raise stop.__context__ from None
+                raise KeyboardInterrupt(command.stopped if command else "") from None
             # --help and --print_config end like this too.
             return stop.code if isinstance(stop.code, int) else int(stop.code is not None)
     sys.stdout.flush()
@@ -359,7 +371,7 @@ def _add_settings(parser: LightningArgumentParser) -> None:
     group.add_argument(
         "--output.strength", type=Strength, default=1.0, help="what the slopes of the map are multiplied by"
     )
-    add_output_options(parser, group, "output.")
+    add_output_options(group, "output.")
     parser.set_defaults(_DEFAULTS)
     for action in parser._actions:
         if action.dest in _DEFAULTS:

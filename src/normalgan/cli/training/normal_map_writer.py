@@ -11,7 +11,7 @@ from torch import Tensor
 
 from normalgan.batch import Sketches
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.errors import InputError, RunError, tell, unwritable, with_subject
+from normalgan.errors import InputError, RunError, printable, tell, unwritable, with_subject
 from normalgan.gan import NormalGAN
 from normalgan.inference.jobs.plan import Job, plan
 from normalgan.inference.jobs.writing import Held, Writer
@@ -115,7 +115,7 @@ class NormalMapWriter(BasePredictionWriter):
         """
         self._writer.write_held(self._held)
         if trainer.is_global_zero:
-            print(f"Normal maps: {self.folder.resolve()}")
+            print(printable(f"Normal maps: {self.folder.resolve()}"))
         if self._failed:
             raise RunError(f"{self._failed} of {self._total} sketches could not be used.")
 

@@ -3,7 +3,9 @@
 from collections.abc import Mapping
 from typing import Any
 
+import torch
 from lightning.pytorch import LightningModule, Trainer
+from lightning.pytorch.accelerators import Accelerator, CUDAAccelerator, MPSAccelerator, XLAAccelerator
 from lightning.pytorch.cli import SaveConfigCallback
 
 from normalgan.data.datamodule import MeshDataModule
@@ -18,10 +20,17 @@ _INSTEAD = {
     "accumulate_grad_batches": "a larger data.batch_size",
 }
 """Settings of the trainer that do nothing under manual optimisation, and what does that instead."""
+_DEVICES: Mapping[str, tuple[type[Accelerator], ...]] = {
+    "gpu": (CUDAAccelerator, MPSAccelerator),
+    "cuda": (CUDAAccelerator,),
+    "mps": (MPSAccelerator,),
+    "tpu": (XLAAccelerator,),
+}
+"""The devices that each name of an accelerator may mean; the processor is always there."""
 
 
 def check_trainer(settings: Mapping[str, Any]) -> None:
-    """Refuse settings that do not work with manual optimisation.
+    """Refuse settings that do not work with manual optimisation, and a device that is not there.
 
     Raises:
         InputError: if such a setting was given; the sentence names the one to use.
@@ -31,6 +40,13 @@ def check_trainer(settings: Mapping[str, Any]) -> None:
             raise InputError(
                 f"trainer.{name} cannot be used, because optimisers are stepped by hand; use {instead}."
             )
+    wanted = settings["accelerator"]
+    devices = _DEVICES.get(wanted, ()) if isinstance(wanted, str) else ()
+    if devices and not any(each.is_available() for each in devices):
+        raise InputError(
+            f"trainer.accelerator is {wanted}, which PyTorch {torch.__version__} does not find on this "
+            "machine; use cpu or auto, or install a build of PyTorch for it."
+        )
 
 
 class RenderingTrainer(Trainer):

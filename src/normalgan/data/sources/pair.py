@@ -22,6 +22,8 @@ __all__ = ["PAIRS_VERSION", "Pair", "PairRecipe", "background"]
 PAIRS_VERSION = 2
 """Raise it when a change to the code changes the samples that are made of pairs: they are then made again."""
 
+_TOLERANCE = 0.02
+"""How much the background's colour may differ in each channel, of a range of 2, as in compressed images."""
 _RIGHT = "axes of the camera, x right, y up, z to the viewer, stored as (n + 1) / 2"
 
 
@@ -131,7 +133,7 @@ class PairRecipe:
         }
 
 
-def background(levels: NDArray[Any], tolerance: float = 0.02) -> BoolMask:
+def background(levels: NDArray[Any]) -> BoolMask:
     """Return the background of a normal map without a mask, (H, W).
 
     That is the area of the corners' colour that reaches the picture's edge, or all pixels of that colour if
@@ -140,7 +142,6 @@ def background(levels: NDArray[Any], tolerance: float = 0.02) -> BoolMask:
 
     Args:
         levels: (H, W, 3) colours or vectors, of a range of 2.
-        tolerance: tolerance in each channel, for compressed images.
 
     Example:
         >>> levels = np.zeros((5, 5, 3), np.float32)
@@ -150,9 +151,9 @@ def background(levels: NDArray[Any], tolerance: float = 0.02) -> BoolMask:
     """
     corners = levels[[0, 0, -1, -1], [0, -1, 0, -1]]
     colour = np.median(corners, axis=0)
-    if not (np.abs(corners - colour) <= tolerance).all():
+    if not (np.abs(corners - colour) <= _TOLERANCE).all():
         return np.zeros(levels.shape[:2], np.bool_)
-    same = (np.abs(levels - colour) <= tolerance).all(-1)
+    same = (np.abs(levels - colour) <= _TOLERANCE).all(-1)
     if abs(float(np.linalg.norm(colour)) - 1) > 0.25:  # no normal: a hole has it too
         return np.asarray(same)
     alike = same.astype(np.uint8)

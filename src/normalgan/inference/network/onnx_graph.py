@@ -47,7 +47,9 @@ def check_graph(name: str, content: bytes) -> bool:
             f"the model {name} holds {found}; a generator is one plain graph, as `normalgan export` writes."
         ) from None
     except (ValueError, IndexError):
-        raise InputError(f"{name} is not a model that ONNX Runtime can run: it is not ONNX.") from None
+        raise InputError(
+            f"{name} is not a model that ONNX Runtime can run: it is not ONNX; `normalgan export` writes it."
+        ) from None
     return folds
 
 
