@@ -29,7 +29,7 @@ same_networks() { # OF NAME: they are measured again, not trained again
 
 for name in "$@"; do
     case $name in
-        benchmark_64) measure "$name" fourlegs 21000 data.size=64 ;;
+        benchmark_64 | deepnormals_64) measure "$name" fourlegs 21000 data.size=64 ;;
         benchmark_128) measure "$name" fourlegs 10500 ;;
         fourlegs_*_128)
             same_networks benchmark_128 "$name"
@@ -57,7 +57,7 @@ for name in "$@"; do
             ;;
     esac
     case $name in
-        benchmark_*) keep "$name" --by-mesh angular_mean below_11_25 ;;
+        benchmark_* | deepnormals_64) keep "$name" --by-mesh angular_mean below_11_25 ;;
         fourlegs_*) keep "$name" --by-mesh angular_mean --without distance curve ;;
         placement_64 | thresholds_64 | users_64) keep "$name" --by-mesh angular_mean --without distance ;;
         folds_64) "$python" tools/join_folds.py configs/benchmark/fourlegs.yaml runs/fold?/results.json -o "docs/results/$name.json" ;;

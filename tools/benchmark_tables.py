@@ -131,8 +131,11 @@ def section(title: str, name: str, text: str, names: str | None = None) -> list[
 
 def comparison() -> list[str]:
     """Return the section on all methods at 64 pixels."""
-    rows = methods(read("benchmark_64"))
+    later = read("deepnormals_64")
+    rows = ours_last(methods(read("benchmark_64")) | methods(later))
     lines = section("All methods", "benchmark_64", PUBLISHED)
+    lines += ["DeepNormals-like was trained later, on the same samples and the same number of images, on another"]
+    lines += [f"processor ({later['machine']['processor']}): `tools/benchmark_runs.sh deepnormals_64`."]
     return lines + table(labelled(rows), {**FIGURES, **less_the_paper(rows)}, "method")
 
 
