@@ -134,8 +134,8 @@ def comparison() -> list[str]:
     later = read("deepnormals_64")
     rows = ours_last(methods(read("benchmark_64")) | methods(later))
     lines = section("All methods", "benchmark_64", PUBLISHED)
-    lines += ["DeepNormals-like was trained later, on the same samples and the same number of images, on another"]
-    lines += [f"processor ({later['machine']['processor']}): `tools/benchmark_runs.sh deepnormals_64`."]
+    lines += ["DeepNormals-like was trained later, on as many of the same samples, on another processor"]
+    lines += [f"({later['machine']['processor']}): `tools/benchmark_runs.sh deepnormals_64`."]
     return lines + table(labelled(rows), {**FIGURES, **less_the_paper(rows)}, "method")
 
 
