@@ -1,21 +1,24 @@
 """Measures how well objects are found: mask IoU by the lines alone and with the reader, holes, and time.
 
-measure.py [FOLDER…] [--pages VIEWS] [--holes] [--sheet OUT.png]
+measure.py [FOLDER…] [--pages VIEWS] [--holes] [--doodles] [--sheet OUT.png]
 
 A drawing NAME.png of a FOLDER is compared with NAME_mask.png, if that is there: as it is, and grown by 3
 pixels, as masks drawn by hand lie a little outside of the lines. --pages makes pages of meshes
 that the reader was not trained on, eight of each kind, and takes such clip art as it was drawn and by its
 lines alone, and counts how often the opacity of objects is told from that of lines. --holes draws twenty
-things, eight of them pierced, 128 plain shapes without holes, and 64 cards with a figure in them.
+things, eight of them pierced, 128 plain shapes without holes, and 64 cards with a figure in them. --doodles
+takes those of doodles.svg, straight and by hand.
 """
 
 import argparse
 import time
 from itertools import product
 from pathlib import Path
+from typing import Any
 
 import cv2
 import numpy as np
+from doodles import HANDS, doodles
 from grounds import plane
 from numpy.typing import NDArray
 from pages import KINDS, page
@@ -37,6 +40,8 @@ MARGINS = 0.02, 0.05, 0.1, 0.2
 """Shares of the side between a card and the edge."""
 ROUND = 60
 """Corners of a disc."""
+NEARLY = 0.95
+"""IoU from which a doodle is right."""
 GROWN = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (7, 7))
 
 
@@ -144,9 +149,9 @@ def measure_clipart(shapes: list[Shape], measured: Measured) -> None:
             _say_row("  worst tenth", np.quantile(found, 0.1, axis=0))
 
 
-def _sized(opacity: NDArray[np.float32], mask: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
+def _sized(opacity: NDArray[Any], mask: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
     size = (1, 1) if mask is None else mask.shape[::-1]
-    return cv2.resize(opacity, size, interpolation=cv2.INTER_AREA) > 0.5
+    return cv2.resize(opacity.astype(np.float32), size, interpolation=cv2.INTER_AREA) > 0.5
 
 
 def _say_row(kind: str, scores: NDArray[np.float64]) -> None:
@@ -164,6 +169,20 @@ def measure_holes(measured: Measured) -> None:
             right[source] += good
             print(f"{name:16} {source} {'right' if good else 'wrong'}")
     print("right:", " ".join(f"{name} {count} of {len(drawings())}" for name, count in right.items()))
+
+
+def measure_doodles(measured: Measured) -> None:
+    """Print the IoU of the doodles that are not nearly right, the mean, and how many are."""
+    scores: list[list[float]] = []
+    for hand in HANDS:
+        for name, drawn, there in doodles(hand):
+            masks = measured.masks(Picture(np.repeat(drawn[..., None], 3, -1), None))
+            scores.append([iou(mask, _sized(there[..., None], mask)) for mask in masks.values()])
+            if min(scores[-1]) < NEARLY:
+                _say_row(f"{name}, {hand}", np.array(scores[-1]))
+    _say_row(f"doodles ({len(scores)})", np.mean(scores, 0))
+    right = (np.array(scores) >= NEARLY).sum(0)
+    print(f"{NEARLY} or more:", *(f"{name} {n}" for name, n in zip(SOURCES, right, strict=True)))
 
 
 def measure_plain(measured: Measured) -> None:
@@ -270,6 +289,7 @@ def main() -> None:
         "--pages", type=Path, metavar="VIEWS", help="where views.py has written views of meshes"
     )
     parser.add_argument("--holes", action="store_true")
+    parser.add_argument("--doodles", action="store_true")
     parser.add_argument("--sheet", type=Path)
     given = parser.parse_args()
     cv2.setNumThreads(1)
@@ -280,6 +300,8 @@ def main() -> None:
         measure_holes(measured)
         measure_plain(measured)
         measure_cards(measured)
+    if given.doodles:
+        measure_doodles(measured)
     cells = [cell for folder in given.folders for cell in measure_folder(folder, measured)]
     measured.say()
     if given.sheet and cells:
