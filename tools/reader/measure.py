@@ -7,14 +7,13 @@ pixels, as masks drawn by hand lie a little outside of the lines. --pages makes 
 that the reader was not trained on, eight of each kind, and takes such clip art as it was drawn and by its
 lines alone, and counts how often the opacity of objects is told from that of lines. --holes draws twenty
 things, eight of them pierced, 128 plain shapes without holes, and 64 cards with a figure in them. --doodles
-takes those of doodles.svg, straight and by hand.
+draws those of doodles.svg, straight and by hand.
 """
 
 import argparse
 import time
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 import cv2
 import numpy as np
@@ -40,7 +39,7 @@ MARGINS = 0.02, 0.05, 0.1, 0.2
 """Shares of the side between a card and the edge."""
 ROUND = 60
 """Corners of a disc."""
-NEARLY = 0.95
+RIGHT = 0.95
 """IoU from which a doodle is right."""
 GROWN = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (7, 7))
 
@@ -149,9 +148,9 @@ def measure_clipart(shapes: list[Shape], measured: Measured) -> None:
             _say_row("  worst tenth", np.quantile(found, 0.1, axis=0))
 
 
-def _sized(opacity: NDArray[Any], mask: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
+def _sized(opacity: NDArray[np.float32], mask: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
     size = (1, 1) if mask is None else mask.shape[::-1]
-    return cv2.resize(opacity.astype(np.float32), size, interpolation=cv2.INTER_AREA) > 0.5
+    return cv2.resize(opacity, size, interpolation=cv2.INTER_AREA) > 0.5
 
 
 def _say_row(kind: str, scores: NDArray[np.float64]) -> None:
@@ -172,17 +171,17 @@ def measure_holes(measured: Measured) -> None:
 
 
 def measure_doodles(measured: Measured) -> None:
-    """Print the IoU of the doodles that are not nearly right, the mean, and how many are."""
+    """Print the IoU of the doodles that either source has wrong, the mean, and how many are right."""
     scores: list[list[float]] = []
     for hand in HANDS:
         for name, drawn, there in doodles(hand):
             masks = measured.masks(Picture(np.repeat(drawn[..., None], 3, -1), None))
-            scores.append([iou(mask, _sized(there[..., None], mask)) for mask in masks.values()])
-            if min(scores[-1]) < NEARLY:
+            scores.append([iou(mask, _sized(there.astype(np.float32), mask)) for mask in masks.values()])
+            if min(scores[-1]) < RIGHT:
                 _say_row(f"{name}, {hand}", np.array(scores[-1]))
     _say_row(f"doodles ({len(scores)})", np.mean(scores, 0))
-    right = (np.array(scores) >= NEARLY).sum(0)
-    print(f"{NEARLY} or more:", *(f"{name} {n}" for name, n in zip(SOURCES, right, strict=True)))
+    right = (np.array(scores) >= RIGHT).sum(0)
+    print(f"{RIGHT} or more:", *(f"{name} {n}" for name, n in zip(SOURCES, right, strict=True)))
 
 
 def measure_plain(measured: Measured) -> None:

@@ -744,7 +744,7 @@ class _Doodle:
                 self.details.append(
                     _closed(self.ellipse(cx, cy, rx, ry, squareness=float(rng.choice([0.3, 1.0]))))
                 )
-        elif kind == 2 and rng.random() < 0.5:  # a porthole, away from the middle, where it would be a hole
+        elif kind == 2 and rng.random() < 0.5:  # a porthole
             size = min(high - low) * rng.uniform(0.12, 0.25)
             cx, cy = 0.5 + (high - low) * rng.uniform(-0.2, 0.2, 2)
             self.details.append(_closed(self.ellipse(cx, cy, size, size, squareness=1.0, wobble=0)))

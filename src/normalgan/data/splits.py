@@ -15,6 +15,8 @@ __all__ = ["SPLITS", "none_usable", "plural", "split_by_file", "split_by_fractio
 
 SPLITS = ("train", "val", "test")
 """The names of the splits, in the order in which fractions are given."""
+_FEW = 5
+"""Names that a message lists at most."""
 
 _Names = dict[str, list[str]]
 
@@ -153,5 +155,5 @@ def _refuse_twins(names: Sequence[str], noun: str) -> None:
 
 
 def _few(names: Sequence[str]) -> str:
-    more = f" and {len(names) - 5} more" if len(names) > 5 else ""
-    return ", ".join(names[:5]) + more
+    more = f" and {len(names) - _FEW} more" if len(names) > _FEW else ""
+    return ", ".join(names[:_FEW]) + more

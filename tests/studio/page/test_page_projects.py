@@ -147,9 +147,7 @@ def test_the_server_keeps_unsaved_work_for_another_browser(opened: "Browser", se
         assert other.inked(MIDDLE + 80, MIDDLE)
 
 
-def test_a_project_that_another_tab_has_deleted_is_saved_anew_without_a_question(
-    opened: "Browser", server: Server
-) -> None:
+def test_saving_a_project_that_another_tab_deleted_asks_nothing(opened: "Browser", server: Server) -> None:
     with open_studio(opened, server.url, tolerate=("status of 412", "status of 404")) as studio:
         studio.new()
         studio.circle()

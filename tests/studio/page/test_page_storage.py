@@ -72,9 +72,9 @@ def write_noise(path: Path, size: int) -> None:
     Image.fromarray(picture).save(path)
 
 
-def trace(studio: Studio, file: Path) -> None:
-    """Import a picture to trace."""
-    with studio.saying("Imported"):
+def trace(studio: Studio, file: Path, said: str = "Imported") -> None:
+    """Import a picture to trace, of which the page says this."""
+    with studio.saying(said):
         studio.page.set_input_files("#import-file", files=file)
         studio.page.locator("#choose button[value=traced]").click()
 
@@ -159,9 +159,7 @@ def test_work_on_a_full_disk_is_not_lost_and_it_is_said(server: Server, tmp_path
             studio.new()
             studio.line((20, 20), (200, 20))
             studio.wait_for_store(lambda kept: len(kept["history"]["steps"]) == 2)
-            with studio.saying("storage is full"):
-                studio.page.set_input_files("#import-file", files=tmp_path / "noise.png")
-                studio.page.locator("#choose button[value=traced]").click()
+            trace(studio, tmp_path / "noise.png", "storage is full")
             studio.line((20, 40), (200, 40))  # on with it
             assert studio.inked(100, 40)
             studio.page.locator("#open").click()
@@ -184,9 +182,7 @@ def test_where_the_disk_was_full_the_servers_newer_copy_is_restored(server: Serv
             studio.new()
             studio.line((40, 40), (200, 40))
             studio.wait_for_store(lambda kept: len(kept["history"]["steps"]) == 2)
-            with studio.saying("storage is full"):
-                studio.page.set_input_files("#import-file", files=tmp_path / "large.png")
-                studio.page.locator("#choose button[value=traced]").click()
+            trace(studio, tmp_path / "large.png", "storage is full")
             with studio.page.expect_response("**/api/autosave/*"):
                 studio.line((40, 120), (200, 120))
         with begun(context, server, room=MB) as studio:
@@ -201,9 +197,7 @@ def test_without_room_for_the_history_the_drawing_is_kept(server: Server, tmp_pa
     with profile(tmp_path / "profile") as context:
         with begun(context, server, room=MB) as studio:
             studio.new()
-            with studio.saying("storage is full"):
-                studio.page.set_input_files("#import-file", files=tmp_path / "noise.png")
-                studio.page.locator("#choose button[value=traced]").click()
+            trace(studio, tmp_path / "noise.png", "storage is full")
             studio.page.locator("#paper summary").click()
             studio.page.locator("#picture-list button").click()
             studio.page.keyboard.press("Escape")

@@ -8,7 +8,7 @@ import { say, text } from "./text.js";
  *   pressure, x, y, pressure, …; colour: "#rrggbb", black if there is none; mirror: x of the upright line at which it is
  *   mirrored, and drawn twice; carve: how far it stands out of the object, as a share of half its width, or below 0 is cut in
  * @typedef {{x: number, y: number, width: number, height: number, turn?: number, flipped?: boolean}} Box left, top and size
- *   before it is turned clockwise about its middle by so many radians; flipped from left to right before that
+ *   before it is turned; turn: clockwise about its middle, in radians; flipped: from left to right, before it is turned
  * @typedef {{kind: "picture", picture: string, paper?: boolean} & Box} Placed `picture` is a data URL; paper: what it shows
  *   was taken off white paper, where its opacity says nothing about the object
  * @typedef {Line | Placed} Stroke what the ink is made of, in order

@@ -11,6 +11,7 @@ import { say, text } from "./text.js";
 /** Side of the small pictures in pixels of the page. */
 const SMALL = 36;
 const KEY = "normalgan-layers";
+
 /** Small pictures of layers, as large as fits, made of the ink only when that has changed: of a large drawing that is dear. */
 class Thumbnails {
   /** @type {Map<number, {strokes: object, width: number, height: number, picture: HTMLCanvasElement}>} by the layer's id */
@@ -81,7 +82,7 @@ export class Layers {
     this.#show(recalled(KEY) === true);
   }
 
-  /** Goes to the layer that is so many farther to the front. @param {number} step */
+  /** Goes to another layer. @param {number} step 1: the next one in front, -1: the next one behind */
   step(step) {
     const { editor } = this;
     const next = editor.doc.layers[this.#place + step];
@@ -184,7 +185,7 @@ export class Layers {
     else this.#fill();
   }
 
-  /** Moves a layer so many steps to the front. @param {number} id @param {number} step */
+  /** Moves a layer towards the front. @param {number} id @param {number} step below 0: towards the back */
   #move(id, step) {
     const before = this.editor.doc;
     const after = withLayerMoved(before, id, step);

@@ -7,7 +7,7 @@ import { sidesOf } from "./strokes.js";
  * @typedef {import("./document.js").Doc} Doc @typedef {import("./document.js").Stroke} Stroke
  * @typedef {import("./document.js").Layer} Layer @typedef {import("./document.js").Picture} Picture
  * @typedef {{scale: number, x: number, y: number, angle?: number, flipped?: boolean}} Move flipped from left to right, then
- *   turned clockwise by so many radians, then made larger, then moved by x and y
+ *   turned clockwise by the angle in radians, then made larger, then moved by x and y
  * @typedef {{left: number, top: number, right: number, bottom: number}} Box
  * @typedef {{x: number, y: number}} Point
  */

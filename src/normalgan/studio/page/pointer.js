@@ -27,7 +27,7 @@ export class Pointers {
    * @param {import("./board.js").Board} board
    * @param {(event: PointerEvent) => Tool | null} tool null moves the view
    * @param {() => void} touched is called first
-   * @param {(fingers: number) => void} tapped is called when so many fingers, two or more, have tapped together
+   * @param {(fingers: number) => void} tapped is called after a tap with two or more fingers
    */
   constructor(board, tool, touched, tapped) {
     this.board = board;

@@ -27,6 +27,10 @@ export const boxOfSelection = (doc, selection) =>
 /** Whether all is there that is to be cut: a worker does it, beside the page. @param {Selection} selection */
 export const isCut = ({ cuts }) => !cuts?.some(({ parts }) => !parts);
 
+/** Returns what says why a picture could not be cut. @param {import("./status.js").Announce} announce @returns {(error: unknown) => void} */
+export const cutFailed = (announce) => (error) =>
+  announce(say("broken", { reason: error instanceof Error ? error.message : String(error) }), "warning");
+
 /**
  * Does what needs the parts of cut pictures: at once, or once they are there, unless something else is chosen by then.
  * @param {import("./editor.js").Editor} editor @param {import("./status.js").Announce} announce @param {() => void} act
@@ -42,7 +46,7 @@ export function onceCut(editor, announce, act) {
     if (editor.selection !== selection) return;
     announce("");
     act();
-  }).catch((error) => announce(say("broken", { reason: error instanceof Error ? error.message : String(error) }), "warning"));
+  }).catch(cutFailed(announce));
 }
 
 /**

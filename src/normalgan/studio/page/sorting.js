@@ -98,7 +98,7 @@ class RowDrag {
  * Lets a row be dragged to another place in its list.
  * @param {HTMLElement} handle of the row, which is pressed
  * @param {HTMLElement} item the row
- * @param {(step: number) => void} moved by so many rows downwards
+ * @param {(step: number) => void} moved is told by how many rows it went down
  */
 export function letSort(handle, item, moved) {
   handle.addEventListener("pointerdown", (event) => {

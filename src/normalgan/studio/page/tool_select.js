@@ -4,10 +4,10 @@ import { activeLayer, withActive } from "./document.js";
 import { NOTHING } from "./editor.js";
 import { chosenBy, insideOf } from "./lasso.js";
 import { aboutPoint, extentOf, isHit, unitedBox } from "./moving.js";
-import { boxOfSelection, insideOfSelection, isCut, isIn, isNothing, onceCut, together, withCuts, withMoved, without } from "./selection.js";
+import { boxOfSelection, cutFailed, insideOfSelection, isCut, isIn, isNothing, onceCut, together, withCuts, withMoved, without } from "./selection.js";
 import { cornersOf, knobOf } from "./selection_frame.js";
 import { makeRoom } from "./simplify.js";
-import { say, text } from "./text.js";
+import { text } from "./text.js";
 
 /** @typedef {import("./editor.js").Selection} Selection @typedef {import("./tools.js").Touch} Touch */
 
@@ -188,7 +188,7 @@ export class SelectTool {
       const inked = selection.cuts.filter(({ parts }) => parts?.piece.width);
       if (inked.length < selection.cuts.length) this.#choose({ ...selection, cuts: inked });
       else editor.mark();
-    }).catch((error) => this.announce(say("broken", { reason: error instanceof Error ? error.message : String(error) }), "warning"));
+    }).catch(cutFailed(this.announce));
   }
 
   /** @param {Selection} selection of a lasso */

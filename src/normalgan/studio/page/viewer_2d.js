@@ -46,7 +46,7 @@ export function shadedPixels({ rgba, width, height }, view, { light, colour, sec
   return pixels;
 }
 
-/** Returns a map with each so-many-th pixel of each so-many-th row. @param {import("./viewer.js").Picture} map @param {number} step @returns {import("./viewer.js").Picture} */
+/** Returns a smaller map, of one pixel in each square of step × step. @param {import("./viewer.js").Picture} map @param {number} step @returns {import("./viewer.js").Picture} */
 function sparse({ rgba, width, height }, step) {
   const [wide, high] = [Math.ceil(width / step), Math.ceil(height / step)];
   const out = new Uint8Array(4 * wide * high);
