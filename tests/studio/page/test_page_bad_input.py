@@ -168,6 +168,12 @@ def test_a_server_that_goes_away_in_the_middle_of_anything_is_told(server: Serve
         for action in actions:
             with studio.saying(OFFLINE):
                 action()
+            # Autosave may have told it first: then what was done here says for a moment that it goes on.
+            page.wait_for_function(
+                "words => (({ textContent: said }) => !said || said.startsWith(words))"
+                "(document.getElementById('status'))",
+                arg=OFFLINE,
+            )
             assert studio.status().startswith(OFFLINE)
         page.locator("#view-map").click()
         page.locator("#doubt").click()
