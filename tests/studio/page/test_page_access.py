@@ -84,6 +84,7 @@ def test_keys_alone_draw_pin_turn_and_undo(opened: "Browser", server: Server) ->
         press("n")
         assert page.evaluate("document.activeElement.id") == "ball"
         before = page.locator("#ball").get_attribute("aria-label")
+        studio.stop_clock()
         with studio.repainting():
             for _ in range(4):
                 press("ArrowRight")
@@ -143,7 +144,6 @@ def test_tooltips_name_the_keys_and_the_help_begins_at_its_start(opened: "Browse
 
 
 def test_on_a_telephone_a_finger_hits_every_control(opened: "Browser", server: Server) -> None:
-    server.reset()
     with open_studio(opened, server.url, width=390, height=844) as studio:
         studio.new()
         dent(studio)
@@ -166,7 +166,6 @@ def test_on_a_telephone_a_finger_hits_every_control(opened: "Browser", server: S
 
 
 def test_on_a_telephone_a_thumb_switches_between_two_full_canvases(opened: "Browser", server: Server) -> None:
-    server.reset()
     with open_studio(opened, server.url, width=390, height=844) as studio:
         page = studio.page
         assert page.locator("#samples").is_visible()  # whichever canvas is on show
@@ -194,7 +193,6 @@ def test_on_a_telephone_a_thumb_switches_between_two_full_canvases(opened: "Brow
 def test_on_a_phone_all_of_two_lights_and_of_suggested_points_is_seen(
     opened: "Browser", server: Server
 ) -> None:
-    server.reset()
     with open_studio(opened, server.url, width=390, height=844) as studio:
         page = studio.page
         studio.new()
@@ -246,7 +244,6 @@ def test_narrow_windows_stack_the_panes(opened: "Browser", server: Server, width
 def test_in_low_windows_the_panes_stay_side_by_side_and_every_tool_is_seen(
     opened: "Browser", server: Server, width: int, height: int
 ) -> None:
-    server.reset()
     with open_studio(opened, server.url, width=width, height=height) as studio:
         studio.new()
         with studio.repainting():
@@ -298,6 +295,20 @@ def test_dark_and_light_follow_the_system_until_switched(opened: "Browser", serv
         studio.page.reload()
         studio.page.wait_for_selector("html[data-ready]")
         assert brightness() < 60
+
+
+def test_a_key_that_comes_just_after_a_dialog_has_closed_is_a_shortcut(studio: Studio) -> None:
+    dent(studio)
+    page = studio.page
+    page.evaluate("document.activeElement.blur()")  # the dialog can give the focus back to nothing
+    page.keyboard.press("Control+e")
+    page.evaluate(
+        """() => {
+          document.getElementById("export-dialog").close();
+          document.activeElement.dispatchEvent(new KeyboardEvent("keydown", { key: "2", bubbles: true }));
+        }"""
+    )
+    assert page.locator("#result").get_attribute("data-view") == "lit"
 
 
 @pytest.mark.parametrize("card", ["history", "paper"])

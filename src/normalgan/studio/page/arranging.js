@@ -1,7 +1,7 @@
 /** Arranging: what is selected is flipped, turned, duplicated, copied, pasted, nudged and brought to another layer. */
 
 import { LISTS, MOST_LAYERS, activeLayer, changedLayer, hasRoom, newDocument, parseDocument, picturesOf, structuresOf, withActive, withNewLayer, withStructures } from "./document.js";
-import { $, enable, make } from "./dom.js";
+import { $, enable, fieldOf, make } from "./dom.js";
 import { aboutPoint, alongWith, movedParts } from "./moving.js";
 import { decodeAll } from "./pictures.js";
 import { boxOfSelection, hasInk, insideOfSelection, isCut, isNothing, onceCut, withCuts, withMoved } from "./selection.js";
@@ -211,8 +211,8 @@ export class Arranging {
   }
 
   /** Whether copying and pasting is about the drawing, and not about a field. @param {Event} event */
-  #isOurs({ target }) {
-    return !document.querySelector("dialog[open]") && !(target instanceof Element && target.closest("input, textarea"));
+  #isOurs(event) {
+    return !document.querySelector("dialog[open]") && !fieldOf(event, "input, textarea");
   }
 
   /** Puts parts onto the layer that is worked on, and selects them. @param {Parts} parts @param {import("./document.js").OwnStructure[]} [structures] that they have */

@@ -9,6 +9,17 @@ export const $ = (id) => /** @type {T} */ (document.getElementById(id));
 /** A field of a form. @param {string} id @returns {HTMLInputElement} */
 export const field = (id) => $(id);
 
+/**
+ * Returns the field that an event goes to. A dialog that closes leaves the focus on its field until the next frame; nobody
+ * types there any more.
+ * @param {Event} event @param {string} kinds of fields, as a selector
+ * @returns {Element | null}
+ */
+export function fieldOf({ target }, kinds) {
+  const found = target instanceof Element ? target.closest(kinds) : null;
+  return found?.getClientRects().length ? found : null;
+}
+
 /** Lets a button be pressed, or not. @param {string} id @param {boolean} enabled */
 export const enable = (id, enabled) => { /** @type {HTMLButtonElement} */ ($(id)).disabled = !enabled; };
 

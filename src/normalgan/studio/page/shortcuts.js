@@ -1,5 +1,7 @@
 /** Shortcuts: keys that work everywhere but in fields and dialogs; the help shows this list. */
 
+import { fieldOf } from "./dom.js";
+
 /** What the help shows: keys, and the key of their words. */
 export const SHOWN = [
   ["P  E  S  H  R  D  M  L  V", "keyPen"],
@@ -33,7 +35,7 @@ export const SHOWN = [
 export function followKeys(actions) {
   addEventListener("keydown", (event) => {
     if (event.defaultPrevented || event.altKey || document.querySelector("dialog[open]")) return;
-    const field = event.target instanceof Element && event.target.closest("input:not([type=range], [type=checkbox], [type=color]), select, textarea");
+    const field = fieldOf(event, "input:not([type=range], [type=checkbox], [type=color]), select, textarea");
     const control = event.ctrlKey || event.metaKey;
     if (field && !control) return;
     const letter = /^[a-z]$/i.test(event.key);
