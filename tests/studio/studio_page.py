@@ -11,14 +11,14 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
-from chromium import Complaints, storage
+from chromium import PATIENCE, Complaints, storage
 from chromium import page as open_page
 
 if TYPE_CHECKING:
@@ -41,6 +41,7 @@ STORED = """() => new Promise((resolve) => {
 """What the browser's own store holds of unsaved work: a document and its history for each tab."""
 
 Point = tuple[float, float]
+T = TypeVar("T")
 
 
 class Server:
@@ -121,9 +122,12 @@ def only_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
         yield running
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def server(only_server: Server) -> Server:
-    """That studio, which has forgotten what other modules did."""
+    """That studio, running, which has forgotten what other tests did.
+
+    Unsaved work is offered above the drawing: what lies where may not depend on what an earlier test sent.
+    """
     only_server.reset()
     return only_server
 
@@ -263,9 +267,18 @@ class Studio:
             "new Promise((done) => { requestAnimationFrame(() => requestAnimationFrame(() => done())); })"
         )
 
+    def until(self, look: Callable[[], T], wanted: Callable[[T], bool] = bool) -> T:
+        """Look until what is seen is as wanted, and return it: it may come some time after what was done."""
+        end = time.monotonic() + PATIENCE / 1000
+        while not wanted(seen := look()):
+            assert time.monotonic() < end, f"only this is seen: {seen}"
+            self.page.wait_for_timeout(20)
+        return seen
+
     def restored(self) -> None:
         """Make sure that unsaved work was restored without a question, and wait until its map is on show."""
-        assert self.page.locator("#toast-words").inner_text().startswith("Restored")
+        words = self.page.locator("#toast-words")
+        self.until(words.inner_text, lambda said: said.startswith("Restored"))
         self.page.wait_for_function(
             "() => document.getElementById('result').dataset.painted "
             "&& document.getElementById('result').ariaBusy === 'false'"
@@ -280,13 +293,10 @@ class Studio:
 
     def wait_for_store(self, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
         """Wait until the browser's own store holds some unsaved work, and return it."""
-        end = time.monotonic() + 90
-        while True:  # `wait_for_function` takes a promise for true
-            kept = self.page.evaluate(STORED)
-            if found := next(filter(wanted, kept), None):
-                return dict(found)
-            assert time.monotonic() < end, f"only this is kept: {kept}"
-            self.page.wait_for_timeout(20)
+        # `wait_for_function` takes a promise for true.
+        kept: list[dict[str, Any]]
+        kept = self.until(lambda: self.page.evaluate(STORED), lambda kept: any(map(wanted, kept)))
+        return next(each for each in kept if wanted(each))
 
     def screen(self) -> NDArray[np.uint8]:
         """Return what the window shows."""
@@ -314,14 +324,25 @@ class Studio:
         return " ".join(words for words in said if words)
 
     @contextmanager
-    def saying(self, words: str) -> Iterator[None]:
-        """Wait, after what is done inside, until the page says something; what it said before is gone."""
+    def saying(self, words: str, *, whole: bool = False) -> Iterator[None]:
+        """Wait, after what is done inside, until the page says something; what it said before is gone.
+
+        Inside of `repainting`: what was done is said for some seconds only, and a map may take as long.
+
+        Args:
+            words: a part of what it says.
+            whole: whether that is all that it says.
+        """
         said = "['status', 'problem-words'].map((each) => document.getElementById(each))"
         self.page.evaluate(f"() => {{ for (const each of {said}) each.textContent = ''; }}")
         yield
-        self.page.wait_for_function(
-            f"words => {said}.some((each) => each.textContent.includes(words))", arg=words
-        )
+        now = f"{said}.map((each) => each.textContent)"
+        is_said = f"{now}.join('') === words" if whole else f"{now}.some((each) => each.includes(words))"
+        self.page.wait_for_function(f"words => {is_said}", arg=words)
+
+    def stop_clock(self) -> None:
+        """Have what follows come at once on the page's clock, however busy the machine is."""
+        self.page.evaluate("() => { const now = performance.now(); performance.now = () => now; }")
 
 
 class Hand:
@@ -408,17 +429,18 @@ def sending_nothing_late(page: "Page") -> Iterator[None]:
     listeners = [("request", begun), ("requestfinished", ended), ("requestfailed", ended)]
     for event, listener in listeners:
         page.on(event, listener)
-    yield
-    if page.is_closed():
-        return
-    # In the page: what a closed page still sends passes by Playwright's routes.
-    page.evaluate("() => { window.fetch = () => new Promise(() => {}); }")
-    end = time.monotonic() + 60
-    while under_way:
-        assert time.monotonic() < end, f"{[request.url for request in under_way]} have no answer"
-        page.wait_for_timeout(10)
-    for event, listener in listeners:
-        page.remove_listener(event, listener)
+    try:
+        yield
+    finally:  # also of a test that has failed: the next one would fail as well
+        if not page.is_closed():
+            # In the page: what a closed page still sends passes by Playwright's routes.
+            page.evaluate("() => { window.fetch = () => new Promise(() => {}); }")
+            end = time.monotonic() + 60
+            while under_way:
+                assert time.monotonic() < end, f"{[request.url for request in under_way]} have no answer"
+                page.wait_for_timeout(10)
+            for event, listener in listeners:
+                page.remove_listener(event, listener)
 
 
 @contextmanager
@@ -440,6 +462,7 @@ class OnlyPage:
 
     def __init__(self, context: "BrowserContext", server: Server) -> None:
         self._context, self._server = context, server
+        server.reset()
         page = context.new_page()
         self._complaints = Complaints(page)
         self._studio = Studio(page, server.url)
@@ -447,7 +470,10 @@ class OnlyPage:
 
     @contextmanager
     def renewed(self, tolerate: tuple[str, ...] = ()) -> Iterator[Studio]:
-        """Open the studio in a storage that is empty again; on leaving, it must have logged nothing else."""
+        """Open the studio in a storage that is empty again; on leaving, it must have logged nothing else.
+
+        The server has forgotten too what other tests did.
+        """
         if not self._fresh:
             self._forget()
         self._fresh = False
@@ -467,14 +493,15 @@ class OnlyPage:
         self._context.clear_permissions()
         if self._size is not None:
             page.set_viewport_size(self._size)
+        self._server.reset()
         self._studio.open(self._server.url)
 
 
 @pytest.fixture(scope="module")
-def only_page(opened: "Browser", server: Server) -> Iterator[OnlyPage]:
+def only_page(opened: "Browser", only_server: Server) -> Iterator[OnlyPage]:
     """The page of a module."""
     with storage(opened, width=1200, height=700) as context:
-        yield OnlyPage(context, server)
+        yield OnlyPage(context, only_server)
 
 
 @pytest.fixture

@@ -20,13 +20,6 @@ MIDDLE = SIDE / 2
 OFFLINE = "Can't reach the studio. Keep drawing"
 
 
-@pytest.fixture(name="server")
-def running_server(server: Server) -> Server:
-    """The server of this module, running."""
-    server.reset()
-    return server
-
-
 def still_there(studio: Studio) -> bool:
     """Return whether the line is there, and goes on to be drawn on."""
     studio.page.keyboard.press("p")
@@ -179,8 +172,9 @@ def test_a_server_that_goes_away_in_the_middle_of_anything_is_told(server: Serve
         page.locator("#doubt").click()
         assert still_there(studio)
         with studio.repainting():
-            server.start()
-        assert re.match("The studio is back", studio.status())
+            with studio.saying("The studio is back"):
+                server.start()
+            assert re.match("The studio is back", studio.status())
         page.keyboard.press("Control+s")
         assert page.locator("#name-field").input_value() == "fox"  # nobody types it again
 

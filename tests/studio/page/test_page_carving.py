@@ -4,7 +4,7 @@ from pathlib import Path
 
 import cv2
 import pytest
-from studio_page import SIDE, Server, Studio
+from studio_page import SIDE, Studio
 from test_page_export import export
 
 # A server and a browser take seconds to start; every test begins with a circle, painted.
@@ -17,10 +17,7 @@ def lean(studio: Studio, x: float, y: float) -> float:
     return float((studio.shown(x, y - 5) - studio.shown(x, y + 5))[1])
 
 
-def test_a_line_is_engraved_or_embossed_and_its_erased_part_is_not(
-    studio: Studio, server: Server, tmp_path: Path
-) -> None:
-    server.reset()
+def test_a_line_is_engraved_or_embossed_and_its_erased_part_is_not(studio: Studio, tmp_path: Path) -> None:
     page = studio.page
     page.locator("#size").fill("8")  # 24 pixels
     carve = page.locator("#carve")

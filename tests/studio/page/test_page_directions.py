@@ -134,6 +134,7 @@ def test_the_brush_is_soft_and_strong_as_its_sliders_and_keys_say_and_smooths(st
         studio.turn(-0.8, 0)
     assert degrees(studio.shown(130, 120), wanted) < 4
     assert degrees(studio.shown(130, 140), wanted) < 6  # 20 of a radius of 24
+    studio.stop_clock()
     with studio.repainting():
         page.locator("#brush-strength").fill("50")  # of the stroke that is chosen, and of the next
         page.locator("#brush-strength").dispatch_event("change")

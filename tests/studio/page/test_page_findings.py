@@ -27,7 +27,6 @@ def ringed(studio: Studio, at: Point) -> bool:
 def test_what_is_said_of_a_map_is_seen_whole_beside_layers(
     opened: "Browser", server: Server, width: int, height: int
 ) -> None:
-    server.reset()
     with open_page(opened, width=width, height=height) as page, sending_nothing_late(page):
         studio = Studio(page, server.url)
         studio.new()
@@ -56,7 +55,6 @@ def test_what_is_said_of_a_map_is_seen_whole_beside_layers(
 def test_a_point_off_the_object_is_told_in_the_pages_language_and_shown(
     opened: "Browser", server: Server
 ) -> None:
-    server.reset()
     with open_page(opened, width=1200, height=700, locale="de-DE") as page, sending_nothing_late(page):
         studio = Studio(page, server.url)
         studio.new()
@@ -69,17 +67,16 @@ def test_a_point_off_the_object_is_told_in_the_pages_language_and_shown(
         assert said.inner_text() == "Ein Punkt liegt neben dem Objekt. Zieh ihn zurück."
         assert not ringed(studio, OFF)
         said.hover()
-        assert ringed(studio, OFF)
+        studio.until(lambda: ringed(studio, OFF))
         page.mouse.move(2, 2)
-        assert not ringed(studio, OFF)
+        studio.until(lambda: not ringed(studio, OFF))
         # A finger cannot hover; what it has pressed stays on show for a while.
         box = said.bounding_box()
         assert box is not None
         hand = Hand(studio)
         hand.put((box["x"] + 20, box["y"] + box["height"] / 2))
         hand.lift()
-        page.wait_for_timeout(300)
-        assert ringed(studio, OFF)
+        studio.until(lambda: ringed(studio, OFF))
         with studio.repainting():
             page.keyboard.press("Control+z")
         assert page.locator("#warning").is_hidden()

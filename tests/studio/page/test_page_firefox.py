@@ -45,7 +45,7 @@ def draw(running: Firefox, file: Path) -> None:
 
 
 def restored(running: Firefox) -> None:
-    assert running.run("return document.querySelector('#toast-words').textContent").startswith("Restored")
+    running.wait_for("document.querySelector('#toast-words').textContent.startsWith('Restored')")
     assert running.run("return document.querySelectorAll('#picture-list li').length") == 1
 
 
@@ -53,7 +53,6 @@ def restored(running: Firefox) -> None:
 def test_unsaved_work_with_a_picture_is_restored_in_firefox(
     server: Server, tmp_path: Path, size: int
 ) -> None:
-    server.reset()
     write_noise(tmp_path / "noise.png", size)
     with firefox(tmp_path / "profile") as running:
         start(running, server)
@@ -69,7 +68,6 @@ def test_unsaved_work_with_a_picture_is_restored_in_firefox(
 
 
 def test_unsaved_work_outlives_a_killed_firefox(server: Server, tmp_path: Path) -> None:
-    server.reset()
     write_noise(tmp_path / "noise.png", 2 * MB)
     with firefox(tmp_path / "profile") as running:
         start(running, server)
@@ -84,7 +82,6 @@ def test_unsaved_work_outlives_a_killed_firefox(server: Server, tmp_path: Path) 
 def test_the_lasso_cuts_a_picture_in_firefox_with_the_mouse_and_with_a_finger(
     server: Server, tmp_path: Path
 ) -> None:
-    server.reset()
     two_circles().save(tmp_path / "circles.png")
     with firefox(tmp_path / "profile") as running:
         start(running, server)

@@ -12,13 +12,6 @@ if TYPE_CHECKING:
 pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
 
 
-@pytest.fixture(name="server")
-def empty_server(server: Server) -> Server:
-    """The server of this module without projects."""
-    server.reset()
-    return server
-
-
 def test_a_sample_is_taken_and_the_first_steps_follow(opened: "Browser", server: Server) -> None:
     with open_studio(opened, server.url) as studio:
         page = studio.page
@@ -130,10 +123,12 @@ def test_lights_have_colours_and_go_around(opened: "Browser", server: Server) ->
         page.locator("#light-play").click()
         assert page.locator("#light-play").get_attribute("aria-pressed") == "true"
         seen = set()
-        for _ in range(6):
-            page.wait_for_timeout(200)
+
+        def colours() -> int:
             seen.add(tuple(colour()))
-        assert len(seen) > 2
+            return len(seen)
+
+        studio.until(colours, lambda count: count > 2)
         page.locator("#light-play").click()
         stood = colour()
         np.testing.assert_allclose(colour(), stood, atol=1)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 from PIL import Image
-from studio_page import SIDE, OnlyPage, Server, Studio, open_studio, serving
+from studio_page import SIDE, OnlyPage, Studio, open_studio, serving
 
 from normalgan.decoding import DecodedLayer
 from normalgan.inference.composites.layers import encode_layers
@@ -43,9 +43,8 @@ STACK = [
 
 
 @pytest.fixture
-def studio(only_page: OnlyPage, server: Server) -> Iterator[Studio]:
+def studio(only_page: OnlyPage) -> Iterator[Studio]:
     """An empty drawing, and the panel of layers."""
-    server.reset()
     with only_page.renewed(tolerate=("status of 400",)) as page:
         page.page.locator("#layers-toggle").click()
         page.new()
@@ -66,9 +65,9 @@ def names(studio: Studio) -> list[str]:
 def test_the_layers_of_a_file_become_those_of_the_drawing(studio: Studio, tmp_path: Path) -> None:
     file = tmp_path / "fox.ora"
     file.write_bytes(encode_layers("ora", SHAPE, STACK))
-    with studio.repainting():
+    said = "Imported “fox.ora”: 3 layers. Skipped layers without lines: “paper”."
+    with studio.repainting(), studio.saying(said, whole=True):
         give(studio, file, "layers")
-    assert studio.status() == "Imported “fox.ora”: 3 layers. Skipped layers without lines: “paper”."
     assert names(studio) == ["note", "hat", "body"]
     assert studio.page.locator("#pixels").inner_text() == "300 × 200"
     studio.size = SHAPE[::-1]
@@ -126,17 +125,15 @@ def test_a_page_of_a_tiff_can_be_chosen(studio: Studio, tmp_path: Path) -> None:
         for x in (90, 170)
     ]
     pages[0].save(tmp_path / "scan.tiff", save_all=True, append_images=pages[1:])
-    with studio.repainting():
+    with studio.repainting(), studio.saying("Imported “scan.tiff”. Used page 1 of 2.", whole=True):
         give(studio, tmp_path / "scan.tiff", "drawing")
-    assert studio.status() == "Imported “scan.tiff”. Used page 1 of 2."
     studio.page.keyboard.press("Control+z")
     studio.page.set_input_files("#import-file", files=tmp_path / "scan.tiff")
     with studio.page.expect_response("**/api/import?part=2"):
         studio.page.locator("#choose input").fill("2")
         studio.page.locator("#choose input").blur()
-    with studio.repainting():
+    with studio.repainting(), studio.saying("Imported “scan.tiff”. Used page 2 of 2.", whole=True):
         studio.page.locator("#choose button[value=drawing]").click()
-    assert studio.status() == "Imported “scan.tiff”. Used page 2 of 2."
     assert studio.shown(150, 90)[2] > 0.5
 
 
@@ -158,20 +155,20 @@ def test_layers_that_are_left_out_are_named_with_the_reason(studio: Studio, tmp_
     file = tmp_path / "fox.ora"
     lost = b'<layer name="lost" src="data/none.png"/><layer name="hat" src="data/none.png"/>'
     write_altered(file, b"<layer", lost + b"<layer")
-    with studio.repainting():
-        give(studio, file, "layers")
-    assert names(studio) == ["hat", "body"]
     said = "Imported “fox.ora”: 2 layers. Skipped damaged layers: “hat”, “lost”."
+    with studio.repainting(), studio.saying(said, whole=True):
+        give(studio, file, "layers")
     assert studio.page.locator("#problem-words").inner_text() == said
+    assert names(studio) == ["hat", "body"]
 
 
 def test_of_one_drawing_too_it_is_said_what_is_not_shown(studio: Studio, tmp_path: Path) -> None:
     file = tmp_path / "fox.ora"
     multiplied = b'name="hat" composite-op="svg:multiply"'
     write_altered(file, b'name="hat"', multiplied, without="mergedimage.png")
-    with studio.repainting():
-        give(studio, file, "drawing")
     said = "Imported “fox.ora”. Effects, masks or blend modes of these layers are not shown: “hat”."
+    with studio.repainting(), studio.saying(said, whole=True):
+        give(studio, file, "drawing")
     assert studio.page.locator("#problem-words").inner_text() == said
 
 

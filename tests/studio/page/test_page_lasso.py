@@ -3,7 +3,6 @@
 import base64
 import io
 import math
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -11,19 +10,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
-from studio_page import SIDE, OnlyPage, Server, Studio
+from studio_page import SIDE, Studio
 
 pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
 PAPER = (240, 230, 205)
-
-
-@pytest.fixture
-def studio(only_page: OnlyPage, server: Server) -> Iterator[Studio]:
-    """An empty drawing; no project is saved."""
-    server.reset()
-    with only_page.renewed() as page:
-        page.new()
-        yield page
 
 
 def give(studio: Studio, picture: Image.Image, file: Path) -> None:
@@ -138,7 +128,8 @@ def test_a_cut_part_keeps_its_pixels_where_there_is_no_paper_and_is_dragged_and_
     assert right[120:136, 184:196].min() == 255  # the gap went along
     np.testing.assert_array_equal(right[150:216, 200:], given[110:176, 200:])
     lasso(studio, 70, 110, 30)  # across the other circle
-    page.keyboard.press("Delete")
+    with studio.repainting():  # it is cut elsewhere
+        page.keyboard.press("Delete")
     (layer,) = saved(studio)
     assert [stroke["kind"] for stroke in layer["strokes"]].count("picture") == 2
     page.locator("#history summary").click()

@@ -17,9 +17,8 @@ MIDDLE = SIDE / 2
 
 
 @pytest.fixture
-def studio(only_page: OnlyPage, server: Server) -> Iterator[Studio]:
+def studio(only_page: OnlyPage) -> Iterator[Studio]:
     """An empty drawing, the panel of layers, and how many bytes of which layers were sent to be painted."""
-    server.reset()
     with only_page.renewed() as page:
         page.page.locator("#layers-toggle").click()
         page.new()
@@ -232,7 +231,6 @@ def test_beside_the_layers_every_control_has_its_room(
       }
       return found;
     }"""
-    server.reset()
     with open_studio(opened, server.url, width=size[0], height=size[1]) as studio:
         page = studio.page
         assert page.evaluate(cramped) == []

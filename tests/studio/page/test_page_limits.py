@@ -5,16 +5,13 @@ import math
 from pathlib import Path
 
 import pytest
-from studio_page import SIDE, Server, Studio
+from studio_page import SIDE, Studio
 
 pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
 MOST_STROKES = 20_000
 
 
-def test_a_layer_that_is_full_says_so_when_the_pen_comes_down(
-    studio: Studio, server: Server, tmp_path: Path
-) -> None:
-    server.reset()
+def test_a_layer_that_is_full_says_so_when_the_pen_comes_down(studio: Studio, tmp_path: Path) -> None:
     page = studio.page
     dot = {"kind": "pen", "size": 3, "points": [20, 20, 0.5]}
     ring = [

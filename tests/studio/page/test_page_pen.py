@@ -17,7 +17,6 @@ MIDDLE = SIDE / 2
 @pytest.fixture
 def studio(server: Server, tmp_path: Path) -> Iterator[Studio]:
     """An empty drawing."""
-    server.reset()
     with profile(tmp_path / "profile") as context:
         page = context.pages[0]
         with sending_nothing_late(page):

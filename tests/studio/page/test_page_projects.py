@@ -1,6 +1,5 @@
 """The studio's page and what is kept: projects, unsaved work, a server that is killed, files in and out."""
 
-import time
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,13 +21,6 @@ SVG = (
     '<svg xmlns="http://www.w3.org/2000/svg" width="120" height="60">'
     '<ellipse cx="60" cy="30" rx="50" ry="22" fill="none" stroke="black" stroke-width="3"/></svg>'
 )
-
-
-@pytest.fixture(name="server")
-def empty_server(server: Server) -> Server:
-    """The server of this module without projects."""
-    server.reset()
-    return server
 
 
 PICTURED = """list => {
@@ -182,7 +174,8 @@ def test_a_folder_of_drawings_is_a_gallery_to_open_them_from(
         page = studio.page
         page.locator("#open").click()
         page.set_input_files("#open-folder", tmp_path)
-        assert page.locator("#folder-list strong").all_inner_texts() == ["2.svg", "10.svg"]
+        names = page.locator("#folder-list strong")
+        studio.until(names.all_inner_texts, ["2.svg", "10.svg"].__eq__)
         page.wait_for_function(PICTURED, arg="folder-list")
         with studio.saying("Imported “10.svg”"):
             page.locator("#folder-list .project").nth(1).click()
@@ -251,8 +244,8 @@ def test_the_maps_of_a_folder_are_seen_side_by_side(
         assert map_[2] > 120 > abs(map_[0] - map_[1])  # a normal, blue
         assert max(lit[:3]) - min(lit[:3]) < 30  # clay
         assert drawing != map_ != lit
-        page.locator("#folder-list .project").first.click()
-        page.wait_for_function("() => document.getElementById('result').ariaBusy === 'false'")
+        with studio.repainting():
+            page.locator("#folder-list .project").first.click()
 
 
 def test_an_exported_map_is_read_back(opened: "Browser", server: Server, tmp_path: Path) -> None:
@@ -525,10 +518,7 @@ KEPT = """async () => {
 
 def wait_for_kept(studio: Studio, here: int, there: int) -> None:
     """Wait until so much unsaved work is kept: `wait_for_function` takes a promise for true."""
-    end = time.monotonic() + 90
-    while (kept := studio.page.evaluate(KEPT)) != [here, there]:
-        assert time.monotonic() < end, f"{kept} are kept"
-        studio.page.wait_for_timeout(20)
+    studio.until(lambda: studio.page.evaluate(KEPT), [here, there].__eq__)
 
 
 def test_work_that_was_undone_again_is_not_offered_as_unsaved(opened: "Browser", server: Server) -> None:

@@ -36,13 +36,6 @@ CHANGED = """version => new Promise((resolve, reject) => {
 """Opens the database as a studio of another version does."""
 
 
-@pytest.fixture(name="server")
-def empty_server(server: Server) -> Server:
-    """The server of this module without projects and without unsaved work."""
-    server.reset()
-    return server
-
-
 @contextmanager
 def begun(context: "BrowserContext", server: Server, *, room: int | None = None) -> Iterator[Studio]:
     """Open the studio in a browser, and close it.

@@ -85,12 +85,12 @@ def test_no_words_beside_the_tools_and_views_are_cut_off(
     opened: "Browser", server: Server, locale: str
 ) -> None:
     with open_page(opened, width=1280, height=800, locale=locale) as page:
-        Studio(page, server.url)
+        studio = Studio(page, server.url)
         for width in (1024, 1280, 1920):
             page.set_viewport_size({"width": width, "height": 800})
             for tool in "peshrdmlv":
                 page.keyboard.press(tool)
-                page.wait_for_function("() => new Promise((done) => requestAnimationFrame(() => done(true)))")
+                studio.wait_for_frame()
                 assert page.evaluate(CUT_OFF) == [], (width, tool)
                 help_ = page.locator("#select-help")
                 helped = help_.evaluate("e => e.checkVisibility() && !e.matches('.cut')")
