@@ -39,6 +39,11 @@ STORED = """() => new Promise((resolve) => {
   };
 })"""
 """What the browser's own store holds of unsaved work: a document and its history for each tab."""
+SENT = """async () => {
+  const read = (path) => fetch(`/api/autosave${path}`).then((answer) => answer.json());
+  return Promise.all((await read("")).map(({ name }) => read(`/${name}`)));
+}"""
+"""What the server holds of unsaved work: a document for each tab."""
 
 Point = tuple[float, float]
 T = TypeVar("T")
@@ -293,9 +298,16 @@ class Studio:
 
     def wait_for_store(self, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
         """Wait until the browser's own store holds some unsaved work, and return it."""
+        return self._kept(STORED, wanted)
+
+    def wait_for_server(self, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
+        """Wait until the server holds a document of unsaved work, and return it: it may have an older one."""
+        return self._kept(SENT, wanted)
+
+    def _kept(self, script: str, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
         # `wait_for_function` takes a promise for true.
         kept: list[dict[str, Any]]
-        kept = self.until(lambda: self.page.evaluate(STORED), lambda kept: any(map(wanted, kept)))
+        kept = self.until(lambda: self.page.evaluate(script), lambda kept: any(map(wanted, kept)))
         return next(each for each in kept if wanted(each))
 
     def screen(self) -> NDArray[np.uint8]:
@@ -450,6 +462,26 @@ def open_studio(
     """Open the studio in a page of its own storage."""
     with open_page(opened, width=width, height=height, tolerate=tolerate) as page, sending_nothing_late(page):
         yield Studio(page, url)
+
+
+@contextmanager
+def begun(context: "BrowserContext", server: Server, *, room: int | None = None) -> Iterator[Studio]:
+    """Open the studio in a tab of a browser, and close it.
+
+    Args:
+        context: of the browser.
+        server: of the studio.
+        room: bytes that the browser has for it.
+    """
+    page = context.new_page()
+    if room is not None:  # before the page asks for any: the browser remembers for a while how much there is
+        wanted = {"origin": server.url.rstrip("/"), "quotaSize": room}
+        context.new_cdp_session(page).send("Storage.overrideQuotaForOrigin", wanted)
+    with sending_nothing_late(page):
+        studio = Studio(page, server.url)
+        studio.size = SIDE, SIDE
+        yield studio
+    page.close()
 
 
 class OnlyPage:

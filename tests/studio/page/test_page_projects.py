@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 from PIL import Image
-from studio_page import AWAY, SIDE, Server, Studio, open_studio, serving
+from studio_page import AWAY, SIDE, Server, Studio, begun, open_studio, serving
 
 from chromium import storage
 from normalgan.normals import flip_green, read_png
@@ -105,23 +105,22 @@ def test_two_tabs_do_not_overwrite_one_another(opened: "Browser", server: Server
 
 def test_unsaved_work_outlives_a_closed_tab_and_a_killed_server(opened: "Browser", server: Server) -> None:
     with storage(opened, width=1200, height=700) as context:
-        studio = Studio(context.new_page(), server.url)
-        studio.new()
-        with studio.repainting():
-            studio.circle()
-        server.kill()
-        with studio.saying("reach the studio"):
-            studio.line((20, 20), (60, 20))  # on with it
-        assert studio.inked(40, 20)
-        with studio.saying("studio is back"):
-            server.start()
-        studio.line((20, 40), (60, 40))
-        studio.page.close()
-        studio = Studio(context.new_page(), server.url)
-        studio.size = SIDE, SIDE
-        studio.restored()
-        for x, y in ((MIDDLE + 80, MIDDLE), (40, 20), (40, 40)):
-            assert studio.inked(x, y)
+        with begun(context, server) as studio:
+            studio.new()
+            with studio.repainting():
+                studio.circle()
+            server.kill()
+            with studio.saying("reach the studio"):
+                studio.line((20, 20), (60, 20))  # on with it
+            assert studio.inked(40, 20)
+            with studio.saying("studio is back"):
+                server.start()
+            studio.line((20, 40), (60, 40))
+            studio.page.close()
+        with begun(context, server) as studio:
+            studio.restored()
+            for x, y in ((MIDDLE + 80, MIDDLE), (40, 20), (40, 40)):
+                assert studio.inked(x, y)
 
 
 def test_the_server_keeps_unsaved_work_for_another_browser(opened: "Browser", server: Server) -> None:
@@ -358,111 +357,106 @@ def test_what_is_drawn_while_a_project_comes_is_asked_about(opened: "Browser", s
 
 def test_restored_work_is_saved_where_it_was_opened_from(opened: "Browser", server: Server) -> None:
     with storage(opened, width=1200, height=700) as context:
-        studio = Studio(context.new_page(), server.url)
-        studio.new()
-        with studio.repainting():
-            studio.circle()
-        studio.save_as("fox")
-        with studio.page.expect_response(lambda answer: "/api/autosave/" in answer.url):
-            studio.line((20, 20), (60, 20))
-        studio.page.close()
-        studio = Studio(context.new_page(), server.url)
-        studio.size = SIDE, SIDE
-        studio.restored()
-        assert "fox" in studio.page.locator("#toast-words").inner_text()
-        with studio.saying("Saved"):  # and not: changed elsewhere in the meantime
-            studio.page.keyboard.press("Control+s")
+        with begun(context, server) as studio:
+            studio.new()
+            with studio.repainting():
+                studio.circle()
+            studio.save_as("fox")
+            with studio.page.expect_response(lambda answer: "/api/autosave/" in answer.url):
+                studio.line((20, 20), (60, 20))
+        with begun(context, server) as studio:
+            studio.restored()
+            assert "fox" in studio.page.locator("#toast-words").inner_text()
+            with studio.saying("Saved"):  # and not: changed elsewhere in the meantime
+                studio.page.keyboard.press("Control+s")
 
 
 def test_all_unsaved_work_is_listed_at_once(opened: "Browser", server: Server) -> None:
     with storage(opened, width=1200, height=700) as context:
         for y in (60, 120, 180):
-            studio = Studio(context.new_page(), server.url)
-            if studio.page.locator("#toast").is_visible():  # the first is restored
-                studio.page.locator("#toast button", has_text="Not now").click()
-                studio.page.locator("#empty-board").wait_for()
-            studio.new()
-            with studio.page.expect_response(lambda answer: "/api/autosave/" in answer.url):
-                studio.line((20, y), (200, y))
-            studio.page.close()
-        studio = Studio(context.new_page(), server.url)
-        studio.size = SIDE, SIDE
-        studio.page.locator("#restore-all").click()
-        rows = studio.page.locator("#restore-list li")
-        rows.nth(2).wait_for()
-        assert rows.count() == 3
-        drawn = "canvas => new Set(canvas.getContext('2d').getImageData(0, 0, 96, 96).data).size > 1"
-        assert all(row.locator("canvas").evaluate(drawn) for row in rows.all())
-        for undone in (True, False):  # the newest is dropped, which is asked, and can be undone
-            rows.nth(0).locator("button").nth(1).click()
-            with studio.answering("choose"):
-                studio.page.locator("#choose button[value=drop]").click()
-            studio.page.locator("#toast").wait_for()
-            if undone:
-                studio.page.locator("#toast button").click()
-            studio.page.locator("#restore-all", has_text="3" if undone else "2").click()
-            rows.nth(2 if undone else 1).wait_for()
-        assert rows.count() == 2
-        with studio.repainting():
-            rows.nth(1).locator(".project").click()
-        studio.page.locator("#restore").wait_for(state="hidden")  # it is kept; the board moves up
-        assert studio.inked(100, 60)  # the oldest
+            with begun(context, server) as studio:
+                if studio.page.locator("#toast").is_visible():  # the first is restored
+                    studio.page.locator("#toast button", has_text="Not now").click()
+                    studio.page.locator("#empty-board").wait_for()
+                studio.new()
+                with studio.page.expect_response(lambda answer: "/api/autosave/" in answer.url):
+                    studio.line((20, y), (200, y))
+        with begun(context, server) as studio:
+            studio.page.locator("#restore-all").click()
+            rows = studio.page.locator("#restore-list li")
+            rows.nth(2).wait_for()
+            assert rows.count() == 3
+            drawn = "canvas => new Set(canvas.getContext('2d').getImageData(0, 0, 96, 96).data).size > 1"
+            assert all(row.locator("canvas").evaluate(drawn) for row in rows.all())
+            for undone in (True, False):  # the newest is dropped, which is asked, and can be undone
+                rows.nth(0).locator("button").nth(1).click()
+                with studio.answering("choose"):
+                    studio.page.locator("#choose button[value=drop]").click()
+                studio.page.locator("#toast").wait_for()
+                if undone:
+                    studio.page.locator("#toast button").click()
+                studio.page.locator("#restore-all", has_text="3" if undone else "2").click()
+                rows.nth(2 if undone else 1).wait_for()
+            assert rows.count() == 2
+            with studio.repainting():
+                rows.nth(1).locator(".project").click()
+            studio.page.locator("#restore").wait_for(state="hidden")  # it is kept; the board moves up
+            assert studio.inked(100, 60)  # the oldest
+
+
+def put_back(studio: Studio) -> None:
+    """Have a line that was restored put back for later."""
+    studio.restored()
+    assert studio.inked(100, 60)
+    with studio.saying("find it under Open"):
+        studio.page.locator("#toast button", has_text="Not now").click()
+    assert studio.page.locator("#empty-board").is_visible()
 
 
 def test_what_was_restored_is_put_back_for_later_and_comes_again(opened: "Browser", server: Server) -> None:
     with storage(opened, width=1200, height=700) as context:
-        studio = Studio(context.new_page(), server.url)
-        studio.new()
-        studio.line((20, 60), (200, 60))
-        wait_for_kept(studio, 1, 1)
-        studio.page.close()
-        for _ in range(2):
-            studio = Studio(context.new_page(), server.url)
-            studio.size = SIDE, SIDE
-            studio.restored()
+        with begun(context, server) as studio:
+            studio.new()
+            studio.line((20, 60), (200, 60))
+            wait_for_kept(studio, 1, 1)
+        with begun(context, server) as studio:
+            put_back(studio)
+        with begun(context, server) as studio:
+            put_back(studio)
+            studio.page.locator("#open").click()
+            studio.page.locator("#open-unsaved").click()
+            with studio.saying("Restored"):
+                studio.page.locator("#restore-list .project").click()
             assert studio.inked(100, 60)
-            with studio.saying("find it under Open"):
-                studio.page.locator("#toast button", has_text="Not now").click()
+            # From now on it is this tab's, and what is given up on leaving can be had back.
+            studio.page.locator("#new").click()
+            studio.page.locator("#choose button[value=drop]").click()
+            with studio.answering("new-dialog"):
+                studio.page.locator("#new-dialog button.strong").click()
             assert studio.page.locator("#empty-board").is_visible()
-            if _:
-                break
-            studio.page.close()
-        studio.page.locator("#open").click()
-        studio.page.locator("#open-unsaved").click()
-        with studio.saying("Restored"):
-            studio.page.locator("#restore-list .project").click()
-        assert studio.inked(100, 60)
-        # From now on it is this tab's, and what is given up on leaving can be had back.
-        studio.page.locator("#new").click()
-        studio.page.locator("#choose button[value=drop]").click()
-        with studio.answering("new-dialog"):
-            studio.page.locator("#new-dialog button.strong").click()
-        assert studio.page.locator("#empty-board").is_visible()
-        studio.page.locator("#toast button", has_text="Undo").click()
-        studio.page.locator("#empty-board").wait_for(state="hidden")
-        assert studio.inked(100, 60)
-        wait_for_kept(studio, 1, 1)
+            studio.page.locator("#toast button", has_text="Undo").click()
+            studio.page.locator("#empty-board").wait_for(state="hidden")
+            assert studio.inked(100, 60)
+            wait_for_kept(studio, 1, 1)
 
 
 def test_restored_work_that_is_drawn_on_is_kept_once(opened: "Browser", server: Server) -> None:
     with storage(opened, width=1200, height=700) as context:
-        studio = Studio(context.new_page(), server.url)
-        studio.new()
-        studio.line((20, 60), (200, 60))
-        wait_for_kept(studio, 1, 1)
-        studio.page.close()
-        studio = Studio(context.new_page(), server.url)
-        studio.size = SIDE, SIDE
-        studio.restored()
-        studio.line((20, 90), (200, 90))
-        studio.page.keyboard.press("Control+z")  # as it was restored, which is in no project
-        wait_for_kept(studio, 1, 1)
-        studio.wait_for_store(lambda kept: kept["history"]["at"] == 1 and len(kept["history"]["steps"]) == 3)
-        studio.page.close()
-        studio = Studio(context.new_page(), server.url)
-        studio.size = SIDE, SIDE
-        studio.restored()
-        assert studio.inked(100, 60)
+        with begun(context, server) as studio:
+            studio.new()
+            studio.line((20, 60), (200, 60))
+            wait_for_kept(studio, 1, 1)
+        with begun(context, server) as studio:
+            studio.restored()
+            studio.line((20, 90), (200, 90))
+            studio.page.keyboard.press("Control+z")  # as it was restored, which is in no project
+            wait_for_kept(studio, 1, 1)
+            studio.wait_for_store(
+                lambda kept: kept["history"]["at"] == 1 and len(kept["history"]["steps"]) == 3
+            )
+        with begun(context, server) as studio:
+            studio.restored()
+            assert studio.inked(100, 60)
 
 
 def test_each_stroke_is_written_once(opened: "Browser", server: Server) -> None:

@@ -3,21 +3,16 @@
 import json
 import math
 import signal
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import psutil
 import pytest
 from PIL import Image
-from studio_page import SIDE, Server, Studio, sending_nothing_late
+from studio_page import SIDE, Server, Studio, begun, sending_nothing_late
 
 from chromium import PATIENCE, profile
-
-if TYPE_CHECKING:
-    from playwright.sync_api import BrowserContext
 
 pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
 KB, MB = 2**10, 2**20
@@ -34,26 +29,6 @@ CHANGED = """version => new Promise((resolve, reject) => {
   request.onsuccess = () => { window.held = request.result; resolve(request.result.version); };
 })"""
 """Opens the database as a studio of another version does."""
-
-
-@contextmanager
-def begun(context: "BrowserContext", server: Server, *, room: int | None = None) -> Iterator[Studio]:
-    """Open the studio in a browser, and close it.
-
-    Args:
-        context: of the browser.
-        server: of the studio.
-        room: bytes that the browser has for it.
-    """
-    page = context.new_page()
-    if room is not None:  # before the page asks for any: the browser remembers for a while how much there is
-        wanted = {"origin": server.url.rstrip("/"), "quotaSize": room}
-        context.new_cdp_session(page).send("Storage.overrideQuotaForOrigin", wanted)
-    with sending_nothing_late(page):
-        studio = Studio(page, server.url)
-        studio.size = SIDE, SIDE
-        yield studio
-    page.close()
 
 
 def write_noise(path: Path, size: int) -> None:
@@ -176,8 +151,8 @@ def test_where_the_disk_was_full_the_servers_newer_copy_is_restored(server: Serv
             studio.line((40, 40), (200, 40))
             studio.wait_for_store(lambda kept: len(kept["history"]["steps"]) == 2)
             trace(studio, tmp_path / "large.png", "storage is full")
-            with studio.page.expect_response("**/api/autosave/*"):
-                studio.line((40, 120), (200, 120))
+            studio.line((40, 120), (200, 120))
+            studio.wait_for_server(lambda doc: len(doc["layers"][0]["strokes"]) == 2)
         with begun(context, server, room=MB) as studio:
             studio.restored()
             assert studio.inked(120, 40)
@@ -238,8 +213,8 @@ def test_the_servers_copy_is_restored_where_the_browsers_is_damaged(server: Serv
     with profile(folder) as context, begun(context, server) as studio:
         studio.new()
         trace(studio, tmp_path / "noise.png")
-        with studio.page.expect_response(lambda answer: "/api/autosave/" in answer.url):
-            studio.line((20, 20), (200, 20))
+        studio.line((20, 20), (200, 20))
+        studio.wait_for_server(lambda doc: len(doc["layers"][0]["strokes"]) == 1)
         studio.wait_for_store(lambda kept: len(kept["history"]["steps"]) == 3)
     damage(folder)
     with profile(folder) as context, begun(context, server) as studio:
