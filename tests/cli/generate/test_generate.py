@@ -238,6 +238,8 @@ def test_it_loads_neither_torch_nor_what_only_others_need() -> None:
     [
         (["none.png"], "no sketch found at 'none.png'"),
         (["fox.png", "--model", "none.onnx"], "there is no model none.onnx"),
+        (["fox.png", "--model", "shippd"], "there is no model shippd; name a file that `normalgan export` "),
+        (["fox.png", "--model", "shippd"], "Did you mean shipped?"),
         (["fox.png", "--model", "fox.png"], "fox.png is not a model that ONNX Runtime can run"),
         (["fox.png", "--mask", "none"], "there is no file or folder none for the mask"),
         (["fox.png", "--mask", "empty"], "empty holds no mask for any sketch"),
