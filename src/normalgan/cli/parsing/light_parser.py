@@ -2,6 +2,7 @@
 
 import argparse
 import re
+import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import UnionType
@@ -10,7 +11,7 @@ from typing import Any, Literal, NoReturn, Union, get_args, get_origin
 from jsonargparse import ActionConfigFile, ArgumentParser, Namespace  # type: ignore[attr-defined]  # so does Lightning
 
 from normalgan.cli.parsing.errors import explain
-from normalgan.errors import InputError, did_you_mean
+from normalgan.errors import InputError, ParserExit, did_you_mean
 from normalgan.files.limits import load_yaml
 from normalgan.registry import Registry
 
@@ -37,6 +38,12 @@ class OwnDefaultsParser(ArgumentParser):
         """Return what was meant by a setting that a class does not have, to be part of a longer message."""
         unknown = re.fullmatch(r"Option '(.+)' is not accepted", message)
         return did_you_mean(unknown[1], settings) if unknown else ""
+
+    def exit(self, status: int = 0, message: str | None = None) -> NoReturn:
+        """End the command in a way that cannot be confused with ``sys.exit`` in a plug-in."""
+        if message:
+            print(message, file=sys.stderr, end="")
+        raise ParserExit(status)
 
     def get_defaults(self, *given: Any, **how: Any) -> Namespace:
         """Return all defaults; for a class that is a default, only what was set: parsing adds the rest."""
