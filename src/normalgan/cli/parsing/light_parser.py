@@ -39,6 +39,15 @@ class OwnDefaultsParser(ArgumentParser):
         unknown = re.fullmatch(r"Option '(.+)' is not accepted", message)
         return did_you_mean(unknown[1], settings) if unknown else ""
 
+    def _choices(self) -> dict[str, str]:
+        """Return the values of each option that takes only some, as ``--help`` shows them."""
+        return {
+            name: action.metavar
+            for action in self._actions
+            for name in action.option_strings
+            if isinstance(action.metavar, str) and action.metavar.startswith("{")
+        }
+
     def exit(self, status: int = 0, message: str | None = None) -> NoReturn:
         """End the command in a way that cannot be confused with ``sys.exit`` in a plug-in."""
         if message:
@@ -74,7 +83,9 @@ class LightParser(OwnDefaultsParser):
         """Raise `InputError` instead of printing a usage page."""
         settings = [action.dest for action in self._actions]
         if self.exit_on_error:
-            raise InputError(explain(message, self.plugins, settings, self._options())) from ex
+            raise InputError(
+                explain(message, self.plugins, settings, self._options(), self._choices())
+            ) from ex
         super().error(message + self.suggestion(message, settings), ex)
 
     def _options(self) -> dict[str, str]:
