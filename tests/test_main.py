@@ -118,7 +118,7 @@ def test_a_bug_in_somebody_elses_class_is_told_with_its_place(
 
 @pytest.mark.parametrize(("code", "given"), [(0, "0"), (None, ""), ("too dark", "'too dark'")])
 def test_sys_exit_in_somebody_elses_code_is_a_failure_told_with_its_line(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, code: object, given: str
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, code: int | str | None, given: str
 ) -> None:
     monkeypatch.setattr("normalgan.cli.training.command.NormalGANCLI", lambda *_: sys.exit(code))
     assert main(["fit", "--data.size", "32"]) == 1
