@@ -116,6 +116,17 @@ def test_a_bug_in_somebody_elses_class_is_told_with_its_place(
     )
 
 
+@pytest.mark.parametrize(("code", "given"), [(0, "0"), (None, ""), ("too dark", "'too dark'")])
+def test_sys_exit_in_somebody_elses_code_is_a_failure_told_with_its_line(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, code: int | str | None, given: str
+) -> None:
+    monkeypatch.setattr("normalgan.cli.training.command.NormalGANCLI", lambda *_: sys.exit(code))
+    assert main(["fit", "--data.size", "32"]) == 1
+    said = capsys.readouterr().err
+    assert f"test_main.py, line {sys._getframe().f_lineno - 3}, called sys.exit({given}). Raise an" in said
+    assert said.count("\n") == 1
+
+
 def test_a_traceback_can_be_asked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     def run(_: list[str]) -> int:
         raise RuntimeError("odd")

@@ -61,6 +61,7 @@ def test_from_an_array_to_a_saved_map(tmp_path: Path) -> None:
     ("name", "sentence"),
     [
         ("gone.ckpt", r"^there is no model gone\.ckpt; give a file \(\.onnx, \.safetensors, \.ckpt\)"),
+        ("shippd", r"^there is no model shippd; .* Did you mean shipped\?$"),
         ("text.onnx", r"text\.onnx is not a model that ONNX Runtime can run"),
     ],
 )

@@ -34,7 +34,17 @@ def test_refuses_strangers_abstract_classes_and_duplicates(registry: Registry[Sh
     with pytest.raises(TypeError, match="Shape is abstract: it does not implement area"):
         registry.register(Shape)
     with pytest.raises(ValueError, match="two classes are named Square"):
-        registry.register(type("Square", (Square,), {}))
+        registry.register(type("Square", (Square,), {"__module__": __name__}))
+
+
+def test_a_namesake_of_another_package_can_be_imported_and_found_by_its_full_name(
+    registry: Registry[Shape],
+) -> None:
+    registry.register(Square)
+    theirs = type("Square", (Shape,), {"area": lambda _: 2.0, "__module__": "their_package.shapes"})
+    assert registry.register(theirs) is theirs
+    assert registry.find("Square") is Square
+    assert registry.find("their_package.Square") is theirs
 
 
 def test_answers_a_typo(registry: Registry[Shape]) -> None:

@@ -13,7 +13,17 @@ import normalgan
 from normalgan.cli.commands import COMMANDS, OTHERS, USAGE
 from normalgan.cli.late_imports import gc_paused
 from normalgan.cli.training.help import asked_for, overview
-from normalgan.errors import InputError, RunError, brief, did_you_mean, tell, third_party_place, wants_memory
+from normalgan.errors import (
+    InputError,
+    ParserExit,
+    RunError,
+    brief,
+    did_you_mean,
+    exit_caller,
+    tell,
+    third_party_place,
+    wants_memory,
+)
 
 TRAINING_LIBRARIES = (
     *(
@@ -88,8 +98,13 @@ def _run(arguments: list[str]) -> int:
         with gc_paused():
             from normalgan.cli.training.command import run  # late: lightning takes seconds to import
         return run(arguments)
-    except SystemExit as stop:  # --help ends so
+    except ParserExit as stop:
         return int(stop.code or 0)
+    except SystemExit as stop:  # of a plug-in, a callback or a module that a setting names
+        raise RunError(
+            f"failed while running: {exit_caller(stop)}. Raise an error to report a fault; a callback ends "
+            "training with trainer.should_stop = True."
+        ) from stop
 
 
 def _nobody_reads() -> bool:

@@ -7,17 +7,21 @@ import re
 import sys
 import traceback
 from collections.abc import Iterable
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     from pydantic import ValidationError
 
 __all__ = [
+    "FOREIGN_ERRORS",
     "InputError",
+    "ParserExit",
     "Place",
     "RunError",
     "brief",
     "did_you_mean",
+    "exit_caller",
     "one_line",
     "printable",
     "sentence_of",
@@ -33,6 +37,10 @@ _STEERING = re.compile(r"[\0-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udff
 """Characters that control a terminal, end a line, turn the direction of writing, or cannot be encoded."""
 
 
+FOREIGN_ERRORS = (Exception, SystemExit)
+"""What somebody else's code may raise: ``sys.exit`` in a plug-in would end the command in silence."""
+
+
 class InputError(ValueError):
     """Bad input from outside: a file, a folder, a setting.
 
@@ -46,6 +54,10 @@ class RunError(InputError):
 
     It is reported in one sentence like any `InputError`, with exit code 1.
     """
+
+
+class ParserExit(SystemExit):
+    """A parser printed what was asked for, as ``--help`` does; the command ends here."""
 
 
 def unwritable(sentence: str, error: OSError) -> InputError:
@@ -113,6 +125,18 @@ def third_party_place(error: BaseException) -> Place | None:
         elif found is not None and file == found.file:
             found = found._replace(line=line)
     return found
+
+
+def exit_caller(stop: SystemExit) -> str:
+    """Return which line ended the program, such as ``dots.py, line 12, called sys.exit(0)``."""
+    frames = [
+        (frame.f_code, line)
+        for frame, line in traceback.walk_tb(stop.__traceback__)
+        if frame.f_code.co_filename != "<frozen _sitebuiltins>"  # exit(), which calls sys.exit
+    ]
+    code, line = frames[-1]
+    given = "" if stop.code is None else repr(stop.code)
+    return f"{Path(code.co_filename).name}, line {line}, called sys.exit({given})"
 
 
 def brief(error: BaseException) -> str:

@@ -95,9 +95,12 @@ class Registry(Generic[T]):
     def register(self, cls: C) -> C:
         """Add a class under its own name; usable as a decorator.
 
+        A class whose name one of another package has can only be named in full. To refuse it would make its
+        module useless, and who uses two packages cannot rename their classes.
+
         Raises:
             TypeError: if it is not a concrete subclass of the base.
-            ValueError: if another class already has the name.
+            ValueError: if another class of its package has the name.
         """
         plugin: type[Any] = cls  # so that the checks do not narrow the type that is returned
         if not inspect.isclass(plugin):
@@ -108,12 +111,9 @@ class Registry(Generic[T]):
         if inspect.isabstract(plugin):
             missing = ", ".join(sorted(getattr(plugin, "__abstractmethods__", ())))
             raise TypeError(f"{name} is abstract: it does not implement {missing}.")
-        known = self._classes.get(name)
-        if known is not None and known is not plugin:
-            raise ValueError(
-                f"two classes are named {name}: {known.__module__} and {plugin.__module__}; rename one."
-            )
-        self._classes[name] = plugin
+        known = self._classes.setdefault(name, plugin)
+        if known is not plugin and _package(known) == _package(plugin):
+            raise ValueError(f"{_namesakes(known, plugin)}.")
         return cls
 
     def load_entry_points(self) -> None:
@@ -145,13 +145,15 @@ class Registry(Generic[T]):
             self.register(cls)
         except (TypeError, ValueError) as error:
             return brief(error).rstrip(".")
+        if (known := self._classes[cls.__name__]) is not cls:
+            return _namesakes(known, cls)
         self._packages[cls.__name__] = offerer(entry)
         return ""
 
     def package(self, name: str) -> str:
         """Return the package and version that a registered class comes from, such as ``normalgan 0.1.0``."""
         if name not in self._packages:
-            top = self._classes[name].__module__.partition(".")[0]
+            top = _package(self._classes[name])
             try:
                 self._packages[name] = f"{top} {version(top)}"
             except PackageNotFoundError:
@@ -180,7 +182,7 @@ class Registry(Generic[T]):
         known = self._classes.get(short)
         if known is None or "." not in name:
             return known
-        return known if known.__module__.partition(".")[0] == name.partition(".")[0] else None
+        return known if _package(known) == name.partition(".")[0] else None
 
     def __iter__(self) -> Iterator[type[T]]:
         return iter([self._classes[name] for name in self.names()])
@@ -189,6 +191,14 @@ class Registry(Generic[T]):
         """Return the error message for an unregistered name, with the nearest registered one."""
         hint = did_you_mean(name, self.names(), 0.5)
         return f"no {self.base.__name__} named {name!r}.{hint} Known: {', '.join(self.names())}."
+
+
+def _package(cls: type) -> str:
+    return cls.__module__.partition(".")[0]
+
+
+def _namesakes(one: type, other: type) -> str:
+    return f"two classes are named {one.__name__}: {one.__module__} and {other.__module__}; rename one"
 
 
 def find_imported(name: str, base: type[T]) -> type[T] | None:

@@ -1,6 +1,7 @@
 """Drawings by people: a made-up drawing of a ball, with its mesh and camera or its normal map."""
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -105,6 +106,14 @@ def test_a_camera_shows_the_mesh_where_its_projection_does(tmp_path: Path, matri
     np.testing.assert_allclose(found, project(matrix, in_file), atol=1e-3)
     np.testing.assert_allclose(camera.rotation @ camera.rotation.T, np.eye(3), atol=1e-9)
     assert np.linalg.det(camera.rotation) == pytest.approx(1)
+
+
+def test_the_projection_of_the_docs_shows_a_mesh_at_the_origin(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "compare.md").read_text(encoding="utf-8")
+    (example,) = re.findall(r"^```json\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
+    (matrix,) = (entry["projection"] for entry in json.loads(example).values() if "projection" in entry)
+    trimesh.creation.icosphere(1).export(tmp_path / "ball.ply")
+    assert camera_of(np.array(matrix, float), read_placed_mesh(tmp_path / "ball.ply"), 64).perspective
 
 
 @pytest.mark.parametrize("scale", [1e-300, 1e300])

@@ -1,3 +1,4 @@
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -77,8 +78,10 @@ def test_rows_share_their_data_but_for_what_is_their_own() -> None:
     other["data"] = {**shared["data"], "batch_size": 1, "augmentation": {"class_path": "A"}, "workers": 4}
     check_shared(row, other, shared)
     other["data"]["size"] = 32
-    with pytest.raises(InputError, match=r"the row a sets data\.size, which all rows of a comparison share"):
+    with pytest.raises(InputError, match=r"the row a sets data\.size, which all rows .* the plan's data\.$"):
         check_shared(row, other, shared)
+    with pytest.raises(InputError, match=r"the plan's data, or name it in takes, if an overlay sets it"):
+        check_shared(replace(row, takes=["trainer"]), other, shared)
 
 
 def test_a_digest_tells_settings_apart() -> None:

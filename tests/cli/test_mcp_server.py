@@ -104,6 +104,10 @@ def test_a_preview_is_a_png(here: Path) -> None:
         ({"drawing": "fox\0.png", "output": "a.png"}, r"'fox\x00.png' is not the name of a file."),
         ({"drawing": "/etc/hostname", "output": "a.png"}, "/etc/hostname lies outside"),
         ({"drawing": "fox.png", "output": "a.png", "hints": [{"x": 1}]}, "a hint has x, y"),
+        (
+            {"drawing": "fox.png", "output": "a.png", "gren": "down"},
+            "infer has no argument gren. Did you mean green? Known: drawing, output, hints, ",
+        ),
     ],
 )
 def test_bad_input_is_reported_to_the_assistant(here: Path, arguments: dict[str, Any], sentence: str) -> None:

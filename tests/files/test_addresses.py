@@ -43,10 +43,14 @@ class Handler(http.server.BaseHTTPRequestHandler):
             self.send_header("X-Error-Code", "EntryNotFound")
         self.send_header("ETag", f'"{SHA}"')
         self.send_header("X-Repo-Commit", COMMIT)
-        self.send_header("Content-Length", str(len(content)))
+        if "/chunks/" in self.path:
+            self.send_header("Transfer-Encoding", "chunked")
+            content = b"3e8\r\n" + content[:10]  # of 1000 bytes that are announced
+        else:
+            self.send_header("Content-Length", str(len(content)))
         self.end_headers()
         if body:
-            self.wfile.write(content)
+            self.wfile.write(content[:1000] if "/cut/" in self.path else content)
 
     def log_message(self, *_: object) -> None:
         """Say nothing."""
@@ -96,6 +100,19 @@ def test_a_hash_that_differs_is_refused_and_nothing_is_kept(server: str, tmp_pat
     with pytest.raises(InputError, match=f"has the SHA-256 hash {SHA}, not {64 * 'a'}; it was not kept"):
         normalgan.load(f"{server}/model.onnx#sha256={64 * 'a'}")
     assert not [path for path in (tmp_path / "kept").rglob("*") if path.is_file()]
+
+
+@pytest.mark.parametrize(
+    ("kind", "said"),
+    [
+        ("cut", rf"stopped after 1000 of {SHIPPED.stat().st_size} bytes; try again\.$"),
+        ("chunks", "in the middle"),
+    ],
+)
+def test_an_answer_that_is_cut_off_is_told_as_such(server: str, tmp_path: Path, kind: str, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        normalgan.load(f"{server}/{kind}/model.onnx#sha256={SHA}")
+    assert not (tmp_path / "kept").exists()
 
 
 def test_an_address_that_does_not_answer_is_told_in_a_sentence(server: str, tmp_path: Path) -> None:

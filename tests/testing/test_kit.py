@@ -1,6 +1,7 @@
 """The kit on broken plug-ins of every kind: each fault is told in one sentence; the others pass."""
 
 import random
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -98,6 +99,7 @@ SAMPLERS = broken(
             ),
             "raised ZeroDivisionError .* when asked for pictures without an object; a picture without",
         ),
+        "Leaves": (lambda *_: sys.exit(0), r"raised SystemExit \(0\) when asked for shape and type"),
         "Square": (
             lambda right, normal, mask, rng: right(normal, mask, rng) * torch.ones(2 * mask.shape[-1:]),
             "raised RuntimeError .* when asked for batches of other sizes; every size of picture",

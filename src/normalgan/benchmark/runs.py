@@ -120,9 +120,11 @@ def check_shared(row: Row, settings: Settings, shared: Settings) -> None:
     """
     differing = differences(*(without({"data": each["data"]}, _OWN_DATA) for each in (settings, shared)))
     if differing:
+        names = ", ".join(differing[:4])
+        overlay = "" if row.takes is None else ", or name it in takes, if an overlay sets it for the others"
         raise InputError(
-            f"the row {row.name} sets {', '.join(differing[:4])}, which all rows of a comparison share; "
-            "set it in the plan's data."
+            f"the row {row.name} sets {names}, which all rows of a comparison share; set it in the plan's "
+            f"data{overlay}."
         )
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from normalgan.cli.parsing.light_parser import LightParser
-from normalgan.errors import InputError, unwritable
+from normalgan.errors import InputError, did_you_mean, unwritable
 from normalgan.files.writing import write_bytes
 
 if TYPE_CHECKING:
@@ -60,14 +60,25 @@ def make_server(root: Path, model: str = "shipped") -> "MCPServer[Any]":
     """
     try:
         from mcp.server import MCPServer
+        from mcp.server.mcpserver.exceptions import ToolError
     except ImportError:
         raise InputError("normalgan mcp needs mcp; run `pip install 'normalgan[mcp]'`.") from None
     if not root.is_dir():
         raise InputError(f"there is no folder {root} to serve.")
     import normalgan
 
+    class Server(MCPServer[Any]):
+        async def call_tool(self, name: str, arguments: dict[str, Any], context: Any = None) -> Any:
+            """Call a tool; MCPServer itself ignores arguments that the tool does not have."""
+            schemas = {tool.name: tool.input_schema for tool in await self.list_tools()}
+            known = schemas[name]["properties"] if name in schemas else arguments
+            if unknown := [argument for argument in arguments if argument not in known]:
+                hint = did_you_mean(unknown[0], known)
+                raise ToolError(f"{name} has no argument {unknown[0]}.{hint} Known: {', '.join(known)}.")
+            return await super().call_tool(name, arguments, context)
+
     tools = Tools(root.resolve(), model)
-    server: MCPServer[Any] = MCPServer("normalgan", instructions=_INSTRUCTIONS, version=normalgan.__version__)
+    server = Server("normalgan", instructions=_INSTRUCTIONS, version=normalgan.__version__)
     for tool in (tools.infer, tools.preview, tools.sheet, tools.explain):
         server.tool()(tool)
     return server

@@ -6,7 +6,7 @@ import os
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from http.client import HTTPException
+from http.client import HTTPException, IncompleteRead
 from pathlib import Path
 from urllib.error import HTTPError, URLError
 from urllib.parse import unquote, urlsplit
@@ -144,9 +144,12 @@ def _from_web(address: Address) -> bytes:
     try:
         with urlopen(Request(address.text, headers={"User-Agent": "normalgan"}), timeout=_WAIT) as answer:
             content: bytes = answer.read(MOST_BYTES + 1)
+            promised = int(answer.headers.get("Content-Length") or 0)
     except HTTPError as error:
         error.close()
         raise InputError(f"{address.text} answers {error.code} {error.reason}.") from error
+    except IncompleteRead as error:
+        raise InputError(f"{address.text} stopped in the middle of its answer; try again.") from error
     except (URLError, TimeoutError, HTTPException, OSError, ValueError) as error:
         reason = error.reason if isinstance(error, URLError) else brief(error)
         raise InputError(f"{address.text} does not answer: {reason}.") from error
@@ -154,6 +157,8 @@ def _from_web(address: Address) -> bytes:
         raise InputError(
             f"the file at {address.text} has more than {MOST_BYTES} bytes; no model is that large."
         )
+    if len(content) < promised:  # which read tells of no answer whose length is known
+        raise InputError(f"{address.text} stopped after {len(content)} of {promised} bytes; try again.")
     return content
 
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from normalgan.errors import InputError
+from normalgan.errors import InputError, did_you_mean
 from normalgan.files.addresses import local_file
 from normalgan.inference.network.backend import Backend
 from normalgan.inference.network.onnx_backend import OnnxBackend, find_model
@@ -44,6 +44,7 @@ def _backend(name: str, size: int | None) -> Backend:
         raise InputError(
             f"there is no model {name}; give a file (.onnx, .safetensors, .ckpt), an address (https://…, "
             f"hf://owner/name), or {SHIPPED_NAME!r} for the one that comes with the package."
+            f"{did_you_mean(name, [SHIPPED_NAME])}"
         )
     if path.suffix.lower() == ".onnx":
         return OnnxBackend(path)

@@ -12,7 +12,7 @@ import numpy as np
 import torch
 
 from normalgan.contracts import class_name
-from normalgan.errors import InputError, brief
+from normalgan.errors import FOREIGN_ERRORS, InputError, brief
 
 __all__ = [
     "Check",
@@ -66,7 +66,7 @@ class Check(Generic[T]):
             self.ask(plugin)
         except ConformanceError:
             raise
-        except Exception as error:  # whatever somebody else's class may raise
+        except FOREIGN_ERRORS as error:  # whatever somebody else's class may raise
             raise ConformanceError(
                 f"{class_name(plugin)} raised {type(error).__name__} ({brief(error).rstrip('.')}) when asked "
                 f"for {self.name}; {self.contract}."

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 
 from jsonargparse import ArgumentParser
 
-from normalgan.errors import InputError, brief
+from normalgan.errors import FOREIGN_ERRORS, InputError, brief
 from normalgan.files.limits import MOST_DEPTH, MOST_NODES
 from normalgan.models.base import Network
 from normalgan.registry import Registry, class_path
@@ -123,7 +123,7 @@ class ClassSpec:
         configuration = self.configuration(registry)
         try:
             built: T = parser.instantiate(parser.parse_object({"part": configuration})).part
-        except Exception as error:  # a class of anybody's, given settings of anybody's
+        except FOREIGN_ERRORS as error:  # a class of anybody's, given settings of anybody's
             raise InputError(f"{self.name} does not take its settings: {brief(error)}") from error
         return built
 

@@ -1,7 +1,7 @@
 """Weights as safetensors or in our ONNX files: tensors and notes; a stranger's file is checked before use."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,7 @@ import torch
 from safetensors.torch import load, save
 from torch import Tensor
 
-from normalgan.errors import InputError, RunError, wants_memory
+from normalgan.errors import InputError, RunError, did_you_mean, wants_memory
 from normalgan.files.addresses import local_file
 from normalgan.files.limits import read_named
 from normalgan.models import GENERATORS, Generator
@@ -98,13 +98,20 @@ def parse_weights(content: bytes, name: str = "the file", is_onnx: bool = False)
     return Weights(notes, tensors)
 
 
-def find_weights(name: str) -> Path:
+def find_weights(name: str, names: Iterable[str] = (SHIPPED_NAME,)) -> Path:
     """Return the file of a model, given its path, its address or ``shipped``.
 
+    Args:
+        name: the path, the address or the name.
+        names: the names that can be given where it was, for a name that is nearly one of them.
+
     Raises:
-        InputError: if an address cannot be fetched; see `local_file`.
+        InputError: if an address cannot be fetched (see `local_file`), or the name is nearly one of these.
     """
-    return SHIPPED if name == SHIPPED_NAME else local_file(name)
+    path = SHIPPED if name == SHIPPED_NAME else local_file(name)
+    if not path.exists() and (hint := did_you_mean(name, names)):
+        raise InputError(f"there is no model {name}.{hint}")
+    return path
 
 
 def read_weights(path: Path) -> Weights:

@@ -12,7 +12,7 @@ from inspect import isabstract
 from pathlib import Path
 from typing import TypeVar
 
-from normalgan.errors import InputError, brief
+from normalgan.errors import FOREIGN_ERRORS, InputError, brief
 from normalgan.files.limits import MOST_SETTINGS, read_bounded
 
 __all__ = ["find_local", "no_local_classes", "where_classes_are_looked_for"]
@@ -57,7 +57,7 @@ def find_local(name: str, base: type[T]) -> type[T] | None:
         return None
     try:
         found = getattr(import_module(module), cls_name, None)
-    except Exception as error:  # whatever a module of the user raises
+    except FOREIGN_ERRORS as error:  # whatever a module of the user raises
         raise InputError(
             f"{file.name} cannot be imported: {type(error).__name__}: {brief(error)}."
         ) from error

@@ -238,6 +238,8 @@ def test_it_loads_neither_torch_nor_what_only_others_need() -> None:
     [
         (["none.png"], "no sketch found at 'none.png'"),
         (["fox.png", "--model", "none.onnx"], "there is no model none.onnx"),
+        (["fox.png", "--model", "shippd"], "there is no model shippd; name a file that `normalgan export` "),
+        (["fox.png", "--model", "shippd"], "Did you mean shipped?"),
         (["fox.png", "--model", "fox.png"], "fox.png is not a model that ONNX Runtime can run"),
         (["fox.png", "--mask", "none"], "there is no file or folder none for the mask"),
         (["fox.png", "--mask", "empty"], "empty holds no mask for any sketch"),
@@ -251,6 +253,7 @@ def test_it_loads_neither_torch_nor_what_only_others_need() -> None:
         (["fox.png", "-o", ".", "--suffix", ""], "fox.png is an input and would be overwritten"),
         (["fox.png", "--suffix", "_input", "--show-input"], "fox_input.png would be written twice"),
         (["fox.png", "--suffix", "a/b"], "the suffix 'a/b' cannot end a file's name"),
+        (["fox.png", "--height"], "--height needs a value: png or tiff."),
         (["fox.png", "--size", "3"], "--size: 3 is out of range; it must be >= 8 and <= 8192."),
         (["fox.png", "--bits", "16", "--format", "exr"], "bits apply to PNG; a map as exr"),
         (["fox.png", "--bits", "12"], "expected one of"),

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 import torch
 import yaml
-from command import Bench, left_in
+from command import Bench, left_in, run
 
 
 def change(source: Path, target: Path, edit: Callable[[dict[str, Any]], object]) -> None:
@@ -74,6 +74,8 @@ def test_a_checkpoint_runs_nothing(
 def test_a_checkpoint_that_is_missing(bench: Bench, tmp_path: Path) -> None:
     bench.run("test", tmp_path, "--ckpt_path", "gone.ckpt").refused("there is no checkpoint gone.ckpt.")
     bench.run("test", tmp_path, "--ckpt_path", "last").refused("there is no checkpoint", "last.ckpt")
+    bench.run("test", tmp_path, "--ckpt_path", "lats").refused("no model lats. Did you mean last?")
+    run("export", "shippd", "-o", "m.onnx").refused("no model shippd. Did you mean shipped?")
     for command in ("validate", "test"):
         bench.run(command, tmp_path).refused(f"{command} needs a trained model: --ckpt_path")
 

@@ -131,6 +131,21 @@ def test_options_are_checked_like_settings(bench: Bench, tmp_path: Path) -> None
     run("fit", "--config", tmp_path).refused("cannot be read: Is a directory")
 
 
+@pytest.mark.parametrize("setting", ["max_epochs", "max_steps", "limit_train_batches"])
+def test_a_run_that_would_train_nothing_is_refused(bench: Bench, tmp_path: Path, setting: str) -> None:
+    done = bench.run("fit", tmp_path / "run", f"--trainer.{setting}", 0)
+    done.refused(f"trainer.{setting} is 0, so fit would train nothing; give more, or leave it out.")
+
+
+@pytest.mark.slow  # builds a run
+def test_a_run_that_ends_before_its_first_step_says_so(bench: Bench, tmp_path: Path) -> None:
+    done = bench.run("fit", tmp_path / "run", "--trainer.max_time", "00:00:00:00")
+    assert (done.code, done.out.splitlines()[-1]) == (
+        0,
+        "Nothing was trained: the run ended before its first step.",
+    )
+
+
 def test_the_folder_of_the_run_can_be_none(bench: Bench, tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     bench.run("fit", tmp_path / "file" / "run").refused("file/run", "folder")

@@ -1,6 +1,7 @@
 import os
 import shutil
-from dataclasses import replace
+import sys
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ from toys import contents, recipe
 
 from normalgan.data.render import open_samples, render_samples
 from normalgan.errors import InputError
+from normalgan.rendering import Camera, EmbreeRenderer, Maps, Mesh
 
 MOODY = replace(recipe(), renderer=MoodyRenderer(fails_at="b"))
 
@@ -70,6 +72,22 @@ def test_a_split_of_which_no_mesh_can_be_rendered_is_refused(tmp_path: Path) -> 
     with pytest.raises(InputError, match="the only mesh for test cannot be used: e: Arith"):
         render_samples(str(tmp_path), SOURCES, VIEWS, moody, progress=False)
     assert finished(tmp_path) == 4
+
+
+@dataclass(frozen=True)
+class LeavingRenderer(EmbreeRenderer):
+    """Ends the program, as a class whose author took it for an error might."""
+
+    def render(self, mesh: Mesh, camera: Camera, size: int) -> Maps:
+        """Return nothing."""
+        sys.exit(0)
+
+
+def test_a_renderer_that_ends_the_program_is_a_failure_like_any_other(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"a: SystemExit: 0, in LeavingRenderer.render, test_failing_mesh"):
+        render_samples(
+            str(tmp_path), SOURCES, VIEWS, replace(MOODY, renderer=LeavingRenderer()), progress=False
+        )
 
 
 @pytest.mark.slow  # every death costs the start of a process

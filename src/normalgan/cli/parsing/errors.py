@@ -32,6 +32,7 @@ def explain(
     plugins: Mapping[str, Registry[Any]],
     settings: Sequence[str] = (),
     options: Mapping[str, str] | None = None,
+    choices: Mapping[str, str] | None = None,
 ) -> str:
     r"""Return jsonargparse's message about a mistake as one sentence, with a suggestion.
 
@@ -41,6 +42,7 @@ def explain(
         settings: every setting there is, in dots.
         options: of a command without configurations: how a shell spells each setting that is an option. None
             names settings in dots, as files and options do.
+        choices: the values of each option that takes only some, as ``--help`` shows them.
 
     >>> explain('Parser key "data.size":\n  Expected a <class \'int\'>. Got value: large', {})
     'argument "data.size": expected a whole number, not large.'
@@ -54,6 +56,8 @@ def explain(
     'there is no option --height_scale. Did you mean --height-scale?'
     >>> explain("argument --size: expected one argument", {})
     '--size needs a value.'
+    >>> explain("argument --height: expected one argument", {}, choices={"--height": "{png,exr}"})
+    '--height needs a value: png or exr.'
     """
     found_keys = re.findall(r'Parser key "([^"]+)"(?: element (\d+))?:', message)
     key = ".".join(name for name, _ in found_keys)
@@ -88,7 +92,7 @@ def explain(
         )
     if sentence := _of_a_class(message, registry):
         return where + sentence
-    if sentence := _misused(message, options or {}):
+    if sentence := _misused(message, options or {}, choices or {}):
         return where + sentence
     wanted = [each for each in dict.fromkeys(_wanted(message)) if not options or each != "null"]
     if key and wanted:
@@ -141,7 +145,7 @@ def _no_option(message: str, options: Mapping[str, str]) -> str:
     return f"there is no option {name}.{did_you_mean(name, options.values())}"
 
 
-def _misused(message: str, options: Mapping[str, str]) -> str:
+def _misused(message: str, options: Mapping[str, str], choices: Mapping[str, str]) -> str:
     """Return what argparse says about arguments and the number of their values; nothing if it is other."""
     if found := re.search(r"the following arguments are required: (.+)", message):
         return f"missing: {', '.join(options.get(each, each) for each in found[1].split(', '))}."
@@ -152,7 +156,8 @@ def _misused(message: str, options: Mapping[str, str]) -> str:
     if found := re.fullmatch(r"argument (?:\S+/)?(.+): invalid choice: '(.*)' \(choose from (.+)\)", message):
         return f"{found[1]}: expected one of {found[3]}, not {found[2]}."
     if found := re.fullmatch(r"argument (?:\S+/)?(-[^:]+): expected .*arguments?", message):
-        return f"{found[1]} needs a value."
+        values = choices.get(found[1], "").strip("{}").replace(",", " or ")
+        return f"{found[1]} needs a value{values and f': {values}'}."
     return ""
 
 

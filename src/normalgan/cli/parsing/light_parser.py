@@ -2,6 +2,7 @@
 
 import argparse
 import re
+import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import UnionType
@@ -10,7 +11,7 @@ from typing import Any, Literal, NoReturn, Union, get_args, get_origin
 from jsonargparse import ActionConfigFile, ArgumentParser, Namespace  # type: ignore[attr-defined]  # so does Lightning
 
 from normalgan.cli.parsing.errors import explain
-from normalgan.errors import InputError, did_you_mean
+from normalgan.errors import InputError, ParserExit, did_you_mean
 from normalgan.files.limits import load_yaml
 from normalgan.registry import Registry
 
@@ -37,6 +38,21 @@ class OwnDefaultsParser(ArgumentParser):
         """Return what was meant by a setting that a class does not have, to be part of a longer message."""
         unknown = re.fullmatch(r"Option '(.+)' is not accepted", message)
         return did_you_mean(unknown[1], settings) if unknown else ""
+
+    def _choices(self) -> dict[str, str]:
+        """Return the values of each option that takes only some, as ``--help`` shows them."""
+        return {
+            name: action.metavar
+            for action in self._actions
+            for name in action.option_strings
+            if isinstance(action.metavar, str) and action.metavar.startswith("{")
+        }
+
+    def exit(self, status: int = 0, message: str | None = None) -> NoReturn:
+        """End the command in a way that cannot be confused with ``sys.exit`` in a plug-in."""
+        if message:
+            print(message, file=sys.stderr, end="")
+        raise ParserExit(status)
 
     def get_defaults(self, *given: Any, **how: Any) -> Namespace:
         """Return all defaults; for a class that is a default, only what was set: parsing adds the rest."""
@@ -67,7 +83,9 @@ class LightParser(OwnDefaultsParser):
         """Raise `InputError` instead of printing a usage page."""
         settings = [action.dest for action in self._actions]
         if self.exit_on_error:
-            raise InputError(explain(message, self.plugins, settings, self._options())) from ex
+            raise InputError(
+                explain(message, self.plugins, settings, self._options(), self._choices())
+            ) from ex
         super().error(message + self.suggestion(message, settings), ex)
 
     def _options(self) -> dict[str, str]:

@@ -55,7 +55,12 @@ from normalgan.cli.training.saved_model import (
     ignored_settings,
     read_saved_model,
 )
-from normalgan.cli.training.trainer import RenderingTrainer, SaveConfig, check_trainer
+from normalgan.cli.training.trainer import (
+    RenderingTrainer,
+    SaveConfig,
+    check_trainer,
+    check_trains,
+)
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, brief, printable
 from normalgan.files.run_lock import check_writable, one_run_in
@@ -148,12 +153,16 @@ class NormalGANCLI(LightningCLI):
     def _print_outcome(self) -> None:
         """Print why nothing was trained or training stopped early, if so, and which checkpoint is best."""
         resumed = self.saved.checkpoint if self.saved else None
-        if resumed and self.trainer.global_step == resumed.progress["global_step"]:
-            print(
-                f"Nothing was left to train: {printable(resumed.path)} is from epoch "
-                f"{resumed.progress['epoch'] + 1}, and --trainer.max_epochs is {self.trainer.max_epochs}; "
-                "pass a larger one to train on."
-            )
+        progress = resumed.progress if resumed else {"global_step": 0, "epoch": -1}
+        trained, most = progress["epoch"] + 1, self.trainer.max_epochs
+        if self.trainer.global_step == progress["global_step"]:
+            if resumed and most is not None and -1 < most <= trained:
+                print(
+                    f"Nothing was left to train: {printable(resumed.path)} is from epoch {trained}, and "
+                    f"--trainer.max_epochs is {most}; pass a larger one to train on."
+                )
+            else:
+                print("Nothing was trained: the run ended before its first step.")
         for stopping in self.trainer.early_stopping_callbacks:
             if isinstance(stopping, EarlyStopping) and (reason := stopping.stopping_reason_message):
                 print(f"Training stopped early. {reason.removesuffix(' Signaling Trainer to stop.')}")
@@ -215,6 +224,7 @@ class NormalGANCLI(LightningCLI):
         if command in {"fit", "test"}:
             check_writable(checkpoints.parent)
         if command == "fit":
+            check_trains(config["trainer"])
             check_unused(checkpoints, resumed)
             # The other processes of a run share its folder.
             if rank_zero_only.rank == 0:  # type: ignore[attr-defined]
@@ -300,13 +310,12 @@ def run(arguments: list[str]) -> int:
             command.run_command()
         except MisconfigurationException as error:
             raise InputError(shorten(brief(error), 250, placeholder=" …")) from error
-        except SIGTERMException as stop:
-            raise SystemExit(128 + signal.SIGTERM) from stop
+        except SIGTERMException:
+            return 128 + signal.SIGTERM
         except SystemExit as stop:
             if isinstance(stop.__context__, KeyboardInterrupt):  # Lightning makes exit(1) of it
                 raise KeyboardInterrupt(command.stopped if command else "") from None
-            # --help and --print_config end like this too.
-            return stop.code if isinstance(stop.code, int) else int(stop.code is not None)
+            raise
     sys.stdout.flush()
     return 0
 

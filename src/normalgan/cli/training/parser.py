@@ -39,7 +39,7 @@ class Parser(OwnDefaultsParser, LightningArgumentParser):
     def error(self, message: str, ex: Exception | None = None) -> NoReturn:
         """Raise `InputError` instead of printing a usage page."""
         if self.exit_on_error:
-            raise InputError(explain(message, namable(), self._settings())) from ex
+            raise InputError(explain(message, namable(), self._settings(), choices=self._choices())) from ex
         super().error(message + self.suggestion(message, self._settings()), ex)
 
     def dump(self, *given: Any, **how: Any) -> str:

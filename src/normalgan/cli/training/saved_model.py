@@ -72,7 +72,7 @@ def find_model(command: str, name: str | None, root: str | None) -> Path | None:
         raise InputError(f"{command} needs a trained model: --ckpt_path names a file that fit saved.")
     if name in {"last", "best"}:
         name = str(named_checkpoint(Path(checkpoint_folder(root)) / "last.ckpt", name))
-    return find_weights(name or SHIPPED_NAME)
+    return find_weights(name or SHIPPED_NAME, ("last", "best", SHIPPED_NAME))
 
 
 def read_saved_model(path: Path, command: str, size: int, default_size: int) -> SavedModel:

@@ -12,7 +12,7 @@ from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
 
-__all__ = ["RenderingTrainer", "SaveConfig", "check_trainer"]
+__all__ = ["RenderingTrainer", "SaveConfig", "check_trainer", "check_trains"]
 
 _INSTEAD = {
     "gradient_clip_val": "model.gradient_clip",
@@ -20,6 +20,8 @@ _INSTEAD = {
     "accumulate_grad_batches": "a larger data.batch_size",
 }
 """Settings of the trainer that do nothing under manual optimisation, and what does that instead."""
+_LENGTHS = ("max_epochs", "max_steps", "limit_train_batches")
+"""Settings of the trainer that say how long to train."""
 _DEVICES: Mapping[str, tuple[type[Accelerator], ...]] = {
     "gpu": (CUDAAccelerator, MPSAccelerator),
     "cuda": (CUDAAccelerator,),
@@ -47,6 +49,20 @@ def check_trainer(settings: Mapping[str, Any]) -> None:
             f"trainer.accelerator is {wanted}, which PyTorch {torch.__version__} does not find on this "
             "machine; use cpu or auto, or install a build of PyTorch for it."
         )
+
+
+def check_trains(settings: Mapping[str, Any]) -> None:
+    """Refuse settings that train nothing, under which ``fit`` would end as if it had trained.
+
+    Raises:
+        InputError: if there is one.
+    """
+    for name in _LENGTHS:
+        if settings[name] is not None and settings[name] == 0:
+            raise InputError(
+                f"trainer.{name} is 0, so fit would train nothing; give more, or leave it out. "
+                "To make the samples only, use normalgan render."
+            )
 
 
 class RenderingTrainer(Trainer):

@@ -15,7 +15,7 @@ from normalgan.data.recipe import Loadable, SampleRecipe, fingerprint
 from normalgan.data.store.layout import Shard, blank
 from normalgan.data.store.shards import ZARR, damaged, write_shard, write_traces
 from normalgan.data.store.storage import Storage
-from normalgan.errors import InputError, RunError, brief, third_party_place
+from normalgan.errors import FOREIGN_ERRORS, InputError, RunError, brief, third_party_place
 from normalgan.rendering.mesh_bytes import read_once
 from normalgan.rendering.samples import Sample
 
@@ -163,7 +163,7 @@ def _render(task: ShardTask) -> tuple[list[Sample], dict[str, str], dict[str, st
                 sample = task.recipe.render(_load(task.sources[name]), view)
             except ChangedMeshError:
                 raise
-            except Exception as error:  # a renderer or style may raise anything
+            except FOREIGN_ERRORS as error:  # a renderer or style may raise anything
                 failed[name] = _error_text(error)
                 if not isinstance(error, InputError):
                     traces[name] = "".join(traceback.format_exception(error))
@@ -181,7 +181,7 @@ def validate_source(task: MeshTask) -> str | None:
         _load(task)
     except ChangedMeshError:
         raise
-    except Exception as error:  # somebody else's source may raise anything; the others can still be used
+    except FOREIGN_ERRORS as error:  # somebody else's source may raise anything; the others can still be used
         return _error_text(error)
     return None
 

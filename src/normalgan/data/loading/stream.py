@@ -11,7 +11,7 @@ from torch.utils.data import Dataset, DistributedSampler
 from normalgan.data.loading.items import Item, SampleError, to_item
 from normalgan.data.loading.order import ViewIndex, order_of_epoch
 from normalgan.data.recipe import Loadable, SampleRecipe
-from normalgan.errors import InputError, brief
+from normalgan.errors import FOREIGN_ERRORS, InputError, brief
 from normalgan.rendering.mesh import Mesh, check_mesh
 
 __all__ = ["FreshViews", "MeshCache", "StreamDataset"]
@@ -49,7 +49,7 @@ class StreamDataset(Dataset[Item]):
         name = self.mesh_cache.sources[index.mesh].name
         try:
             sample = self.recipe.render(self.mesh_cache.take(index.mesh), index.view)
-        except Exception as error:  # a renderer or style may raise anything
+        except FOREIGN_ERRORS as error:  # a renderer or style may raise anything
             why = str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {brief(error)}."
             raise SampleError(f"view {index.view} of {name} cannot be rendered: {why}") from error
         sketch, normal, mask = map(torch.from_numpy, (sample.sketch, sample.normal, sample.mask))

@@ -11,7 +11,7 @@ import numpy as np
 import onnxruntime
 
 from normalgan.arrays import Floats
-from normalgan.errors import InputError, RunError, brief, wants_memory, with_subject
+from normalgan.errors import InputError, RunError, brief, did_you_mean, wants_memory, with_subject
 from normalgan.files.addresses import local_file
 from normalgan.files.limits import read_bounded
 from normalgan.inference.network.onnx_graph import check_graph
@@ -52,7 +52,10 @@ def find_model(path: str | None = None) -> Path:
         )
     found = SHIPPED if path is None else local_file(path)
     if not found.is_file():
-        raise InputError(f"there is no model {found}; name a file that `normalgan export` wrote.")
+        hint = did_you_mean(str(path), [SHIPPED_NAME])
+        raise InputError(
+            f"there is no model {found}; name a file that `normalgan export` wrote, or {SHIPPED_NAME}.{hint}"
+        )
     return found
 
 
