@@ -154,9 +154,7 @@ def test_where_the_disk_was_full_the_servers_newer_copy_is_restored(server: Serv
             studio.page.locator("#problem-close").click()
             studio.line((40, 120), (200, 120))
             studio.wait_for_server(lambda doc: len(doc["layers"][0]["strokes"]) == 2)
-            assert studio.page.locator(
-                "#problem"
-            ).is_hidden()  # once is enough while the server has it
+            assert studio.page.locator("#problem").is_hidden()  # once is enough while the server has it
         with begun(context, server, room=MB) as studio:
             studio.restored()
             assert studio.inked(120, 40)
