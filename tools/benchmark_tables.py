@@ -403,6 +403,8 @@ def people() -> list[str]:
 
 CARD = re.compile(r"^\| test set \|.*\n(?:\|.*\n)+", re.MULTILINE)
 """The table of the shipped weights on a page."""
+CARDS = {"README.md": "foreign", "docs/model_card.md": ""}
+"""The pages with such a table, and how the labels of its rows begin."""
 SHIPPED = {
     "foreign": "foreign: people and animals in all postures, statues, tools",
     "foreign_dressed": "foreign: clothed people",
@@ -431,8 +433,8 @@ def shipped() -> list[str]:
         "",
         "The [weights that come with the package](model_card.md) on meshes that they were not trained on.",
         "*Foreign* sets come from sources that no training mesh comes from. *Same source* sets share their",
-        "artists with the training meshes. `tools/benchmark_runs.sh shipped_foreign` measures the first row, and so on:",
-        f"{', '.join(f'`shipped_{plan}`' for plan in SHIPPED)}.",
+        "artists with the training meshes. `tools/benchmark_runs.sh shipped_PLAN` measures a row again; the",
+        f"plans are {', '.join(SHIPPED)}.",
     ]
     counts = ("0", "5", "10", "15", "20", "50", "200")
     lines += table(found, {f"{n} hints" if n != "0" else "no hints": error(n) for n in counts}, "test set")
@@ -448,10 +450,11 @@ def shipped() -> list[str]:
     return [*lines, "", "Without hints, except in the last two columns:", *table(found, columns, "test set")]
 
 
-def card() -> list[str]:
-    """Return the table of the model card and the README: a row for each test set."""
+def card(sets: str = "") -> list[str]:
+    """Return the table of a page: a row for each test set whose label begins with ``sets``."""
     columns = {"no hints": error("0"), "15 hints": error("15"), "mask IoU": error("0", "mask_iou")}
-    return table(evaluations(), columns, "test set")[1:]
+    shown = {label: runs for label, runs in evaluations().items() if label.startswith(sets)}
+    return table(shown, columns, "test set")[1:]
 
 
 def page() -> str:
@@ -469,9 +472,10 @@ def main() -> None:
         print(page(), end="")
     else:
         write_bytes(PAGE, page().encode())
-        for path in (ROOT / "README.md", ROOT / "docs" / "model_card.md"):
+        for name, sets in CARDS.items():
+            path = ROOT / name
             text = path.read_text(encoding="utf-8")
-            write_bytes(path, CARD.sub("\n".join(card()) + "\n", text, count=1).encode())
+            write_bytes(path, CARD.sub("\n".join(card(sets)) + "\n", text, count=1).encode())
 
 
 if __name__ == "__main__":
