@@ -14,8 +14,8 @@ from normalgan.cli.commands import COMMANDS, OTHERS, USAGE
 from normalgan.cli.late_imports import gc_paused
 from normalgan.cli.training.help import asked_for, overview
 from normalgan.errors import (
+    CommandExit,
     InputError,
-    ParserExit,
     RunError,
     brief,
     did_you_mean,
@@ -98,7 +98,7 @@ def _run(arguments: list[str]) -> int:
         with gc_paused():
             from normalgan.cli.training.command import run  # late: lightning takes seconds to import
         return run(arguments)
-    except ParserExit as stop:
+    except CommandExit as stop:
         return int(stop.code or 0)
     except SystemExit as stop:  # of a plug-in, a callback or a module that a setting names
         raise RunError(

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "FOREIGN_ERRORS",
+    "CommandExit",
     "InputError",
-    "ParserExit",
     "Place",
     "RunError",
     "brief",
@@ -56,8 +56,8 @@ class RunError(InputError):
     """
 
 
-class ParserExit(SystemExit):
-    """A parser printed what was asked for, as ``--help`` does; the command ends here."""
+class CommandExit(SystemExit):
+    """A command ends here: a parser has printed what was asked for, or a signal has stopped the studio."""
 
 
 def unwritable(sentence: str, error: OSError) -> InputError:

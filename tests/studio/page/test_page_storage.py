@@ -151,6 +151,7 @@ def test_where_the_disk_was_full_the_servers_newer_copy_is_restored(server: Serv
             studio.line((40, 40), (200, 40))
             studio.wait_for_store(lambda kept: len(kept["history"]["steps"]) == 2)
             trace(studio, tmp_path / "large.png", "storage is full")
+            studio.wait_for_server(lambda doc: len(doc["pictures"]) == 1)
             studio.page.locator("#problem-close").click()
             studio.line((40, 120), (200, 120))
             studio.wait_for_server(lambda doc: len(doc["layers"][0]["strokes"]) == 2)

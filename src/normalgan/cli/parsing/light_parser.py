@@ -11,7 +11,7 @@ from typing import Any, Literal, NoReturn, Union, get_args, get_origin
 from jsonargparse import ActionConfigFile, ArgumentParser, Namespace  # type: ignore[attr-defined]  # so does Lightning
 
 from normalgan.cli.parsing.errors import explain
-from normalgan.errors import InputError, ParserExit, did_you_mean
+from normalgan.errors import CommandExit, InputError, did_you_mean
 from normalgan.files.limits import load_yaml
 from normalgan.registry import Registry
 
@@ -52,7 +52,7 @@ class OwnDefaultsParser(ArgumentParser):
         """End the command in a way that cannot be confused with ``sys.exit`` in a plug-in."""
         if message:
             print(message, file=sys.stderr, end="")
-        raise ParserExit(status)
+        raise CommandExit(status)
 
     def get_defaults(self, *given: Any, **how: Any) -> Namespace:
         """Return all defaults; for a class that is a default, only what was set: parsing adds the rest."""

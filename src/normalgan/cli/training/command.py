@@ -62,7 +62,7 @@ from normalgan.cli.training.trainer import (
     check_trains,
 )
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.errors import InputError, brief, printable
+from normalgan.errors import CommandExit, InputError, brief, printable
 from normalgan.files.run_lock import check_writable, one_run_in
 from normalgan.gan import NormalGAN
 from normalgan.inference.outputs.outputs import outputs_of
@@ -312,6 +312,8 @@ def run(arguments: list[str]) -> int:
             raise InputError(shorten(brief(error), 250, placeholder=" …")) from error
         except SIGTERMException:
             return 128 + signal.SIGTERM
+        except CommandExit as stop:
+            return int(stop.code or 0)
         except SystemExit as stop:
             if isinstance(stop.__context__, KeyboardInterrupt):  # Lightning makes exit(1) of it
                 raise KeyboardInterrupt(command.stopped if command else "") from None

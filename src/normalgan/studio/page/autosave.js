@@ -38,8 +38,8 @@ export class Autosave extends EventTarget {
     this.writing = null;
     /** @type {import("./document.js").Doc | null} what the browser's store holds */
     this.kept = null;
-    /** Why the browser's store has kept nothing since it last did; "": it has. */
-    this.lacking = "";
+    /** Whether the browser's store was full when it was last to keep something. */
+    this.full = false;
     this.timer = 0;
     /** @type {import("./document.js").Doc | null} what the server holds, as it has answered */
     this.sent = null;
@@ -161,7 +161,7 @@ export class Autosave extends EventTarget {
         if (!this.dirty) await forget(this.tab, true);
         else await keep({ tab: this.tab, changed: new Date().toISOString(), etag: this.etag, revision: this.revision, doc: state, past: this.editor.history });
         this.kept = state;
-        this.lacking = "";
+        this.full = false;
         if (this.borrowed && this.dirty) await this.#return();
       } catch (error) {
         this.#storeFailed(error);
@@ -170,11 +170,11 @@ export class Autosave extends EventTarget {
     this.writing = null;
   }
 
-  /** Tells of a failure of the browser's store: with each change, or only once while the server takes the work. @param {unknown} error */
+  /** Tells of a failure of the browser's store; that it is full only once while the server takes the work. @param {unknown} error */
   #storeFailed(error) {
-    const why = error instanceof StoreFailure ? error.why : "broken";
-    if (why !== this.lacking || this.connection.away) this.#failed(error);
-    this.lacking = why;
+    const full = error instanceof StoreFailure && error.why === "full";
+    if (!full || !this.full || !this.sent || this.connection.away) this.#failed(error);
+    this.full = full;
   }
 
   /** @param {unknown} error */

@@ -10,7 +10,7 @@ from types import FrameType
 import uvicorn
 from starlette.types import ASGIApp
 
-from normalgan.errors import InputError
+from normalgan.errors import CommandExit, InputError
 
 __all__ = ["listen", "serve"]
 
@@ -75,4 +75,4 @@ def serve(app: ASGIApp, listening: socket.socket) -> None:
 
 
 def _leave(number: int, frame: FrameType | None) -> None:
-    raise SystemExit(0)
+    raise CommandExit(0)
