@@ -95,8 +95,8 @@ class Registry(Generic[T]):
     def register(self, cls: C) -> C:
         """Add a class under its own name; usable as a decorator.
 
-        A class whose name one of another package has can only be named in full. To refuse it would make its
-        module useless, and who uses two packages cannot rename their classes.
+        If a class of another package has the name already, this one can only be named in full. Refusing it
+        would break its module, and somebody who uses both packages cannot rename their classes.
 
         Raises:
             TypeError: if it is not a concrete subclass of the base.

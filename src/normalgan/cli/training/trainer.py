@@ -58,7 +58,7 @@ def check_trains(settings: Mapping[str, Any]) -> None:
         InputError: if there is one.
     """
     for name in _LENGTHS:
-        if settings[name] is not None and settings[name] == 0:
+        if settings[name] == 0:
             raise InputError(
                 f"trainer.{name} is 0, so fit would train nothing; give more, or leave it out. "
                 "To make the samples only, use normalgan render."
