@@ -53,9 +53,12 @@ def module(**members: Any) -> Any:
     return found
 
 
-@pytest.fixture
-def krita(monkeypatch: pytest.MonkeyPatch) -> Any:
-    """The plug-in of Krita, whose progress window is ``plugin.QProgressDialog.return_value``."""
+@pytest.fixture(params=[5, 6])
+def krita(monkeypatch: pytest.MonkeyPatch, request: pytest.FixtureRequest) -> Any:
+    """The plug-in of Krita 5 and 6, whose progress window is ``plugin.QProgressDialog.return_value``."""
+    # None: Krita refuses the Qt of another version.
+    monkeypatch.setitem(sys.modules, f"PyQt{11 - request.param}", None)
+    qt = f"PyQt{request.param}"
     widgets = module(QApplication=MagicMock(), QMessageBox=MagicMock(), QProgressDialog=MagicMock())
     plugin = loaded(
         monkeypatch,
@@ -63,10 +66,12 @@ def krita(monkeypatch: pytest.MonkeyPatch) -> Any:
         krita=module(
             Extension=type("Extension", (), {"__init__": lambda self, parent: None}), Krita=MagicMock()
         ),
-        PyQt5=module(),
-        PyQt5__QtCore=module(Qt=MagicMock()),
-        PyQt5__QtGui=module(QImage=MagicMock()),
-        PyQt5__QtWidgets=widgets,
+        **{
+            qt: module(),
+            f"{qt}__QtCore": module(Qt=MagicMock()),
+            f"{qt}__QtGui": module(QImage=MagicMock()),
+            f"{qt}__QtWidgets": widgets,
+        },
     )
     plugin.Krita.instance.return_value.activeDocument.return_value.colorModel.return_value = "RGBA"
     monkeypatch.setattr(plugin, "layer_picture", MagicMock())

@@ -6,9 +6,15 @@ from pathlib import Path
 from typing import Any
 
 from krita import Extension, Krita
-from PyQt5.QtCore import Qt
-from PyQt5.QtGui import QImage
-from PyQt5.QtWidgets import QApplication, QMessageBox, QProgressDialog
+
+try:  # In this order: Krita 6 refuses PyQt5, but an old Krita 5 loads an installed PyQt6, and crashes.
+    from PyQt5.QtCore import Qt
+    from PyQt5.QtGui import QImage
+    from PyQt5.QtWidgets import QApplication, QMessageBox, QProgressDialog
+except ImportError:
+    from PyQt6.QtCore import Qt
+    from PyQt6.QtGui import QImage
+    from PyQt6.QtWidgets import QApplication, QMessageBox, QProgressDialog
 
 from .normalgan_command import CancelledError, CommandError, predict
 
@@ -41,11 +47,11 @@ def normal_layer(
         if not layer_picture(document, node).save(str(drawn)):
             raise CommandError(f"Krita could not write the layer {node.name()} as a picture.")
         warned = predict(drawn, predicted, "--alpha", *settings, meanwhile=meanwhile)
-        image = QImage(str(predicted)).convertToFormat(QImage.Format_ARGB32)
+        image = QImage(str(predicted)).convertToFormat(QImage.Format.Format_ARGB32)
     if image.isNull():
         raise CommandError("Krita could not read the normal map.")
     bits = image.constBits()
-    bits.setsize(image.byteCount())
+    bits.setsize(image.sizeInBytes())
     layer = document.createNode(NAME, "paintlayer")
     layer.setColorSpace("RGBA", "U8", SRGB)  # whatever the document's, the numbers stay
     layer.setPixelData(bytes(bits), 0, 0, image.width(), image.height())
@@ -67,7 +73,7 @@ def layer_picture(document: Any, node: Any) -> Any:
     pixels = bytes(node.projectionPixelData(0, 0, width, height))
     if copy is not None:
         copy.close()
-    return QImage(pixels, width, height, 4 * width, QImage.Format_ARGB32).copy()
+    return QImage(pixels, width, height, 4 * width, QImage.Format.Format_ARGB32).copy()
 
 
 class NormalMapOfLayer(Extension):
@@ -89,7 +95,7 @@ class NormalMapOfLayer(Extension):
         if document is None:
             return
         window = QProgressDialog("Predicting the normal map…", "Cancel", 0, 0)
-        window.setWindowModality(Qt.ApplicationModal)  # the document must stay as it is
+        window.setWindowModality(Qt.WindowModality.ApplicationModal)  # the document must stay as it is
         window.show()
 
         def goes_on() -> bool:
