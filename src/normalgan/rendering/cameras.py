@@ -63,23 +63,30 @@ class Camera:
             matrix[3, 3] = 1
         return matrix
 
-    def rays(self, size: int) -> tuple[Doubles, Doubles]:
+    def rays(
+        self, size: int, rows: slice = slice(None), columns: slice = slice(None)
+    ) -> tuple[Doubles, Doubles]:
         """Return where the line of sight of every pixel's centre starts and where it goes.
 
+        Args:
+            size: H and W of the picture.
+            rows: rows of it that are wanted.
+            columns: and columns.
+
         Returns:
-            origins: (size, size, 3) world positions on the camera plane, row 0 the top of the picture.
-            directions: (size, size, 3) world vectors that advance the depth by one, so that the ``t`` of
+            origins: (H, W, 3) world positions on the camera plane, row 0 the top of the picture.
+            directions: (H, W, 3) world vectors that advance the depth by one, so that the ``t`` of
                 ``origin + t * direction`` is what `Maps` calls depth.
         """
         left, right, bottom, top = self.window
         steps = (np.arange(size) + 0.5) / size
-        x, y = np.meshgrid(left + (right - left) * steps, top + (bottom - top) * steps)
-        zero, one = np.zeros_like(x), np.ones_like(x)
+        x, y = (left + (right - left) * steps)[columns], (top + (bottom - top) * steps)[rows]
+        across, up, back = self.rotation
+        places = x[None, :, None] * across + y[:, None, None] * up
+        eye = -self.translation @ self.rotation
         if self.perspective:
-            start, heading = np.stack([zero, zero, zero], -1), np.stack([x, y, -one], -1)
-        else:
-            start, heading = np.stack([x, y, zero], -1), np.stack([zero, zero, -one], -1)
-        return (start - self.translation) @ self.rotation, heading @ self.rotation
+            return np.broadcast_to(eye, places.shape), places - back
+        return places + eye, np.broadcast_to(-back, places.shape)
 
 
 def look_at_origin(azimuth: float, elevation: float, roll: float) -> Doubles:
