@@ -40,6 +40,8 @@ PARTS = {
     "studio": ("server", "drawings", "projects", "predictions"),
 }
 """The parts of the large rooms, likewise; what lies loose beside them may be above or below any."""
+PAGE_FOLDERS = ("text", "drawing", "server", "elements", "board", "result", "panels", "files", "")
+"""The folders of the studio's page, likewise; the last is the page itself."""
 LIGHT = (
     *("errors", "arrays", "version", "normals", "registry", "rendering", "animals", "decoding"),
     *("cli", "inference", "studio"),
@@ -122,6 +124,18 @@ FILES = [path for path in sorted(SOURCE.rglob("*.py")) if path != SOURCE / "__in
 def test_every_room_has_its_layer() -> None:
     assert {room(path) for path in FILES} == set().union(*LAYERS)
     assert sum(map(len, LAYERS)) == len(set().union(*LAYERS))
+
+
+def test_folders_of_the_page_import_only_those_inside_them() -> None:
+    page = SOURCE / "studio" / "page"
+    outward = []
+    for path in page.rglob("*.js"):
+        own = PAGE_FOLDERS.index(path.parent.relative_to(page).as_posix().strip("."))
+        for name in re.findall(r'(?:from|import) "(\.[^"]+)"', path.read_text(encoding="utf-8")):
+            folder = (path.parent / name).resolve().parent.relative_to(page).as_posix().strip(".")
+            if PAGE_FOLDERS.index(folder) > own:
+                outward.append((path.name, name))
+    assert outward == []
 
 
 def test_the_docs_show_these_rings() -> None:

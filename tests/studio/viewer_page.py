@@ -24,7 +24,7 @@ HTML = """<!doctype html><html lang="en"><meta charset="utf-8"><title>viewer</ti
 <style>body { margin: 0; background: rgb(60, 70, 80); color: white }
 canvas { display: block; outline: none }</style>
 <script type="module">
-import { Viewer } from "./viewer.js";
+import { Viewer } from "./result/viewer.js";
 const text = { reliefNeedsWebgl: "no relief here", contextLost: "lost", webglFailed: "failed:" };
 // A new viewer on a new canvas, and nothing left of the one before.
 window.renew = (width, height) => {

@@ -4,7 +4,7 @@
  */
 
 import { documents } from "./documents.js";
-import { LIMITS } from "./limits.js";
+import { LIMITS } from "./drawing/limits.js";
 import { encodePng, levelsOf, padEdge } from "./png.js";
 
 /** What can be exported without Python, and its formats. */
@@ -37,14 +37,14 @@ const size = new Promise((resolve, reject) => {
 size.catch(() => {}); // said when something is asked for
 
 class Lacking extends Error {
-  /** @param {import("./findings.js").Finding[]} findings */
+  /** @param {import("./result/findings.js").Finding[]} findings */
   constructor(findings) {
     super();
     this.findings = findings;
   }
 }
 
-/** @param {import("./findings.js").Finding[]} findings */
+/** @param {import("./result/findings.js").Finding[]} findings */
 const findingsHeader = (findings) => ({ "X-Findings": encodeURIComponent(JSON.stringify(findings)) });
 
 /** @param {unknown} value @param {number} [status] @param {Record<string, string>} [headers] */

@@ -3,7 +3,7 @@
 import { FORMS } from "./constants.js";
 import { blurred, boxOf, distance, opposite, part as cut, resized, where } from "./raster.js";
 
-/** @typedef {import("./document.js").Form} Form */
+/** @typedef {import("./drawing/document.js").Form} Form */
 
 const { COARSE, DISH, OUTSIDE, SIDE, SWEEPS } = FORMS;
 

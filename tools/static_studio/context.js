@@ -1,7 +1,7 @@
 /** Context: the parts of a drawing, each seen alone or among the others, as normalgan.inference.composites.context has it. */
 
-import { above } from "./raster.js";
 import { frameAround, shown, shrunk } from "./prepare.js";
+import { above } from "./raster.js";
 import { doubt } from "./suggest.js";
 
 /** @typedef {import("./prepare.js").Prepared} Prepared */

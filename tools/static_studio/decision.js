@@ -7,7 +7,7 @@ import { presenceAt } from "./reader.js";
 
 const { INKED, OPEN, REACH, SIDE, UNSURE } = DECISION;
 
-/** @typedef {{mask: Uint8Array | null, covered: Float32Array | null, unsure: import("./findings.js").Finding[]}} Decision
+/** @typedef {{mask: Uint8Array | null, covered: Float32Array | null, unsure: import("./result/findings.js").Finding[]}} Decision
  *   the object, null if none is seen, how much of each pixel it covers, and what is to be said */
 
 /**
@@ -69,7 +69,7 @@ function votesOf(labels, boxes, presence) {
 /**
  * Returns what is to be said of regions of which the reader is unsure.
  * @param {Regions} regions @param {Uint8Array} mask @param {number} scale pixels of the drawing for one of these
- * @returns {import("./findings.js").Finding[]}
+ * @returns {import("./result/findings.js").Finding[]}
  */
 function doubts({ labels, boxes, enclosed, votes, wide, high }, mask, scale) {
   const [lowest, highest, share] = UNSURE;
@@ -88,7 +88,7 @@ function doubts({ labels, boxes, enclosed, votes, wide, high }, mask, scale) {
 /**
  * Returns what is to be said of the longest stretch of an object's edge that no line bounds, if it is long.
  * @param {Uint8Array} mask @param {Uint8Array} inked @param {number} wide @param {number} high @param {number} scale as of `doubts`
- * @returns {import("./findings.js").Finding[]}
+ * @returns {import("./result/findings.js").Finding[]}
  */
 function openEdge(mask, inked, wide, high, scale) {
   const box = boxOf(mask, wide, high);

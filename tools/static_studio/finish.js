@@ -6,7 +6,7 @@ import { Unpaintable, shrunk } from "./prepare.js";
 import { SQUARE, WIDE, above, both, boxOf, components, dilated, distance, either, opposite, part, quantile, resized, sumOf, where, without } from "./raster.js";
 
 /** @typedef {import("./prepare.js").Prepared} Prepared @typedef {import("./prepare.js").Frame} Frame
- * @typedef {import("./findings.js").Finding} Finding */
+ * @typedef {import("./result/findings.js").Finding} Finding */
 /** @typedef {(planes: Float32Array, width: number, height: number) => Promise<Float32Array>} Refiner six planes in, three out */
 
 const { BESIDE, LEAST, PRESENT } = PIPELINE;

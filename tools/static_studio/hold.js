@@ -2,21 +2,21 @@
 
 import { feathered, giveForm } from "./bevel.js";
 import { EDITS } from "./constants.js";
+import { slopesAt } from "./drawing/structures.js";
 import { blurred, boxOf, components, part, where } from "./raster.js";
-import { slopesAt } from "./structures.js";
 
 const { AVERAGED, BRUSH_FADES, FADES, INKED, LEAST_REACH, REACH, SOFT } = EDITS;
 
-/** @typedef {import("./document.js").Hint} Hint @typedef {import("./carving.js").Asked} Area */
+/** @typedef {import("./drawing/document.js").Hint} Hint @typedef {import("./drawing/carving.js").Asked} Area */
 /** @typedef {{normals: Float32Array, mask: Uint8Array, width: number, height: number}} Painted */
 
 /** @typedef {{points: number[], size: number, adds: boolean, fills?: boolean}} MaskStroke fills: a click, for all of the area about it */
 
 /**
  * Holds a map to its form, to areas, in their order, then to pins, exactly; in place.
- * @param {Painted} map @param {Hint[]} hints @param {Area[]} areas @param {import("./document.js").Form | null} form
+ * @param {Painted} map @param {Hint[]} hints @param {Area[]} areas @param {import("./drawing/document.js").Form | null} form
  * @param {number} scale pixels of the map for one of the drawing
- * @param {Map<string, import("./structures.js").Tile>} tiles of structures, by picture or kind
+ * @param {Map<string, import("./drawing/structures.js").Tile>} tiles of structures, by picture or kind
  */
 export function hold(map, hints, areas, form, scale, tiles) {
   if (form) giveForm(map, Float32Array.from(map.mask), form);
@@ -39,7 +39,7 @@ export function hold(map, hints, areas, form, scale, tiles) {
   holdPins(map, hints, scale);
 }
 
-/** @typedef {import("./document.js").Structure} Structure */
+/** @typedef {import("./drawing/document.js").Structure} Structure */
 /** @param {Structure | undefined} one @param {Structure} other */
 const isSame = (one, other) => one !== undefined && ["kind", "picture", "period"].every((key) => one[/** @type {"kind"} */ (key)] === other[/** @type {"kind"} */ (key)]) &&
   /** @type {const} */ (["turn", "x", "y", "flipped"]).every((key) => Number(one[key] ?? 0) === Number(other[key] ?? 0));

@@ -2,8 +2,8 @@
 
 import { CLEANING, LINE_WIDTH, SILHOUETTE } from "./constants.js";
 import { decide } from "./decision.js";
-import { brightness, inkAt, read } from "./reader.js";
 import { SQUARE, above, blurred, boxOf, components, dilated, distance, eroded, median, opposite, part, refitted, resized, ridge, rint, stretched, sumOf, thinned, where } from "./raster.js";
+import { brightness, inkAt, read } from "./reader.js";
 
 /** @typedef {{left: number, top: number, side: number, size: number}} Frame the square that the network is shown */
 /**
@@ -16,7 +16,7 @@ import { SQUARE, above, blurred, boxOf, components, dilated, distance, eroded, m
  * @property {Float32Array | null} alpha the drawing's opacity, if that tells the mask
  * @property {Frame} frame
  * @property {Float32Array} seen what the network is shown
- * @property {import("./findings.js").Finding[]} unsure what is to be said of regions of which the reader is unsure
+ * @property {import("./result/findings.js").Finding[]} unsure what is to be said of regions of which the reader is unsure
  */
 
 const { DRAWN_WIDTH, FINER, ROUGH, THIN } = LINE_WIDTH;

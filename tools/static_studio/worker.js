@@ -2,10 +2,10 @@
 
 import { compose } from "./compose.js";
 import { expectedError, waysToSee } from "./context.js";
+import { tileOf } from "./drawing/structures.js";
 import { finish, hintsOff, restored } from "./finish.js";
 import { byHand, hold } from "./hold.js";
 import { Unpaintable, prepare } from "./prepare.js";
-import { tileOf } from "./structures.js";
 import { doubt, suggest } from "./suggest.js";
 
 /** @typedef {{pixels: Uint8Array, width: number, height: number, channels: number}} Plane */
@@ -14,14 +14,14 @@ import { doubt, suggest } from "./suggest.js";
  * @property {string} name
  * @property {Plane} ink
  * @property {import("./hold.js").MaskStroke[]} strokes of the mask brush
- * @property {import("./document.js").Hint[]} hints
- * @property {import("./document.js").Area[]} areas
- * @property {import("./document.js").Source} source
- * @property {import("./document.js").Form | null} form
+ * @property {import("./drawing/document.js").Hint[]} hints
+ * @property {import("./drawing/document.js").Area[]} areas
+ * @property {import("./drawing/document.js").Source} source
+ * @property {import("./drawing/document.js").Form | null} form
  * @property {Record<string, string>} structures base64 of PNGs, by the names that areas give them
  */
 /**
- * @typedef {import("./findings.js").Finding} Finding
+ * @typedef {import("./result/findings.js").Finding} Finding
  * @typedef {{id: number, layers: Layer[], longest: number | null, what: "map" | "exact" | "doubt" | "points", count: number, changedOnly: boolean}} PaintRequest
  *   layers: the hindmost first; what is to be answered; count: of points; changedOnly: whether layers that have not changed are
  *   shown as they were, though each is seen among all
@@ -232,7 +232,7 @@ function linesOf(layers) {
   return lines;
 }
 
-/** Returns what the network is told: mean normals at the pins that have no reach of their own, and where they are. @param {import("./document.js").Hint[]} hints @param {number} scale @param {import("./prepare.js").Frame} frame */
+/** Returns what the network is told: mean normals at the pins that have no reach of their own, and where they are. @param {import("./drawing/document.js").Hint[]} hints @param {number} scale @param {import("./prepare.js").Frame} frame */
 function hintPlanes(hints, scale, { left, top, side, size }) {
   const area = size * size;
   const planes = new Float32Array(4 * area);

@@ -88,7 +88,7 @@ def build_app(
 def _page_routes() -> tuple[str, list[BaseRoute]]:
     """Return the page's routes, and the prefix of its cacheable files."""
     mimetypes.add_type("text/javascript", ".js")  # some machines call it a plain text, which browsers refuse
-    kept = f"/page/{version_of([*PAGE.glob('*.*'), CLAY_FILE, Path(structures.__file__)])}"
+    kept = f"/page/{version_of([*PAGE.rglob('*.*'), CLAY_FILE, Path(structures.__file__)])}"
     text = (PAGE / "index.html").read_text(encoding="utf-8")
     page = markup(with_limits(with_export_menu(text)), PAGE).replace('"/page/', f'"{kept}/')
 

@@ -1,6 +1,7 @@
 """Page files: preloaded modules and versioned addresses, so that the page loads fast."""
 
 import hashlib
+import posixpath
 import re
 from collections.abc import Iterable
 from pathlib import Path
@@ -9,7 +10,7 @@ __all__ = ["PAGE", "markup", "modules_of", "version_of"]
 
 PAGE = Path(__file__).parent / "page"
 """The folder of the page's files."""
-_IMPORT = re.compile(r'^(?:import|export)\b[^;"]*?(?:\bfrom\s*)?"\./([\w.]+)"', re.MULTILINE)
+_IMPORT = re.compile(r'^(?:import|export)\b(?:[^;"]*?\bfrom\b)?\s*"(\.{1,2}/[\w./]+)"', re.MULTILINE)
 _SCRIPT = re.compile(r'^<script type="module" src="([^"]*/)([\w.]+)"></script>', re.MULTILINE)
 
 
@@ -18,12 +19,13 @@ def modules_of(folder: Path, first: str) -> list[str]:
 
     Args:
         folder: of all modules.
-        first: name of the one that the page loads.
+        first: the one that the page loads, as a path in that folder.
     """
     found = [first]
     for name in found:
         text = (folder / name).read_text(encoding="utf-8")
-        found += [each for each in dict.fromkeys(_IMPORT.findall(text)) if each not in found]
+        imported = (posixpath.join(posixpath.dirname(name), path) for path in _IMPORT.findall(text))
+        found += [each for each in dict.fromkeys(map(posixpath.normpath, imported)) if each not in found]
     return found
 
 

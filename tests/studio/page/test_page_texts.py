@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 from normalgan.studio.page_files import PAGE
 from normalgan.studio.predictions.exports import with_export_menu
 
+TEXTS = PAGE / "text"
 CUT_OFF = """() => [...document.querySelectorAll(".options > .quiet, #outcome > .bar")]
   .filter((each) => each.checkVisibility({ opacityProperty: true }))
   .filter((each) => each.scrollHeight > each.clientHeight + 1 || each.scrollWidth > each.clientWidth)
@@ -22,9 +23,9 @@ CUT_OFF = """() => [...document.querySelectorAll(".options > .quiet, #outcome > 
 
 
 def test_no_words_are_left_over_and_none_are_missing() -> None:
-    words = (PAGE / "text.js").read_text(encoding="utf-8")
+    words = (TEXTS / "text.js").read_text(encoding="utf-8")
     known = set(re.findall(r"^  (\w+):", words, re.M)) - {"viewerTexts"}
-    scripts = [path for path in PAGE.glob("*.js") if not path.name.startswith("text")]
+    scripts = [path for path in PAGE.rglob("*.js") if path.parent != TEXTS]
     others = "".join(path.read_text(encoding="utf-8") for path in scripts)
     markup = with_export_menu((PAGE / "index.html").read_text(encoding="utf-8"))
     named = set(re.findall(r'data-(?:text|label)="(\w+)"', markup))
@@ -51,12 +52,12 @@ SAME = {
     "obj",
 }
 """Names and figures, which are the same in all languages."""
-LANGUAGES = sorted(path.stem.removeprefix("text_") for path in PAGE.glob("text_*.js"))
+LANGUAGES = sorted(path.stem.removeprefix("text_") for path in TEXTS.glob("text_*.js"))
 
 
 def words_of(name: str) -> dict[str, str]:
     """Return the words in a file by their keys."""
-    return dict(re.findall(r'^ +(\w+): "(.*)",$', (PAGE / name).read_text(encoding="utf-8"), re.M))
+    return dict(re.findall(r'^ +(\w+): "(.*)",$', (TEXTS / name).read_text(encoding="utf-8"), re.M))
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
@@ -70,11 +71,11 @@ def test_no_words_are_missing_in_a_language(language: str) -> None:
         key for key in other if sorted(blanks.findall(other[key])) != sorted(blanks.findall(english[key]))
     ]
     assert differ == []
-    assert "Machine-drafted" in (PAGE / f"text_{language}.js").read_text(encoding="utf-8").splitlines()[0]
+    assert "Machine-drafted" in (TEXTS / f"text_{language}.js").read_text(encoding="utf-8").splitlines()[0]
 
 
 def test_every_language_is_listed() -> None:
-    listed = re.search(r"LANGUAGES = \[(.*)\]", (PAGE / "text.js").read_text(encoding="utf-8"))
+    listed = re.search(r"LANGUAGES = \[(.*)\]", (TEXTS / "text.js").read_text(encoding="utf-8"))
     assert listed is not None
     assert re.findall(r'"(\w+)"', listed[1]) == LANGUAGES
 

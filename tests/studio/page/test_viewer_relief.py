@@ -195,7 +195,7 @@ def test_dispose_gives_everything_back(viewer: Viewer) -> None:
             };
             gl[`delete${kind}`] = function (thing) { made.delete(thing); remove.call(this, thing); };
         }
-        const { Viewer } = await import("./viewer.js");
+        const { Viewer } = await import("./result/viewer.js");
         const canvas = document.createElement("canvas");
         canvas.style.width = canvas.style.height = "50px";
         document.body.append(canvas);

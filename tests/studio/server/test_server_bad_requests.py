@@ -201,7 +201,7 @@ def test_where_there_is_nothing_it_says_so_in_json(client: TestClient) -> None:
         ("GET", "/page/nothing.js", 404),
         ("GET", "/api/predict", 405),
         ("POST", "/api/about", 405),
-        ("POST", "/page/text.js", 405),
+        ("POST", "/page/text/text.js", 405),
         ("PATCH", "/api/projects/fox", 405),
     ):
         answer = client.request(method, path, json={})

@@ -44,7 +44,7 @@ def client(model: Path, folder: Path) -> Iterator[TestClient]:
         yield client
 
 
-@pytest.mark.parametrize("path", ["/api/about", "/page/text.js", "/"])
+@pytest.mark.parametrize("path", ["/api/about", "/page/text/text.js", "/"])
 @pytest.mark.parametrize(
     "host", ["evil.example", f"evil.example:{PORT}", "127.0.0.1", "127.0.0.1:1", f"[::1]:{PORT}", ""]
 )
@@ -80,12 +80,14 @@ def test_another_page_is_refused(client: TestClient, headers: dict[str, str]) ->
 def test_its_own_page_is_served(client: TestClient, host: str) -> None:
     own = {"Host": f"{host}:{PORT}", "Origin": f"http://{host}:{PORT}", "Sec-Fetch-Site": "same-origin"}
     assert client.get("/api/about", headers=own).status_code == 200
-    assert client.get("/page/text.js", headers={"Sec-Fetch-Site": "cross-site"}).status_code == 200  # a link
+    assert (
+        client.get("/page/text/text.js", headers={"Sec-Fetch-Site": "cross-site"}).status_code == 200
+    )  # a link
 
 
 def test_every_answer_has_its_headers(client: TestClient) -> None:
     for answer in (
-        client.get("/page/text.js"),
+        client.get("/page/text/text.js"),
         client.get("/api/about"),
         client.get("/nothing"),
         client.get("/api/about", headers={"Host": "evil.example"}),
@@ -100,15 +102,17 @@ def test_every_answer_has_its_headers(client: TestClient) -> None:
 
 
 def test_files_of_the_page_are_served_and_no_others(client: TestClient) -> None:
-    answer = client.get("/page/text.js")
-    assert answer.content == (PAGE / "text.js").read_bytes()
+    answer = client.get("/page/text/text.js")
+    assert answer.content == (PAGE / "text" / "text.js").read_bytes()
     assert answer.headers["content-type"].startswith("text/javascript")
     assert answer.headers["cache-control"] == "no-cache"
-    assert client.get("/page/text.js", headers={"If-None-Match": answer.headers["etag"]}).status_code == 304
+    assert (
+        client.get("/page/text/text.js", headers={"If-None-Match": answer.headers["etag"]}).status_code == 304
+    )
     for path in ("../app.py", "../../errors.py", "../../../../../../../../../../etc/passwd", "/etc/passwd"):
         for written in (path, quote(path, safe=""), quote(path).replace(".", "%2e"), path.replace("/", "\\")):
             assert client.get(f"/page/{written}").status_code == 404
-    assert client.get("/page/text.js%00.png").status_code == 404
+    assert client.get("/page/text/text.js%00.png").status_code == 404
     assert client.get("/page/").status_code == 404
 
 
@@ -116,9 +120,10 @@ def test_the_page_names_all_its_modules_ahead_at_addresses_that_are_kept(client:
     page = client.get("/")
     assert page.headers["cache-control"] == "no-cache"
     ahead = re.findall(r'<link rel="modulepreload" href="([^"]+)">', page.text)
-    assert sorted(url.rpartition("/")[2] for url in ahead) == sorted(
-        path.name
-        for path in PAGE.glob("*.js")
+    root = ahead[0].removesuffix("main.js")
+    assert sorted(url.removeprefix(root) for url in ahead) == sorted(
+        path.relative_to(PAGE).as_posix()
+        for path in PAGE.rglob("*.js")
         if not path.name.startswith("text_")  # one is fetched when chosen
         and path.name not in ("cutting.js", "inpainting.js")  # a worker, which is made when the lasso cuts
     )
@@ -127,19 +132,21 @@ def test_the_page_names_all_its_modules_ahead_at_addresses_that_are_kept(client:
     assert ahead[0] == script[1]  # or the browser would fetch it twice
     for url in (*ahead[:2], *re.findall(r'<link rel="stylesheet" href="([^"]+)">', page.text)):
         answer = client.get(url)
-        assert answer.content == (PAGE / url.rpartition("/")[2]).read_bytes()
+        assert answer.content == (PAGE / url.removeprefix(root)).read_bytes()
         assert "immutable" in answer.headers["cache-control"]
     assert client.get(f"{ahead[0]}.not").headers["cache-control"] == "no-cache"
-    clay = ahead[0].replace("main.js", "clay.json")
-    assert client.get(clay).json() == client.get("/page/clay.json").json()
+    assert client.get(f"{root}clay.json").json() == client.get("/page/clay.json").json()
 
 
 def test_another_page_has_another_version(tmp_path: Path) -> None:
     (tmp_path / "main.js").write_text('import { a } from "./a.js";\nexport * from "./b.js";\n')
     (tmp_path / "a.js").write_text('import {\n  b,\n} from "./b.js";\nimport "./c.js";\n')
     (tmp_path / "b.js").write_text('// import { x } from "./x.js";\n')
-    (tmp_path / "c.js").write_text('import { a } from "./a.js";\n')
-    assert modules_of(tmp_path, "main.js") == ["main.js", "a.js", "b.js", "c.js"]
+    (tmp_path / "c.js").write_text('import { a } from "./a.js";\nimport "./in/d.js";\n')
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "d.js").write_text('import { a } from "../a.js";\nimport "./e.js";\n')
+    (tmp_path / "in" / "e.js").write_text("")
+    assert modules_of(tmp_path, "main.js") == ["main.js", "a.js", "b.js", "c.js", "in/d.js", "in/e.js"]
     before = version_of(tmp_path.glob("*.js"))
     assert version_of(tmp_path.glob("*.js")) == before
     (tmp_path / "b.js").write_text("// nothing\n")

@@ -1,47 +1,47 @@
 /** Main: puts the parts of the studio together. */
 
-import { about } from "./api.js";
-import { Arranging } from "./arranging.js";
-import { Autosave } from "./autosave.js";
-import { Board } from "./board.js";
-import { View } from "./camera.js";
-import { Connection } from "./connection.js";
-import { $, fill, make, open } from "./dom.js";
-import { Editor, NOTHING } from "./editor.js";
-import { Exporting } from "./exporting.js";
-import { Folder } from "./folder.js";
-import { followHistory } from "./history_list.js";
-import { Brushes } from "./brushes.js";
-import { Forms } from "./forms.js";
-import { teach } from "./first_steps.js";
-import { Importing } from "./importing.js";
-import { Inks } from "./ink.js";
-import { KeyboardPen } from "./keyboard_pen.js";
-import { Layers } from "./layers.js";
-import { Lights } from "./lights.js";
-import { Predictor } from "./predictor.js";
-import { Materials } from "./materials.js";
-import { Panes } from "./panes.js";
-import { followPaper } from "./paper.js";
-import { Pointers } from "./pointer.js";
-import { Points } from "./points.js";
-import { Projects } from "./projects.js";
-import { Result, VIEWS } from "./result.js";
-import { offerSamples } from "./samples.js";
-import { followSheets } from "./sheets.js";
-import { begin } from "./start.js";
-import { SHOWN, followKeys } from "./shortcuts.js";
-import { Status } from "./status.js";
-import { claimTab } from "./tab.js";
-import { say, text, wordsOf } from "./text.js";
-import { followTheme } from "./theme.js";
-import { Toolbar, turnCarving, widen } from "./toolbar.js";
-import { AreaTool } from "./tool_area.js";
-import { HintTool } from "./tool_hint.js";
-import { LineTool } from "./tool_line.js";
-import { MaskTool } from "./tool_mask.js";
-import { SelectTool } from "./tool_select.js";
-import { LightTool } from "./tools.js";
+import { Arranging } from "./board/arranging.js";
+import { Board } from "./board/board.js";
+import { View } from "./board/camera.js";
+import { KeyboardPen } from "./board/keyboard_pen.js";
+import { Panes } from "./board/panes.js";
+import { Pointers } from "./board/pointer.js";
+import { AreaTool } from "./board/tool_area.js";
+import { HintTool } from "./board/tool_hint.js";
+import { LineTool } from "./board/tool_line.js";
+import { MaskTool } from "./board/tool_mask.js";
+import { SelectTool } from "./board/tool_select.js";
+import { LightTool } from "./board/tools.js";
+import { Editor, NOTHING } from "./drawing/editor.js";
+import { Inks } from "./drawing/ink.js";
+import { $, fill, make, open } from "./elements/dom.js";
+import { followSheets } from "./elements/sheets.js";
+import { SHOWN, followKeys } from "./elements/shortcuts.js";
+import { Status } from "./elements/status.js";
+import { followTheme } from "./elements/theme.js";
+import { Autosave } from "./files/autosave.js";
+import { Exporting } from "./files/exporting.js";
+import { Folder } from "./files/folder.js";
+import { Importing } from "./files/importing.js";
+import { Projects } from "./files/projects.js";
+import { begin } from "./files/start.js";
+import { claimTab } from "./files/tab.js";
+import { Brushes } from "./panels/brushes.js";
+import { teach } from "./panels/first_steps.js";
+import { Forms } from "./panels/forms.js";
+import { followHistory } from "./panels/history_list.js";
+import { Layers } from "./panels/layers.js";
+import { followPaper } from "./panels/paper.js";
+import { Points } from "./panels/points.js";
+import { offerSamples } from "./panels/samples.js";
+import { Toolbar, turnCarving, widen } from "./panels/toolbar.js";
+import { Lights } from "./result/lights.js";
+import { Materials } from "./result/materials.js";
+import { Predictor } from "./result/predictor.js";
+import { Result, VIEWS } from "./result/result.js";
+import { about } from "./server/api.js";
+import { Connection } from "./server/connection.js";
+import { say, text, wordsOf } from "./text/text.js";
 
 fill();
 followTheme($("theme"));
@@ -74,7 +74,7 @@ const folder = new Folder(importing, projects, predictor, (map) => result.viewer
 importing.onSeveral = (/** @type {DataTransfer} */ dropped) => folder.take(dropped);
 const exporting = new Exporting(editor, predictor, status, (map) =>
   result.viewer.shaded(map, materials.colours(Math.max(map.width, map.height))));
-/** @type {import("./status.js").Announce} */
+/** @type {import("./elements/status.js").Announce} */
 const announce = (words, kind) => status.say(words, kind);
 const lines = new LineTool(editor, inks, announce);
 const pins = new HintTool(editor, () => predictor.painted, announce);
@@ -85,7 +85,7 @@ for (const each of [board, overlay]) each.voteAt = (at) => mask.voteAt(at);
 const select = new SelectTool(editor, announce);
 const arranging = new Arranging(editor, announce);
 const light = new LightTool((x, y) => lights.move(x, y));
-/** @type {Record<string, import("./tools.js").Tool | null>} */
+/** @type {Record<string, import("./board/tools.js").Tool | null>} */
 const tools = { pen: lines, eraser: lines, select, hint: pins, region: areas, brush: areas, mask, light: null, hand: null };
 const tool = () => {
   const chosen = tools[editor.tool];

@@ -166,7 +166,7 @@ def with_export_menu(page: str) -> str:
     options = []
     for name, formats in offered().items():
         word = f"what{name.capitalize()}"
-        known = f"  {word}: " in (PAGE / "text.js").read_text(encoding="utf-8")
+        known = f"  {word}: " in (PAGE / "text" / "text.js").read_text(encoding="utf-8")
         own, label = (f' data-text="{word}"', "") if known else ("", escape(labels[name]))
         files = {form: _request("{}", name, form, line_art=b"").names for form in formats}
         more = f'data-formats="{" ".join(formats)}" data-files="{escape(json.dumps(files))}"'

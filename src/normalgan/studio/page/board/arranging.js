@@ -1,0 +1,237 @@
+/** Arranging: what is selected is flipped, turned, duplicated, copied, pasted, nudged and brought to another layer. */
+
+import { LISTS, MOST_LAYERS, activeLayer, changedLayer, hasRoom, newDocument, parseDocument, picturesOf, structuresOf, withActive, withNewLayer, withStructures } from "../drawing/document.js";
+import { aboutPoint, alongWith, movedParts } from "../drawing/moving.js";
+import { decodeAll } from "../drawing/pictures.js";
+import { boxOfSelection, hasInk, insideOfSelection, isCut, isNothing, onceCut, withCuts, withMoved } from "../drawing/selection.js";
+import { $, enable, fieldOf, make } from "../elements/dom.js";
+import { say, text } from "../text/text.js";
+
+/** @typedef {import("../drawing/document.js").Doc} Doc @typedef {import("../drawing/document.js").Layer} Layer */
+/** @typedef {Pick<Layer, "strokes" | "hints" | "areas" | "mask">} Parts */
+
+/** Pixels by which a copy lies beside what it is of. */
+const BESIDE = 12;
+/** The width and height of the paper on the clipboard: a document that holds only parts. */
+const NAME = "clipboard";
+
+/**
+ * Returns what goes with a selection, or what stays.
+ * @param {Layer} layer @param {import("../drawing/editor.js").Selection} selection in it, with nothing to be cut @param {boolean} goes
+ * @returns {Parts}
+ */
+function partsOf(layer, selection, goes) {
+  const along = alongWith(layer, selection.strokes, insideOfSelection(selection));
+  const pick = (/** @type {any[]} */ list, /** @type {Set<number>} */ places) => list.filter((_, i) => places.has(i) === goes);
+  return {
+    strokes: pick(layer.strokes, along.strokes), hints: pick(layer.hints, along.hints),
+    areas: pick(layer.areas, along.areas), mask: pick(layer.mask, along.mask),
+  };
+}
+
+/** @param {import("../drawing/document.js").Stroke} stroke */
+const isInk = ({ kind }) => kind !== "eraser";
+
+/** Puts parts in front of what a layer has. @param {Layer} layer @param {Parts} parts @returns {Layer | null} null: there is no room */
+function withParts(layer, parts) {
+  const both = { ...layer, ...Object.fromEntries(LISTS.map((list) => [list, [...layer[list], ...parts[list]]])) };
+  return hasRoom(both) ? both : null;
+}
+
+/** Moves parts by so much to the right and down. @param {Parts} parts @param {number} by @param {Doc} doc @returns {Parts} */
+function beside(parts, by, doc) {
+  const places = (/** @type {unknown[]} */ list) => new Set(list.keys());
+  const all = { strokes: places(parts.strokes), hints: places(parts.hints), areas: places(parts.areas), mask: places(parts.mask) };
+  return movedParts({ ...activeLayer(doc), ...parts }, all, { scale: 1, x: by, y: by }, doc).layer;
+}
+
+export class Arranging {
+  /** @param {import("../drawing/editor.js").Editor} editor @param {import("../elements/status.js").Announce} announce */
+  constructor(editor, announce) {
+    this.editor = editor;
+    this.announce = announce;
+    $("select-flip").addEventListener("click", () => this.turn(0, true));
+    $("select-flip-down").addEventListener("click", () => this.turn(Math.PI, true));
+    $("select-turn").addEventListener("click", () => this.turn(Math.PI / 2, false));
+    $("select-copy").addEventListener("click", () => this.duplicate());
+    $("select-split").addEventListener("click", () => this.toLayer("new"));
+    $("select-lasso").addEventListener("click", () => editor.set({ lassoes: !editor.lassoes }));
+    /** @type {HTMLSelectElement} */
+    this.target = $("select-layer");
+    this.target.addEventListener("change", () => this.toLayer(this.target.value));
+    for (const name of ["copy", "cut"]) addEventListener(name, (event) => this.#copy(/** @type {ClipboardEvent} */ (event), name === "cut"));
+    addEventListener("paste", (event) => this.#pasted(/** @type {ClipboardEvent} */ (event)));
+    for (const name of ["change", "state"]) editor.addEventListener(name, () => this.#show());
+    this.#show();
+  }
+
+  #show() {
+    const { editor } = this;
+    const some = !isNothing(editor.selection);
+    for (const id of ["select-remove", "select-flip", "select-flip-down", "select-turn"]) enable(id, some);
+    const help = $("select-help");
+    help.hidden = some; // there is no room for it
+    const ink = hasInk(editor.selection);
+    const room = editor.doc.layers.length < MOST_LAYERS;
+    enable("select-copy", ink);
+    enable("select-split", ink && room);
+    this.target.disabled = !ink;
+    $("select-lasso").setAttribute("aria-pressed", String(editor.lassoes));
+    help.textContent = help.title = editor.lassoes ? text.lassoHelp : text.selectHelp;
+    if (editor.tool !== "select" || editor.draft) return;
+    const others = editor.doc.layers.filter((layer) => layer !== editor.layer).reverse();
+    const options = [{ value: "", words: text.toLayer }, ...others.map(({ id, name }) => ({ value: String(id), words: name })), ...(room ? [{ value: "new", words: text.toNewLayer }] : [])];
+    const wanted = options.map(({ value, words }) => `${value} ${words}`).join("\n");
+    if (this.target.dataset.shown === wanted) return;
+    this.target.dataset.shown = wanted;
+    this.target.replaceChildren(...options.map(({ value, words }) => make("option", { value, text: words })));
+  }
+
+  /** Turns or flips about the middle of the selection. @param {number} angle radians, clockwise @param {boolean} flipped from left to right, before it is turned */
+  turn(angle, flipped) {
+    const { editor } = this;
+    const box = boxOfSelection(editor.doc, editor.selection);
+    if (!box) return;
+    const [x, y] = [(box.left + box.right) / 2, (box.top + box.bottom) / 2];
+    onceCut(editor, this.announce, () => this.#move(aboutPoint({ x, y }, { scale: 1, angle, flipped })));
+  }
+
+  /** Moves the selection. @param {number} x @param {number} y @returns {boolean} whether there was one */
+  nudge(x, y) {
+    const { editor } = this;
+    if (isNothing(editor.selection)) return false;
+    onceCut(editor, this.announce, () => {
+      const { strokes, pictures } = withCuts(editor.doc, editor.selection).selection;
+      // Presses on one selection are one step, however long the hand looks at it between them.
+      this.#move({ scale: 1, x, y }, `nudged ${JSON.stringify([strokes, pictures])}`);
+    });
+    return true;
+  }
+
+  /** @param {import("../drawing/moving.js").Move} move @param {string} [kind] */
+  #move(move, kind = "") {
+    const { editor } = this;
+    const { doc, selection } = withMoved(editor.history.state, editor.selection, move);
+    editor.selection = selection;
+    editor.commit(doc, kind, Infinity);
+  }
+
+  /** Puts a copy of the selected lines beside them. */
+  duplicate() {
+    const { editor } = this;
+    if (!hasInk(editor.selection)) return;
+    onceCut(editor, this.announce, () => {
+      const { doc, selection } = withCuts(editor.doc, editor.selection);
+      this.#put(beside(partsOf(activeLayer(doc), selection, true), BESIDE, doc));
+    });
+  }
+
+  /** Brings the selected lines to another layer, to be worked on from now. @param {string} target its id, or "new" */
+  toLayer(target) {
+    const { editor } = this;
+    this.target.value = "";
+    if (!hasInk(editor.selection) || !target) return undefined;
+    if (target === "new" && editor.doc.layers.length >= MOST_LAYERS) return this.announce(say("tooManyOwnLayers", { most: MOST_LAYERS }), "warning");
+    onceCut(editor, this.announce, () => this.#toLayer(target));
+    return undefined;
+  }
+
+  /** @param {string} target */
+  #toLayer(target) {
+    const { editor } = this;
+    const { doc: cut, selection } = withCuts(editor.doc, editor.selection);
+    const layer = activeLayer(cut);
+    const parts = partsOf(layer, selection, true);
+    const stays = partsOf(layer, selection, false);
+    if (stays.strokes.some(isInk)) {
+      // What is erased must be so on both.
+      stays.strokes = layer.strokes.filter((stroke) => !isInk(stroke) || stays.strokes.includes(stroke));
+      if (target === "new") parts.strokes = layer.strokes.filter((stroke) => !isInk(stroke) || parts.strokes.includes(stroke));
+    }
+    const left = changedLayer(cut, layer.id, stays);
+    const doc = target === "new" ? withNewLayer(left) : { ...left, active: Number(target) };
+    const onto = withParts(activeLayer(doc), parts);
+    if (!onto) return this.announce(text.noRoom, "warning");
+    editor.commit(withActive(doc, onto));
+    this.#choose(onto, parts);
+    return this.announce(say("broughtTo", { name: onto.name }));
+  }
+
+  /** @param {ClipboardEvent} event @param {boolean} cut */
+  #copy(event, cut) {
+    const { editor } = this;
+    if (!this.#isOurs(event) || !hasInk(editor.selection) || editor.tool !== "select") return;
+    event.preventDefault();
+    const { clipboardData } = event;
+    const atOnce = isCut(editor.selection);
+    onceCut(editor, this.announce, () => this.#take(cut, async (words) => {
+      // The event's own clipboard is closed once the event is over.
+      if (atOnce) clipboardData?.setData("text/plain", words);
+      else await navigator.clipboard.writeText(words);
+    }));
+  }
+
+  /** @param {boolean} cut @param {(words: string) => Promise<void>} write puts words on the clipboard */
+  async #take(cut, write) {
+    const { editor } = this;
+    const { width, height } = editor.doc;
+    const { doc: from, selection } = withCuts(editor.doc, editor.selection);
+    const layer = activeLayer(from);
+    const parts = partsOf(layer, selection, true);
+    const doc = { ...withActive(newDocument(width, height), parts), structures: structuresOf(from, parts.areas), settings: { name: NAME } };
+    try {
+      await write(JSON.stringify(doc));
+    } catch (error) {
+      this.announce(say("noClipboard", { reason: error instanceof Error ? error.message : String(error) }), "warning");
+      return;
+    }
+    if (cut) {
+      editor.set({ selection: { strokes: [], pictures: [] } });
+      editor.commit(withActive(from, partsOf(layer, selection, false)));
+    }
+    this.announce(text.copiedLines);
+  }
+
+  /** @param {ClipboardEvent} event */
+  async #pasted(event) {
+    const words = event.clipboardData?.getData("text/plain") ?? "";
+    if (!this.#isOurs(event) || event.clipboardData?.files.length || !words.startsWith("{")) return;
+    /** @type {Doc} */
+    let doc;
+    try {
+      doc = parseDocument(JSON.parse(words));
+      await decodeAll(picturesOf(doc));
+    } catch {
+      return; // it is something else
+    }
+    const { editor } = this;
+    const parts = activeLayer(doc);
+    const there = editor.layer.strokes.some((stroke) => JSON.stringify(stroke) === JSON.stringify(parts.strokes[0]));
+    this.#put(there ? beside(parts, BESIDE, editor.doc) : parts, doc.structures);
+  }
+
+  /** Whether copying and pasting is about the drawing, and not about a field. @param {Event} event */
+  #isOurs(event) {
+    return !document.querySelector("dialog[open]") && !fieldOf(event, "input, textarea");
+  }
+
+  /** Puts parts onto the layer that is worked on, and selects them. @param {Parts} parts @param {import("../drawing/document.js").OwnStructure[]} [structures] that they have */
+  #put(parts, structures = []) {
+    const { editor } = this;
+    const layer = withParts(editor.layer, parts);
+    const doc = withStructures(editor.doc, structures);
+    if (!layer || !doc) {
+      this.announce(text.noRoom, "warning");
+      return;
+    }
+    editor.set({ tool: "select" });
+    editor.commit(withActive(doc, layer));
+    this.#choose(layer, parts);
+  }
+
+  /** @param {Layer} layer @param {Parts} parts the last of it */
+  #choose(layer, { strokes }) {
+    const first = layer.strokes.length - strokes.length;
+    this.editor.set({ selection: { strokes: strokes.flatMap(({ kind }, i) => (kind === "eraser" ? [] : [first + i])), pictures: [] } });
+  }
+}

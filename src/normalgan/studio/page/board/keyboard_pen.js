@@ -1,0 +1,94 @@
+/** Keyboard pen: a cursor on the board that arrow keys move and that draws, erases and pins. */
+
+import { say, text } from "../text/text.js";
+
+/** Pixels that Shift nudges. */
+const FAR = 10;
+/** @type {Record<string, [number, number]>} */
+const ARROWS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+
+/** Lets keys work on a board that has the focus. */
+export class KeyboardPen {
+  /** @type {import("./tools.js").Tool | null} the tool of the stroke that goes on */
+  #active = null;
+
+  /**
+   * @param {import("./board.js").Board} board
+   * @param {() => import("./tools.js").Tool | null} tool
+   * @param {import("../elements/status.js").Status} status
+   * @param {(x: number, y: number) => boolean} nudge moves what is selected; whether there is something
+   */
+  constructor(board, tool, status, nudge) {
+    this.board = board;
+    this.tool = tool;
+    this.status = status;
+    this.nudge = nudge;
+    board.canvas.addEventListener("keydown", (event) => this.#key(event));
+    board.canvas.addEventListener("pointerdown", () => this.#lift(), { capture: true });
+    board.canvas.addEventListener("blur", () => {
+      this.#lift();
+      board.cursor = null;
+      board.redraw();
+    });
+  }
+
+  /** @param {KeyboardEvent} event */
+  #key(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const { editor } = this.board;
+    const arrow = ARROWS[event.key];
+    const far = event.shiftKey ? FAR : 1;
+    const nudged = arrow && editor.tool === "select" && !this.#active && this.nudge(arrow[0] * far, arrow[1] * far);
+    if (arrow && !nudged) this.#move(arrow, Math.max(1, (event.shiftKey ? 0.08 : 0.02) * Math.max(editor.doc.width, editor.doc.height)));
+    else if (event.key === "Enter") this.#press();
+    else if (event.key === "Escape" && this.#active) this.#lift();
+    else if (!arrow) return;
+    event.preventDefault();
+  }
+
+  /** Moves the cursor, which begins in the middle. @param {[number, number]} way @param {number} step */
+  #move([dx, dy], step) {
+    const { board } = this;
+    const { width, height } = board.editor.doc;
+    board.cursor ??= { x: width / 2, y: height / 2 };
+    board.cursor.x = Math.max(0, Math.min(width - 0.01, board.cursor.x + dx * step));
+    board.cursor.y = Math.max(0, Math.min(height - 0.01, board.cursor.y + dy * step));
+    this.#active?.move(this.#touch());
+    board.redraw();
+    this.status.say(say("at", { x: Math.round(board.cursor.x), y: Math.round(board.cursor.y) }));
+  }
+
+  /** Puts the pen down, or lifts it up. */
+  #press() {
+    const { board: { cursor, editor }, status } = this;
+    if (!cursor) {
+      this.#move([0, 0], 0);
+      return;
+    }
+    const chosen = this.tool();
+    if (this.#active) {
+      this.#active.up();
+      this.#active = null;
+      status.say(text.penUp);
+    } else if (chosen) {
+      chosen.down(this.#touch());
+      // A point is pinned, and an area filled, by one press; a stroke goes on until the next.
+      if (editor.tool === "hint" || (editor.tool === "mask" && editor.fills)) chosen.up();
+      else {
+        this.#active = chosen;
+        status.say(text.penDown);
+      }
+    }
+  }
+
+  /** Drops the stroke that goes on. */
+  #lift() {
+    this.#active?.cancel();
+    this.#active = null;
+  }
+
+  #touch() {
+    const { camera: { scale }, cursor } = this.board;
+    return { x: 0, y: 0, ...cursor, pressure: 0.5, reach: 14 / scale, scale };
+  }
+}

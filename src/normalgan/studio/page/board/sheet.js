@@ -1,0 +1,135 @@
+/** Sheet: paper, pictures and ink of a pane, drawn where they changed. */
+
+import { clear, context2d } from "../drawing/canvas.js";
+import { decoded } from "../drawing/pictures.js";
+import { drawPicture } from "../drawing/strokes.js";
+
+/** @typedef {{left: number, top: number, right: number, bottom: number}} Box in pixels of the drawing */
+/**
+ * @typedef {object} Part what is shown between two places of the pane
+ * @property {number} from share of the pane's width
+ * @property {number} to
+ * @property {boolean} lines whether the ink is drawn
+ * @property {boolean} paper whether paper and pictures lie under it
+ */
+
+/** Opacity of the lines of layers that are not worked on. */
+const OTHERS = 0.4;
+const ALL = { left: -Infinity, top: -Infinity, right: Infinity, bottom: Infinity };
+/** @type {Part[]} */
+const WHOLE = [{ from: 0, to: 1, lines: true, paper: true }];
+
+export class Sheet {
+  /**
+   * @param {HTMLCanvasElement} canvas
+   * @param {import("../drawing/editor.js").Editor} editor
+   * @param {import("../drawing/ink.js").Inks} inks
+   * @param {import("./camera.js").Camera} camera
+   */
+  constructor(canvas, editor, inks, camera) {
+    this.canvas = canvas;
+    this.editor = editor;
+    this.inks = inks;
+    this.camera = camera;
+    this.context = context2d(canvas);
+    this.parts = WHOLE;
+    /** @type {HTMLCanvasElement | null} lies over the whole drawing, under its ink */
+    this.veil = null;
+    /** @type {Box | null} what is to be drawn with the next frame */
+    this.stale = null;
+    this.frame = 0;
+  }
+
+  /** Draws a part with the next frame. @param {Box} [box] */
+  redraw(box = ALL) {
+    const { stale } = this;
+    this.stale = stale
+      ? {
+          left: Math.min(stale.left, box.left), top: Math.min(stale.top, box.top),
+          right: Math.max(stale.right, box.right), bottom: Math.max(stale.bottom, box.bottom),
+        }
+      : box;
+    this.frame ||= requestAnimationFrame(() => this.#draw());
+  }
+
+  /** Takes the size of its pane; at once, or it would flicker, as setting a size empties a canvas. @param {number} width @param {number} height */
+  resize(width, height) {
+    [this.canvas.width, this.canvas.height] = [width, height];
+    this.stale = ALL;
+    this.#draw();
+  }
+
+  #draw() {
+    cancelAnimationFrame(this.frame);
+    this.frame = 0;
+    const { canvas, context } = this;
+    // What was drawn before it was hidden is no longer so.
+    const stale = canvas.hidden ? ALL : this.stale ?? ALL;
+    this.stale = null;
+    // Blending even an empty sheet with what lies below takes most of the time of a frame where there is no graphics card.
+    canvas.hidden = !this.veil && this.parts.every(({ lines, paper }) => !lines && !paper);
+    if (canvas.hidden) return;
+    const { width, height } = canvas;
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.save();
+    if (Number.isFinite(stale.left)) this.#clip(stale);
+    clear(context);
+    for (const { from, to, lines, paper } of this.parts) {
+      context.save();
+      context.beginPath();
+      context.rect(Math.round(from * width), 0, Math.round(to * width) - Math.round(from * width), height);
+      context.clip();
+      this.#part(lines, paper);
+      context.restore();
+    }
+    context.restore();
+  }
+
+  /** @param {Box} box */
+  #clip({ left, top, right, bottom }) {
+    const ratio = devicePixelRatio;
+    const corners = [[left, top], [right, top], [right, bottom], [left, bottom]].map(([x, y]) => this.camera.toPane(x, y));
+    // Whole pixels, or edges would be blended twice.
+    const [x, y] = [corners.map((each) => each.x), corners.map((each) => each.y)].map((all) => Math.floor(Math.min(...all) * ratio) - 1);
+    const [x2, y2] = [corners.map((each) => each.x), corners.map((each) => each.y)].map((all) => Math.ceil(Math.max(...all) * ratio) + 1);
+    this.context.beginPath();
+    this.context.rect(x, y, x2 - x, y2 - y);
+    this.context.clip();
+  }
+
+  /** @param {boolean} lines @param {boolean} paper */
+  #part(lines, paper) {
+    const { context, camera } = this;
+    const { doc, layer: worked } = this.editor;
+    const layers = doc.layers.filter(({ visible }) => visible);
+    const ratio = devicePixelRatio;
+    context.setTransform(...camera.transform(ratio));
+    const zoom = (camera.scale * ratio) / this.inks.of(worked).scale;
+    context.imageSmoothingEnabled = zoom < 8;
+    // Mipmaps are dear, and only show where it gets much smaller.
+    context.imageSmoothingQuality = zoom < 0.6 ? "medium" : "low";
+    if (paper) {
+      context.fillStyle = "#fff";
+      context.fillRect(0, 0, doc.width, doc.height);
+    }
+    // A picture may lie beside the paper, to be looked at.
+    if (paper) for (const picture of doc.pictures.filter((each) => each.visible)) {
+      context.globalAlpha = picture.opacity;
+      drawPicture(context, decoded(picture.picture), picture);
+    }
+    context.globalAlpha = 1;
+    context.beginPath();
+    context.rect(0, 0, doc.width, doc.height);
+    context.clip();
+    if (this.veil) context.drawImage(this.veil, 0, 0, doc.width, doc.height);
+    // The paper of an imported drawing must not hide what is traced.
+    if (doc.pictures.length || layers.length > 1 || !paper) context.globalCompositeOperation = "multiply";
+    if (lines) for (const layer of layers) {
+      // What is not worked on steps back.
+      context.globalAlpha = paper && layer !== worked ? OTHERS : 1;
+      context.drawImage(this.inks.of(layer).canvas, 0, 0, doc.width, doc.height);
+    }
+    context.globalAlpha = 1;
+    context.globalCompositeOperation = "source-over";
+  }
+}

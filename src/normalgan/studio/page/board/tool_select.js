@@ -1,0 +1,240 @@
+/** Select tool: chooses, moves, scales, turns and removes strokes, pictures and parts of pictures. */
+
+import { activeLayer, withActive } from "../drawing/document.js";
+import { NOTHING } from "../drawing/editor.js";
+import { chosenBy, insideOf } from "../drawing/lasso.js";
+import { aboutPoint, extentOf, isHit, unitedBox } from "../drawing/moving.js";
+import { boxOfSelection, cutFailed, insideOfSelection, isCut, isIn, isNothing, onceCut, together, withCuts, withMoved, without } from "../drawing/selection.js";
+import { makeRoom } from "../drawing/simplify.js";
+import { text } from "../text/text.js";
+import { cornersOf, knobOf } from "./selection_frame.js";
+
+/** @typedef {import("../drawing/editor.js").Selection} Selection @typedef {import("./tools.js").Touch} Touch */
+
+/** Pixels of the drawing from which the hand scales at least: nearer to the fixed corner each would do too much. */
+const LEAST = 4;
+/** How far one drag scales. */
+const SCALES = { least: 0.02, most: 50 };
+/** Radians of the steps in which Shift turns. */
+const TURN = Math.PI / 12;
+
+/**
+ * @typedef {object} Held a drag that goes on
+ * @property {"move" | "scale" | "turn" | "around"} kind
+ * @property {Touch} from where it began
+ * @property {{x: number, y: number}} [fixed] what stays where it is while it scales or turns
+ * @property {Selection} before
+ * @property {Touch} [late] where the hand is before the parts of cut pictures are there
+ */
+
+/** Returns how a drag moves, scales or turns what is chosen. @param {Held} held @param {Touch} touch @returns {import("../drawing/moving.js").Move} */
+function moveOf({ kind, from, fixed }, touch) {
+  if (!fixed) return { scale: 1, x: touch.x - from.x, y: touch.y - from.y };
+  if (kind === "turn") {
+    const direction = (/** @type {Touch} */ at) => Math.atan2(at.y - fixed.y, at.x - fixed.x);
+    const angle = direction(touch) - direction(from);
+    // With Shift in steps.
+    return aboutPoint(fixed, { scale: 1, angle: touch.straight ? Math.round(angle / TURN) * TURN : angle });
+  }
+  const length = (/** @type {Touch} */ at) => Math.hypot(at.x - fixed.x, at.y - fixed.y);
+  const scale = Math.max(SCALES.least, Math.min(SCALES.most, length(touch) / Math.max(length(from), LEAST)));
+  return aboutPoint(fixed, { scale });
+}
+
+/** Select: a click or what is drawn around chooses; a drag moves, scales or turns what is chosen. */
+export class SelectTool {
+  /** @param {import("../drawing/editor.js").Editor} editor @param {import("../elements/status.js").Announce} announce */
+  constructor(editor, announce) {
+    this.editor = editor;
+    this.announce = announce;
+    /** @type {Held | null} */
+    this.held = null;
+  }
+
+  /** @param {Touch} touch */
+  down(touch) {
+    const { editor } = this;
+    const { selection } = editor;
+    this.held = this.#heldByHandle(touch);
+    if (this.held) return;
+    const hit = this.#hit(touch);
+    if (!touch.straight && insideOfSelection(selection)?.(touch)) {
+      this.held = { kind: "move", from: touch, before: selection };
+      return;
+    }
+    if (!hit || (editor.lassoes && !isIn(selection, hit))) {
+      this.held = { kind: "around", from: touch, before: touch.straight ? selection : NOTHING };
+      if (!touch.straight) editor.set({ selection: NOTHING });
+      return;
+    }
+    const has = isIn(selection, hit);
+    if (touch.straight) editor.set({ selection: has ? without(selection, hit) : together(selection, hit) });
+    else if (!has) editor.set({ selection: hit });
+    this.held = { kind: "move", from: touch, before: editor.selection };
+  }
+
+  /** Holds what is chosen by its knob or a corner. @param {Touch} touch @returns {Held | null} null: neither is there */
+  #heldByHandle(touch) {
+    const { doc, selection } = this.editor;
+    const box = boxOfSelection(doc, selection);
+    if (!box) return null;
+    const knob = knobOf(box, touch.scale);
+    if (Math.hypot(knob.x - touch.x, knob.y - touch.y) <= touch.reach) {
+      return { kind: "turn", from: touch, fixed: { x: (box.left + box.right) / 2, y: (box.top + box.bottom) / 2 }, before: selection };
+    }
+    const corners = cornersOf(box);
+    const corner = corners.findIndex(({ x, y }) => Math.hypot(x - touch.x, y - touch.y) <= touch.reach);
+    return corner < 0 ? null : { kind: "scale", from: touch, fixed: corners[(corner + 2) % 4], before: selection };
+  }
+
+  /** @param {Touch} touch */
+  move(touch) {
+    const { held, editor } = this;
+    if (!held) return;
+    if (held.kind === "around") {
+      this.#drawAround(held.from, touch);
+      return;
+    }
+    if (!isCut(held.before)) {
+      if (!held.late) onceCut(editor, this.announce, () => this.held === held && held.late && this.move(held.late));
+      held.late = touch;
+      return;
+    }
+    const move = moveOf(held, touch);
+    // A press that stirs a little only chooses.
+    if (!held.fixed && !editor.draft && Math.hypot(move.x, move.y) < touch.reach / 4) return;
+    const { doc, selection } = withMoved(editor.history.state, held.before, move);
+    editor.selection = selection;
+    editor.preview(doc);
+  }
+
+  /** Draws a line or a box around what is to be chosen. @param {Touch} from where it began @param {Touch} touch */
+  #drawAround(from, touch) {
+    const { editor } = this;
+    if (editor.lassoes) {
+      editor.lasso ??= [from.x, from.y];
+      const [x, y] = editor.lasso.slice(-2);
+      if (Math.hypot(touch.x - x, touch.y - y) > touch.reach / 5) {
+        makeRoom(editor.lasso);
+        editor.lasso.push(touch.x, touch.y);
+      }
+    } else {
+      editor.marquee = unitedBox([from, touch].map(({ x, y }) => ({ left: x, top: y, right: x, bottom: y })));
+    }
+    editor.mark();
+  }
+
+  up() {
+    const { held, editor } = this;
+    const { marquee, lasso } = editor;
+    this.held = null;
+    if (held?.late && !isCut(held.before)) {
+      const { late } = held;
+      onceCut(editor, this.announce, () => {
+        this.held = held;
+        this.move(late);
+        this.up();
+      });
+      return;
+    }
+    editor.marquee = editor.lasso = null;
+    if (held?.kind === "around" && editor.lassoes) this.#drawnAround(held, lasso ?? []);
+    else if (held?.kind === "around" && marquee) this.#chooseIn(marquee, held.before);
+    else if (editor.draft) editor.commit(editor.draft);
+    else editor.mark();
+  }
+
+  cancel() {
+    if (this.held && this.held.kind !== "around") this.editor.selection = this.held.before;
+    this.held = null;
+    this.editor.marquee = this.editor.lasso = null;
+    this.editor.drop();
+  }
+
+  /** Chooses what lies within a box, besides what was chosen. @param {import("../drawing/moving.js").Box} box @param {Selection} before */
+  #chooseIn(box, before) {
+    const { editor } = this;
+    const inside = (/** @type {import("../drawing/document.js").Stroke | import("../drawing/document.js").Picture} */ item) => {
+      const { left, top, right, bottom } = extentOf(item);
+      return left >= box.left && right <= box.right && top >= box.top && bottom <= box.bottom;
+    };
+    const strokes = editor.layer.strokes.flatMap((stroke, i) => (stroke.kind !== "eraser" && inside(stroke) ? [i] : []));
+    const pictures = editor.doc.pictures.flatMap((picture, i) => (inside(picture) ? [i] : []));
+    editor.set({ selection: together(before, { strokes, pictures }) });
+  }
+
+  /** Chooses what lies within a lasso; one that is only a click chooses what is there. @param {{from: Touch, before: Selection}} held @param {number[]} drawn */
+  #drawnAround({ from, before }, drawn) {
+    const { editor } = this;
+    const { layer, doc } = editor;
+    if (drawn.length < 6) {
+      const hit = this.#hit(from);
+      if (hit) editor.set({ selection: isIn(before, hit) ? without(before, hit) : together(before, hit) });
+      else editor.mark();
+      return;
+    }
+    const lasso = [...(before.lasso ?? []), drawn];
+    const inside = insideOf(lasso);
+    const { strokes, cuts } = chosenBy(layer, lasso);
+    const pictures = doc.pictures.flatMap((picture, i) => (cornersOf(extentOf(picture)).every(inside) ? [i] : []));
+    const found = together({ strokes: before.strokes, pictures: before.pictures }, { strokes, pictures });
+    // A picture that was chosen whole is cut no more.
+    const selection = { ...found, cuts: cuts.filter(({ index }) => !found.strokes.includes(index)), lasso };
+    this.#choose(selection);
+    if (isCut(selection)) return;
+    Promise.all(cuts.map(({ ready }) => ready)).then(() => {
+      if (editor.selection !== selection) return;
+      // What is darker there is the paper's own shade.
+      const inked = selection.cuts.filter(({ parts }) => parts?.piece.width);
+      if (inked.length < selection.cuts.length) this.#choose({ ...selection, cuts: inked });
+      else editor.mark();
+    }).catch(cutFailed(this.announce));
+  }
+
+  /** @param {Selection} selection of a lasso */
+  #choose(selection) {
+    const none = isNothing(selection);
+    this.editor.set({ selection: none ? NOTHING : selection });
+    if (none) this.announce(text.lassoEmpty, "warning");
+  }
+
+  /** Removes what is chosen, and says so. */
+  remove() {
+    const { editor } = this;
+    if (isNothing(editor.selection)) return;
+    onceCut(editor, this.announce, () => {
+      this.#remove();
+      this.announce(text.selectRemoved);
+    });
+  }
+
+  #remove() {
+    const { editor } = this;
+    const { doc, selection: { strokes, pictures } } = withCuts(editor.doc, editor.selection);
+    const layer = activeLayer(doc);
+    editor.set({ selection: NOTHING });
+    // Without any line, points and regions would be of nothing.
+    const all = layer.strokes.every(({ kind }, i) => kind === "eraser" || strokes.includes(i));
+    const kept = { strokes: layer.strokes.filter((_, i) => !strokes.includes(i)) };
+    const left = strokes.length ? withActive(doc, all ? { strokes: [], hints: [], areas: [], mask: [] } : kept) : doc;
+    editor.commit(pictures.length ? { ...left, pictures: doc.pictures.filter((_, i) => !pictures.includes(i)) } : left);
+  }
+
+  /** Chooses all strokes. */
+  all() {
+    const strokes = this.editor.layer.strokes.flatMap((stroke, i) => (stroke.kind === "eraser" ? [] : [i]));
+    this.editor.set({ tool: "select", selection: { strokes, pictures: [] } });
+  }
+
+  /** @param {Touch} touch @returns {Selection | null} what lies uppermost */
+  #hit(touch) {
+    const { layer: { strokes }, doc: { pictures } } = this.editor;
+    for (let i = strokes.length - 1; i >= 0; i--) {
+      if (strokes[i].kind !== "eraser" && isHit(strokes[i], touch, touch.reach / 3)) return { strokes: [i], pictures: [] };
+    }
+    for (let i = pictures.length - 1; i >= 0; i--) {
+      if (pictures[i].visible && isHit(pictures[i], touch, 0)) return { strokes: [], pictures: [i] };
+    }
+    return null;
+  }
+}

@@ -1,0 +1,89 @@
+/** Pictures: data URLs decoded once, so that drawing them needs no waiting. */
+
+import { text } from "../text/text.js";
+import { context2d } from "./canvas.js";
+
+/** @type {Map<string, HTMLImageElement>} */
+const known = new Map();
+/** @type {Map<string, boolean>} whether they show nothing in some places */
+const cutOut = new Map();
+
+/** Frees all pictures but these. @param {Iterable<string>} urls */
+export function keepOnly(urls) {
+  const wanted = new Set(urls);
+  for (const map of [known, cutOut]) for (const url of map.keys()) if (!wanted.has(url)) map.delete(url);
+}
+
+/** Frees pictures. @param {string[]} urls */
+export function free(urls) {
+  for (const url of urls) for (const map of [known, cutOut]) map.delete(url);
+}
+
+/**
+ * Decodes pictures.
+ * @param {string[]} urls data URLs
+ * @returns {Promise<string[]>} those that were not decoded before
+ * @throws {Error} with a sentence if one cannot be read.
+ */
+export async function decodeAll(urls) {
+  /** @type {string[]} */
+  const fresh = [];
+  for (const url of urls) {
+    if (known.has(url)) continue;
+    const image = new Image();
+    image.src = url;
+    try {
+      await image.decode();
+    } catch {
+      throw new Error(text.badPicture);
+    }
+    known.set(url, image);
+    fresh.push(url);
+  }
+  return fresh;
+}
+
+/** Returns a picture that was decoded. @param {string} url @returns {HTMLImageElement} */
+export function decoded(url) {
+  return /** @type {HTMLImageElement} */ (known.get(url));
+}
+
+/**
+ * Returns a picture with dark lines: one that is light on dark is inverted, as black pens would not show on it.
+ * @param {string} url a data URL, decoded
+ * @returns {Promise<string>} a data URL, decoded
+ */
+export async function darkOnLight(url) {
+  const image = decoded(url);
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = [image.width, image.height];
+  const context = context2d(canvas, { willReadFrequently: true });
+  context.drawImage(image, 0, 0);
+  const pixels = context.getImageData(0, 0, canvas.width, canvas.height);
+  let [light, seen] = [0, 0];
+  for (let i = 0; i < pixels.data.length; i += 4) {
+    light += (pixels.data[i] + pixels.data[i + 1] + pixels.data[i + 2]) * pixels.data[i + 3];
+    seen += 765 * pixels.data[i + 3];
+  }
+  // Lines on nothing are dark as a whole and need no turning: only a dark paper that covers most does.
+  const covered = seen / (765 * 255 * canvas.width * canvas.height);
+  if (covered < 0.6 || light / seen > 0.4) return url;
+  for (let i = 0; i < pixels.data.length; i++) if (i % 4 < 3) pixels.data[i] = 255 - pixels.data[i];
+  context.putImageData(pixels, 0, 0);
+  const turned = canvas.toDataURL("image/png");
+  await decodeAll([turned]);
+  return turned;
+}
+
+/** Returns whether a picture that was decoded shows nothing in some places. @param {string} url @returns {boolean} */
+export function hasHoles(url) {
+  const before = cutOut.get(url);
+  if (before !== undefined) return before;
+  const small = document.createElement("canvas");
+  small.width = small.height = 64;
+  const context = context2d(small, { willReadFrequently: true });
+  context.drawImage(decoded(url), 0, 0, 64, 64);
+  const holes = context.getImageData(0, 0, 64, 64).data.some((value, i) => i % 4 === 3 && value < 128);
+  cutOut.set(url, holes);
+  return holes;
+}

@@ -1,0 +1,99 @@
+/** Selection: what is chosen of strokes, pictures and parts of pictures, and what becomes of it when it is cut or moved. */
+
+import { say, text } from "../text/text.js";
+import { activeLayer, withActive } from "./document.js";
+import { insideOf, takeParts } from "./lasso.js";
+import { alongWith, extentOf, movedParts, movedPicture, unitedBox } from "./moving.js";
+
+/** @typedef {import("./editor.js").Selection} Selection */
+
+/** @param {Selection} selection */
+export const isNothing = (selection) => !hasInk(selection) && !selection.pictures.length;
+
+/** Whether anything of the layer is chosen. @param {Selection} selection */
+export const hasInk = ({ strokes, cuts }) => strokes.length > 0 || Boolean(cuts?.length);
+
+/** Returns what tells which points, regions and mask go along with what is chosen; null: what lies among it. @param {Selection} selection */
+export const insideOfSelection = ({ lasso }) => (lasso ? insideOf(lasso) : null);
+
+/** Returns what is chosen, as values. @param {import("./document.js").Doc} doc @param {Selection} selection */
+const itemsOf = (doc, { strokes, pictures }) =>
+  [...strokes.map((i) => activeLayer(doc).strokes[i]), ...pictures.map((i) => doc.pictures[i])];
+
+/** Returns the box around all that is chosen. @param {import("./document.js").Doc} doc @param {Selection} selection */
+export const boxOfSelection = (doc, selection) =>
+  unitedBox([...itemsOf(doc, selection).map(extentOf), ...(selection.cuts ?? []).map(({ box }) => box)]);
+
+/** Whether all is there that is to be cut: a worker does it, beside the page. @param {Selection} selection */
+export const isCut = ({ cuts }) => !cuts?.some(({ parts }) => !parts);
+
+/** Returns what says why a picture could not be cut. @param {import("../elements/status.js").Announce} announce @returns {(error: unknown) => void} */
+export const cutFailed = (announce) => (error) =>
+  announce(say("broken", { reason: error instanceof Error ? error.message : String(error) }), "warning");
+
+/**
+ * Does what needs the parts of cut pictures: at once, or once they are there, unless something else is chosen by then.
+ * @param {import("./editor.js").Editor} editor @param {import("../elements/status.js").Announce} announce @param {() => void} act
+ */
+export function onceCut(editor, announce, act) {
+  const { selection } = editor;
+  if (isCut(selection)) {
+    act();
+    return;
+  }
+  announce(text.cutting);
+  Promise.all((selection.cuts ?? []).map(({ ready }) => ready)).then(() => {
+    if (editor.selection !== selection) return;
+    announce("");
+    act();
+  }).catch(cutFailed(announce));
+}
+
+/**
+ * Cuts the pictures of which only a part is chosen, and chooses that part.
+ * @param {import("./document.js").Doc} doc @param {Selection} selection
+ * @returns {{doc: import("./document.js").Doc, selection: Selection}} the same if there is none
+ */
+export function withCuts(doc, selection) {
+  const { strokes: whole, pictures, cuts, lasso } = selection;
+  if (!cuts?.length) return { doc, selection };
+  /** @type {import("./document.js").Stroke[]} */
+  const strokes = [];
+  /** @type {number[]} */
+  const chosen = [];
+  for (const [i, stroke] of activeLayer(doc).strokes.entries()) {
+    const cut = cuts.find(({ index }) => index === i);
+    const parts = cut && takeParts(cut);
+    strokes.push(...(parts ? [parts.rest, parts.piece] : [stroke]));
+    if (parts || whole.includes(i)) chosen.push(strokes.length - 1);
+  }
+  return { doc: withActive(doc, { strokes }), selection: { strokes: chosen, pictures, lasso } };
+}
+
+/** Whether something that was hit is chosen. @param {Selection} selection @param {Selection} hit */
+export const isIn = ({ strokes, pictures }, hit) => strokes.includes(hit.strokes[0]) || pictures.includes(hit.pictures[0]);
+
+/** @param {Selection} a @param {Selection} b @returns {Selection} */
+export function together(a, b) {
+  const both = (/** @type {number[]} */ x, /** @type {number[]} */ y) => [...new Set([...x, ...y])].sort((p, q) => p - q);
+  return { strokes: both(a.strokes, b.strokes), pictures: both(a.pictures, b.pictures) };
+}
+
+/** @param {Selection} a @param {Selection} b @returns {Selection} */
+export function without(a, b) {
+  return { strokes: a.strokes.filter((i) => !b.strokes.includes(i)), pictures: a.pictures.filter((i) => !b.pictures.includes(i)) };
+}
+
+/**
+ * @param {import("./document.js").Doc} before @param {Selection} given @param {import("./moving.js").Move} move
+ * @returns {{doc: import("./document.js").Doc, selection: Selection}} selection: of the same in the new document
+ */
+export function withMoved(before, given, move) {
+  const { doc, selection } = withCuts(before, given);
+  const { strokes, pictures } = selection;
+  const layer = activeLayer(doc);
+  const { layer: moved, chosen } = strokes.length ? movedParts(layer, alongWith(layer, strokes, insideOfSelection(selection)), move, doc) : { layer, chosen: [] };
+  const drawn = strokes.length ? withActive(doc, moved) : doc;
+  const placed = doc.pictures.map((each, i) => (pictures.includes(i) ? movedPicture(each, move) : each));
+  return { doc: pictures.length ? { ...drawn, pictures: placed } : drawn, selection: { strokes: chosen, pictures } };
+}

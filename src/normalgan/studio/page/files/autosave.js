@@ -1,0 +1,237 @@
+/** Autosave: each change goes to the browser's store at once and to the server some seconds later. */
+
+import { isEmpty } from "../drawing/document.js";
+import { Away, autosaves, isGone } from "../server/api.js";
+import { text } from "../text/text.js";
+import { StoreFailure, forget, keep, kept } from "./store.js";
+
+const LATER = 2500;
+
+/** What is said of the browser's store that keeps nothing. */
+const SAID = { full: text.storageFull, newer: text.storageNewer, blocked: text.storageBlocked, silent: text.storageSilent, broken: text.noStorage };
+
+/** Returns a failure of the store in words; of anything else itself. @param {unknown} error @returns {unknown} */
+export const inWords = (error) => (error instanceof StoreFailure ? new Error(SAID[error.why]) : error);
+
+/** Event `failed` (detail: the error) when the browser cannot keep the work. */
+export class Autosave extends EventTarget {
+  /**
+   * @param {import("../drawing/editor.js").Editor} editor
+   * @param {import("../server/connection.js").Connection} connection
+   * @param {string} tab
+   */
+  constructor(editor, connection, tab) {
+    super();
+    this.editor = editor;
+    this.connection = connection;
+    this.tab = tab;
+    /** @type {string | null} what the server called the project as this tab has seen it */
+    this.etag = null;
+    /** @type {import("../drawing/document.js").Doc | null} the document as it was last saved or opened: nothing to keep */
+    this.clean = editor.doc;
+    /** @type {Left | null} what another tab left and this one shows; it stays where it is until more is drawn and kept */
+    this.borrowed = null;
+    this.stale = false;
+    /** How often the document has changed: tells which copy is newer, whatever the clock says. */
+    this.revision = 0;
+    /** @type {Promise<void> | null} the writing to the browser's store that goes on */
+    this.writing = null;
+    /** @type {import("../drawing/document.js").Doc | null} what the browser's store holds */
+    this.kept = null;
+    /** Whether the browser's store was full when it was last to keep something. */
+    this.full = false;
+    this.timer = 0;
+    /** @type {import("../drawing/document.js").Doc | null} what the server holds, as it has answered */
+    this.sent = null;
+    /** Whether the server may hold work of this tab: what was sent may have arrived although no answer came. */
+    this.there = false;
+    /** @type {Promise<void>} the writing to the server that goes on, or the last one */
+    this.sending = Promise.resolve();
+    editor.addEventListener("change", (event) => /** @type {CustomEvent} */ (event).detail.live || this.#changed());
+    editor.addEventListener("replaced", (event) => {
+      const { before, after } = /** @type {CustomEvent} */ (event).detail;
+      if (this.clean === before) this.clean = after; // which layer is worked on is no work that could be lost
+    });
+    connection.addEventListener("back", () => this.flush());
+    addEventListener("pagehide", () => this.flush());
+  }
+
+  get dirty() {
+    return this.editor.history.state !== this.clean;
+  }
+
+  /** Whether there is work on show that is in no project. */
+  get unsaved() {
+    return this.dirty || this.borrowed !== null;
+  }
+
+  /** Takes what is on show for what another tab left. @param {Left} left */
+  borrow(left) {
+    this.borrowed = left;
+    this.clean = this.editor.history.state;
+  }
+
+  /** Drops what another tab left: it is saved, kept under this one's name, or not wanted any more. */
+  async #return() {
+    const { borrowed } = this;
+    this.borrowed = null;
+    if (borrowed) await this.drop(borrowed);
+  }
+
+  /** Notes that the document is saved as a project, or fresh: what was kept is dropped. */
+  async settle(doc = this.editor.history.state) {
+    this.clean = doc;
+    if (this.dirty) return;
+    await this.#return();
+    clearTimeout(this.timer);
+    this.timer = 0;
+    await this.sending; // or it would lie there although it is saved
+    await forget(this.tab, true).catch((error) => this.#failed(error));
+    await this.#withdraw();
+  }
+
+  /** Drops what a tab has kept, here and on the server. @param {Left} left */
+  async drop({ tab, here, there }) {
+    if (here) await forget(tab, tab === this.tab).catch((error) => this.#failed(error));
+    if (there) await autosaves.remove(tab).catch((error) => this.#failed(error));
+  }
+
+  /** Keeps what is drawn here and on the server. @returns {Promise<boolean>} whether one of them has it */
+  async secure() {
+    await Promise.all([this.#keep(), this.flush()]);
+    const { state } = this.editor.history;
+    return this.kept === state || this.sent === state;
+  }
+
+  /** Sends what has changed to the server. */
+  async flush() {
+    clearTimeout(this.timer);
+    this.timer = 0;
+    const doc = this.editor.history.state;
+    if (this.connection.away) return;
+    if (!this.dirty) this.sending = this.sending.then(() => this.#withdraw());
+    else if (!isEmpty(doc) && this.sent !== doc) this.sending = this.#send(doc);
+    await this.sending;
+  }
+
+  /** Takes back what the server holds where all that changed was undone: it would be offered as unsaved work. */
+  async #withdraw() {
+    if (this.dirty || !this.there) return;
+    this.sent = null;
+    try {
+      await autosaves.remove(this.tab);
+      this.there = false;
+    } catch (error) {
+      this.there = !isGone(error); // tried again once the server is back
+      this.#failed(error);
+    }
+  }
+
+  /** @param {import("../drawing/document.js").Doc} doc */
+  async #send(doc) {
+    this.there = true;
+    try {
+      await autosaves.write(this.tab, { ...doc, etag: this.etag, revision: this.revision });
+      this.sent = doc;
+    } catch (error) {
+      this.#failed(error);
+    }
+  }
+
+  #changed() {
+    // From now on it is this tab's, whatever is undone.
+    if (this.borrowed && this.dirty) this.clean = null;
+    this.revision += 1;
+    this.#keep();
+    this.timer ||= setTimeout(() => this.flush(), LATER);
+  }
+
+  /** Writes to the browser's store, one writing at a time, the newest last. @returns {Promise<void>} */
+  #keep() {
+    this.stale = true;
+    this.writing ??= this.#write();
+    return this.writing;
+  }
+
+  async #write() {
+    while (this.stale) {
+      this.stale = false;
+      const { state } = this.editor.history;
+      try {
+        if (!this.dirty) await forget(this.tab, true);
+        else await keep({ tab: this.tab, changed: new Date().toISOString(), etag: this.etag, revision: this.revision, doc: state, past: this.editor.history });
+        this.kept = state;
+        this.full = false;
+        if (this.borrowed && this.dirty) await this.#return();
+      } catch (error) {
+        this.#storeFailed(error);
+      }
+    }
+    this.writing = null;
+  }
+
+  /** Tells of a failure of the browser's store; that it is full only once while the server takes the work. @param {unknown} error */
+  #storeFailed(error) {
+    const full = error instanceof StoreFailure && error.why === "full";
+    if (!full || !this.full || !this.sent || this.connection.away) this.#failed(error);
+    this.full = full;
+  }
+
+  /** @param {unknown} error */
+  #failed(error) {
+    if (error instanceof Away) this.connection.lost();
+    else if (!isGone(error)) this.dispatchEvent(new CustomEvent("failed", { detail: inWords(error) }));
+  }
+}
+
+/**
+ * @typedef {{doc: unknown, etag: string | null, revision: number, past: import("../drawing/steps.js").Past | null, missing: number}} Found
+ *   etag: of the project it was made from, null for none; revision: greater is newer, 0 is not known; past: its history, if
+ *   that was kept; missing: strokes and pictures that could not be read
+ * @typedef {{tab: string, changed: string, name: string, here: boolean, there: boolean, read: () => Promise<Found>}} Left
+ *   unsaved work of a tab; here: it is in the browser's store; there: it is on the server
+ */
+
+/**
+ * Returns unsaved work of tabs that are closed, newest first; what both stores hold counts once.
+ * @param {Set<string> | null} open tabs that live, if that is known
+ * @returns {Promise<{left: Left[], failed: unknown}>} failed: why the browser's store could not be read, null if it was
+ */
+export async function unsaved(open) {
+  /** @type {unknown} */
+  let failed = null;
+  const [here, there] = await Promise.all([
+    kept().catch((error) => {
+      failed = inWords(error);
+      return [];
+    }),
+    autosaves.list().catch(() => []),
+  ]);
+  /** @type {Map<string, Left>} */
+  const found = new Map(there.map(({ name: tab, changed }) =>
+    [tab, { tab, changed, name: "", here: false, there: true, read: () => fromServer(tab) }]));
+  for (const { tab, changed, etag, revision, name, read } of here) {
+    const other = found.get(tab);
+    const both = async () => {
+      const own = await read().catch((error) => {
+        if (!other) throw error instanceof StoreFailure && error.why === "broken" ? new Error(text.damaged) : inWords(error);
+        return null;
+      });
+      const whole = await other?.read().catch(() => null);
+      if (!whole && !own) throw new Error(text.damaged);
+      // The store holds each change at once, the server some seconds later; but one that is full holds an older one, or it may
+      // be damaged.
+      const better = whole && (!own || own.missing || whole.revision > revision);
+      return better ? whole : { .../** @type {import("./store.js").Whole} */ (own), etag, revision };
+    };
+    found.set(tab, { tab, changed: changed || (other?.changed ?? ""), name, here: true, there: other !== undefined, read: both });
+  }
+  const left = [...found.values()].filter(({ tab }) => !open?.has(tab)).sort((a, b) => (a.changed < b.changed ? 1 : -1));
+  return { left, failed };
+}
+
+/** @param {string} tab @returns {Promise<Found>} */
+async function fromServer(tab) {
+  const { doc } = await autosaves.read(tab);
+  return { doc, etag: typeof doc.etag === "string" ? doc.etag : null, revision: Number(doc.revision ?? 0), past: null, missing: 0 };
+}

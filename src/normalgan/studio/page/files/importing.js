@@ -1,0 +1,246 @@
+/** Importing: a picture becomes the drawing, its layers those of the drawing, or it is one to trace over. */
+
+import { MOST_LAYERS, MOST_PICTURES, isEmpty, withLayers, withPictures, withSettings, withStroke } from "../drawing/document.js";
+import { darkOnLight, decodeAll } from "../drawing/pictures.js";
+import { choose } from "../elements/dialogs.js";
+import { $, make } from "../elements/dom.js";
+import { Refused, imported, importedLayers } from "../server/api.js";
+import { say, text } from "../text/text.js";
+
+/** @typedef {"" | "drawing" | "layers" | "traced"} Way as what a picture is imported; "" asks */
+
+/**
+ * @typedef {{picture: string, width: number, height: number, given: [number, number], parts: number, pages: boolean,
+ *   notes: import("../server/api.js").LayerNote[], layers: (() => Promise<import("../server/api.js").ImportedLayers>) | null}} Found layers: reads them; null: it has none
+ */
+
+const TRACED = 0.5;
+
+/** @param {{picture: string}} found */
+const urlOf = ({ picture }) => `data:image/png;base64,${picture}`;
+
+/** Returns the name of a file without its ending and what no project's name has. @param {string} file */
+const plainName = (file) => file.replace(/\.[^.]*$/, "").replace(/[^\p{L}\p{M}\p{N}_-]+/gu, " ").trim();
+
+export class Importing {
+  /**
+   * @param {import("../drawing/editor.js").Editor} editor
+   * @param {import("../board/camera.js").View} view
+   * @param {import("../elements/status.js").Status} status
+   * @param {import("./projects.js").Projects} projects
+   */
+  constructor(editor, view, status, projects) {
+    this.editor = editor;
+    this.view = view;
+    this.status = status;
+    this.projects = projects;
+    /** @type {Way} */
+    this.as = "";
+    /** Takes what was dropped, if it is a folder or several files. @type {(dropped: DataTransfer) => boolean} */
+    this.onSeveral = () => false;
+    /** @type {HTMLInputElement} */
+    const chosen = $("import-file");
+    chosen.addEventListener("change", () => {
+      const [file] = chosen.files ?? [];
+      chosen.value = "";
+      if (file) this.take(file, this.as);
+    });
+    addEventListener("dragover", (event) => event.preventDefault());
+    addEventListener("drop", (event) => {
+      event.preventDefault();
+      this.#dropped(event.dataTransfer);
+    });
+    addEventListener("paste", (event) => this.#dropped(event.clipboardData));
+  }
+
+  /** Lets the user choose a file. @param {Way} as */
+  pick(as = "") {
+    this.as = as;
+    $("import-file").click();
+  }
+
+  /** @param {DataTransfer | null} dropped or pasted */
+  #dropped(dropped) {
+    if (!dropped || this.onSeveral(dropped)) return;
+    const [file] = dropped.files;
+    if (!file || document.querySelector("dialog[open]")) return;
+    if (file.name.endsWith(".normalgan")) this.projects.openFile(file);
+    else this.take(file, "");
+  }
+
+  /** Imports a file. @param {File} file @param {Way} as */
+  async take(file, as) {
+    try {
+      await this.put(await this.read(file), as, file);
+    } catch (error) {
+      this.#failed(error, file.name);
+    }
+  }
+
+  /** @param {File} file @returns {Promise<Found>} its first page or frame */
+  async read(file) {
+    const { layered, ...picture } = await imported(file);
+    return { ...picture, layers: layered ? () => importedLayers(file) : null };
+  }
+
+  /** Returns a picture as a data URL, its first page or frame; null: it says why not. @param {File} file */
+  async pictureOf(file) {
+    try {
+      return urlOf(await this.read(file));
+    } catch (error) {
+      this.#failed(error, file.name);
+      return null;
+    }
+  }
+
+  /** Puts what a file holds into the document; asks what is not said. @param {Found} first its first page or frame @param {Way} as @param {File} file */
+  async put(first, as, file) {
+    const found = await this.#chosen(first, as, file);
+    if (found) await this.#place(found.picture, found.way, file.name, found.part);
+  }
+
+  /**
+   * Asks as what a file comes in, and which of its pages or frames.
+   * @param {Found} picture its first one @param {Way} as @param {File} file
+   * @returns {Promise<{picture: Found, way: Way, part: number} | null>} null: it does not
+   */
+  async #chosen(picture, as, file) {
+    let chosen = { picture, way: as, part: 1 };
+    if (!(picture.parts > 1) || as) return chosen; // without a server nobody counts them
+    const input = make("input", { type: "number", min: "1", max: String(picture.parts), value: "1" });
+    const preview = make("img", { src: urlOf(picture), alt: "", class: "thumbnail" });
+    let asked = Promise.resolve();
+    input.addEventListener("change", () => {
+      const part = input.checkValidity() ? input.valueAsNumber : 1;
+      input.value = String(part);
+      asked = imported(file, part).then((other) => {
+        chosen = { ...chosen, picture: { ...other, layers: picture.layers }, part };
+        preview.src = urlOf(chosen.picture);
+      });
+      asked.catch((error) => this.#failed(error, file.name));
+    });
+    const row = make("label", { class: "wide" }, make("span", { text: say(picture.pages ? "pageOf" : "frameOf", { count: picture.parts }) }), input);
+    const way = /** @type {Way} */ (await this.#ask(make("div", {}, preview, row), picture.layers !== null));
+    await asked;
+    return way ? { ...chosen, way } : null;
+  }
+
+  /** Opens a picture as a drawing of its own. @param {File} file @param {() => void} [ready] called once it is read */
+  async open(file, ready = () => {}) {
+    try {
+      const picture = await this.read(file);
+      ready();
+      if (!(await this.projects.mayLeave())) return;
+      this.projects.create(picture.width, picture.height);
+      await this.#place(picture, "drawing", file.name);
+    } catch (error) {
+      this.#failed(error, file.name);
+    }
+  }
+
+  /**
+   * Puts a picture, or the layers of its file, into the document, and says so.
+   * @param {Found} found @param {Way} as @param {string} name @param {number} [part] which of its pages or frames it is
+   */
+  async #place(found, as, name, part = 1) {
+    const { width, height, given, parts, pages, notes, layers } = found;
+    const url = urlOf(found);
+    await decodeAll([url]);
+    const way = as || (await this.#ask(make("img", { src: url, alt: "", class: "thumbnail" }), layers !== null));
+    if (!way) return;
+    const fresh = isEmpty(this.editor.doc);
+    /** @param {import("../drawing/document.js").Doc} doc */
+    const named = (doc) => (fresh ? withSettings(doc, { file: plainName(name) }) : doc);
+    let said = say("imported", { name });
+    /** @type {string[]} */
+    let lost = [];
+    if (way === "layers" && layers) {
+      const read = await layers();
+      said = await this.#placeLayers(read, fresh, name);
+      lost = notesOf(read.notes);
+    } else {
+      lost = notesOf(notes.filter(({ reason }) => reason !== "frame")); // which frame it is is said anyway
+      if (parts > 1) said = `${said} ${say(pages ? "importedPage" : "importedFrame", { number: part, count: parts })}`;
+      const doc = fresh ? { ...this.editor.doc, width, height } : this.editor.doc;
+      const placed = within(doc, width, height)({ x: 0, y: 0, width, height });
+      if (way === "traced") {
+        if (doc.pictures.length >= MOST_PICTURES) throw new Error(say("tooManyPictures", { most: MOST_PICTURES }));
+        this.editor.commit(named(withPictures(doc, [...doc.pictures, { picture: url, ...placed, opacity: TRACED, visible: true }])));
+      } else {
+        this.editor.commit(named(withStroke(doc, { kind: "picture", picture: await darkOnLight(url), ...placed })));
+      }
+    }
+    if (fresh) this.view.fit();
+    const smaller = given[0] !== width || given[1] !== height;
+    const [from, to] = [given, [width, height]].map(([x, y]) => say("pixels", { width: x, height: y }));
+    this.status.say([said, ...(smaller ? [say("importedSmaller", { from, to })] : []), ...lost].join(" "), lost.length ? "loss" : "");
+  }
+
+  /**
+   * Puts layers in front of those that are there; of a document in which nothing is drawn they become all.
+   * @param {import("../server/api.js").ImportedLayers} found @param {boolean} fresh @param {string} name
+   * @returns {Promise<string>} what was done
+   */
+  async #placeLayers({ layers, plain, frames, width, height }, fresh, name) {
+    const doc = fresh ? { ...this.editor.doc, width, height } : this.editor.doc;
+    const room = MOST_LAYERS - (fresh ? 0 : doc.layers.length);
+    if (layers.length > room) throw new Error(say("tooManyLayers", { name, count: layers.length, most: MOST_LAYERS, room }));
+    const place = within(doc, width, height);
+    const drawn = await Promise.all(layers.map(async ({ name: given, opacity, picture, ...box }) => {
+      const url = `data:image/png;base64,${picture}`;
+      await decodeAll([url]);
+      // A sheet with lines on it may be dark; what is cut out of nothing is dark where it was drawn so.
+      const whole = box.width === width && box.height === height;
+      /** @type {import("../drawing/document.js").Placed} */
+      const stroke = { kind: "picture", picture: whole ? await darkOnLight(url) : url, ...place(box) };
+      return { name: given, visible: opacity > 0, strokes: [stroke] };
+    }));
+    const whole = withLayers(doc, drawn, fresh);
+    this.editor.commit(fresh ? withSettings(whole, { file: plainName(name) }) : whole);
+    return [
+      say(layers.length === 1 ? "importedLayer" : "importedLayers", { name, count: layers.length }),
+      ...(plain.length ? [say("importedPlain", { names: quoted(plain) })] : []),
+      ...(frames > 1 ? [say("importedFrame", { number: 1, count: frames })] : []),
+    ].join(" ");
+  }
+
+  /** Says why a file was not imported. @param {unknown} error @param {string} name */
+  #failed(error, name) {
+    if (error instanceof Refused) this.status.fail(new Error(say("badImport", { name, reason: error.message })));
+    else this.status.fail(error);
+  }
+
+  /** @param {Node} preview @param {boolean} layered @returns {Promise<string>} a way, or "" */
+  #ask(preview, layered) {
+    const ways = [
+      { value: "traced", text: text.asTraced },
+      { value: "drawing", text: layered ? text.asOne : text.asDrawing, strong: !layered },
+      ...(layered ? [{ value: "layers", text: text.asLayers, strong: true }] : []),
+    ];
+    return choose(text.importAs, layered ? `${text.importHelp} ${text.layersHelp}` : text.importHelp, ways, preview);
+  }
+}
+
+/** @param {string[]} names */
+const quoted = (names) => [...new Set(names)].map((each) => `“${each}”`).join(", ");
+
+/** Says which layers are not shown as their program shows them. @param {import("../server/api.js").LayerNote[]} notes @returns {string[]} */
+function notesOf(notes) {
+  /** @type {Record<string, keyof typeof text>} */
+  const words = { damaged: "importedDamaged", no_pixels: "importedNoPixels", foreign: "importedForeign", effect: "importedEffect", frame: "importedStill" };
+  return Object.entries(words).flatMap(([reason, key]) => {
+    const names = notes.filter((each) => each.reason === reason).map(({ name }) => name);
+    return names.length ? [say(key, { names: quoted(names) })] : [];
+  });
+}
+
+/**
+ * Returns what places a part of a picture where it lies when the picture is as large as fits in the middle of a document.
+ * @param {import("../drawing/document.js").Doc} doc @param {number} width of the picture @param {number} height
+ */
+function within(doc, width, height) {
+  const scale = Math.min(doc.width / width, doc.height / height);
+  const [left, top] = [(doc.width - width * scale) / 2, (doc.height - height * scale) / 2];
+  /** @param {{x: number, y: number, width: number, height: number}} box */
+  return (box) => ({ x: left + box.x * scale, y: top + box.y * scale, width: box.width * scale, height: box.height * scale });
+}

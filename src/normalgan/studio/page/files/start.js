@@ -1,0 +1,224 @@
+/** Start: what the command line named or the tab showed is opened, and unsaved work is offered. */
+
+import { isEmpty, parseDocument, picturesOf } from "../drawing/document.js";
+import { linesAt } from "../drawing/ink.js";
+import { decodeAll } from "../drawing/pictures.js";
+import { choose } from "../elements/dialogs.js";
+import { $, label, make, open } from "../elements/dom.js";
+import { icon } from "../elements/icons.js";
+import { tabRecalls, tabRemembers } from "../elements/settings.js";
+import { toast } from "../elements/toast.js";
+import { named, namedFile } from "../server/api.js";
+import { say, text } from "../text/text.js";
+import { unsaved } from "./autosave.js";
+import { drawFitted } from "./gallery.js";
+import { openTabs } from "./tab.js";
+
+/** @typedef {{projects: import("./projects.js").Projects, importing: import("./importing.js").Importing,
+ *   autosave: import("./autosave.js").Autosave, status: import("../elements/status.js").Status}} Parts */
+
+const OPENED = "normalgan-opened";
+/** Side of the small pictures of unsaved work. */
+const SMALL = 96;
+
+/**
+ * Opens what the command line named, or again what the tab showed, then offers unsaved work.
+ * @param {Parts} parts
+ */
+export async function begin(parts) {
+  const { projects, importing, status } = parts;
+  try {
+    // Once in a tab: a page that is loaded again offers what was made of it since.
+    const again = tabRecalls(OPENED) !== null;
+    const first = again ? null : await named().catch((error) => status.fail(error));
+    if (again) await projects.reopen();
+    if (first !== undefined) tabRemembers(OPENED, "yes");
+    if (first?.kind === "project") await projects.open(first.name);
+    if (first?.kind === "document") await projects.load(first.document, null, false);
+    if (first?.kind === "drawing") {
+      const file = await namedFile(first.name);
+      const found = await importing.read(file);
+      // A file with layers or pages asks as what it is to come in, and the page is ready meanwhile.
+      const asks = found.layers !== null || found.parts > 1;
+      const placed = importing.put(found, asks ? "" : "drawing", file);
+      if (asks) placed.catch((error) => status.fail(error));
+      else await placed;
+    }
+  } catch (error) {
+    status.fail(error);
+  }
+  try {
+    const tabs = await openTabs();
+    const { left, failed } = await unsaved(tabs);
+    if (failed) status.say(say("storageUnread", { reason: /** @type {Error} */ (failed).message }), "error");
+    await offer(left, parts, tabs !== null);
+  } catch (error) {
+    status.fail(error);
+  }
+}
+
+/** @typedef {import("./autosave.js").Left} Left @typedef {import("./autosave.js").Found} Found */
+/** @type {Left[]} what is left to be offered */
+let offered = [];
+
+/**
+ * Restores what is the only unsaved work, where nothing else would be lost; else offers the newest, and a list of all.
+ * @param {Left[]} found @param {Parts} parts @param {boolean} sure whether no other tab can be working on it
+ */
+async function offer(found, parts, sure) {
+  offered = found;
+  $("restore-yes").onclick = $("restore-no").onclick = $("restore-all").onclick = null;
+  const acts = actsOf(parts);
+  const button = $("open-unsaved");
+  button.onclick = () => {
+    /** @type {HTMLDialogElement} */ ($("open-dialog")).close();
+    acts.said(() => list(offered, acts));
+  };
+  noteCount();
+  if (!found.length) return;
+  let [newest] = found;
+  let about = await described(newest);
+  for (const other of found.slice(1)) {
+    if (!about.problem) break;
+    const next = await described(other);
+    if (!next.problem) [newest, about] = [other, next];
+  }
+  const { name, when, problem, read } = about;
+  // What only the server has may be another browser's, which is still open.
+  if (found.length === 1 && sure && newest.here && read && !read.missing && fits(read, parts)) {
+    await restoreAtOnce(newest, read, about, parts);
+    return;
+  }
+  $("restore-words").textContent = problem ? say("unreadable", { when, reason: problem }) : say("restoreAsk", { name, when });
+  $("restore-picture").replaceChildren(about.picture);
+  $("restore-yes").hidden = problem !== "";
+  $("restore-all").hidden = found.length < 2;
+  $("restore-all").textContent = say("restoreAll", { count: found.length });
+  $("restore-yes").onclick = () => acts.said(() => acts.restore(newest));
+  $("restore-no").onclick = () => acts.said(() => acts.discard([newest]));
+  $("restore-all").onclick = () => acts.said(() => list(offered, acts));
+  $("restore-later").onclick = () => {
+    $("restore").hidden = true;
+    parts.status.say(text.keptForLater);
+  };
+  $("restore").hidden = false;
+}
+
+/** Says where projects are opened how much unsaved work there is. */
+function noteCount() {
+  $("open-unsaved").hidden = !offered.length;
+  $("open-unsaved").textContent = say("unsavedWork", { count: offered.length });
+  if (!offered.length) $("restore").hidden = true;
+}
+
+/** Whether unsaved work goes on from what is on show: nothing, or the project that it was made from. @param {Found} read @param {Parts} parts */
+function fits({ doc, etag }, { projects, autosave }) {
+  if (autosave.unsaved) return false;
+  const { editor } = projects;
+  if (isEmpty(editor.doc) && editor.history.states.length === 1) return true;
+  return etag !== null && etag === projects.etag && /** @type {any} */ (doc).settings?.name === projects.name;
+}
+
+/**
+ * Restores unsaved work without being asked. It stays where it is until more is drawn.
+ * @param {Left} left @param {Found} read @param {{name: string, when: string}} about @param {Parts} parts
+ */
+async function restoreAtOnce(left, read, { name, when }, { projects, autosave, status }) {
+  const { editor } = projects;
+  const before = { doc: editor.history.state, etag: projects.etag, past: { states: [...editor.history.states], at: editor.history.at } };
+  if (!(await projects.load(read.doc, read.etag, true, read.past))) return;
+  autosave.borrow(left);
+  offered = [];
+  noteCount();
+  const back = async () => {
+    // What was drawn since is this tab's, and is asked about.
+    if (autosave.borrowed === left) {
+      autosave.borrowed = null;
+      offered = [left];
+      noteCount();
+    }
+    if (await projects.load(before.doc, before.etag, true, before.past)) status.say(text.keptForLater);
+  };
+  toast(say("restoredOne", { name, when }), [{ text: text.notNow, act: () => { back().catch((error) => status.fail(error)); } }]);
+}
+
+/** @typedef {ReturnType<typeof actsOf>} Acts */
+/** What can be done with unsaved work. @param {Parts} parts */
+function actsOf(parts) {
+  const { projects, autosave, status } = parts;
+  /** @param {() => Promise<void>} work */
+  const said = (work) => work().catch((/** @type {unknown} */ error) => status.fail(error));
+  /** @param {Left} left */
+  const restore = async (left) => {
+    if (!(await projects.mayLeave())) return;
+    const { doc, etag, past, missing } = await left.read();
+    if (!(await projects.load(doc, etag, false, past))) return;
+    // It is this tab's now. The old one goes once it is kept under this one's name, and never what could not be read.
+    if ((await autosave.secure()) && !missing) await autosave.drop(left);
+    offered = offered.filter((each) => each !== left || missing);
+    noteCount();
+    $("restore").hidden = true;
+    status.say(missing ? say("restoredPart", { count: missing }) : text.restored, missing ? "loss" : "");
+  };
+  /** Discards after a question; until the toast has gone it can be undone. @param {Left[]} dropped @returns {Promise<void>} */
+  const discard = async (dropped) => {
+    const { name, when } = await described(dropped[0]);
+    const one = dropped.length === 1;
+    const asked = one ? say("discardAsk", { name, when }) : say("discardAllAsk", { count: dropped.length });
+    if (!(await choose(text.discardTitle, asked, [{ value: "drop", text: text.discard }]))) return;
+    const before = offered;
+    await offer(offered.filter((left) => !dropped.includes(left)), parts, false);
+    const undo = () => { said(() => offer(before, parts, false)); };
+    const gone = () => { said(async () => { for (const left of dropped) await autosave.drop(left); }); };
+    toast(one ? say("discarded", { name }) : say("discardedAll", { count: dropped.length }), [{ text: text.undoIt, act: undo }], gone);
+  };
+  return { restore, discard, said };
+}
+
+/**
+ * Shows all unsaved work to choose from, each with its name, time and picture.
+ * @param {Left[]} found @param {Acts} acts
+ */
+async function list(found, { restore, discard, said }) {
+  /** @type {HTMLDialogElement} */
+  const dialog = $("restore-dialog");
+  const rows = await Promise.all(found.map(async (left) => {
+    const { name, when, picture, problem } = await described(left);
+    const open = make("button", { type: "button", class: "project" }, picture, make("strong", { text: name }), make("span", { text: problem || when }));
+    open.addEventListener("click", () => {
+      dialog.close();
+      said(() => restore(left));
+    });
+    const remove = make("button", { type: "button" }, icon("remove"));
+    label(remove, say("discardOne", { name, when }));
+    remove.addEventListener("click", () => {
+      dialog.close();
+      said(() => discard([left]));
+    });
+    return make("li", {}, open, remove);
+  }));
+  $("restore-list").replaceChildren(...rows);
+  if ((await open(dialog)) === "drop") await discard(offered);
+}
+
+/**
+ * Returns what unsaved work is called, when it was changed, a small picture of it, and why it cannot be read, if so.
+ * @param {Left} left
+ */
+async function described({ name, changed, read }) {
+  const when = changed ? new Date(changed).toLocaleString([], { dateStyle: "medium", timeStyle: "short" }) : text.unknownTime;
+  const picture = make("canvas", { class: "small", width: SMALL, height: SMALL, "aria-hidden": "true" });
+  let [called, problem] = [name, ""];
+  /** @type {Found | null} */
+  let found = null;
+  try {
+    found = await read();
+    const doc = parseDocument(found.doc);
+    called = doc.settings.name || called;
+    await decodeAll(picturesOf(doc));
+    drawFitted(picture, linesAt(doc, SMALL));
+  } catch (error) {
+    problem = /** @type {Error} */ (error).message;
+  }
+  return { name: called || text.untitled, when, picture, problem, read: problem ? null : found };
+}

@@ -1,0 +1,79 @@
+/** Findings: what is to be said about a map, in the page's words; those with a place show it on the drawing. */
+
+import { make } from "../elements/dom.js";
+import { say, sentence, text } from "../text/text.js";
+
+/**
+ * @typedef {{code: string, places?: [number, number][], count?: number, total?: number, share?: number, layer?: string,
+ *   words?: string}} Finding places: in pixels of the drawing; count of total: of how many it is true; layer: its name, where
+ *   there are several; words: in English, where the page has none of its own
+ */
+
+/** @param {number | undefined} share */
+const percent = (share) => ({ share: Math.round(100 * (share ?? 0)) });
+
+/** @type {Record<string, (finding: Finding) => string>} */
+const WORDS = {
+  edge: () => text.foundEdge,
+  empty_mask: () => text.foundEmptyMask,
+  guessed: () => text.foundGuessed,
+  hints: ({ count = 1, total = 1 }) => (count === 1 ? text.foundPoint : say("foundPoints", { count, total })),
+  no_lines: () => text.foundNoLines,
+  no_object: () => text.foundNoObject,
+  regions: ({ count = 1 }) => (count === 1 ? text.foundRegion : say("foundRegions", { count })),
+  unseen: ({ share }) => say("foundUnseen", percent(share)),
+};
+
+/** Milliseconds that a place stays on show after its words were pressed. */
+const STAYS = 4000;
+
+/** Returns what a finding says. @param {Finding} finding */
+export function wordsOfFinding(finding) {
+  const words = WORDS[finding.code]?.(finding) ?? sentence(finding.words ?? "");
+  return finding.layer ? `${finding.layer}: ${words}` : words;
+}
+
+/** Returns what findings say. @param {Finding[]} findings */
+export const wordsOfFindings = (findings) => findings.map(wordsOfFinding).join(" ");
+
+/**
+ * Shows findings in an element; places are ringed on the drawing while their words are pointed at, and for some seconds
+ * after a press.
+ * @param {HTMLElement} element
+ * @param {import("../drawing/editor.js").Editor} editor
+ * @returns {(findings: Finding[]) => void} shows others
+ */
+export function followFindings(element, editor) {
+  let shown = "";
+  let timer = 0;
+  /** @param {[number, number][]} places */
+  const ring = (places) => {
+    clearTimeout(timer);
+    timer = 0;
+    if (!places.length && !editor.ringed.length) return;
+    editor.ringed = places;
+    editor.mark();
+  };
+  /** @param {Finding} finding */
+  const line = (finding) => {
+    const words = wordsOfFinding(finding);
+    const { places } = finding;
+    if (!places?.length) return make("span", { text: words });
+    const button = make("button", { type: "button", text: words, title: text.showPlace });
+    for (const event of ["pointerenter", "focus"]) button.addEventListener(event, () => ring(places));
+    for (const event of ["pointerleave", "blur"]) button.addEventListener(event, () => { timer ||= setTimeout(() => ring([])); });
+    button.addEventListener("click", () => {
+      ring(places);
+      timer = setTimeout(() => ring([]), STAYS);
+    });
+    return button;
+  };
+  return (findings) => {
+    const json = JSON.stringify(findings);
+    if (json === shown) return; // what has the focus keeps it
+    shown = json;
+    ring([]);
+    element.replaceChildren(...findings.map(line));
+    element.hidden = !findings.length;
+  };
+}

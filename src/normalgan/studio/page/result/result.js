@@ -1,0 +1,138 @@
+/** Result: the viewer with its tabs, fed by the predictor. */
+
+import { $ } from "../elements/dom.js";
+import { recalled, remember } from "../elements/settings.js";
+import { Lacking } from "../server/api.js";
+import { say, text } from "../text/text.js";
+import { followFindings } from "./findings.js";
+import { Viewer } from "./viewer.js";
+
+/** @typedef {"map" | "lit" | "matcap" | "flat" | "relief"} View */
+/** @type {View[]} */
+export const VIEWS = ["map", "lit", "matcap", "flat", "relief"];
+/** @param {HTMLElement} tab */
+const viewOf = (tab) => /** @type {View} */ (tab.dataset.view);
+const KEY = "normalgan-view";
+
+/** Events: `view` when another view is on show. */
+export class Result extends EventTarget {
+  /**
+   * @param {import("./predictor.js").Predictor} predictor
+   * @param {import("../elements/status.js").Status} status
+   */
+  constructor(predictor, status) {
+    super();
+    /** What is on show. @type {View} */
+    this.view = "map";
+    this.predictor = predictor;
+    this.tell = followFindings($("warning"), predictor.editor);
+    this.status = status;
+    /** How the flat views show the map. */
+    this.look = { tiled: false, pixelated: false };
+    /** Called with the light that keys have moved. @type {(light: number[]) => void} */
+    this.onLight = () => {};
+    /** Called when the map is repeated, or its pixels are shown, or no longer. @type {(way: "tiled" | "pixelated") => void} */
+    this.onLook = () => {};
+    this.viewer = new Viewer($("viewer"), {
+      text: text.viewerTexts, onError: (words) => this.#say(words), onMove: ({ light }) => this.onLight(light),
+    });
+    predictor.addEventListener("painting", () => $("result").setAttribute("aria-busy", "true"));
+    predictor.addEventListener("painted", (event) => this.#painted(/** @type {CustomEvent} */ (event).detail));
+    predictor.addEventListener("raising", () => status.note(text.raising));
+    predictor.addEventListener("height", () => this.#raised());
+    predictor.addEventListener("empty", () => this.#emptied());
+    predictor.addEventListener("failed", (event) => this.#failed(/** @type {CustomEvent} */ (event).detail));
+    for (const tab of this.#tabs()) {
+      tab.addEventListener("click", () => this.show(viewOf(tab)));
+      tab.addEventListener("keydown", (event) => this.#walk(event, tab));
+    }
+    for (const way of /** @type {const} */ (["tiled", "pixelated"])) $(way).addEventListener("click", () => this.turnOver(way));
+    const before = recalled(KEY);
+    this.show(VIEWS.includes(before) ? before : "map");
+  }
+
+  /** @param {View} view */
+  show(view) {
+    for (const tab of this.#tabs()) {
+      const chosen = tab.dataset.view === view;
+      tab.setAttribute("aria-selected", String(chosen));
+      tab.tabIndex = chosen ? 0 : -1;
+      if (chosen) $("result").setAttribute("aria-labelledby", tab.id);
+    }
+    remember(KEY, view);
+    this.view = view;
+    $("result").dataset.view = view;
+    this.viewer.setView(view);
+    this.dispatchEvent(new Event("view"));
+    this.predictor.wantHeight(view === "relief" && this.viewer.available);
+  }
+
+  /** Repeats the map, or shows its pixels, or no longer. @param {"tiled" | "pixelated"} way */
+  turnOver(way) {
+    this.look = { ...this.look, [way]: !this.look[way] };
+    $(way).setAttribute("aria-pressed", String(this.look[way]));
+    this.viewer.setLook(this.look);
+    this.onLook(way);
+  }
+
+  /** @returns {HTMLElement[]} */
+  #tabs() {
+    return /** @type {HTMLElement[]} */ ([...$("views").children]);
+  }
+
+  /** @param {KeyboardEvent} event @param {HTMLElement} tab */
+  #walk(event, tab) {
+    const step = event.key === "ArrowRight" ? 1 : event.key === "ArrowLeft" ? -1 : 0;
+    if (!step) return;
+    event.preventDefault();
+    const tabs = this.#tabs();
+    const next = tabs[(tabs.indexOf(tab) + step + tabs.length) % tabs.length];
+    next.focus();
+    this.show(viewOf(next));
+  }
+
+  /** @param {{ms: number, whole: boolean}} detail */
+  #painted({ ms, whole }) {
+    if (!this.predictor.painted) return;
+    const { rgba, width, height, findings } = this.predictor.painted;
+    this.viewer.setMap(rgba, width, height);
+    $("empty-result").hidden = true;
+    $("result").setAttribute("aria-busy", String(!whole));
+    // For tests and benchmarks: which drawing is on show, counted.
+    $("result").dataset.painted = String(Number($("result").dataset.painted ?? 0) + 1);
+    // Of a stroke that goes on there is nothing to be said yet.
+    if (!whole) return;
+    this.tell(findings);
+    this.status.note(say("painted", { ms }));
+  }
+
+  /** What the drawing lacks is said where its map would be, until there is one; all else by the status. @param {unknown} error */
+  #failed(error) {
+    $("result").setAttribute("aria-busy", "false");
+    this.status.note(""); // heights that were asked for do not come
+    if (error instanceof Lacking) this.tell(error.findings);
+    else this.status.fail(error);
+  }
+
+  #raised() {
+    if (!this.predictor.heights) return;
+    const { heights, width, height } = this.predictor.heights;
+    this.viewer.setHeight(heights, width, height);
+    this.status.note("");
+  }
+
+  #emptied() {
+    this.viewer.setMap(null);
+    this.viewer.setHeight(null);
+    $("empty-result").hidden = false;
+    $("result").setAttribute("aria-busy", "false");
+    this.tell([]);
+    this.status.note("");
+  }
+
+  /** @param {string | null} words what the viewer cannot do */
+  #say(words) {
+    $("viewer-words").textContent = words ?? "";
+    $("viewer-words").hidden = !words;
+  }
+}
