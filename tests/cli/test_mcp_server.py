@@ -71,8 +71,10 @@ def test_explain_writes_the_stages_of_the_mask_as_generate_does(here: Path) -> N
 
 def test_a_sprite_has_the_details_that_generate_gives_it(here: Path) -> None:
     Image.fromarray(GREY).save("fox.png")
-    assert not call("infer", drawing="fox.png", output="a.png", detail=0.5, pixel_art=True).is_error
-    options = ["--detail", "0.5", "--pixel-art"]
+    assert not call(
+        "infer", drawing="fox.png", output="a.png", detail=0.5, pixel_art=True, form="flat"
+    ).is_error
+    options = ["--detail", "0.5", "--pixel-art", "--form", "flat"]
     assert main(["generate", "fox.png", "--model", "model.onnx", *options]) == 0
     assert Path("a.png").read_bytes() == Path("normals/fox_normal.png").read_bytes()
     answer = call("infer", drawing="fox.png", output="b.png", detail=2)

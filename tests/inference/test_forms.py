@@ -5,7 +5,8 @@ import pytest
 from numpy.typing import NDArray
 
 from normalgan.arrays import Floats
-from normalgan.inference.forms import Form, feather, give_form
+from normalgan.errors import InputError
+from normalgan.inference.forms import Form, feather, give_form, parse_form
 
 SIDE = 160
 
@@ -76,3 +77,18 @@ def test_what_fades_out_has_no_edge() -> None:
     assert faded[10, 10] == 0
     assert np.abs(np.diff(faded, axis=0)).max() < 2 / 25  # it rises over 25 pixels
     assert np.abs(np.diff(faded, 2, axis=0)).max() < 0.02
+
+
+def test_a_form_in_words_has_the_bevel_and_strength_that_it_names() -> None:
+    assert parse_form("Flat,strength=1,bevel=0.1") == Form("flat", 0.1, 1.0)
+    assert parse_form("hollow") == Form("hollow", 1.0, 0.7)
+
+
+@pytest.mark.parametrize(
+    "text", ["", "square", "flat,", "flat,bevel=0", "flat,bevel=1.5", "flat,depth=1", "flat,bevel=1.2.3"]
+)
+def test_what_is_no_form_is_told_with_those_that_are(text: str) -> None:
+    with pytest.raises(
+        InputError, match=r"form is '.*'; give round, flat or hollow, optionally with a bevel"
+    ):
+        parse_form(text)

@@ -11,6 +11,7 @@ from PIL import Image, ImageOps
 from normalgan.__main__ import main
 from normalgan.arrays import Floats
 from normalgan.inference.composites.cells import Cell
+from normalgan.inference.forms import Form
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.reading.picture import Picture
 from normalgan.inference.sprites import DIRECTIONS, Sprite, art_pixel, outlines, slopes_of
@@ -157,6 +158,24 @@ def test_each_sprite_of_a_sheet_is_alone_and_turned_ones_are_upright() -> None:
     assert np.allclose(found.extended, sheet(alone.extended), atol=1e-5)
 
 
+def test_each_sprite_of_a_sheet_is_given_the_form_by_itself() -> None:
+    ball_, coin = ball(64), Sprite(form=Form("flat", 0.2, 1.0))
+    small = Picture(np.ones((64, 64, 3), np.float32), None)
+    alone = coin(ball_, small)
+    assert np.allclose(alone.extended[32, 32], [0, 0, 1], atol=1e-3)
+    assert angles(alone.extended, ball_.extended)[ball_.mask].mean() > 15
+
+    both = replace(
+        ball_,
+        extended=np.concatenate([ball_.extended] * 2, axis=1),
+        mask=np.concatenate([ball_.mask] * 2, axis=1),
+        alpha=np.concatenate([ball_.alpha] * 2, axis=1),
+        cells=tuple(Cell(f"{left}", left, 0, 64, 64) for left in (0, 64)),
+    )
+    found = coin(both, Picture(np.ones((64, 128, 3), np.float32), None))
+    assert np.allclose(found.extended, np.concatenate([alone.extended] * 2, axis=1), atol=1e-6)
+
+
 def test_the_options_reach_the_map(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     form = ball(96)
     form = replace(form, mask=np.kron(ball().mask, np.ones((3, 3), bool)))
@@ -172,11 +191,17 @@ def test_the_options_reach_the_map(here: Path, capsys: pytest.CaptureFixture[str
     def generate(*more: str) -> int:
         return main(["generate", "--model", "model.onnx", *more])
 
-    asked: dict[str, list[str]] = {"form": [], "detail": ["--detail", "0.8"], "art": ["--pixel-art"]}
+    asked: dict[str, list[str]] = {
+        "form": [],
+        "detail": ["--detail", "0.8"],
+        "art": ["--pixel-art"],
+        "flat": ["--form", "flat"],
+    }
     for name, options in asked.items():
         assert generate("orc.png", "-o", name, *options) == 0
     maps = {name: read_png(f"{name}/orc_normal.png")[0] for name in asked}
     assert angles(maps["form"], maps["detail"])[form.mask].mean() > 5
+    assert angles(maps["form"], maps["flat"])[form.mask].mean() > 5
     blocks = maps["art"].reshape(32, 3, 32, 3, 3)
     assert np.abs(blocks - blocks[:, :1, :, :1]).max() < 1e-6
     assert generate("orc.png", "-o", "sheet", "--pixel-art", "--sheet", "1x1") == 0
@@ -188,6 +213,8 @@ def test_the_options_reach_the_map(here: Path, capsys: pytest.CaptureFixture[str
     for options, sentence in (
         (["--detail", "1.5"], "detail"),
         (["--detail", "much"], "detail"),
+        (["--form", "square"], "form is 'square'; give round, flat or hollow"),
+        (["--form", "flat", "--tile", "both"], "--form gives an object an edge, and what repeats has none"),
         (["--pixel-art", "--size", "64"], "--pixel-art keeps the drawing's own pixels, and so its size"),
     ):
         assert generate("orc.png", "-o", "bad", *options) == 2

@@ -111,6 +111,7 @@ class Tools:
         tile: Literal["both", "x", "y"] | None = None,
         detail: float = 0.0,
         pixel_art: bool = False,
+        form: str | None = None,
     ) -> dict[str, Any]:
         """Predict the normal map of a line drawing or sprite and write it to a file.
 
@@ -127,13 +128,17 @@ class Tools:
             tile: the directions in which the drawing repeats.
             detail: share of the slopes of a sprite's own shading that is added to the form, 0 to 1.
             pixel_art: whether each art pixel of a sprite gets one of 25 normals; outlines are flat.
+            form: "round", "flat" (a face with a bevelled edge) or "hollow" for the whole object, or such as
+                "flat,bevel=0.1,strength=1"; default: as predicted.
         """
+        from normalgan.inference.forms import parse_form
         from normalgan.inference.inputs import as_picture
         from normalgan.inference.sprites import Sprite
 
         with _tool_errors():
             where, target = self._mask(mask), self._target(output, drawing, mask)
-            sprite, picture = Sprite(detail, pixel_art), as_picture(self._inside(drawing), size)
+            sprite = Sprite(detail, pixel_art, None if form is None else parse_form(form))
+            picture = as_picture(self._inside(drawing), size)
             preds = self._load()(picture, hints, where, size, tile)
             preds = sprite(preds, picture).stronger(strength)
             preds.save(target, bits, green, alpha)

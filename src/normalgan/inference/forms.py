@@ -1,23 +1,29 @@
 """Forms: make a part of a map round, flat or hollow, with a bevel."""
 
 import math
+import re
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Annotated, Literal, get_args
+from typing import Annotated, Literal, cast
 
 import cv2
 import numpy as np
 from annotated_types import Interval
 
 from normalgan.arrays import BoolMask, Floats
+from normalgan.errors import InputError
 from normalgan.inference.regions import around, depth_of
 from normalgan.inference.vectors import unit
 from normalgan.normals import normalize
 
-__all__ = ["KINDS", "Form", "feather", "give_form"]
+__all__ = ["BEVELS", "Form", "feather", "give_form", "parse_form"]
 
 _Kind = Literal["round", "flat", "hollow"]
-KINDS: tuple[_Kind, ...] = get_args(_Kind)
+BEVELS: dict[_Kind, float] = {"round": 1.0, "flat": 0.2, "hollow": 1.0}
+"""The forms, with the bevel of each that says nothing else."""
+_STRENGTH = 0.7
+"""Strength of a form that says nothing else: what the lines inside give is still seen."""
+_TEXT = re.compile(rf"({'|'.join(BEVELS)})((?:,(?:bevel|strength)=[0-9.]+)*)")
 
 _SIDE = 256
 """Longer side in pixels at which a form is computed; it is smooth, and enlarged to the map's size."""
@@ -46,6 +52,30 @@ class Form:
     kind: _Kind
     bevel: Annotated[float, Interval(gt=0, le=1)]
     strength: Annotated[float, Interval(ge=0, le=1)]
+
+
+def parse_form(text: str) -> Form:
+    """Return the form that a text describes.
+
+    Raises:
+        InputError: if the text is not like ``flat`` or ``flat,bevel=0.1,strength=1``.
+
+    >>> parse_form("flat,bevel=0.1")
+    Form(kind='flat', bevel=0.1, strength=0.7)
+    """
+    match = _TEXT.fullmatch(text.strip().lower())
+    try:
+        given = dict(each.split("=") for each in match[2].split(",")[1:]) if match else {}
+        numbers = {name: float(value) for name, value in given.items()}
+    except ValueError:  # such as 1.2.3
+        match, numbers = None, {}
+    if match is None or not all(0 < number <= 1 for number in numbers.values()):
+        raise InputError(
+            f"form is {text!r}; give {', '.join(list(BEVELS)[:-1])} or {list(BEVELS)[-1]}, optionally with a "
+            "bevel and a strength above 0 to 1, such as flat,bevel=0.1,strength=1."
+        )
+    kind = cast(_Kind, match[1])
+    return Form(kind, numbers.get("bevel", BEVELS[kind]), numbers.get("strength", _STRENGTH))
 
 
 def give_form(normals: Floats, mask: BoolMask, area: Floats, form: Form) -> Floats:

@@ -84,7 +84,7 @@ class JobPredictor:
         single: whether a page is predicted as one object; otherwise its figures are predicted separately.
         holes: x and y in pixels of a drawing, as `prepare` has its flips.
         explain: folder for pictures of how each mask was found; None writes none.
-        sprite: adapts each map to a painted sprite.
+        sprite: adapts each map to a sprite.
     """
 
     predictor: Predictor

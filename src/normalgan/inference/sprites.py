@@ -1,4 +1,4 @@
-"""Sprites: slopes from a painting's shading, added to the predicted form, and one normal per art pixel."""
+"""Sprites: a form for a whole map, slopes from a painting's shading, and one normal per art pixel."""
 
 from dataclasses import dataclass, replace
 from typing import TypeVar
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.inference.conversion import reoriented
+from normalgan.inference.forms import Form, give_form
 from normalgan.inference.network.tile import Tile, middle, wrapped
 from normalgan.inference.normal_map import NormalMap, part_of
 from normalgan.inference.reading.picture import Picture
@@ -62,11 +63,12 @@ DIRECTIONS: Floats = _directions()
 
 @dataclass(frozen=True)
 class Sprite:
-    """Adapts a predicted map to a painted sprite.
+    """Adapts a predicted map to a sprite.
 
     Args:
         detail: share of the painting's own slopes that is added to the form, 0 to 1.
         pixel_art: give each art pixel one of `DIRECTIONS`, and dark outlines the flat normal.
+        form: the form of the whole object; None leaves it as predicted.
 
     Raises:
         InputError: if the detail is not from 0 to 1.
@@ -74,6 +76,7 @@ class Sprite:
 
     detail: Share = 0.0
     pixel_art: bool = False
+    form: Form | None = None
 
     def __post_init__(self) -> None:
         check_ranges(self)
@@ -81,10 +84,10 @@ class Sprite:
     @property
     def changes(self) -> bool:
         """Whether it changes maps at all."""
-        return self.detail > 0 or self.pixel_art
+        return self.detail > 0 or self.pixel_art or self.form is not None
 
     def __call__(self, preds: NormalMap, picture: Picture) -> NormalMap:
-        """Return the map with the painting's details, or as pixel art.
+        """Return the map in its form, with the painting's details, or as pixel art.
 
         Args:
             preds: the predicted map; each drawing of a sheet is treated separately.
@@ -107,8 +110,13 @@ class Sprite:
         return replace(preds, extended=normals, mask=mask, alpha=alpha)
 
     def _adapted(self, preds: NormalMap, colour: Floats, side: int, own_alpha: bool) -> NormalMap:
-        """Return one drawing's map with the details of its colours (H, W, 3)."""
+        """Return one drawing's map in its form, with the details of its colours (H, W, 3)."""
         if not preds.mask.any():
+            return preds
+        if self.form is not None:
+            whole = np.ones(preds.mask.shape, np.float32)
+            preds = replace(preds, extended=give_form(preds.extended, preds.mask, whole, self.form))
+        if not (self.detail or self.pixel_art):
             return preds
         if not self.pixel_art:
             slopes = slopes_of(colour, preds.mask, preds.tile)

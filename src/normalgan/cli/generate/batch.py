@@ -11,6 +11,7 @@ from jsonargparse import Namespace
 
 from normalgan.errors import InputError, RunError, printable, tell, unwritable, with_subject
 from normalgan.inference.composites.packing import Packing
+from normalgan.inference.forms import parse_form
 from normalgan.inference.jobs.plan import STDOUT, Job, companions_of
 from normalgan.inference.jobs.watching import Watcher
 from normalgan.inference.jobs.writing import Held, Writer
@@ -67,6 +68,7 @@ class DrawingBatch:
         holes: Sequence[tuple[float, float]] = (),
     ) -> None:
         self._settings, self._writer, self._packing, self._holes = settings, writer, packing, holes
+        self._form = None if settings.form is None else parse_form(settings.form)
         self._outputs = writer.outputs
         self._failed = self._partial = 0
         self._held: list[Held] = []
@@ -116,7 +118,7 @@ class DrawingBatch:
             single=settings.single,
             holes=self._holes,
             explain=None if settings.explain is None else Path(settings.explain),
-            sprite=Sprite(settings.detail, settings.pixel_art),
+            sprite=Sprite(settings.detail, settings.pixel_art, self._form),
         )
         written = work.together(jobs) if self._share_frame and len(jobs) > 1 else stream(jobs, work)
         watched = len(jobs) > 1 and sys.stderr.isatty()

@@ -104,6 +104,10 @@ def _packing(settings: Namespace) -> Packing:
         raise InputError("--tileset shows the model each tile with its neighbours; leave --frame shared out.")
     if settings.tile and settings.frame == "shared":
         raise InputError("--tile shows the model each drawing with its repeats; leave --frame shared out.")
+    if settings.form and (settings.tile or settings.tileset):
+        raise InputError(
+            "--form gives an object an edge, and what repeats has none; leave --tile and --tileset out."
+        )
     if settings.pixel_art and settings.size is not None:
         raise InputError("--pixel-art keeps the drawing's own pixels, and so its size; leave --size out.")
     if settings.layers and packed:

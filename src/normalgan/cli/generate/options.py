@@ -105,6 +105,14 @@ def _add_drawing(parser: LightParser) -> None:
         "--strength", type=Strength, default=1.0, help="factor of the map's slopes (default %(default)s)"
     )
     group.add_argument(
+        "--form",
+        type=str | None,
+        metavar="KIND",
+        help="a form for each whole object: round, flat (a face with a bevelled edge) or hollow; "
+        "flat,bevel=0.1,strength=1 says how far the edge reaches inwards, and how far the form replaces what "
+        "is predicted; by default a bevel of 0.2 (of round and hollow 1) and a strength of 0.7",
+    )
+    group.add_argument(
         "--detail",
         type=ClosedUnitInterval,
         default=0.0,

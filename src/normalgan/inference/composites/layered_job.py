@@ -39,7 +39,7 @@ class LayeredJob:
         size: longer side of the maps in pixels; None is the drawing's.
         shared: whether the frames of an animated layer share one frame and are smoothed over time.
         strength: factor of all maps' slopes.
-        sprite: adapts each map to a painted sprite.
+        sprite: adapts each map to a sprite.
     """
 
     predictor: Predictor

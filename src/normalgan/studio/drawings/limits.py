@@ -4,7 +4,7 @@ import json
 from html import escape
 
 from normalgan.inference.edits import MOST_PINS, REACH
-from normalgan.inference.forms import KINDS as FORMS
+from normalgan.inference.forms import BEVELS
 from normalgan.inference.structures import KINDS as STRUCTURES
 from normalgan.normals import LEAST_Z
 
@@ -72,7 +72,7 @@ def with_limits(page: str) -> str:
         "periods": {"least": LEAST_PERIOD, "most": MOST_PERIOD},
         "leastZ": LEAST_Z,
         "reach": REACH,
-        "forms": FORMS,
+        "forms": BEVELS,
         "kinds": STRUCTURES,
     }
     if page.count(_ROOT) != 1:

@@ -252,7 +252,7 @@ const isShare = (value) => isNumber(value) && value >= 0 && value <= 1;
 /** @type {Check} */
 const isForm = (value) =>
   value === null || value === undefined ||
-  (LIMITS.forms.includes(value.kind) && isShare(value.bevel) && value.bevel > 0 && isShare(value.strength));
+  (Object.hasOwn(LIMITS.forms, value.kind) && isShare(value.bevel) && value.bevel > 0 && isShare(value.strength));
 /** @type {Check} */
 const isStructure = (value) =>
   value === undefined ||

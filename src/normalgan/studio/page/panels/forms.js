@@ -2,6 +2,7 @@
 
 import { clear, context2d } from "../drawing/canvas.js";
 import { changedArea, drawnLayers, withActive } from "../drawing/document.js";
+import { LIMITS } from "../drawing/limits.js";
 import { $, field, label, make } from "../elements/dom.js";
 import { icon } from "../elements/icons.js";
 import { followPicker } from "../elements/sheets.js";
@@ -17,8 +18,6 @@ const NAMES = { none: "formNone", round: "formRound", flat: "formFlat", hollow: 
 const [SIDE, MOST] = [96, 512];
 /** How much of the part lies around it in its preview. */
 const AROUND = 0.15;
-/** How wide a form's bevel is at first. @type {Record<Form["kind"], number>} */
-const BEVELS = { round: 1, flat: 0.2, hollow: 1 };
 /** How soft the edge is that says nothing else, of a region as predicted and of one with a form. */
 const SOFT = { none: 0.5, formed: 0 };
 
@@ -74,7 +73,7 @@ export class Forms {
 
   /** @param {Kind} kind @returns {Form | null} */
   #formOf(kind) {
-    return kind === "none" ? null : { strength: 1, ...this.#formNow(), kind, bevel: BEVELS[kind] };
+    return kind === "none" ? null : { strength: 1, ...this.#formNow(), kind, bevel: LIMITS.forms[kind] };
   }
 
   /** @param {Kind} kind */
