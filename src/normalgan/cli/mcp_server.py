@@ -136,6 +136,8 @@ class Tools:
         from normalgan.inference.sprites import Sprite
 
         with _tool_errors():
+            if form is not None and hints:
+                raise InputError("form replaces what hints say; leave one of the two out.")
             where, target = self._mask(mask), self._target(output, drawing, mask)
             sprite = Sprite(detail, pixel_art, None if form is None else parse_form(form))
             picture = as_picture(self._inside(drawing), size)

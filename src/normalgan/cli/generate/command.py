@@ -108,6 +108,8 @@ def _packing(settings: Namespace) -> Packing:
         raise InputError(
             "--form gives an object an edge, and what repeats has none; leave --tile and --tileset out."
         )
+    if settings.form and settings.hints:
+        raise InputError("--form replaces what hints say; leave one of the two out.")
     if settings.pixel_art and settings.size is not None:
         raise InputError("--pixel-art keeps the drawing's own pixels, and so its size; leave --size out.")
     if settings.layers and packed:
