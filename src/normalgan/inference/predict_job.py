@@ -179,7 +179,7 @@ class JobPredictor:
         raise InputError(f"{drawing.path} {several}; {why}.")
 
     def _adapted(self, preds: NormalMap, picture: Picture) -> NormalMap:
-        """Return a map adapted to a painted sprite, with the warning about its drawing's file added."""
+        """Return a map adapted to a sprite, with the warning about its drawing's file added."""
         return _noted(self.sprite(preds, picture), picture)
 
     def _drawing(self, job: Job, drawing: Drawing) -> NormalMap:
