@@ -42,7 +42,9 @@ def pin_in_turn(
     on_object = mask > 0.5
     for turn in range(int(numbers.max())):
         error = torch.where(on_object, angular_error(predict(hints), normal), 0.0)
-        region = F.avg_pool2d(error, 2 * reach + 1, stride=1, padding=reach)
+        # A square's mean in two steps, along each axis: in one it took a tenth of a training step.
+        rows = F.avg_pool2d(error, (2 * reach + 1, 1), stride=1, padding=(reach, 0))
+        region = F.avg_pool2d(rows, (1, 2 * reach + 1), stride=1, padding=(0, reach))
         free = on_object & (hints[:, 3:] < 0.5) & (numbers > turn)
         worst = torch.where(free, region, -1.0).flatten(1).argmax(1, keepdim=True)
         chosen = torch.zeros_like(region).flatten(1).scatter(1, worst, 1.0).view_as(region)
