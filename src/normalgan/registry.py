@@ -146,7 +146,7 @@ class Registry(Generic[T]):
         except (TypeError, ValueError) as error:
             return brief(error).rstrip(".")
         if (known := self._classes[cls.__name__]) is not cls:
-            return _namesakes(known, cls)
+            return f"{_namesakes(known, cls)}, or name the second in full"
         self._packages[cls.__name__] = offerer(entry)
         return ""
 

@@ -36,7 +36,8 @@ BROKEN = {
     ),
     "namesake": (
         SAMPLER.format(name="UniformHints", summary="Another.") + "Dots = UniformHints",
-        "two classes are named UniformHints: normalgan.hints.uniform and namesake; rename one",
+        "two classes are named UniformHints: normalgan.hints.uniform and namesake; rename one, or name the "
+        "second in full",
     ),
 }
 

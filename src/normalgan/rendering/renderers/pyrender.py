@@ -24,7 +24,7 @@ _context: "_FloatContext | None" = None
 @RENDERERS.register
 @dataclass(frozen=True)
 class PyrenderRenderer(Renderer):
-    """OpenGL through pyrender and EGL; faster than Embree but for small pictures; needs system libraries.
+    """OpenGL through pyrender and EGL, which needs system libraries: faster than Embree on large pictures.
 
     Without a graphics card, Mesa's software driver renders. ``PYOPENGL_PLATFORM=egl``,
     ``PYGLET_HEADLESS=1`` and ``LP_NUM_THREADS=0`` are set unless the environment sets them. All rendering
