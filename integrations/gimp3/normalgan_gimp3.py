@@ -14,15 +14,23 @@ from normalgan_command import CommandError, predict  # noqa: E402
 
 NAME = "plug-in-normalgan-layer"
 ALONE = Gimp.RunMode.NONINTERACTIVE
+PREDICTED = "predicted"
+FORMS = {
+    PREDICTED: "As predicted",
+    "round": "Round",
+    "flat": "Flat, with a bevelled edge",
+    "hollow": "Hollow",
+}
 
 
-def normal_layer(image: Any, drawable: Any, strength: float) -> Any:
+def normal_layer(image: Any, drawable: Any, strength: float, form: str) -> Any:
     """Predict the normal map of a layer, and return the new layer above it.
 
     Args:
         image: that the layer is in.
         drawable: the layer.
         strength: what slopes are multiplied by.
+        form: one of `FORMS`.
 
     Raises:
         CommandError: with a sentence for the user.
@@ -40,7 +48,8 @@ def normal_layer(image: Any, drawable: Any, strength: float) -> Any:
                 raise CommandError("GIMP: the layer cannot be saved as a PNG.")
         finally:
             copy.delete()
-        warned = predict(drawn, predicted, "--alpha", "--strength", f"{strength:g}")
+        formed = () if form == PREDICTED else ("--form", form)
+        warned = predict(drawn, predicted, "--alpha", "--strength", f"{strength:g}", *formed)
         if warned:
             Gimp.message(warned)
         layer = Gimp.file_load_layer(ALONE, image, Gio.File.new_for_path(predicted))
@@ -77,17 +86,38 @@ class NormalLayer(Gimp.PlugIn):
         procedure.set_attribution("The normalgan authors", "MIT", "2026")
         given = GObject.ParamFlags.READWRITE
         slopes = "What slopes are multiplied by; 1 as predicted"
-        procedure.add_double_argument("strength", "_Strength", slopes, 0.01, 100, 1, given)
+        procedure.add_double_argument("strength", "S_trength", slopes, 0.01, 100, 1, given)
+        forms = Gimp.Choice.new()
+        for number, (form, label) in enumerate(FORMS.items()):
+            forms.add(form, number, label, "")
+        whole = "The form of the whole drawing, such as flat for a coin or a card"
+        procedure.add_choice_argument("form", "_Form", whole, forms, PREDICTED, given)
         procedure.add_layer_return_value("layer", "Layer", "The new layer", False, given)
         return procedure
 
 
-def run(procedure: Any, _mode: Any, image: Any, drawables: list[Any], config: Any, _data: object) -> Any:
+def asked(procedure: Any, config: Any) -> bool:
+    """Show the settings, and return whether to go on."""
+    gi.require_version("GimpUi", "3.0")
+    from gi.repository import GimpUi  # it brings GTK, which needs a screen
+
+    GimpUi.init("normalgan")
+    dialog = GimpUi.ProcedureDialog.new(procedure, config, "Normal map")
+    dialog.fill(None)
+    goes_on: bool = dialog.run()
+    dialog.destroy()
+    return goes_on
+
+
+def run(procedure: Any, mode: Any, image: Any, drawables: list[Any], config: Any, _data: object) -> Any:
     """Do what was asked, and return the layer, or an error that GIMP shows."""
     try:
         if len(drawables) != 1 or not isinstance(drawables[0], Gimp.Layer):
             raise CommandError(f"{len(drawables)} layers or masks are chosen; choose one layer.")
-        layer = normal_layer(image, drawables[0], config.get_property("strength"))
+        if mode == Gimp.RunMode.INTERACTIVE and not asked(procedure, config):
+            return procedure.new_return_values(Gimp.PDBStatusType.CANCEL, None)
+        given = (config.get_property(name) for name in ("strength", "form"))
+        layer = normal_layer(image, drawables[0], *given)
     except (CommandError, OSError, GLib.Error) as error:
         said = error.message if isinstance(error, GLib.Error) else str(error)
         failed = GLib.Error.new_literal(Gimp.PlugIn.error_quark(), said, 0)

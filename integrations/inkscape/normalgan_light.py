@@ -29,6 +29,7 @@ class NormalMapAndLight(inkex.EffectExtension):
         pars.add_argument("--elevation", type=float, default=40)
         pars.add_argument("--ambient", type=float, default=0.25)
         pars.add_argument("--colour", type=inkex.Color, default=inkex.Color("#d9a066"))
+        pars.add_argument("--form", choices=["predicted", "round", "flat", "hollow"], default="predicted")
         pars.add_argument("--size", type=int, default=1024)
         pars.add_argument("--command", default="")
 
@@ -70,7 +71,9 @@ class NormalMapAndLight(inkex.EffectExtension):
             inkscape(str(page), export_type="png", export_filename=str(drawn), export_area_page=True, **size)
             # A dialogue gives the folder of the document for a path that was left empty.
             chosen = "" if Path(self.options.command).is_dir() else self.options.command
-            warned = predict(drawn, output, "--alpha", chosen=chosen)
+            form = self.options.form
+            formed = () if form == "predicted" else ("--form", form)
+            warned = predict(drawn, output, "--alpha", *formed, chosen=chosen)
             return output.read_bytes(), warned
 
     def light(self) -> inkex.Filter:

@@ -81,9 +81,13 @@ def test_light_comes_from_where_it_is_said_and_is_replaced(inkscape: str, tmp_pa
 
 @pytest.mark.slow
 def test_the_map_alone(inkscape: str, tmp_path: Path) -> None:
-    code, drawing, said = run_script(tmp_path, "--show", "map", "--size", "200")
-    assert code == 0, said
-    assert "feColorMatrix" not in drawing
+    drawings = []
+    for form in ("predicted", "flat"):
+        code, drawing, said = run_script(tmp_path, "--show", "map", "--size", "200", "--form", form)
+        assert code == 0, said
+        assert "feColorMatrix" not in drawing
+        drawings.append(drawing)
+    assert drawings[0] != drawings[1]
 
 
 def test_without_normalgan_one_sentence_says_what_to_do(inkscape: str, tmp_path: Path) -> None:
