@@ -79,7 +79,7 @@ class NormalLayer(Gimp.PlugIn):
         procedure = Gimp.ImageProcedure.new(self, name, Gimp.PDBProcType.PLUGIN, run, None)
         procedure.set_image_types("RGB*")
         procedure.set_sensitivity_mask(Gimp.ProcedureSensitivityMask.DRAWABLE)
-        procedure.set_menu_label("_Normal map of the drawing (normalgan)")
+        procedure.set_menu_label("_Normal map of the drawing (normalgan)…")
         procedure.add_menu_path("<Image>/Filters/Map")
         about = "Predicts the normal map of the layer with normalgan, as a new layer above it."
         procedure.set_documentation("Predict the normal map of a drawing", about, name)
