@@ -41,7 +41,7 @@ def test_marks_that_are_removed_leave_nothing_behind(studio: Studio) -> None:
     drawn = page.evaluate(
         """async () => {
           const { src } = document.querySelector("script[type=module]");
-          const { clear } = await import(src.replace("main", "canvas"));
+          const { clear } = await import(src.replace("main", "drawing/canvas"));
           const canvas = Object.assign(document.createElement("canvas"), { width: 4, height: 4 });
           const context = canvas.getContext("2d");
           context.fillRect(0, 0, 4, 4);

@@ -45,7 +45,7 @@ def test_a_way_of_many_points_is_thinned_and_goes_as_it_did(studio: Studio) -> N
     count, off = studio.page.evaluate(
         """async () => {
           const [{ src }] = document.querySelectorAll("script[type=module][src]");
-          const { MOST_POINTS, makeRoom } = await import(new URL("simplify.js", src));
+          const { MOST_POINTS, makeRoom } = await import(new URL("drawing/simplify.js", src));
           const points = [], all = [];
           for (let k = 0; k < 3 * MOST_POINTS; k++) {
             const at = [300 + 0.02 * k * Math.cos(k / 90), 300 + 0.02 * k * Math.sin(k / 90)];

@@ -146,7 +146,7 @@ def test_saving_a_project_that_another_tab_deleted_asks_nothing(opened: "Browser
         deleted = studio.page.evaluate(
             """async () => {
               const { src } = document.querySelector("script[type=module]");
-              const { projects } = await import(src.replace("main", "api"));
+              const { projects } = await import(src.replace("main", "server/api"));
               await projects.remove("deleted", (await projects.read("deleted")).etag);
               return projects.list();
             }"""
