@@ -33,7 +33,7 @@ SIDE, GAP = 220, 6
 PAPER = 255
 
 
-def drawing(shape: str, path: Path) -> Picture:
+def drawing(shape: str) -> Picture:
     """Return a shape as a drawing in lines."""
     style = 'fill="none" stroke="black" stroke-width="1.6" stroke-linejoin="round" stroke-linecap="round"'
     size = f'viewBox="-4 -4 108 108" width="{2 * SIDE}" height="{2 * SIDE}"'
@@ -42,7 +42,7 @@ def drawing(shape: str, path: Path) -> Picture:
         '<rect x="-4" y="-4" width="108" height="108" fill="white"/>'
         f"<g {style}>{shape}</g></svg>"
     )
-    return read_picture(path, content.encode(), 2 * SIDE)
+    return read_picture(Path("shape.svg"), content.encode(), 2 * SIDE)
 
 
 def lit(preds: NormalMap) -> NDArray[np.uint8]:
@@ -57,7 +57,7 @@ def picture() -> NDArray[np.uint8]:
     predictor = load()
     rows = []
     for shape in SHAPES:
-        drawn = drawing(shape, Path("shape.svg"))
+        drawn = drawing(shape)
         preds = predictor(drawn)
         shown = [lit(Sprite(form=None if form is None else parse_form(form))(preds, drawn)) for form in FORMS]
         row = [np.rint(255 * drawn.colour).astype(np.uint8), *shown]

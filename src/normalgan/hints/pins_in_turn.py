@@ -42,7 +42,7 @@ def pin_in_turn(
     on_object = mask > 0.5
     for turn in range(int(numbers.max())):
         error = torch.where(on_object, angular_error(predict(hints), normal), 0.0)
-        # A square's mean in two steps, along each axis: in one it took a tenth of a training step.
+        # The mean over a square, one axis after the other: its cost grows with the side, not with its square.
         rows = F.avg_pool2d(error, (2 * reach + 1, 1), stride=1, padding=(reach, 0))
         region = F.avg_pool2d(rows, (1, 2 * reach + 1), stride=1, padding=(0, reach))
         free = on_object & (hints[:, 3:] < 0.5) & (numbers > turn)

@@ -23,7 +23,8 @@ BEVELS: dict[_Kind, float] = {"round": 1.0, "flat": 0.2, "hollow": 1.0}
 """The forms, with the bevel of each that says nothing else."""
 _STRENGTH = 0.7
 """Strength of a form that says nothing else: what the lines inside give is still seen."""
-_TEXT = re.compile(rf"({'|'.join(BEVELS)})((?:,(?:bevel|strength)=[0-9.]+)*)")
+_NUMBER = r",(bevel|strength)=(\d+\.?\d*|\.\d+)"
+_TEXT = re.compile(rf"({'|'.join(BEVELS)})((?:{_NUMBER})*)")
 
 _SIDE = 256
 """Longer side in pixels at which a form is computed; it is smooth, and enlarged to the map's size."""
@@ -64,11 +65,7 @@ def parse_form(text: str) -> Form:
     Form(kind='flat', bevel=0.1, strength=0.7)
     """
     match = _TEXT.fullmatch(text.strip().lower())
-    try:
-        given = dict(each.split("=") for each in match[2].split(",")[1:]) if match else {}
-        numbers = {name: float(value) for name, value in given.items()}
-    except ValueError:  # such as 1.2.3
-        match, numbers = None, {}
+    numbers = {name: float(value) for name, value in re.findall(_NUMBER, match[2])} if match else {}
     if match is None or not all(0 < number <= 1 for number in numbers.values()):
         raise InputError(
             f"form is {text!r}; give {', '.join(list(BEVELS)[:-1])} or {list(BEVELS)[-1]}, optionally with a "

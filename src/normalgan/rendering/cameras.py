@@ -70,8 +70,8 @@ class Camera:
 
         Args:
             size: H and W of the picture.
-            rows: rows of it that are wanted.
-            columns: and columns.
+            rows: the rows of it whose rays are returned.
+            columns: the columns, likewise.
 
         Returns:
             origins: (H, W, 3) world positions on the camera plane, row 0 the top of the picture.
