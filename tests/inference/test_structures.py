@@ -3,6 +3,7 @@ import pytest
 from numpy.typing import NDArray
 
 from normalgan.inference.structures import KINDS, Kind, Placement, Tile, impress, make_heights, read_tile
+from normalgan.inference.unrolling import unroll
 
 SIDE = 96
 
@@ -73,3 +74,32 @@ def test_an_even_picture_is_no_structure() -> None:
     whole = np.ones((SIDE, SIDE), np.float32)
     tile = Tile.of(np.full((64, 64), 0.3, np.float32))
     assert np.array_equal(impress(flat(), whole > 0, whole, tile, Placement(32)), flat())
+
+
+def cylinder(side: int) -> NDArray[np.float32]:
+    x = np.tile((np.arange(side) + 0.5) / side * 2 - 1, (side, 1))
+    return np.dstack([x, np.zeros_like(x), np.sqrt(1 - x**2)]).astype(np.float32)
+
+
+def test_a_structure_narrows_towards_the_rim() -> None:
+    side, period = 512, 16
+    ribs = np.tile(np.sin(np.arange(64) * 2 * np.pi / 64), (64, 1)).astype(np.float32)
+    whole = np.ones((side, side), np.float32)
+    found = impress(cylinder(side), whole > 0, whole, Tile.of(ribs), Placement(period))
+    leaning = np.arctan2(found[side // 2, :, 0], found[side // 2, :, 2])
+    ribbed = leaning - np.arcsin((np.arange(side) + 0.5) / side * 2 - 1)
+    begins = np.flatnonzero((ribbed[:-1] < 0) & (ribbed[1:] >= 0))
+    angles = np.degrees(np.arcsin((begins + 0.5) / side * 2 - 1))
+    seen = angles[np.abs(angles) < 65]  # nearer to the rim they are not told apart
+    assert len(seen) > 30
+    # Equally long on the surface: an arc of a period, as seen from the front.
+    assert np.diff(seen) == pytest.approx(np.degrees(2 * period / side), abs=0.8)
+
+
+def test_a_larger_map_is_unrolled_alike() -> None:
+    mask = np.zeros((128, 128), bool)
+    mask[20:110, 10:100] = True
+    small, large = unroll(cylinder(128), mask), unroll(cylinder(256), mask.repeat(2, 0).repeat(2, 1))
+    assert np.abs(small).max() > 5
+    halved = large.reshape(128, 2, 128, 2, 2).mean((1, 3)) / 2
+    assert halved[mask] == pytest.approx(small[mask], abs=0.25)

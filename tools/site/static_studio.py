@@ -19,7 +19,7 @@ from types import ModuleType
 import numpy as np
 from mkdocs.config.defaults import MkDocsConfig
 
-from normalgan.inference import edits, forms, normal_map, pipeline, structures, suggestion
+from normalgan.inference import edits, forms, normal_map, pipeline, structures, suggestion, unrolling
 from normalgan.inference.cleaning import cleaning, reader, silhouette
 from normalgan.inference.mask import decision, edge
 from normalgan.inference.network import extension, line_width, upsampling
@@ -42,7 +42,7 @@ BINARY = "ort-wasm-simd-threaded.wasm"
 CONSTANTS = "constants.js"
 MODULES = (
     cleaning, decision, edge, edits, extension, forms, line_width, normal_map, pipeline, reader, silhouette,
-    suggestion, upsampling,
+    suggestion, unrolling, upsampling,
 )  # fmt: skip
 """Modules that the page's scripts repeat, and whose constants they therefore take from there."""
 SERVICE_WORKER = "service_worker.js"

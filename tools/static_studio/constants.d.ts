@@ -16,4 +16,5 @@ export const READER: Named<"DOUBT" | "FLAT" | "ONE_TONE" | "PAPER" | "STRIDE" | 
 };
 export const SILHOUETTE: Named<"SHEET" | "SURE">;
 export const SUGGESTION: Named<"INKED" | "RIM" | "SIDE">;
+export const UNROLLING: Named<"GROUND" | "LEAST" | "SIDE" | "SLACK">;
 export const UPSAMPLING: Named<"CELL" | "ENLARGED" | "LARGEST" | "RIM">;

@@ -4,6 +4,7 @@ import { feathered, giveForm } from "./bevel.js";
 import { EDITS } from "./constants.js";
 import { slopesAt } from "./drawing/structures.js";
 import { blurred, boxOf, components, part, where } from "./raster.js";
+import { unrolled } from "./unrolling.js";
 
 const { AVERAGED, BRUSH_FADES, FADES, INKED, LEAST_REACH, REACH, SOFT } = EDITS;
 
@@ -20,6 +21,8 @@ const { AVERAGED, BRUSH_FADES, FADES, INKED, LEAST_REACH, REACH, SOFT } = EDITS;
  */
 export function hold(map, hints, areas, form, scale, tiles) {
   if (form) giveForm(map, Float32Array.from(map.mask), form);
+  /** @type {ReturnType<typeof unrolled> | null} */
+  let surface = null;
   for (let i = 0; i < areas.length; i++) {
     const { structure } = areas[i];
     if (!structure) {
@@ -34,7 +37,8 @@ export function hold(map, hints, areas, form, scale, tiles) {
     }
     const tile = tiles.get(structure.picture ?? structure.kind);
     if (!tile) throw new Error("a structure is missing");
-    impress(map, cover, slopesAt(tile, structure, scale));
+    surface ??= unrolled(map); // once: no structure lies on the bumps of another
+    impress(map, cover, slopesAt(tile, structure, scale), surface);
   }
   holdPins(map, hints, scale);
 }
@@ -51,12 +55,15 @@ const strokeOf = ({ width, height }, { points, size = 1, strength = 1, soft = BR
 /**
  * Lets a structure stand on the object's surface, as steep as it is covered.
  * @param {Painted} map @param {Float32Array} cover @param {(x: number, y: number, out: number[]) => void} slopes
+ * @param {(x: number, y: number, out: number[]) => void} surface how far its places move when it is unrolled
  */
-function impress({ normals, mask, width }, cover, slopes) {
-  const slope = [0, 0];
+function impress({ normals, mask, width }, cover, slopes, surface) {
+  const [slope, moved] = [[0, 0], [0, 0]];
   for (let i = 0; i < cover.length; i++) {
     if (cover[i] <= 1e-3 || !mask[i]) continue;
-    slopes((i % width) + 0.5, Math.floor(i / width) + 0.5, slope);
+    const [x, y] = [(i % width) + 0.5, Math.floor(i / width) + 0.5];
+    surface(x, y, moved);
+    slopes(x + moved[0], y + moved[1], slope);
     normals.set(reoriented(normals.subarray(3 * i, 3 * i + 3), [-slope[0] * cover[i], slope[1] * cover[i], 1]), 3 * i);
   }
 }

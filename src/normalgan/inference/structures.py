@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.inference.conversion import reoriented
+from normalgan.inference.unrolling import unroll
 from normalgan.normals import normalize
 
 __all__ = ["FILE", "KINDS", "Kind", "Placement", "Tile", "impress", "make_heights", "read_tile", "tile_bytes"]
@@ -69,7 +70,14 @@ class Tile:
         return cls(tuple(levels))
 
 
-def impress(normals: Floats, mask: BoolMask, area: Floats, tile: Tile, placement: Placement) -> Floats:
+def impress(
+    normals: Floats,
+    mask: BoolMask,
+    area: Floats,
+    tile: Tile,
+    placement: Placement,
+    unrolled: Floats | None = None,
+) -> Floats:
     """Return a map with a structure added to its surface, scaled by the coverage.
 
     Args:
@@ -78,6 +86,7 @@ def impress(normals: Floats, mask: BoolMask, area: Floats, tile: Tile, placement
         area: (H, W) in [0, 1], coverage of each pixel.
         tile: the structure.
         placement: where its tiles lie.
+        unrolled: (H, W, 2), the surface on which they lie, as `unroll` returns it; None is that of the map.
 
     Example:
         >>> flat = np.zeros((64, 64, 3), np.float32)
@@ -97,7 +106,8 @@ def impress(normals: Floats, mask: BoolMask, area: Floats, tile: Tile, placement
     slopes = tile.levels[level]
     cos, sin = np.cos(placement.turn), np.sin(placement.turn)
     across = -1 if placement.flipped else 1
-    x, y = columns + 0.5 - placement.x, rows + 0.5 - placement.y
+    moved = (unroll(normals, mask) if unrolled is None else unrolled)[rows, columns]
+    x, y = columns + 0.5 - placement.x + moved[:, 0], rows + 0.5 - placement.y + moved[:, 1]
     side = len(slopes) / placement.period
     # From the corner of a tile to the middle of its first pixel is half of it.
     places = (cos * y - sin * x) * side - 0.5, across * (cos * x + sin * y) * side - 0.5

@@ -35,6 +35,7 @@ from normalgan.inference.mask.masks import MaskOrSource, MaskSource, mask_of
 from normalgan.inference.reading.hint_files import Hints, check_hints
 from normalgan.inference.reading.picture import Picture, read_picture
 from normalgan.inference.structures import Tile, impress, read_tile
+from normalgan.inference.unrolling import unroll
 from normalgan.studio.drawings.limits import LEAST_SIDE, MOST_SIDE, MOST_STRUCTURES, TILE_SIDE
 from normalgan.studio.drawings.schemas import Area, DrawingFields, HintFields, MaskStrokeFields, Structure
 
@@ -165,6 +166,7 @@ class DrawingRequest:
         scale = normals.shape[1] / shape[1]
         if any(area.carves for area in self.areas):
             normals = normals.copy()  # lines are carved in place, as there may be thousands
+        unrolled: Floats | None = None
         # Strokes of one structure that follow one another are one: where they cross, it is no steeper.
         for structure, group in groupby(self.areas, key=lambda area: area.structure):
             if structure is None:
@@ -174,7 +176,10 @@ class DrawingRequest:
                 cover = np.zeros(mask.shape, np.float32)
                 for area in group:
                     np.maximum(cover, _cover(area, mask, scale), out=cover)
-                normals = impress(normals, mask, cover, self._tile(structure), structure.scaled(scale))
+                if unrolled is None:  # once: no structure lies on the bumps of another
+                    unrolled = unroll(normals, mask)
+                placement = structure.scaled(scale)
+                normals = impress(normals, mask, cover, self._tile(structure), placement, unrolled)
         if not self.hints:
             return normals
         hints = to_hints(self.hints, shape)

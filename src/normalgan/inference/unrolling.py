@@ -1,0 +1,84 @@
+"""Unrolling: where places of a surface lie when it is made flat, so that patterns on it narrow at its rim."""
+
+from math import ceil
+from typing import cast
+
+import cv2
+import numpy as np
+
+from normalgan.arrays import BoolMask, Doubles, Floats
+
+__all__ = ["unroll"]
+
+_SIDE = 64
+"""Most cells along a side of the grid on which a surface is unrolled; it bends slowly."""
+_LEAST = 0.3
+"""Least nz that is believed: a pixel of the map is at most three of the surface, or patterns would alias."""
+_SLACK = 1e-3
+"""How much cells off the object hold together, so that the grid goes on beyond its rim."""
+_GROUND = 1e-6
+"""Pull of every cell to its place; without it all of them could move together."""
+
+
+def unroll(normals: Floats, mask: BoolMask) -> Floats:
+    """Return how far (H, W, 2) each place of a surface moves, right and down in pixels, when it is made flat.
+
+    On average the object stays where it is.
+    A step in the picture is longer on the surface, by 1 / nz, in the direction in which the surface leans. No
+    flat map keeps all lengths; this one has the least squared difference from these steps.
+
+    Args:
+        normals: (H, W, 3), unit.
+        mask: (H, W), the object.
+
+    Example:
+        On a cylinder, what is seen at 0.8 of the radius lies an arc of 0.93 radii from the middle:
+
+        >>> x = np.tile((np.arange(200) - 99.5) / 100, (200, 1))
+        >>> cylinder = np.dstack([x, 0 * x, np.sqrt(1 - x**2)]).astype(np.float32)
+        >>> moved = unroll(cylinder, np.ones_like(x, bool))
+        >>> round(0.8 + float(moved[100, 179, 0] - moved[100, 99, 0]) / 100, 2)
+        0.93
+    """
+    from scipy import sparse  # here: it takes a while to import
+    from scipy.sparse.linalg import splu
+
+    height, width = mask.shape
+    side = ceil(max(height, width) / _SIDE)
+    share, stretch = _cells(normals, mask, side)
+    rows, columns = share.shape
+    down, across = (
+        sparse.diags_array([-1.0, 1.0], offsets=[0, 1], shape=(count - 1, count)) for count in share.shape
+    )
+    steps = sparse.vstack(
+        [sparse.kron(sparse.eye_array(rows), across), sparse.kron(down, sparse.eye_array(columns))]
+    )
+    weight = np.concatenate(
+        [np.minimum(share[:, 1:], share[:, :-1]).ravel(), np.minimum(share[1:], share[:-1]).ravel()]
+    )
+    right, below = stretch[:, 1:, 0] + stretch[:, :-1, 0], stretch[1:, :, 1] + stretch[:-1, :, 1]
+    longer = side / 2 * np.concatenate([right.reshape(-1, 2), below.reshape(-1, 2)])
+    pulls = steps.T @ sparse.diags_array(weight + _SLACK)
+    matrix = pulls @ steps + _GROUND * sparse.eye_array(rows * columns)
+    moved = splu(matrix.tocsc()).solve(pulls @ longer)
+    moved -= share.ravel() @ moved / max(float(share.sum()), 1e-9)
+    grid = moved.reshape(rows, columns, 2).astype(np.float32)
+    enlarged = cv2.resize(grid, (side * columns, side * rows), interpolation=cv2.INTER_LINEAR)
+    return cast(Floats, enlarged[:height, :width])
+
+
+def _cells(normals: Floats, mask: BoolMask, side: int) -> tuple[Doubles, Doubles]:
+    """Return how much of each cell (h, w) is object, and how much longer steps there are on the surface.
+
+    The latter is (h, w, 2, 2): how much farther a step to the right, and one down, goes right and down.
+    """
+    below, beyond = (-extent % side for extent in mask.shape)
+    seen = np.dstack([normals * mask[..., None], mask.astype(np.float32)])
+    whole = cv2.copyMakeBorder(seen, 0, below, 0, beyond, cv2.BORDER_CONSTANT)
+    size = whole.shape[1] // side, whole.shape[0] // side
+    means = cv2.resize(whole, size, interpolation=cv2.INTER_AREA).astype(np.float64)
+    right, up, front, share = np.moveaxis(means, -1, 0)
+    length, flat = np.maximum(np.sqrt(right**2 + up**2 + front**2), 1e-9), np.maximum(right**2 + up**2, 1e-18)
+    longer = np.where(share > 0, 1 / np.maximum(front / length, _LEAST) - 1, 0) / flat
+    xx, xy, yy = longer * right * right, -longer * right * up, longer * up * up
+    return share, np.stack([np.stack([xx, xy], -1), np.stack([xy, yy], -1)], -2)
