@@ -38,14 +38,7 @@ def flops(network: nn.Module, size: int, device: torch.device) -> int:
 
 
 def images_per_second(method: Method, batch: Batch, device: torch.device, seconds: float = 1.0) -> float:
-    """Return the maps predicted in a second, in batches of a given size.
-
-    Args:
-        method: the method.
-        batch: the batch to repeat.
-        device: where to predict.
-        seconds: duration; at least one batch is measured, after one to warm up.
-    """
+    """Return the maps predicted in a second: for ``seconds``, and at least one batch after one to warm up."""
     here: Batch = move_data_to_device(batch, device)
     with true_float32():
         method.predict(here, None)

@@ -26,7 +26,8 @@ from normalgan.benchmark.methods import (
 )
 from normalgan.benchmark.pins import STRATEGIES, Strategy, pin_curve, pin_one_by_one
 from normalgan.benchmark.plan import Plan, Settings
-from normalgan.benchmark.runs import Run, build_data
+from normalgan.benchmark.runs import Run, build_data, shared_settings
+from normalgan.benchmark.scale import Scale
 from normalgan.benchmark.settings import digest
 from normalgan.benchmark.specification import Specification, specify
 from normalgan.benchmark.training import Result, measured_checkpoint
@@ -52,12 +53,12 @@ class Evaluation:
 
     Args:
         plan: the benchmark, which says the test hints.
-        shared: settings with the data of all rows.
+        scale: the sizes of its pictures and networks.
         test_alone: whether only the test split is rendered, because nothing is trained.
     """
 
     plan: Plan
-    shared: Settings
+    scale: Scale
     test_alone: bool = False
 
     @property
@@ -72,6 +73,11 @@ class Evaluation:
             | ({"test_data": plan.test_data} if plan.test_data else {})
             | {"shown": plan.gallery, "hints": plan.hints, "batch": _BATCH, "version": _VERSION}
         )
+
+    @cached_property
+    def shared(self) -> Settings:
+        """The settings with the data that all rows share, and where to measure."""
+        return shared_settings(self.plan, self.scale)
 
     @cached_property
     def device(self) -> torch.device:
@@ -181,12 +187,7 @@ class Evaluation:
 
 
 def read_curve(folder: Path, most: int = 60) -> list[dict[str, float | None]]:
-    """Return the learning curve of a run, thinned out to a few records and the figures that are drawn.
-
-    Args:
-        folder: folder of the run.
-        most: records; the first and the last are kept.
-    """
+    """Return the learning curve of a run: ``most`` records of it with the figures that are drawn."""
     records = json.loads((folder / "curve.json").read_text(encoding="utf-8"))
     kept = ["images", "epoch", "seconds", "val/hints/angular_mean", "val/no_hints/angular_mean"]
     kept += [SHARE] if all(SHARE in record for record in records) else []

@@ -32,12 +32,7 @@ class Line:
 
 
 def draw_methods(lines: Sequence[Line], caption: str) -> bytes:
-    """Return the picture as a PNG: two columns a sample (map, error), a line a method, the truth above.
-
-    Args:
-        lines: the methods, top to bottom; at least one.
-        caption: title of the picture.
-    """
+    """Return the picture as a PNG: two columns a sample (map, error), a line a method, the truth above."""
     samples = lines[0].rows
     width = _LABEL + len(samples) * 2 * (_CELL + _GAP) + 3 * _GAP * len(samples)
     height = 2 * _HEAD + (len(lines) + 1) * (_CELL + _GAP)

@@ -35,14 +35,9 @@ _NOTES = (
 def human(
     folder: Path, name: str, out: Path, groups: Sequence[str], say: Callable[[str], None]
 ) -> Measurement:
-    """Measure a model on the drawings in a folder, and write results.json, table.md and gallery.png.
+    """Measure a model on the drawings in a folder; write results.json, table.md and gallery.png to ``out``.
 
-    Args:
-        folder: folder with a ``drawings.json``; see `read_drawings`.
-        name: name of the model's file, or ``shipped``.
-        out: where the files go.
-        groups: the groups of drawings to measure; empty for all.
-        say: tells the user.
+    The folder is one for `read_drawings`, the model a file or ``shipped``. Without groups all are measured.
 
     Raises:
         InputError: if the folder or the model cannot be used.

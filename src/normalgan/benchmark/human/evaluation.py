@@ -117,14 +117,7 @@ def measure_drawings(
     """Return the figures of all drawings, and name those that cannot be measured.
 
     Hints are the true normals at uniform random points on the object; hinted pixels do not count. A drawing
-    without a visible object counts as an empty prediction.
-
-    Args:
-        drawings: what was drawn.
-        predictor: the model.
-        seed: seed of the hints.
-        gallery: drawings to show.
-        say: tells the user how far it is.
+    without a visible object counts as an empty prediction. ``gallery`` of them are kept to be shown.
     """
     found = Measurement()
     gathered: dict[str, dict[str, Accumulator]] = {}
