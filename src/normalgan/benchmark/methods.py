@@ -32,6 +32,7 @@ __all__ = [
     "weights_method",
 ]
 
+
 @dataclass(frozen=True)
 class Method:
     """A method and its properties.
