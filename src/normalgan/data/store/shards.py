@@ -162,8 +162,8 @@ class ShardedSamples:
     def is_blank(self, index: int) -> bool:
         """Whether a sample that was read is a placeholder, as its mesh could not be rendered."""
         place = self._place(index)
-        failed = _read_failure(self._storage, self.split, place // self.layout.per_shard)
-        return self.layout.mesh_and_view(place)[0] in (failed or {})
+        note = self._storage.read(f"{_FAILED}/{self.split}/{place // self.layout.per_shard}.json")
+        return note is not None and self.layout.mesh_and_view(place)[0] in (_reasons(note) or {})
 
     def read_shard(self, shard: int) -> dict[str, NDArray[Any]]:
         """Return the samples of a shard, stacked, by name of the array; raises as `read` does."""
@@ -198,7 +198,7 @@ class ShardedSamples:
         if shard in self._trusted:
             return
         sums = _read_sums(self._storage, self.split, shard)
-        if sums is None or not _same_sizes(self._storage, sums):
+        if sums is None or any(self._storage.size(f"{ZARR}/{p}") != size for p, (size, _) in sums.items()):
             raise self._trouble(shard)
         self._trusted.add(shard)
 
@@ -267,12 +267,6 @@ def _read_failures(storage: Storage, split: str) -> dict[int, dict[str, str] | N
     return {number: _reasons(note) for number, note in notes.items() if note is not None}
 
 
-def _read_failure(storage: Storage, split: str, number: int) -> dict[str, str] | None:
-    """Return why meshes of one shard could not be rendered, by name; None if all could."""
-    note = storage.read(f"{_FAILED}/{split}/{number}.json")
-    return None if note is None else _reasons(note)
-
-
 def _reasons(note: bytes) -> dict[str, str] | None:
     try:
         found = json.loads(note)
@@ -295,11 +289,6 @@ def _read_sums(storage: Storage, split: str, number: int) -> dict[str, tuple[int
 def _paths(split: str, number: int, hints: bool) -> set[str]:
     """Return the paths of a shard's objects in the folder of the arrays."""
     return {chunk_path(split, name, number) for name in array_names(hints)}
-
-
-def _same_sizes(storage: Storage, sums: Mapping[str, tuple[int, str]]) -> bool:
-    """Whether all objects of a shard exist and have their recorded lengths."""
-    return all(storage.size(f"{ZARR}/{path}") == size for path, (size, _) in sums.items())
 
 
 def _same_bytes(storage: Storage, sums: Mapping[str, tuple[int, str]]) -> bool:
