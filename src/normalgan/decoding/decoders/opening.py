@@ -54,7 +54,7 @@ class DamagedError(OSError):
 
 
 class RefusedError(Exception):
-    """A picture that is not decoded; its text goes after the picture's name: "is … pixels"."""
+    """A file that is not decoded; its text goes after the file's name: "is … pixels"."""
 
 
 def opened(content: bytes) -> "Image":

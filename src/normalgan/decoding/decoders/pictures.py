@@ -79,8 +79,7 @@ def decode(
         content = draw_svg(content, svg_side, most)
     try:
         if (layered := _layered(content, least, most)) is not None:
-            with _unreadable_refused():
-                upright = layered.composite()
+            upright = layered.composite()
             if str(layered.notes):
                 notes.append(layered.notes)
             check_sides(upright.width, upright.height, least, most)
@@ -311,45 +310,29 @@ def _layered(content: bytes, least: int, most: int) -> Any:
         return None
     from .layered_files import open_layered  # late: few files need it
 
-    with _unreadable_refused():
-        return open_layered(
-            found.name, content, lambda width, height: check_sides(width, height, least, most)
-        )
+    return open_layered(found.name, content, lambda width, height: check_sides(width, height, least, most))
 
 
 def _layered_frames(layered: Any) -> Iterator[Message]:
     width, height = layered.size
     count = len(layered.durations)
     _check_parts(count, count * width * height, "frames")
-    with _unreadable_refused():
-        found = layered.frames()
-        first = next(found)
-        yield {"count": count, "loop": 0, **noted(layered.notes)}, None
-        for image, milliseconds in itertools.chain([first], found):
-            yield {**with_form(image), "duration": milliseconds}, image
+    found = layered.frames()
+    first = next(found)
+    yield {"count": count, "loop": 0, **noted(layered.notes)}, None
+    for image, milliseconds in itertools.chain([first], found):
+        yield {**with_form(image), "duration": milliseconds}, image
 
 
 @contextmanager
 def _failures_refused(words: str) -> Iterator[None]:
     """Turn whatever a decoder raises, which over damage is anything, into `RefusedError`: words and why."""
     try:
-        with _unreadable_refused():
-            yield
+        yield
     except (RefusedError, MemoryError):
         raise
     except Exception as error:
         raise RefusedError(f"{words}: {first_line(error)}") from None
-
-
-@contextmanager
-def _unreadable_refused() -> Iterator[None]:
-    """Turn `UnreadableError` into `RefusedError`."""
-    from .layered_files import UnreadableError
-
-    try:
-        yield
-    except UnreadableError as error:
-        raise RefusedError(str(error)) from None
 
 
 def _refuse_foreign(content: bytes) -> None:

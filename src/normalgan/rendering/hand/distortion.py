@@ -151,10 +151,6 @@ def follow(maps: Maps, distortion: Distortion) -> Maps:
     dz/dp. Therefore (nx, ny) becomes J^T (nx, ny), nz stays, and the vector is normalized. Of the four
     pixels around a source, only those on the object and on the surface of the nearest one are interpolated,
     so that neither the background nor a farther part blends in. The depth is that of the nearest.
-
-    Args:
-        maps: (H, W) of the object.
-        distortion: distortion of the drawing.
     """
     place, jacobian = distortion.grid(*maps.mask.shape)
     x, y = (place * max(maps.mask.shape) - 0.5).astype(np.float32)  # pixel centres at integers

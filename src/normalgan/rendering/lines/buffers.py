@@ -89,14 +89,7 @@ def _object_window(mask: BoolMask) -> tuple[slice, slice] | None:
 
 
 def sight(camera: Camera, maps: Maps, window: tuple[slice, slice], side: int) -> Sight:
-    """Return the rays of a part of the frame.
-
-    Args:
-        camera: whose frame it is.
-        maps: the visible surface in that part, (H, W).
-        window: rows and columns of the part.
-        side: side of the whole frame in pixels.
-    """
+    """Return the rays of the part (H, W) of a frame of ``side`` pixels that the maps show."""
     left, right, bottom, top = camera.window
     height, width = maps.mask.shape
     pixel = np.float32((right - left) / side)

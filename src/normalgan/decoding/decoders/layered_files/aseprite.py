@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from .base import Layer, LayeredFile, UnreadableError, flattened
+from ..opening import RefusedError
+from .base import Layer, LayeredFile, flattened
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -79,7 +80,7 @@ class AsepriteFile(LayeredFile):
             "<6xH4xHI10xB3xH", content[:34]
         )
         if not 0 < frames <= _MOST_FRAMES:
-            raise UnreadableError(f"has {frames} frames; 1 to {_MOST_FRAMES} can be read")
+            raise RefusedError(f"has {frames} frames; 1 to {_MOST_FRAMES} can be read")
         self.durations = []
         self._layers: list[_LayerChunk] = []
         self._levels: list[tuple[bool, str, int]] = []
@@ -94,20 +95,20 @@ class AsepriteFile(LayeredFile):
             for _ in range(frames):
                 length, magic, old, duration, new = struct.unpack_from("<IHHH2xI", content, at)
                 if magic != _FRAME:
-                    raise UnreadableError("is an Aseprite file of an unknown version")
+                    raise RefusedError("is an Aseprite file of an unknown version")
                 self.durations.append(duration)
                 self._cels.append({})
                 inner = at + 16
                 for _ in range(new or old):
                     size, kind = struct.unpack_from("<IH", content, inner)
                     if size < 6:
-                        raise UnreadableError("is a broken Aseprite file: a chunk has no length")
+                        raise RefusedError("is a broken Aseprite file: a chunk has no length")
                     self._take(kind, content[inner + 6 : inner + size])
                     inner += size
                 self._palettes.append(list(self._palette))
                 at += length
         except (struct.error, IndexError) as error:
-            raise UnreadableError(f"is a broken Aseprite file: {error}") from None
+            raise RefusedError(f"is a broken Aseprite file: {error}") from None
 
     def composite(self) -> "Image":
         """Return the first frame."""
@@ -118,7 +119,7 @@ class AsepriteFile(LayeredFile):
         for number, duration in enumerate(self.durations):
             shown = flattened(self.size, self._cels_of(number))
             if not number and self._broken and not self._drawn:
-                raise UnreadableError(self._broken)
+                raise RefusedError(self._broken)
             yield shown, duration
 
     def tileset(self) -> "tuple[Image, tuple[int, int]]":
@@ -130,13 +131,13 @@ class AsepriteFile(LayeredFile):
                 try:
                     return self._image(found.pixels, (width, height * found.count), number, 0), found.size
                 except ValueError as error:
-                    raise UnreadableError(f"has a broken tileset of {layer.name!r}: {error}") from None
+                    raise RefusedError(f"has a broken tileset of {layer.name!r}: {error}") from None
         return super().tileset()
 
     def _read_size(self) -> tuple[int, int]:
         width, height, depth = struct.unpack("<8xHHH", self.content[:14])
         if depth not in {8, 16, 32}:
-            raise UnreadableError(f"is an Aseprite file of {depth} bits; 8, 16 and 32 can be read")
+            raise RefusedError(f"is an Aseprite file of {depth} bits; 8, 16 and 32 can be read")
         return width, height
 
     def _read_layers(self) -> Iterator[Layer]:
@@ -216,7 +217,7 @@ class AsepriteFile(LayeredFile):
         at, pixels = 34 + length, None
         size = count * width * height * self._depth // 8
         if not 0 <= count * width * height <= 2**26:
-            raise UnreadableError(f"has a tileset of {count} tiles of {width} × {height} pixels")
+            raise RefusedError(f"has a tileset of {count} tiles of {width} × {height} pixels")
         if flags & 1:  # numbers of the other file and of its tileset
             at += 8
         if flags & 2:
