@@ -17,7 +17,7 @@ from normalgan.benchmark.hints import hint_points
 from normalgan.benchmark.human.drawings import HumanDrawing
 from normalgan.benchmark.human.registration import camera_of, read_placed_mesh
 from normalgan.benchmark.measure import Measured
-from normalgan.callbacks.gallery import Row
+from normalgan.callbacks.gallery import Row, batch_row
 from normalgan.data.sources.pair_files import PairFiles
 from normalgan.errors import InputError
 from normalgan.hints import hints_at
@@ -144,7 +144,7 @@ def measure_drawings(
             )
             record["figures"][str(count)] = _of_one(predicted, batch, hints[:, 3:])
             record["warning"] = warning
-            rows.append(_row(drawing, batch, hints, predicted))
+            rows.append(batch_row(batch, 0, hints, predicted[:, :3], of_pairs=True))
         found.drawings.append(record)
         if number % every == 0 and len(found.shown) < gallery:
             found.shown.append((rows[0], rows[-1]))
@@ -183,14 +183,3 @@ def _of_one(predicted: Tensor, batch: Batch, where: Tensor) -> Figure:
 
 def _mean(values: Tensor) -> float | None:
     return float(values.double().mean()) if values.numel() else None
-
-
-def _row(drawing: HumanDrawing, batch: Batch, hints: Tensor, predicted: Tensor) -> Row:
-    return Row(
-        drawing.name,
-        batch["sketch"][0, 0].numpy(),
-        hints[0].numpy(),
-        predicted[0, :3].numpy(),
-        batch["normal"][0].numpy(),
-        batch["mask"][0, 0].numpy() > 0.5,
-    )

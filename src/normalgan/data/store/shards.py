@@ -61,7 +61,7 @@ class ShardedSamples:
         self._trusted: set[int] = set()
 
     def __len__(self) -> int:
-        return len(self._served) * self.layout.views
+        return len(self._places)
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_opened": None}  # open arrays belong to the process
@@ -77,31 +77,22 @@ class ShardedSamples:
         return self._make is not None
 
     @cached_property
-    def _served(self) -> Indices:
-        return np.array(
-            [i for i, mesh in enumerate(self.layout.meshes) if mesh not in self.left_out], np.int64
-        )
-
-    def _place(self, index: int) -> int:
-        mesh, view = divmod(index, self.layout.views)
-        return int(self._served[mesh]) * self.layout.views + view
+    def _places(self) -> Indices:
+        """The place in the layout of each sample that is not passed over."""
+        meshes = [number for number, mesh in enumerate(self.layout.meshes) if mesh not in self.left_out]
+        views = self.layout.views
+        return (np.array(meshes, np.int64)[:, None] * views + np.arange(views)).ravel()
 
     def name(self, index: int) -> str:
         """Return the name of a sample: mesh and number of the view, such as ``horse-0001/17``."""
-        mesh, view = self.layout.mesh_and_view(self._place(index))
+        mesh, view = self.layout.mesh_and_view(int(self._places[index]))
         return f"{mesh}/{view}"
 
     def indices(self, shard: int) -> range:
         """Return the samples that lie in a shard; there may be none."""
-        views, places = self.layout.views, self.layout.indices(shard)
-
-        def before(place: int) -> int:
-            mesh, view = divmod(place, views)
-            count = int(np.searchsorted(self._served, mesh))
-            served = count < len(self._served) and self._served[count] == mesh
-            return count * views + (view if served else 0)
-
-        return range(before(places.start), before(places.stop))
+        places = self.layout.indices(shard)
+        start, stop = np.searchsorted(self._places, [places.start, places.stop])
+        return range(int(start), int(stop))
 
     def create(self) -> None:
         """Write the arrays' metadata, unless it exists."""
@@ -156,12 +147,12 @@ class ShardedSamples:
         """
         if not 0 <= index < len(self):
             raise IndexError(f"sample {index} of {len(self)}")
-        place = self._place(index)
+        place = int(self._places[index])
         return Sample(**self._select_or_make(place // self.layout.per_shard, place))
 
     def is_blank(self, index: int) -> bool:
         """Whether a sample that was read is a placeholder, as its mesh could not be rendered."""
-        place = self._place(index)
+        place = int(self._places[index])
         note = self._storage.read(f"{_FAILED}/{self.split}/{place // self.layout.per_shard}.json")
         return note is not None and self.layout.mesh_and_view(place)[0] in (_reasons(note) or {})
 
