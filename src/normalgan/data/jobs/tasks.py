@@ -22,7 +22,6 @@ from normalgan.rendering.samples import Sample
 __all__ = [
     "DEADLY",
     "ChangedMeshError",
-    "CheckTask",
     "MakeShard",
     "MeshTask",
     "ShardTask",
@@ -103,21 +102,6 @@ class MakeShard:
         return ShardTask(self.url, shard, self.recipe, needed)
 
 
-@dataclass(frozen=True)
-class CheckTask:
-    """Some finished shards to check byte by byte.
-
-    Args:
-        url: the folder of the data set.
-        split: which part of it.
-        numbers: the shards.
-    """
-
-    url: str
-    split: str
-    numbers: tuple[int, ...]
-
-
 # The mesh used last, with its name and fingerprint, as its views are rendered in a row. It belongs to the
 # process.
 _last: tuple[tuple[str, str], Any] | None = None
@@ -186,10 +170,11 @@ def validate_source(task: MeshTask) -> str | None:
     return None
 
 
-def find_damage(task: CheckTask) -> list[int]:
-    """Return which of some finished shards differ from the bytes that were written."""
-    _see(task.url, task.split)
-    return damaged(Storage(task.url), task.split, task.numbers)
+def find_damage(task: tuple[str, str, Sequence[int]]) -> list[int]:
+    """Return which shards, given a data set's URL, a split and numbers, differ from what was written."""
+    url, split, numbers = task
+    _see(url, split)
+    return damaged(Storage(url), split, numbers)
 
 
 _checked: set[str] = set()  # recipes that this process can carry out; checking takes time

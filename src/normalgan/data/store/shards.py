@@ -111,12 +111,12 @@ class ShardedSamples:
         names = self._storage.names(f"{ZARR}/{self.split}")
         there = {f"{self.split}/{name}" for name in names}
         return [
-            shard for shard in self._finished() if not _paths(self.split, shard, self.layout.hints) <= there
+            shard for shard in self.finished() if not _paths(self.split, shard, self.layout.hints) <= there
         ]
 
     def verify(self) -> list[int]:
         """Return the finished shards whose bytes differ from those that were written."""
-        return damaged(self._storage, self.split, self._finished())
+        return damaged(self._storage, self.split, self.finished())
 
     def failures(self) -> dict[int, dict[str, str]]:
         """Return why meshes could not be rendered: by shard, by name.
@@ -135,7 +135,8 @@ class ShardedSamples:
         notes = _read_failures(self._storage, self.split)
         return [number for number, why in notes.items() if why is None and number < self.layout.shards]
 
-    def _finished(self) -> list[int]:
+    def finished(self) -> list[int]:
+        """Return the shards that have been finished."""
         return sorted(set(range(self.layout.shards)) - set(self.missing()))
 
     def read(self, index: int) -> Sample:
