@@ -11,6 +11,7 @@ from torch.utils.data import Dataset, DistributedSampler
 from normalgan.data.loading.items import Item, SampleError, to_item
 from normalgan.data.loading.order import ViewIndex, order_of_epoch
 from normalgan.data.recipe import Loadable, SampleRecipe
+from normalgan.data.store.layout import array_names
 from normalgan.errors import FOREIGN_ERRORS, InputError, brief
 from normalgan.rendering.mesh import Mesh, check_mesh
 
@@ -52,8 +53,9 @@ class StreamDataset(Dataset[Item]):
         except FOREIGN_ERRORS as error:  # a renderer or style may raise anything
             why = str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {brief(error)}."
             raise SampleError(f"view {index.view} of {name} cannot be rendered: {why}") from error
-        sketch, normal, mask = map(torch.from_numpy, (sample.sketch, sample.normal, sample.mask))
-        return to_item(sketch, normal, mask, f"{name}/{index.view}")
+        parts = array_names(self.recipe.hints)
+        arrays = {part: torch.from_numpy(getattr(sample, part)) for part in parts}
+        return to_item(arrays, f"{name}/{index.view}")
 
 
 class FreshViews(DistributedSampler[ViewIndex]):
