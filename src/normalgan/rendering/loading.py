@@ -19,9 +19,9 @@ __all__ = ["SUFFIXES", "read_triangles"]
 
 _Triangles = tuple[Doubles, Indices]
 
-_POLYGONS = {".obj": read_obj, ".off": read_off, ".ply": read_ply}
+_POLYGONS = {".off": read_off, ".obj": read_obj, ".ply": read_ply}
 """Readers of the formats whose faces may have more than three corners."""
-SUFFIXES = (".off", ".obj", ".ply", ".stl", ".glb", ".gltf")
+SUFFIXES = (*_POLYGONS, ".stl", ".glb", ".gltf")
 """The suffixes of the formats that can be read, in lower case."""
 
 

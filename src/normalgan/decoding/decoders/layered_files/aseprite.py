@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..opening import RefusedError
+from ..opening import MOST_PARTS, MOST_PIXELS, RefusedError
 from .base import Layer, LayeredFile, flattened
 
 if TYPE_CHECKING:
@@ -14,7 +14,6 @@ if TYPE_CHECKING:
 
 __all__ = ["AsepriteFile"]
 
-_MOST_FRAMES = 1024
 _FRAME = 0xF1FA
 _LAYER, _CEL, _PALETTE, _TILESET = 0x2004, 0x2005, 0x2019, 0x2023
 _OLD_PALETTES = {0x0004: 255, 0x0011: 63}
@@ -79,8 +78,8 @@ class AsepriteFile(LayeredFile):
         frames, self._depth, self._flags, self._clear, colours = struct.unpack(
             "<6xH4xHI10xB3xH", content[:34]
         )
-        if not 0 < frames <= _MOST_FRAMES:
-            raise RefusedError(f"has {frames} frames; 1 to {_MOST_FRAMES} can be read")
+        if not 0 < frames <= MOST_PARTS:
+            raise RefusedError(f"has {frames} frames; 1 to {MOST_PARTS} can be read")
         self.durations = []
         self._layers: list[_LayerChunk] = []
         self._levels: list[tuple[bool, str, int]] = []
@@ -216,7 +215,7 @@ class AsepriteFile(LayeredFile):
         (length,) = struct.unpack_from("<H", data, 32)
         at, pixels = 34 + length, None
         size = count * width * height * self._depth // 8
-        if not 0 <= count * width * height <= 2**26:
+        if not 0 <= count * width * height <= MOST_PIXELS:
             raise RefusedError(f"has a tileset of {count} tiles of {width} × {height} pixels")
         if flags & 1:  # numbers of the other file and of its tileset
             at += 8
@@ -255,7 +254,7 @@ class AsepriteFile(LayeredFile):
         if kind not in {0, 2}:
             raise ValueError(f"it is of the unknown kind {kind}")
         width, height = struct.unpack_from("<HH", data, 16)
-        if not 0 < width * height <= 2**26:
+        if not 0 < width * height <= MOST_PIXELS:
             raise ValueError(f"it has {width} × {height} pixels")
         count = width * height * self._depth // 8
         pixels = data[20:] if kind == 0 else zlib.decompressobj().decompress(data[20:], count)
@@ -291,7 +290,7 @@ class AsepriteFile(LayeredFile):
             )
             return None
         width, height = tileset.size
-        if bits not in {8, 16, 32} or not 0 < columns * width * rows * height <= 2**26:
+        if bits not in {8, 16, 32} or not 0 < columns * width * rows * height <= MOST_PIXELS:
             raise ValueError(f"it has {columns} × {rows} tiles of {width} × {height} pixels and {bits} bits")
         count = columns * rows
         packed = zlib.decompressobj().decompress(data[48:], count * bits // 8)
