@@ -14,7 +14,7 @@ from lightning.fabric.utilities import move_data_to_device
 
 from normalgan.arrays import Floats
 from normalgan.batch import Batch
-from normalgan.benchmark.cost import describe_machine, describe_versions, flops, images_per_second
+from normalgan.benchmark.cost import describe_origin, flops, images_per_second
 from normalgan.benchmark.hints import hint_points, placements
 from normalgan.benchmark.measure import HintTests, measure, more_metrics, true_float32
 from normalgan.benchmark.methods import (
@@ -32,7 +32,6 @@ from normalgan.benchmark.settings import digest
 from normalgan.benchmark.specification import Specification, specify
 from normalgan.benchmark.training import Result, measured_checkpoint
 from normalgan.callbacks.display import count_parameters
-from normalgan.commit import commit
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.loading.items import collate_decoded, decode
 from normalgan.data.loading.order import spread
@@ -134,8 +133,7 @@ class Evaluation:
             if method.timed
             else 0,
         }
-        where = {"machine": describe_machine(device), "versions": describe_versions(), "commit": commit()}
-        return {**measured, "cost": cost, **where}
+        return {**measured, "cost": cost, **describe_origin(device)}
 
     @property
     def tests(self) -> HintTests:

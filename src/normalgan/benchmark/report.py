@@ -6,7 +6,7 @@ from typing import Any
 
 import torch
 
-from normalgan.benchmark.cost import describe_machine, describe_versions
+from normalgan.benchmark.cost import describe_origin
 from normalgan.benchmark.curves import draw_calibration, draw_curves
 from normalgan.benchmark.evaluation import Evaluation, maps_of
 from normalgan.benchmark.hints import hint_points
@@ -15,7 +15,6 @@ from normalgan.benchmark.runs import Run
 from normalgan.benchmark.table import markdown
 from normalgan.benchmark.training import Result, read_result, write_json
 from normalgan.callbacks.gallery import batch_row
-from normalgan.commit import commit
 from normalgan.errors import InputError
 from normalgan.files.writing import write_bytes
 from normalgan.hints import hints_at
@@ -47,9 +46,7 @@ def write_report(evaluation: Evaluation, runs: Sequence[Run], folder: Path) -> N
         "specification": evaluation.specification,
         "size": evaluation.data.recipe.size,
         "seeds": sorted({run.seed for run, _ in done if run.seed is not None}),
-        "machine": describe_machine(evaluation.device),
-        "versions": describe_versions(),
-        "commit": commit(),
+        **describe_origin(evaluation.device),
     }
     write_json(folder / "results.json", {**head, "runs": [result for _, result in done]})
     write_bytes(folder / "table.md", markdown(plan, scale, results, head["specification"]).encode())
