@@ -26,6 +26,7 @@ __all__ = [
     "MeshTask",
     "ShardTask",
     "check_recipe",
+    "error_text",
     "find_damage",
     "render_shard",
     "render_shards",
@@ -148,7 +149,7 @@ def _render(task: ShardTask) -> tuple[list[Sample], dict[str, str], dict[str, st
             except ChangedMeshError:
                 raise
             except FOREIGN_ERRORS as error:  # a renderer or style may raise anything
-                failed[name] = _error_text(error)
+                failed[name] = error_text(error)
                 if not isinstance(error, InputError):
                     traces[name] = "".join(traceback.format_exception(error))
         samples.append(sample)
@@ -166,7 +167,7 @@ def validate_source(task: MeshTask) -> str | None:
     except ChangedMeshError:
         raise
     except FOREIGN_ERRORS as error:  # somebody else's source may raise anything; the others can still be used
-        return _error_text(error)
+        return error_text(error)
     return None
 
 
@@ -187,10 +188,10 @@ def check_recipe(recipe: SampleRecipe) -> None:
         _checked.add(repr(recipe))
 
 
-def _error_text(error: BaseException) -> str:
+def error_text(error: BaseException) -> str:
     """Return an error in one sentence; for a bug in a plug-in, with its type and line.
 
-    >>> _error_text(InputError("horse has no legs.")), _error_text(KeyError("legs"))
+    >>> error_text(InputError("horse has no legs.")), error_text(KeyError("legs"))
     ('horse has no legs.', "KeyError: 'legs'.")
     """
     if isinstance(error, InputError):

@@ -8,11 +8,12 @@ from typing import Any
 import torch
 from torch.utils.data import Dataset, DistributedSampler
 
+from normalgan.data.jobs.tasks import error_text
 from normalgan.data.loading.items import Item, SampleError, to_item
 from normalgan.data.loading.order import ViewIndex, order_of_epoch
 from normalgan.data.recipe import Loadable, SampleRecipe
 from normalgan.data.store.layout import array_names
-from normalgan.errors import FOREIGN_ERRORS, InputError, brief
+from normalgan.errors import FOREIGN_ERRORS
 from normalgan.rendering.mesh import Mesh, check_mesh
 
 __all__ = ["FreshViews", "MeshCache", "StreamDataset"]
@@ -51,8 +52,9 @@ class StreamDataset(Dataset[Item]):
         try:
             sample = self.recipe.render(self.mesh_cache.take(index.mesh), index.view)
         except FOREIGN_ERRORS as error:  # a renderer or style may raise anything
-            why = str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {brief(error)}."
-            raise SampleError(f"view {index.view} of {name} cannot be rendered: {why}") from error
+            raise SampleError(
+                f"view {index.view} of {name} cannot be rendered: {error_text(error)}"
+            ) from error
         parts = array_names(self.recipe.hints)
         arrays = {part: torch.from_numpy(getattr(sample, part)) for part in parts}
         return to_item(arrays, f"{name}/{index.view}")
