@@ -18,7 +18,6 @@ __all__ = [
     "DamagedError",
     "Message",
     "RefusedError",
-    "UnknownTiffError",
     "check_sides",
     "first_line",
     "import_plugin",
@@ -43,10 +42,6 @@ MODES: dict[str, tuple[str, tuple[int, ...]]] = {
 DTYPES = ("uint8", "uint16", "int32", "float32")
 KNOWN = "a PNG, JPEG, WebP, TIFF, GIF, SVG or another image, or a file of a paint program"
 """What is read, in a sentence; the docs list all formats."""
-
-
-class UnknownTiffError(Exception):
-    """A TIFF that Pillow does not know, such as one of floats with colours; OpenCV may."""
 
 
 class DamagedError(OSError):

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from .formats import NO_PAGE, SUBFILE, format_of
-from .levels import is_tiff
+from .levels import exact_levels, is_tiff, viewed
 from .limits import limit_time
 from .opening import (
     KNOWN,
@@ -15,7 +15,6 @@ from .opening import (
     DamagedError,
     Message,
     RefusedError,
-    UnknownTiffError,
     check_sides,
     first_line,
     opened,
@@ -58,8 +57,10 @@ def decode(
     longest: int,
     grey: bool,
     notes: list[Any],
-) -> "tuple[Image, tuple[int, int]]":
-    """Return a picture upright, in one of `MODES`, and the (width, height) that it had before it was reduced.
+) -> tuple[Any, tuple[int, int]]:
+    """Return a picture upright, and the (width, height) that it had before it was reduced.
+
+    It is an image in one of `MODES`, or an array if only OpenCV can read it.
 
     Args:
         content: its file.
@@ -88,9 +89,11 @@ def decode(
             try:
                 image = opened(content)
             except DamagedError:
-                if is_tiff(content):
-                    raise UnknownTiffError from None
-                raise
+                if not is_tiff(content):
+                    raise
+                # Pillow does not know some, such as those of floats with colours; OpenCV may.
+                levels = exact_levels(content, least, most)
+                return viewed(levels, longest, grey), levels.shape[1::-1]
             with image:
                 check_sides(image.width, image.height, least, most)
                 image.load()
@@ -100,7 +103,7 @@ def decode(
         if longest and max(full) > longest:
             upright = reduced(upright, longest)
         return _grey(upright) if grey else upright, full
-    except (RefusedError, UnknownTiffError, MemoryError):
+    except (RefusedError, MemoryError):
         raise
     except UnidentifiedImageError:
         _refuse_foreign(content)
