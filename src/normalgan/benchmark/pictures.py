@@ -20,12 +20,7 @@ Picture = NDArray[np.generic]
 
 @dataclass(frozen=True)
 class Line:
-    """The predictions of one method for the samples.
-
-    Args:
-        label: label of the method.
-        rows: the samples, in the same order for every method.
-    """
+    """The predictions of one method, with its label; the samples are in the same order for every method."""
 
     label: str
     rows: Sequence[Row]

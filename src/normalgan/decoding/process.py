@@ -309,11 +309,7 @@ class _Child:
 
 
 class _Pool:
-    """Idle children, reused for the next pictures; as many as ran at once, up to a limit.
-
-    Args:
-        most: children at once.
-    """
+    """Idle children, reused for the next pictures; as many as ran at once, up to a limit."""
 
     def __init__(self, most: int) -> None:
         self._most = most

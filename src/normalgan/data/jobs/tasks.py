@@ -38,12 +38,7 @@ __all__ = [
 
 @dataclass(frozen=True)
 class MeshTask:
-    """A mesh to check.
-
-    Args:
-        source: where it comes from.
-        fingerprint: its fingerprint on the machine that sends the task.
-    """
+    """A mesh to check, with its fingerprint on the machine that sends the task."""
 
     source: Loadable
     fingerprint: str
@@ -56,14 +51,9 @@ class MeshTask:
 
 @dataclass(frozen=True)
 class ShardTask:
-    """A shard to render, with everything that rendering needs.
+    """A shard to render of the data set at a URL.
 
-    Args:
-        url: the folder of the data set.
-        shard: number of the shard.
-        recipe: how samples are made.
-        sources: the meshes it has views of, by name.
-        failed: reasons why meshes must not be tried, by name.
+    By name, ``sources`` has the meshes that it shows, and ``failed`` the reasons why some must not be tried.
     """
 
     url: str
@@ -80,13 +70,7 @@ class ShardTask:
 
 @dataclass(frozen=True)
 class MakeShard:
-    """Make shards in the process that reads them; a warning names each mesh or pair that fails.
-
-    Args:
-        url: the folder of the data set.
-        recipe: how samples are made.
-        sources: all meshes or pairs by name.
-    """
+    """Makes shards in the process that reads them; a warning names each mesh or pair that fails."""
 
     url: str
     recipe: SampleRecipe

@@ -123,17 +123,12 @@ class Loaders:
 
 
 class EqualShare(Dataset[Item]):
-    """One process's share of a split: every n-th sample, the same number for each process.
+    """The share of process ``rank``, from 0, in a split: every n-th sample, the same number for each process.
 
     If the samples do not divide evenly, shares are padded with a sample whose mask is empty, which changes no
     metric, so several processes measure exactly what one does. Padding with repeated samples, as Lightning
     does, would change metrics. With unequal shares a process would wait for ever, because the networks'
     buffers are exchanged with every batch.
-
-    Args:
-        dataset: the split.
-        replicas: how many processes there are.
-        rank: which one this is, from 0.
     """
 
     def __init__(self, dataset: Dataset[Item], replicas: int, rank: int) -> None:

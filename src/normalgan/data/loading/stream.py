@@ -61,17 +61,10 @@ class StreamDataset(Dataset[Item]):
 
 
 class FreshViews(DistributedSampler[ViewIndex]):
-    """One process's view indices of the epoch that Lightning sets; no view repeats in another epoch.
+    """The views of process ``rank``, from 0, in the epoch that Lightning sets; none repeats in another epoch.
 
     All processes get the same number of whole batches; each may leave out up to a batch of an epoch. If there
     is not a whole batch for each, all samples are used, some of them twice.
-
-    Args:
-        dataset: what renders the views.
-        seed: seed of the order.
-        batch_size: samples in a batch.
-        replicas: how many processes train side by side.
-        rank: which one this is, from 0.
     """
 
     def __init__(
