@@ -4,6 +4,7 @@ from abc import abstractmethod
 from dataclasses import dataclass
 from typing import Self
 
+import cv2
 import numpy as np
 
 from normalgan.arrays import BoolMask, Doubles, Floats
@@ -78,14 +79,11 @@ class Buffers:
 
 def _object_window(mask: BoolMask) -> tuple[slice, slice] | None:
     """Return the rows and columns of the object and a margin: an animal fills a fraction of its frame."""
-    window = []
-    for axis in (1, 0):
-        filled = np.flatnonzero(mask.any(axis))
-        if not len(filled):
-            return None
-        end = mask.shape[1 - axis]
-        window.append(slice(max(int(filled[0]) - _MARGIN, 0), min(int(filled[-1]) + 1 + _MARGIN, end)))
-    return window[0], window[1]
+    left, top, width, height = cv2.boundingRect(mask.astype(np.uint8))
+    if not width:
+        return None
+    rows = slice(max(top - _MARGIN, 0), min(top + height + _MARGIN, mask.shape[0]))
+    return rows, slice(max(left - _MARGIN, 0), min(left + width + _MARGIN, mask.shape[1]))
 
 
 def sight(camera: Camera, maps: Maps, window: tuple[slice, slice], side: int) -> Sight:
