@@ -33,7 +33,6 @@ TRAINING_LIBRARIES = (
         "safetensors",
         "onnx",
         "kornia",
-        "networkx",
         "embreex",
         "mapbox_earcut",
     ),

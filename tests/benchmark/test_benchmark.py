@@ -16,7 +16,7 @@ import yaml
 from normalgan.__main__ import main
 from normalgan.benchmark.evaluation import Evaluation
 from normalgan.benchmark.plan import read_plan
-from normalgan.benchmark.runs import plan_runs, shared_settings
+from normalgan.benchmark.runs import plan_runs
 from normalgan.benchmark.scale import read_scale
 from normalgan.data.datamodule import MeshDataModule
 
@@ -104,7 +104,7 @@ def test_a_plan_that_trains_nothing_renders_the_test_split_alone(
     plan, scale = read_plan(path), read_scale([])
     rendered: list[set[str]] = []
     monkeypatch.setattr(MeshDataModule, "render", lambda data, **how: rendered.append({*data.kept}))
-    assert Evaluation(plan, shared_settings(plan, scale)).data.of_pairs is False
+    assert Evaluation(plan, scale).data.of_pairs is False
     assert rendered == [{"test"}]
 
 

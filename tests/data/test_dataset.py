@@ -55,7 +55,8 @@ def test_decoded_normals_are_of_unit_length_on_the_object_and_zero_off_it(store:
 def test_stray_normals_off_the_object_are_dropped() -> None:
     normal = torch.ones(2, 2, 3, dtype=torch.float16)
     mask = torch.tensor([[True, False], [False, False]])
-    batch = decode(default_collate([to_item(torch.zeros(2, 2, dtype=torch.uint8), normal, mask, "x")]))
+    sketch = torch.zeros(2, 2, dtype=torch.uint8)
+    batch = decode(default_collate([to_item({"sketch": sketch, "normal": normal, "mask": mask}, "x")]))
     torch.testing.assert_close(batch["normal"][0, :, 0, 0], torch.full((3,), 3**-0.5))
     assert batch["normal"].abs().sum() == pytest.approx(3**0.5)
 

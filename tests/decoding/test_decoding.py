@@ -9,6 +9,7 @@ import tracemalloc
 from collections.abc import Iterator
 from pathlib import Path
 
+import cv2
 import numpy as np
 import psutil
 import pytest
@@ -227,6 +228,12 @@ def test_reduced_pictures_keep_their_shape_and_the_colours_that_are_seen() -> No
     assert decoded.pixels[5, 25].tolist() == [0, 0, 255, 64]  # a quarter of it; nothing of the unseen red
     deep = Image.fromarray(np.full((100, 200), 40_000, np.uint16))
     assert np.unique(decode("a", encoded(deep), SIDES, 64, longest=50).pixels).tolist() == [40_000]
+    done, floats = cv2.imencode(
+        ".tiff", np.full((100, 200, 3), 0.5, np.float32)
+    )  # which Pillow does not read
+    assert done
+    decoded = decode("a", floats.tobytes(), SIDES, 64, longest=50)
+    assert (decoded.shape, decoded.pixels.shape, decoded.pixels[0, 0, 0]) == ((100, 200), (25, 50, 3), 0.5)
 
 
 def test_a_program_under_the_name_of_a_picture_is_not_run(tmp_path: Path) -> None:

@@ -231,7 +231,7 @@ def test_a_link_to_a_frame_without_that_cel_shows_nothing(frame: int) -> None:
     plain = np.full((8, 8, 4), (20, 20, 20, 255), np.uint8)
     content = aseprite([[layer("a"), layer("b"), cel(0, plain)], [cel(0, plain), linked(1, frame)]], (8, 8))
     frames = decode_frames("a.ase", content, (8, 64))
-    assert [each.decoded.pixels[0, 0].tolist() for each in frames.parts] == [[20, 20, 20, 255]] * 2
+    assert [each.pixels[0, 0].tolist() for each in frames.frames] == [[20, 20, 20, 255]] * 2
     assert not frames.notes.text
 
 

@@ -9,8 +9,8 @@ from normalgan.benchmark.curves import draw_calibration
 from normalgan.benchmark.evaluation import Evaluation
 from normalgan.benchmark.methods import Method, saved_method
 from normalgan.benchmark.plan import Plan, Row
-from normalgan.benchmark.report import Report
-from normalgan.benchmark.runs import plan_runs, shared_settings
+from normalgan.benchmark.report import write_report
+from normalgan.benchmark.runs import plan_runs
 from normalgan.benchmark.scale import Scale
 from normalgan.benchmark.specification import check_specification
 from normalgan.benchmark.submissions import read_submission, write_inputs
@@ -25,18 +25,13 @@ _say = partial(print, flush=True)
 
 
 def compare(plan: Plan, scale: Scale, out: Path, rows: list[str], seeds: list[int]) -> int:
-    """Train and measure rows of a plan, report, and return the exit code: 1 if a run failed.
+    """Train and measure some rows of a plan, and return the exit code: 1 if a run failed.
 
-    Args:
-        plan: what is compared.
-        scale: at which.
-        out: folder of the runs and the report.
-        rows: names of those to train; others are reported if they have results.
-        seeds: seeds of the runs.
+    Runs and report go to the folder ``out``. Rows that are not named are reported if they have results.
     """
     every = plan_runs(plan, scale, out, sorted({*plan.seeds, *seeds}))
     runs = [r for r in every if r.row.name in rows and (r.seed is None or r.seed in seeds)]
-    evaluation = Evaluation(plan, shared_settings(plan, scale))
+    evaluation = Evaluation(plan, scale)
     for one in every:  # before anything is trained
         try:
             read_state(one, evaluation.hash)
@@ -44,9 +39,9 @@ def compare(plan: Plan, scale: Scale, out: Path, rows: list[str], seeds: list[in
             if one in runs:
                 raise
             _say(f"left out of the report: {error}")
-    report = Report(plan, scale, every, evaluation, out)
-    failures = run_all(runs, evaluation.hash, fit, evaluation.of_run, report.write, _say)
-    report.write()
+    report = partial(write_report, evaluation, every, out)
+    failures = run_all(runs, evaluation.hash, fit, evaluation.of_run, report, _say)
+    report()
     _say(f"\n{(out / 'table.md').read_text(encoding='utf-8')}")
     _say(f"Report: {out.resolve()}")
     for failure in failures:
@@ -57,46 +52,28 @@ def compare(plan: Plan, scale: Scale, out: Path, rows: list[str], seeds: list[in
 def evaluate(plan: Plan, scale: Scale, name: str, out: Path | None = None) -> int:
     """Measure a model on the plan's test split, print its tables, and return the exit code.
 
-    Args:
-        plan: the plan.
-        scale: its scale.
-        name: name of the model's file, or ``shipped``.
-        out: folder of ``evaluation.json``, which has all figures; None writes none.
+    The model is a file, or ``shipped``. All figures go to ``evaluation.json`` in the folder ``out``.
     """
-    evaluation = Evaluation(plan, shared_settings(plan, scale), test_alone=True)
+    evaluation = Evaluation(plan, scale, test_alone=True)
     method = saved_method(name, evaluation.shared["data"]["size"], evaluation.device)
-    _report(evaluation, scale, name, method, out)
+    _report(evaluation, name, method, out)
     return 0
 
 
 def score(plan: Plan, scale: Scale, folder: Path, out: Path | None = None) -> int:
-    """Measure another program's predictions of the test split, print tables, and return the exit code.
-
-    Args:
-        plan: the benchmark.
-        scale: its picture size and networks.
-        folder: folder of the submission; see `normalgan.benchmark.submissions`.
-        out: as in `evaluate`.
-    """
+    """Measure another program's predictions of the test split as `evaluate` does; see `read_submission`."""
     submission = read_submission(folder)
     counts = list(submission.counts)
     predicted = replace(plan, hint_counts=counts, hints=max(counts) or plan.hints, pins=0)
     predicted = replace(predicted, placements=[], placement_counts=[], noise_degrees=[], noise_pixels=[])
-    evaluation = Evaluation(predicted, shared_settings(plan, scale), test_alone=True)
-    _report(evaluation, scale, submission.name, submission.method(), out)
+    evaluation = Evaluation(predicted, scale, test_alone=True)
+    _report(evaluation, submission.name, submission.method(), out)
     return 0
 
 
 def write_test_inputs(plan: Plan, scale: Scale, folder: Path) -> int:
-    """Write the sketches and hints of the plan's test split, and return the exit code.
-
-    Args:
-        plan: whose.
-        scale: at which.
-        folder: where to.
-    """
-    evaluation = Evaluation(plan, shared_settings(plan, scale), test_alone=True)
-    for batch in evaluation.batches():
+    """Write the sketches and hints of the plan's test split, and return the exit code."""
+    for batch in Evaluation(plan, scale, test_alone=True).batches():
         write_inputs(folder, batch, plan.counts, plan.hint_seed)
     _say(f"Sketches and hints: {folder.resolve()}")
     return 0
@@ -108,14 +85,13 @@ def check(plan: Plan, scale: Scale, specification: Path) -> None:
     Raises:
         InputError: if it does not.
     """
-    evaluation = Evaluation(plan, shared_settings(plan, scale), test_alone=True)
-    track = check_specification(evaluation.specification, specification)
+    track = check_specification(Evaluation(plan, scale, test_alone=True).specification, specification)
     _say(f"{specification}: the track {track}" if track else f"{specification}: as it was frozen")
 
 
-def _report(evaluation: Evaluation, scale: Scale, name: str, method: Method, out: Path | None) -> None:
+def _report(evaluation: Evaluation, name: str, method: Method, out: Path | None) -> None:
     """Print the tables of a method's figures, and write the figures to a folder if one is given."""
-    plan, figures = evaluation.plan, evaluation.of_method(method)
+    plan, scale, figures = evaluation.plan, evaluation.scale, evaluation.of_method(method)
     one = replace(plan, rows=[Row("model", name, configs=["–"])], reference=None)
     shown = {"model": [{**figures, "seed": None, "images": 0, "curve": []}]}
     _say(markdown(one, scale, shown, evaluation.specification))

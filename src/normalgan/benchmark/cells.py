@@ -93,12 +93,7 @@ def figure_cell(given: str, name: str, unit: str | None = None) -> Cell:
 
 
 def distance_cell(given: str, low: float) -> Cell:
-    """Return the cell of the mean error in a bin of distances from the contour.
-
-    Args:
-        given: the hints.
-        low: lower edge of the bin, in 170ths of the picture.
-    """
+    """Return the cell of the mean error in the bin from ``low`` 170ths of the picture off the contour."""
 
     def cell(runs: Sequence[Result]) -> str:
         profiles = [run.get("distance", {}).get(given, {}).get("170ths", ()) for run in runs]

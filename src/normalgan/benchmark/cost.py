@@ -6,6 +6,7 @@ from importlib.metadata import version
 from itertools import count
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 import torch
 from lightning.fabric.utilities import move_data_to_device
@@ -15,9 +16,10 @@ from torch.utils.flop_counter import FlopCounterMode
 from normalgan.batch import Batch
 from normalgan.benchmark.measure import true_float32
 from normalgan.benchmark.methods import Method
+from normalgan.commit import commit
 from normalgan.version import __version__
 
-__all__ = ["describe_machine", "describe_versions", "flops", "images_per_second"]
+__all__ = ["describe_origin", "flops", "images_per_second"]
 
 _PACKAGES = ("torch", "lightning", "numpy", "kornia", "torchmetrics")
 
@@ -38,14 +40,7 @@ def flops(network: nn.Module, size: int, device: torch.device) -> int:
 
 
 def images_per_second(method: Method, batch: Batch, device: torch.device, seconds: float = 1.0) -> float:
-    """Return the maps predicted in a second, in batches of a given size.
-
-    Args:
-        method: the method.
-        batch: the batch to repeat.
-        device: where to predict.
-        seconds: duration; at least one batch is measured, after one to warm up.
-    """
+    """Return the maps predicted in a second: for ``seconds``, and at least one batch after one to warm up."""
     here: Batch = move_data_to_device(batch, device)
     with true_float32():
         method.predict(here, None)
@@ -65,23 +60,19 @@ def _wait(device: torch.device) -> None:
         torch.cuda.synchronize(device)
 
 
-def describe_machine(device: torch.device) -> dict[str, str | int]:
-    """Return the hardware that speed depends on, without the machine's name."""
-    described: dict[str, str | int] = {
+def describe_origin(device: torch.device) -> dict[str, Any]:
+    """Return what figures depend on: ``machine`` (not its name), ``versions`` of packages, and ``commit``."""
+    machine: dict[str, str | int] = {
         "system": platform.system(),
         "processor": _processor(),
         "cores": len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1,
         "threads": torch.get_num_threads(),
     }
     if device.type == "cuda":
-        described["gpu"] = torch.cuda.get_device_name(device)
-    return described
-
-
-def describe_versions() -> dict[str, str]:
-    """Return the versions of Python, normalgan and the packages that figures depend on."""
-    found = {name: version(name) for name in _PACKAGES}
-    return {"python": platform.python_version(), "normalgan": __version__, **found}
+        machine["gpu"] = torch.cuda.get_device_name(device)
+    versions = {"python": platform.python_version(), "normalgan": __version__}
+    versions |= {name: version(name) for name in _PACKAGES}
+    return {"machine": machine, "versions": versions, "commit": commit()}
 
 
 def _processor() -> str:

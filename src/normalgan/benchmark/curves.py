@@ -31,11 +31,6 @@ def draw_curves(plan: Plan, results: Results, caption: str) -> bytes | None:
 
     Lines are means over the seeds, bands reach from the lowest seed to the highest. The reference of the
     plan is in every panel, dashed.
-
-    Args:
-        plan: in whose order the rows come.
-        results: results of the rows.
-        caption: above them.
     """
     groups: dict[str, list[str]] = {}
     for row in plan.rows:
@@ -73,12 +68,8 @@ def draw_calibration(plan: Plan, results: Results, caption: str) -> bytes | None
     """Return the calibration curves as a PNG: observed error by predicted error; None without confidences.
 
     One panel without hints and one with the hints of table 1, a line for each row, over all seeds; below it
-    the share of pixels. On the diagonal a model is calibrated; above it, overconfident.
-
-    Args:
-        plan: in whose order the rows come.
-        results: results of the rows.
-        caption: above it; the lines' names come with the expected calibration errors.
+    the share of pixels. On the diagonal a model is calibrated; above it, overconfident. The legend has the
+    expected calibration errors.
     """
     sure = [row for row in plan.rows if any(_promises(run) for run in results.get(row.name, ()))]
     if not sure:

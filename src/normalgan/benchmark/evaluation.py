@@ -14,7 +14,7 @@ from lightning.fabric.utilities import move_data_to_device
 
 from normalgan.arrays import Floats
 from normalgan.batch import Batch
-from normalgan.benchmark.cost import describe_machine, describe_versions, flops, images_per_second
+from normalgan.benchmark.cost import describe_origin, flops, images_per_second
 from normalgan.benchmark.hints import hint_points, placements
 from normalgan.benchmark.measure import HintTests, measure, more_metrics, true_float32
 from normalgan.benchmark.methods import (
@@ -26,12 +26,12 @@ from normalgan.benchmark.methods import (
 )
 from normalgan.benchmark.pins import STRATEGIES, Strategy, pin_curve, pin_one_by_one
 from normalgan.benchmark.plan import Plan, Settings
-from normalgan.benchmark.runs import Run, build_data
+from normalgan.benchmark.runs import Run, build_data, shared_settings
+from normalgan.benchmark.scale import Scale
 from normalgan.benchmark.settings import digest
 from normalgan.benchmark.specification import Specification, specify
 from normalgan.benchmark.training import Result, measured_checkpoint
 from normalgan.callbacks.display import count_parameters
-from normalgan.commit import commit
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.loading.items import collate_decoded, decode
 from normalgan.data.loading.order import spread
@@ -52,12 +52,12 @@ class Evaluation:
 
     Args:
         plan: the benchmark, which says the test hints.
-        shared: settings with the data of all rows.
+        scale: the sizes of its pictures and networks.
         test_alone: whether only the test split is rendered, because nothing is trained.
     """
 
     plan: Plan
-    shared: Settings
+    scale: Scale
     test_alone: bool = False
 
     @property
@@ -72,6 +72,11 @@ class Evaluation:
             | ({"test_data": plan.test_data} if plan.test_data else {})
             | {"shown": plan.gallery, "hints": plan.hints, "batch": _BATCH, "version": _VERSION}
         )
+
+    @cached_property
+    def shared(self) -> Settings:
+        """The settings with the data that all rows share, and where to measure."""
+        return shared_settings(self.plan, self.scale)
 
     @cached_property
     def device(self) -> torch.device:
@@ -128,8 +133,7 @@ class Evaluation:
             if method.timed
             else 0,
         }
-        where = {"machine": describe_machine(device), "versions": describe_versions(), "commit": commit()}
-        return {**measured, "cost": cost, **where}
+        return {**measured, "cost": cost, **describe_origin(device)}
 
     @property
     def tests(self) -> HintTests:
@@ -181,12 +185,7 @@ class Evaluation:
 
 
 def read_curve(folder: Path, most: int = 60) -> list[dict[str, float | None]]:
-    """Return the learning curve of a run, thinned out to a few records and the figures that are drawn.
-
-    Args:
-        folder: folder of the run.
-        most: records; the first and the last are kept.
-    """
+    """Return the learning curve of a run: ``most`` records of it with the figures that are drawn."""
     records = json.loads((folder / "curve.json").read_text(encoding="utf-8"))
     kept = ["images", "epoch", "seconds", "val/hints/angular_mean", "val/no_hints/angular_mean"]
     kept += [SHARE] if all(SHARE in record for record in records) else []

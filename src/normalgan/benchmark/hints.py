@@ -61,11 +61,7 @@ def hint_points(mask: Tensor, names: Sequence[str], seed: int, count: int) -> Te
 
 
 def placements(names: Sequence[str], counts: Sequence[int]) -> dict[str, HintSampler]:
-    """Return a sampler for each name and count, under the name that its figures have in the table.
-
-    Args:
-        names: how hints are placed; see `normalgan.benchmark.plan.Placement`.
-        counts: hints of each sample.
+    """Return a sampler for each `Placement` and number of hints, under the name of its figures.
 
     >>> list(placements(["uniform", "worst"], [3, 10]))
     ['uniform-3', 'uniform-10', 'worst-3', 'worst-10']

@@ -1,6 +1,6 @@
 """Confidence intervals over test meshes (a bootstrap) and over seeds."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import product
 from typing import NamedTuple
 
@@ -44,13 +44,10 @@ def mesh_interval(runs: Sequence[Result], given: str, name: str) -> Interval | N
         given: the hints, ``15`` or ``own``.
         name: the figure's name, such as ``angular_mean``; it must be a mean over pixels.
     """
-    tables = _tables(runs, given, name)
-    if tables is None:
+    table = _table(runs, given, name)
+    if table is None:
         return None
-    _, values, pixels = tables
-    return _interval(
-        pooled(values, pixels, draws_of(len(pixels))), float(pooled(values, pixels, _all(pixels))[0])
-    )
+    return _interval(len(table[0]), lambda draws: pooled(*table[1:], draws))
 
 
 def difference_interval(
@@ -61,20 +58,11 @@ def difference_interval(
     The samples are paired: both use the same resampled meshes, so that a mesh that is hard for both cancels
     out. Seeds are fixed, so this is the interval of these trained networks, not of the methods
     (`total_interval`). None if their meshes differ or are fewer than two.
-
-    Args:
-        runs: runs of the method.
-        reference: runs of the other method.
-        given: the hints, ``15`` or ``own``.
-        name: the figure's name; it must be a mean over pixels.
     """
-    one, other = _tables(runs, given, name), _tables(reference, given, name)
+    one, other = _table(runs, given, name), _table(reference, given, name)
     if one is None or other is None or one[0] != other[0]:
         return None
-    draws = draws_of(len(one[0]))
-    whole = _all(one[2])
-    drawn = pooled(*one[1:], draws) - pooled(*other[1:], draws)
-    return _interval(drawn, float((pooled(*one[1:], whole) - pooled(*other[1:], whole))[0]))
+    return _interval(len(one[0]), lambda draws: pooled(*one[1:], draws) - pooled(*other[1:], draws))
 
 
 def total_interval(
@@ -85,21 +73,17 @@ def total_interval(
     The samples are paired by mesh and by common seed. The variances of the means over meshes and over seeds
     are added, which counts their interaction twice and makes the interval too wide rather than too narrow.
     The interval is Student's with Satterthwaite's degrees of freedom. None if there are fewer than two meshes
-    or two such seeds.
-
-    Args:
-        runs: runs of the method.
-        reference: runs of the other method.
-        given: the hints, ``15`` or ``own``.
-        name: the figure's name; it must be a mean over pixels.
-        beside: the hints of the reference; None if the same.
+    or two such seeds. ``beside`` are the hints of the reference, if they are others.
 
     References:
         Satterthwaite 1946, "An Approximate Distribution of Estimates of Variance Components".
     """
     both = {run.get("seed") for run in runs} & {run.get("seed") for run in reference} - {None}
-    ours, theirs = (sorted((r for r in of if r.get("seed") in both), key=_seed) for of in (runs, reference))
-    one, other = _tables(ours, given, name), _tables(theirs, beside or given, name)
+    ours, theirs = (
+        sorted((run for run in of if run.get("seed") in both), key=lambda run: int(run["seed"]))
+        for of in (runs, reference)
+    )
+    one, other = _table(ours, given, name), _table(theirs, beside or given, name)
     if len(both) < 2 or one is None or other is None or one[0] != other[0]:
         return None
     by_seed, of_mesh = (a - b for a, b in zip(_parts(*one[1:]), _parts(*other[1:]), strict=True))
@@ -140,13 +124,10 @@ def pooled(values: Doubles, pixels: Doubles, draws: Indices) -> Doubles:
     return np.asarray((sums / counts).mean(-1))
 
 
-def _interval(drawn: Doubles, value: float) -> Interval:
-    low, high = np.quantile(drawn, [(1 - LEVEL) / 2, (1 + LEVEL) / 2])
-    return Interval(value, float(low), float(high))
-
-
-def _seed(run: Result) -> int:
-    return int(run["seed"])
+def _interval(meshes: int, figure: Callable[[Indices], Doubles]) -> Interval:
+    """Return a figure of draws of meshes: that of all of them, and the interval over bootstrap draws."""
+    low, high = np.quantile(figure(draws_of(meshes)), [(1 - LEVEL) / 2, (1 + LEVEL) / 2])
+    return Interval(float(figure(np.arange(meshes)[None])[0]), float(low), float(high))
 
 
 def _parts(values: Doubles, pixels: Doubles) -> tuple[Doubles, Doubles]:
@@ -156,11 +137,7 @@ def _parts(values: Doubles, pixels: Doubles) -> tuple[Doubles, Doubles]:
     return figures, weights * (values - figures)
 
 
-def _all(pixels: Doubles) -> Indices:
-    return np.arange(len(pixels))[None]
-
-
-def _tables(runs: Sequence[Result], given: str, name: str) -> tuple[list[str], Doubles, Doubles] | None:
+def _table(runs: Sequence[Result], given: str, name: str) -> tuple[list[str], Doubles, Doubles] | None:
     """Return the names of the meshes, and values and pixels as `pooled` takes them."""
     found: list[Mapping[str, Mapping[str, float | None]]] = [
         run.get("meshes", {}).get(given, {}) for run in runs

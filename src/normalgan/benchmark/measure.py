@@ -100,12 +100,6 @@ def measure(method: Method, batches: Iterable[Batch], tests: HintTests, device: 
     A hinted pixel counts for no method, even if it takes no hints, so that all are measured on the same
     pixels. With their own samplers' hints the pixels differ from method to method. ``own`` also has
     ``hints``, the mean number of hints of a sample.
-
-    Args:
-        method: what is measured.
-        batches: the samples; each is taken once.
-        tests: with what hints.
-        device: where to predict and measure.
     """
     gathered = {given: Accumulator(device, tests.metrics) for given in tests.names}
     hints_given = 0

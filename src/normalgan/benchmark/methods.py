@@ -24,7 +24,6 @@ from normalgan.weights.shipped import SHIPPED_NAME
 
 __all__ = [
     "Method",
-    "Paint",
     "constant_method",
     "inflation_method",
     "mean_method",
@@ -33,23 +32,21 @@ __all__ = [
     "weights_method",
 ]
 
-Paint = Callable[[Batch, Tensor | None], Tensor]
-"""From a batch and hints (N, 4, H, W), or none, to normals (N, 3, H, W), or with confidence (N, 4, H, W)."""
-
 
 @dataclass(frozen=True)
 class Method:
     """A method and its properties.
 
     Args:
-        predict: predicts a batch; only classical methods may use the truth, as their docstrings say.
+        predict: returns the normals (N, 3, H, W) of a batch, or these with confidence (N, 4, H, W), given
+            hints (N, 4, H, W) or none; only classical methods may use the truth, as their docstrings say.
         sampler: gives the hints that it was trained for.
         generator: its network; None if it has none.
         timed: whether it predicts here, so that its speed can be measured; predictions of another program are
             only read.
     """
 
-    predict: Paint
+    predict: Callable[[Batch, Tensor | None], Tensor]
     sampler: HintSampler = NoHints()  # noqa: RUF009  # frozen
     generator: nn.Module | None = None
     timed: bool = True
@@ -123,9 +120,8 @@ def saved_method(name: str, size: int, device: torch.device) -> Method:
         InputError: if it cannot be used, or was trained at another size.
     """
     path = find_weights(name)
-    if (
-        path.suffix.lower() == ".onnx" and name != SHIPPED_NAME
-    ):  # that of the package may use a GPU through torch
+    # The package's own may use a GPU, through torch.
+    if path.suffix.lower() == ".onnx" and name != SHIPPED_NAME:
         return _onnx_method(find_model(name), size)
     if path.suffix.lower() in SUFFIXES:
         weights = read_weights(path)

@@ -20,24 +20,14 @@ Picture = NDArray[np.generic]
 
 @dataclass(frozen=True)
 class Line:
-    """The predictions of one method for the samples.
-
-    Args:
-        label: label of the method.
-        rows: the samples, in the same order for every method.
-    """
+    """The predictions of one method, with its label; the samples are in the same order for every method."""
 
     label: str
     rows: Sequence[Row]
 
 
 def draw_methods(lines: Sequence[Line], caption: str) -> bytes:
-    """Return the picture as a PNG: two columns a sample (map, error), a line a method, the truth above.
-
-    Args:
-        lines: the methods, top to bottom; at least one.
-        caption: title of the picture.
-    """
+    """Return the picture as a PNG: two columns a sample (map, error), a line a method, the truth above."""
     samples = lines[0].rows
     width = _LABEL + len(samples) * 2 * (_CELL + _GAP) + 3 * _GAP * len(samples)
     height = 2 * _HEAD + (len(lines) + 1) * (_CELL + _GAP)

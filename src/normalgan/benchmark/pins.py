@@ -24,16 +24,10 @@ _AROUND = 5  # pixels over which an error is visible
 
 
 def pin_one_by_one(method: Method, batch: Batch, strategy: Strategy, count: int) -> Tensor:
-    """Return the sums of the angular error after 0, 1, … pins, and the number of pixels.
+    """Return the sums of the angular error after 0, 1, … pins of a batch of N samples, and of its pixels.
 
     Only pixels without a pin at the end count, so that they are the same at every number. Each pin gives the
     true normal.
-
-    Args:
-        method: which takes hints.
-        batch: N samples, on the method's device.
-        strategy: where pins go.
-        count: pins of each sample.
 
     Returns:
         (N, count + 2): sums in degrees after each number of pins, then the number of pixels.

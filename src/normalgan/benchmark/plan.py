@@ -166,12 +166,7 @@ def read_plan(path: str | Path) -> Plan:
 
 
 def _with_base(path: Path, above: tuple[Path, ...]) -> tuple[Settings, list[Row]]:
-    """Return settings and rows of a plan, including those of its base.
-
-    Args:
-        path: path of the plan.
-        above: plans that are based on it.
-    """
+    """Return settings and rows of a plan, including its base's; ``above`` are the plans based on it."""
     path = Path(find_config(str(path)))  # its base lies beside it, in the package too
     if path.resolve() in above:
         raise InputError(f"the plan {path} is its own base; a base must be another plan.")

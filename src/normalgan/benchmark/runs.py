@@ -68,12 +68,7 @@ class Run:
 
 
 def build_data(settings: Settings, **changes: Any) -> MeshDataModule:
-    """Return the data of a run.
-
-    Args:
-        settings: all of `normalgan fit`.
-        changes: settings of the data that win over these.
-    """
+    """Return the data of a run's settings, with some settings of the data changed."""
     parser = OwnDefaultsParser(exit_on_error=False)
     parser.add_class_arguments(MeshDataModule, "data")
     parsed = parser.parse_object({"data": changes}, parser.parse_object({"data": settings["data"]}))

@@ -121,12 +121,6 @@ def write_inputs(folder: Path, batch: Batch, counts: Sequence[int], seed: int) -
 
     ``sketches/horse/3.png`` has ink black on white. ``hints/horse/3.json`` has the points in order, each with
     ``x``, ``y`` (whole pixels from the left and the top) and ``normal``; of n hints these are the first n.
-
-    Args:
-        folder: where to.
-        batch: N samples.
-        counts: numbers of hints; the largest number is written.
-        seed: seed of the hints.
     """
     most = max(counts, default=0)
     for i, name in enumerate(batch["name"]):

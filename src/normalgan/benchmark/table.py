@@ -72,14 +72,7 @@ _Columns = Mapping[str, Cell]
 def markdown(
     plan: Plan, scale: Scale, results: Results, specification: Mapping[str, str | int] | None = None
 ) -> str:
-    """Return all tables of what has been measured so far.
-
-    Args:
-        plan: in whose order the rows come.
-        scale: at which they were trained.
-        results: results of the rows; those missing are left out.
-        specification: hashes of the test data, printed if given.
-    """
+    """Return all tables of what has been measured so far, after the hashes of the test data if given."""
     bare, hinted = "0", str(plan.hints)
     sections = [
         _introduction(plan, scale, results, specification),
@@ -131,12 +124,7 @@ def ranked_error(error: float, iou: float) -> float:
 
 
 def mesh_table(result: Result, hints: int) -> str:
-    """Return the figures of a result by mesh, as Markdown.
-
-    Args:
-        result: result of one run or model.
-        hints: those of table 1.
-    """
+    """Return the figures of one run or model by mesh, as Markdown, without and with the hints of table 1."""
     columns = [("0", name) for name in ("angular_mean", "nz_bias", "angular_rim", "angular_deep", "mask_iou")]
     columns += [(str(hints), name) for name in ("angular_mean", "nz_bias")]
     headings = [f"{FIGURES.get(name) or RELIEF[name]}, {given or 'no'} hints" for given, name in columns]
@@ -155,10 +143,6 @@ def interval_table(plan: Plan, results: Results) -> list[str]:
     """Return the lines of table 3: mean errors, and differences from the reference, over the test meshes.
 
     If a row has two seeds or more, table 4 follows: the differences over the test meshes and the seeds.
-
-    Args:
-        plan: plan with the order of the rows.
-        results: results of the rows, by mesh too.
     """
     reference = results.get(plan.reference or "", [])
     columns: dict[str, Cell] = {}

@@ -73,15 +73,9 @@ def run_all(
     report: Callable[[], None],
     say: Callable[[str], None],
 ) -> list[str]:
-    """Train and measure unfinished runs, and return a sentence for each that failed.
+    """Train and measure unfinished runs, report after each, and return a sentence for each that failed.
 
-    Args:
-        runs: in this order.
-        evaluation: the hash of how they are measured.
-        train: trains or continues a run in its folder.
-        evaluate: measures a trained run.
-        report: writes the report so far; called after each run.
-        say: tells the user.
+    ``evaluation`` is the hash of how they are measured; ``say`` tells the user.
     """
     failures = []
     for run in runs:

@@ -81,19 +81,15 @@ class SampleDataset(Dataset[Item]):
         return item
 
     def _read(self, index: int) -> Item:
-        if self._held is not None:
-            arrays = {name: held[index] for name, held in self._held.items()}
-        else:
-            try:
-                sample = self.store.read(index)
-            except InputError as error:
-                raise SampleError(str(error)) from error
-            arrays = {
-                name: torch.from_numpy(np.array(getattr(sample, name)))
-                for name in array_names(self.store.layout.hints)
-            }
         name = self.store.name(index)
-        return to_item(arrays["sketch"], arrays["normal"], arrays["mask"], name, arrays.get("hints"))
+        if self._held is not None:
+            return to_item({part: held[index] for part, held in self._held.items()}, name)
+        try:
+            sample = self.store.read(index)
+        except InputError as error:
+            raise SampleError(str(error)) from error
+        parts = array_names(self.store.layout.hints)
+        return to_item({part: torch.from_numpy(np.array(getattr(sample, part))) for part in parts}, name)
 
 
 def bytes_per_sample(size: int, hints: bool = False) -> int:

@@ -8,7 +8,6 @@ from collections.abc import Collection, Mapping, Sequence
 from normalgan.data.jobs.cluster import Cluster
 from normalgan.data.jobs.pool import Killed, Pool
 from normalgan.data.jobs.tasks import (
-    CheckTask,
     MakeShard,
     MeshTask,
     ShardTask,
@@ -293,7 +292,7 @@ def _pending_shards(pool: Pool, store: ShardedSamples, thorough: bool) -> list[S
     storage = Storage(store.url)
     missing = store.missing()
     if isinstance(pool, Cluster) and (storage.local or thorough):
-        damaged = _check_side_by_side(pool, storage, store, set(missing))
+        damaged = _check_side_by_side(pool, storage.address, store)
     else:
         # A remote store keeps its own checksums, and reading all of it for each run would take hours.
         damaged = store.verify() if storage.local or thorough else store.lost()
@@ -307,12 +306,10 @@ def _pending_shards(pool: Pool, store: ShardedSamples, thorough: bool) -> list[S
     return [store.layout.shard(store.split, number) for number in sorted({*missing, *damaged, *again})]
 
 
-def _check_side_by_side(pool: Pool, storage: Storage, store: ShardedSamples, missing: set[int]) -> list[int]:
-    finished = [number for number in range(store.layout.shards) if number not in missing]
-    parts = [tuple(finished[start : start + _AT_ONCE]) for start in range(0, len(finished), _AT_ONCE)]
-    damaged: list[int] = []
-    tasks = [CheckTask(storage.address, store.split, part) for part in parts]
-    for _, found in pool.run(find_damage, tasks):
+def _check_side_by_side(pool: Pool, url: str, store: ShardedSamples) -> list[int]:
+    finished, damaged = store.finished(), list[int]()
+    parts = [finished[start : start + _AT_ONCE] for start in range(0, len(finished), _AT_ONCE)]
+    for _, found in pool.run(find_damage, [(url, store.split, part) for part in parts]):
         if isinstance(found, Killed):
             raise RunError("the workers are killed while they check what is finished: give them more memory.")
         damaged += found

@@ -132,13 +132,7 @@ def plural(noun: str) -> str:
 
 
 def none_usable(count: int, noun: str, split: str, reason: str) -> InputError:
-    """Return the error for a split without a usable mesh or pair.
-
-    Args:
-        count: how many were given, 1 or more.
-        noun: what they are, such as ``mesh``.
-        split: name of their split.
-        reason: why the first cannot be used.
+    """Return the error for a split of ``count`` meshes or pairs, none of which can be used.
 
     >>> str(none_usable(1, "mesh", "val", "a.ply is empty."))
     'the only mesh for val cannot be used: a.ply is empty.'

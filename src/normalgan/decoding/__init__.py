@@ -8,23 +8,21 @@ and is killed after a time limit; where the system supports it, memory and proce
 from normalgan.decoding.process import decode, decode_frames, decode_layers, decode_tileset, start
 from normalgan.decoding.results import (
     Decoded,
+    DecodedFrames,
     DecodedLayer,
     DecodedLayers,
     FileNotes,
     LayerNote,
-    Part,
-    Parts,
     Pixels,
 )
 
 __all__ = [
     "Decoded",
+    "DecodedFrames",
     "DecodedLayer",
     "DecodedLayers",
     "FileNotes",
     "LayerNote",
-    "Part",
-    "Parts",
     "Pixels",
     "decode",
     "decode_frames",

@@ -19,7 +19,14 @@ from numpy.typing import NDArray
 
 from normalgan.decoding.decoders.opening import DTYPES, MOST_PARTS, MOST_PIXELS
 from normalgan.decoding.decoders.worker import needed
-from normalgan.decoding.results import Decoded, DecodedLayer, DecodedLayers, FileNotes, LayerNote, Part, Parts
+from normalgan.decoding.results import (
+    Decoded,
+    DecodedFrames,
+    DecodedLayer,
+    DecodedLayers,
+    FileNotes,
+    LayerNote,
+)
 from normalgan.errors import InputError, RunError
 
 __all__ = [
@@ -76,7 +83,7 @@ def decode(
     return _pool.run(needed(content, exact), _Question("picture", name, content, sides, _picture, more))
 
 
-def decode_frames(name: str, content: bytes, sides: tuple[int, int]) -> Parts:
+def decode_frames(name: str, content: bytes, sides: tuple[int, int]) -> DecodedFrames:
     """Return all frames of an animation, each in full; arguments and errors are those of `decode`."""
     return _pool.run(needed(content), _Question("frames", name, content, sides, _frames))
 
@@ -129,10 +136,12 @@ def _picture(answer: _Answer, most: int) -> Decoded:
     return replace(found, notes=_notes(said))
 
 
-def _frames(answer: _Answer, most: int) -> Parts:
+def _frames(answer: _Answer, most: int) -> DecodedFrames:
     said, found = answer
-    parts = [Part(decoded, _whole(header["duration"], 0, 2**32)) for header, decoded in found]
-    return Parts(parts, _whole(said["loop"], 0, 2**16), _notes(said))
+    durations = [_whole(header["duration"], 0, 2**32) for header, _ in found]
+    return DecodedFrames(
+        [frame for _, frame in found], durations, _whole(said["loop"], 0, 2**16), _notes(said)
+    )
 
 
 def _layers(answer: _Answer, most: int) -> DecodedLayers:
@@ -300,11 +309,7 @@ class _Child:
 
 
 class _Pool:
-    """Idle children, reused for the next pictures; as many as ran at once, up to a limit.
-
-    Args:
-        most: children at once.
-    """
+    """Idle children, reused for the next pictures; as many as ran at once, up to a limit."""
 
     def __init__(self, most: int) -> None:
         self._most = most

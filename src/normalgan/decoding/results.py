@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Decoded", "DecodedLayer", "DecodedLayers", "FileNotes", "LayerNote", "Part", "Parts", "Pixels"]
+__all__ = ["Decoded", "DecodedFrames", "DecodedLayer", "DecodedLayers", "FileNotes", "LayerNote", "Pixels"]
 
 Pixels = NDArray[np.uint8] | NDArray[np.uint16] | NDArray[np.int32] | NDArray[np.float32]
 """(H, W) grey of any of these types, or (H, W, 3) or (H, W, 4), red, green, blue and opacity, of 8 bits; as
@@ -58,29 +58,18 @@ class Decoded:
 
 
 @dataclass(frozen=True)
-class Part:
-    """One frame of an animation.
+class DecodedFrames:
+    """The frames of an animation, or the pages of a file.
 
     Args:
-        decoded: its pixels.
-        duration: duration in milliseconds.
-    """
-
-    decoded: Decoded
-    duration: int
-
-
-@dataclass(frozen=True)
-class Parts:
-    """A file of several pictures.
-
-    Args:
-        parts: the frames.
+        frames: each in full.
+        durations: duration of each in milliseconds.
         loop: number of loops; 0 is endless.
         notes: how the file looks different.
     """
 
-    parts: list[Part]
+    frames: list[Decoded]
+    durations: list[int]
     loop: int
     notes: FileNotes = FileNotes()
 

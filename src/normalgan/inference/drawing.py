@@ -4,7 +4,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
-from normalgan.decoding import Decoded, DecodedLayers, Parts, decode_frames, decode_tileset
+from normalgan.decoding import Decoded, DecodedFrames, DecodedLayers, decode_frames, decode_tileset
 from normalgan.inference.composites.animation import Kind, moving_kind
 from normalgan.inference.composites.layers import LayeredKind, layered_kind, read_layers
 from normalgan.inference.reading.drawings import LARGEST, SMALLEST, SVG_SIDE, read_content, read_pixels
@@ -79,7 +79,7 @@ class Drawing:
         return shown
 
     @cached_property
-    def frames(self) -> Parts:
+    def frames(self) -> DecodedFrames:
         """All its frames or pages, each in full.
 
         Raises:

@@ -263,7 +263,7 @@ class JobPredictor:
     def _animation(self, job: Job, drawing: Drawing) -> Done:
         """Write the maps of an animation's frames, or of pages, each to its own file."""
         found, pages = drawing.frames, drawing.moving == PAGES
-        members = [self._member(to_picture(each.decoded), job.files) for each in found.parts]
+        members = [self._member(to_picture(each), job.files) for each in found.frames]
         shared = self.frame == "shared" if pages else self.frame != "own"
         moves, part = _moves(self.writer.outputs) and not pages, "page" if pages else "frame"
         pixels: list[NDArray[np.uint8]] = []
@@ -301,8 +301,8 @@ class JobPredictor:
             held = []
         if moves:
             self.writer.write_sidecar(target)
-            durations = [each.duration for each in found.parts]
-            self.writer.sink(target, encode_animation(kind_of(target), pixels, durations, found.loop))
+            moving = encode_animation(kind_of(target), pixels, found.durations, found.loop)
+            self.writer.sink(target, moving)
         more = f"; and so on, in {len(said)} of its {len(members)} {part}s" if len(said) > 1 else ""
         warning = "; ".join(filter(None, [found.notes.text, said[0] + more if said else ""]))
         # A blank frame is blank on purpose.

@@ -19,9 +19,9 @@ __all__ = ["SUFFIXES", "read_triangles"]
 
 _Triangles = tuple[Doubles, Indices]
 
-_POLYGONS = {".obj": read_obj, ".off": read_off, ".ply": read_ply}
+_POLYGONS = {".off": read_off, ".obj": read_obj, ".ply": read_ply}
 """Readers of the formats whose faces may have more than three corners."""
-SUFFIXES = (".off", ".obj", ".ply", ".stl", ".glb", ".gltf")
+SUFFIXES = (*_POLYGONS, ".stl", ".glb", ".gltf")
 """The suffixes of the formats that can be read, in lower case."""
 
 
@@ -56,7 +56,11 @@ def _parts(path: Path) -> list[_Triangles]:
             if suffix in _POLYGONS:
                 polygons = _POLYGONS[suffix](mesh_bytes(path))
                 return [(polygons.vertices, polygons.triangles())]
-            return _stl(path) if suffix == ".stl" else _gltf(path)
+            if suffix == ".stl":
+                return _stl(path)
+            from normalgan.rendering.gltf.scene import read_surfaces  # late: scipy takes half a second
+
+            return read_surfaces(path)
     except InputError:
         raise
     except Exception as error:  # whatever a parser raises on a broken file
@@ -64,12 +68,6 @@ def _parts(path: Path) -> list[_Triangles]:
         said = f"it is damaged, or not of the kind {suffix}"
         said = brief(error) if isinstance(error, BrokenMeshError) else said
         raise InputError(f"{path} cannot be read as a mesh: {said}.") from error
-
-
-def _gltf(path: Path) -> list[_Triangles]:
-    from normalgan.rendering.gltf.scene import read_surfaces  # late: scipy takes half a second
-
-    return list(read_surfaces(path))
 
 
 def _stl(path: Path) -> list[_Triangles]:

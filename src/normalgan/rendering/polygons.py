@@ -1,7 +1,7 @@
 """Polygons: faces with any number of corners, read from OBJ and OFF files and cut into triangles.
 
 trimesh's readers of OBJ, OFF and PLY always cut a face into a fan, which covers too much if the face is
-concave.
+concave, and refuse a binary PLY whose faces differ in their number of corners.
 """
 
 import re

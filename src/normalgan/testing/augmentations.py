@@ -16,7 +16,7 @@ from normalgan.testing.conformance import (
     device_check,
     held_to_contract,
     seed_checks,
-    untouched,
+    untouched_check,
 )
 from normalgan.testing.pictures import batch
 
@@ -34,7 +34,7 @@ def augmentation_checks() -> list[Check[BatchAugmentation]]:
             "vectors turned with their pixels", _turned, "normals and hints must be moved and turned alike"
         ),
         *seed_checks(lambda augmentation, seed: _tensors(augmentation(_given(), seed)), "seed"),
-        Check("arguments left as they are", _untouched, "the batch belongs to the caller"),
+        untouched_check(lambda augmentation, given: augmentation(given, 3), _given),
         Check("settings for a record", _described, "describe must return plain values for JSON"),
         device_check(
             lambda augmentation, device: _tensors(augmentation(move_data_to_device(_given(), device), 4))
@@ -101,12 +101,6 @@ def _turned(augmentation: BatchAugmentation) -> None:
         demand(
             share > 0.8, augmentation, did, "a picture that is turned or mirrored has vectors that are too"
         )
-
-
-def _untouched(augmentation: BatchAugmentation) -> None:
-    given = _given()
-    with untouched(augmentation, _tensors(given)):
-        augmentation(given, 3)
 
 
 def _described(augmentation: BatchAugmentation) -> None:

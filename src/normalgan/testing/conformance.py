@@ -3,7 +3,7 @@
 import inspect
 import pickle
 import random
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
@@ -24,7 +24,6 @@ __all__ = [
     "held_to_contract",
     "promised",
     "seed_checks",
-    "untouched",
     "untouched_check",
 ]
 
@@ -143,19 +142,6 @@ def _global_states() -> dict[str, bytes]:
     }
 
 
-@contextmanager
-def untouched(plugin: object, tensors: Sequence[torch.Tensor]) -> Iterator[None]:
-    """Demand that tensors do not change.
-
-    Raises:
-        ConformanceError: if one did.
-    """
-    kept = [tensor.clone() for tensor in tensors]
-    yield
-    same = all(torch.equal(one, other) for one, other in zip(tensors, kept, strict=True))
-    demand(same, plugin, "changed the tensors it was given", "they belong to the caller; copy them")
-
-
 def seed_checks(run: Callable[[T, int], Sequence[Any]], source: str) -> list[Check[T]]:
     """Return the checks that the seed alone decides on what a plug-in returns.
 
@@ -186,20 +172,27 @@ def seed_checks(run: Callable[[T, int], Sequence[Any]], source: str) -> list[Che
     ]
 
 
-def untouched_check(run: Callable[[T, Any], object], given: Callable[[], Sequence[torch.Tensor]]) -> Check[T]:
+def untouched_check(run: Callable[[T, Any], object], given: Callable[[], Any]) -> Check[T]:
     """Return the check that a plug-in does not change its arguments.
 
     Args:
-        run: runs the plug-in on tensors.
-        given: makes the tensors.
+        run: runs the plug-in.
+        given: makes what it is run on: tensors, or a batch.
     """
 
     def leaves(plugin: T) -> None:
-        tensors = given()
-        with untouched(plugin, tensors):
-            run(plugin, tensors)
+        # Made twice, as what `given` makes is always the same.
+        arguments, kept = given(), given()
+        run(plugin, arguments)
+        same = all(map(torch.equal, _tensors(arguments), _tensors(kept)))
+        demand(same, plugin, "changed the tensors it was given", "they belong to the caller; copy them")
 
     return Check("arguments left as they are", leaves, "they belong to the caller")
+
+
+def _tensors(given: Mapping[str, Any] | Sequence[Any]) -> list[torch.Tensor]:
+    parts = given.values() if isinstance(given, Mapping) else given
+    return [part for part in parts if isinstance(part, torch.Tensor)]
 
 
 def device_check(run: Callable[[T, torch.device], Sequence[torch.Tensor]]) -> Check[T]:

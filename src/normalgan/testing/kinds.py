@@ -15,14 +15,12 @@ from normalgan.rendering.lines import LineDrawing
 from normalgan.testing.augmentations import augmentation_checks
 from normalgan.testing.conformance import Check, ConformanceError
 from normalgan.testing.data_sources import data_source_checks
-from normalgan.testing.discriminators import discriminator_checks
-from normalgan.testing.generators import generator_checks
 from normalgan.testing.hint_samplers import hint_sampler_checks
 from normalgan.testing.line_drawings import line_drawing_checks
+from normalgan.testing.losses import objective_checks, reconstruction_checks
 from normalgan.testing.metrics import metric_checks
-from normalgan.testing.objectives import objective_checks
+from normalgan.testing.networks import discriminator_checks, generator_checks
 from normalgan.testing.outputs import output_checks
-from normalgan.testing.reconstructions import reconstruction_checks
 from normalgan.testing.renderers import renderer_checks
 
 __all__ = ["KINDS", "check", "checks"]

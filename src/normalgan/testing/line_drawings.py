@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.animals import Animal
+from normalgan.inference.regions import around
 from normalgan.rendering.lines import LineDrawing
 from normalgan.rendering.lines.base import check_strokes
 from normalgan.rendering.mesh import Mesh
@@ -91,9 +92,7 @@ def _ink(style: LineDrawing) -> None:
     ink = rasterise(_trace(style, view), _SIZE)
     demand(ink.max() > 0.1, style, "drew nothing of an animal", "every object must leave some ink")
     # Lines belong to the object: its mask, widened by a few pixels, holds nearly all of them.
-    rows, columns = np.nonzero(view.maps().mask)
-    box = np.s_[max(rows.min() - 4, 0) : rows.max() + 5, max(columns.min() - 4, 0) : columns.max() + 5]
-    share = float(ink[box].sum() / ink.sum())
+    share = float(ink[around(view.maps().mask, 4)].sum() / ink.sum())
     asked = "lines must lie on the object; y grows downwards in strokes"
     demand(share > 0.95, style, f"put {1 - share:.0%} of its ink beside the animal", asked)
 

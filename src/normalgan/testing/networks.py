@@ -1,26 +1,144 @@
-"""Checks of all networks, generators and discriminators."""
+"""Checks of generators and discriminators."""
 
 import copy
 from collections.abc import Callable
-from typing import TypeVar
+from typing import TypeVar, cast
 
 import torch
 from torch import Tensor, nn
 
+from normalgan.models import Discriminator, Generator
+from normalgan.models.base import check_generated, check_predictions, check_scores
 from normalgan.models.condition import make_condition
-from normalgan.testing.conformance import Check, demand, device_check, untouched_check
+from normalgan.testing.conformance import (
+    Check,
+    demand,
+    device_check,
+    held_to_contract,
+    promised,
+    untouched_check,
+)
 from normalgan.testing.pictures import batch
+from normalgan.testing.settings import settings_checks
 
-__all__ = ["Answer", "given", "network_checks"]
+__all__ = ["discriminator_checks", "generator_checks"]
 
 N = TypeVar("N", bound=nn.Module)
-Answer = Callable[[N, Tensor, Tensor], tuple[Tensor, ...]]
-"""Runs a network on a condition (N, 4, H, W) and normals (N, 3, H, W) and returns its output."""
+_Answer = Callable[[N, Tensor, Tensor], tuple[Tensor, ...]]
+"""Runs a network on a condition (N, 4, H, W) and normals (N, 3, H, W), and checks the form of its output."""
 
+_PREDICTED = "predict must return Predictions whose channels() are what forward returns, in float32"
 _CLOSE = 1e-4  # of answers in float32 that are the same but for the order of additions
 
 
-def network_checks(size: int, answer: Answer[N], sees_normals: bool, contract: str) -> list[Check[N]]:
+def generator_checks(size: int = 64) -> list[Check[Generator]]:
+    """Return the checks of a generator for pictures of a size, for ``pytest.mark.parametrize``."""
+    return [
+        *settings_checks(Generator),  # type: ignore[type-abstract]
+        Check("shape and type", lambda g: _shape_of_map(g, size), promised(Generator.forward)),
+        Check("range", lambda g: _range(g, size), "normals lie in [-1, 1], a confidence above 0"),
+        *_network_checks(size, _answer, sees_normals=False, contract=promised(Generator.forward)),
+        Check("predictions for the losses", lambda g: _predictions(g, size), _PREDICTED),
+        Check("training in bfloat16", lambda g: _bfloat16(g, size), _PREDICTED),
+    ]
+
+
+def _answer(generator: Generator, condition: Tensor, _: Tensor) -> tuple[Tensor, ...]:
+    return (_predict(generator, condition),)
+
+
+def _predict(generator: Generator, condition: Tensor) -> Tensor:
+    predicted = generator(condition)
+    with held_to_contract():
+        check_generated(generator, predicted, condition)
+    return cast("Tensor", predicted)
+
+
+@torch.no_grad()
+def _shape_of_map(generator: Generator, size: int) -> None:
+    predicted = _predict(generator.eval(), _given(2, size)[0])
+    did = f"returned {predicted.dtype} for a condition of torch.float32"
+    demand(predicted.dtype == torch.float32, generator, did, "it must keep the type")
+
+
+@torch.no_grad()
+def _range(generator: Generator, size: int) -> None:
+    for scale in (1.0, 100.0):  # the second drives it to its limits
+        predicted = _predict(generator.eval(), scale * _given(2, size)[0])
+        normals, confidence = predicted[:, :3], predicted[:, 3:]
+        demand(
+            predicted.isfinite().all(),
+            generator,
+            "predicted values that are not finite",
+            "its answer must be finite",
+        )
+        largest = float(normals.abs().max())
+        asked = "each component must lie in [-1, 1], as by tanh"
+        demand(largest <= 1 + 1e-5, generator, f"predicted a component of {largest:.3g}", asked)
+        positive = bool((confidence > 0).all())
+        demand(
+            positive, generator, "predicted a confidence of 0 or less", "the fourth channel must be above 0"
+        )
+
+
+@torch.no_grad()
+def _predictions(generator: Generator, size: int) -> None:
+    condition = _given(2, size)[0]
+    preds = generator.eval().predict(condition)
+    with held_to_contract():
+        check_predictions(generator, preds, condition)
+    channels, predicted = preds.channels(), _predict(generator, condition)
+    same = channels.shape == predicted.shape and torch.allclose(channels, predicted, atol=1e-5)
+    asked = "what is trained and what is predicted must be the same; override both or forward alone"
+    demand(same, generator, "predicts otherwise than forward returns", asked)
+
+
+def _bfloat16(generator: Generator, size: int) -> None:
+    """Demand predictions in float32 and gradients under mixed precision, as on a GPU."""
+    generator.train()
+    generator.zero_grad()
+    with torch.autocast("cpu", torch.bfloat16):
+        preds = generator.predict(_given(2, size)[0])
+    for name, part in preds._asdict().items():
+        if part is not None:
+            did = f"predicts {name} in {part.dtype} under mixed precision"
+            demand(part.dtype == torch.float32, generator, did, "what losses take must be torch.float32")
+    torch.stack([part.square().mean() for part in preds if part is not None]).sum().backward()
+    grads = [p.grad for p in generator.parameters() if p.grad is not None]
+    moves = any(bool(grad.any()) for grad in grads) and all(bool(grad.isfinite().all()) for grad in grads)
+    did = "has no finite gradient under mixed precision"
+    demand(moves, generator, did, "it must be trainable in bfloat16; mind what saturates")
+    generator.zero_grad()
+
+
+def discriminator_checks(size: int = 64) -> list[Check[Discriminator]]:
+    """Return the checks of a discriminator for pictures of a size, for ``pytest.mark.parametrize``."""
+    contract = promised(Discriminator.forward)
+    return [
+        *settings_checks(Discriminator),  # type: ignore[type-abstract]
+        Check("shape and type", lambda d: _shape_of_scores(d, size), contract),
+        *_network_checks(size, _score, sees_normals=True, contract=contract),
+    ]
+
+
+def _score(discriminator: Discriminator, condition: Tensor, normal: Tensor) -> tuple[Tensor, ...]:
+    scores = discriminator(condition, normal)
+    with held_to_contract():
+        return check_scores(discriminator, scores, condition)
+
+
+@torch.no_grad()
+def _shape_of_scores(discriminator: Discriminator, size: int) -> None:
+    condition, normal = _given(2, size)
+    for score in _score(discriminator.eval(), condition, normal):
+        did = f"returned scores of {score.dtype} for normals of torch.float32"
+        demand(score.dtype == torch.float32, discriminator, did, "it must keep the type")
+        demand(
+            score.isfinite().all(), discriminator, "gave a score that is not finite", "scores must be finite"
+        )
+
+
+def _network_checks(size: int, answer: _Answer[N], sees_normals: bool, contract: str) -> list[Check[N]]:
     """Return the checks that generators and discriminators share.
 
     Args:
@@ -35,13 +153,13 @@ def network_checks(size: int, answer: Answer[N], sees_normals: bool, contract: s
         Check("looking at its input", lambda n: _looking(n, size, answer, sees_normals), contract),
         Check("repeating itself", lambda n: _repeating(n, size, answer), contract),
         Check("pictures apart", lambda n: _independence(n, size, answer), contract),
-        untouched_check(lambda n, tensors: answer(n.eval(), *tensors), lambda: given(2, size)),
+        untouched_check(lambda n, tensors: answer(n.eval(), *tensors), lambda: _given(2, size)),
         Check("a state that can be loaded", lambda n: _state(n, size, answer), "load_state_dict must do"),
         device_check(lambda n, device: _on_device(n, size, answer, device)),
     ]
 
 
-def given(count: int, size: int) -> tuple[Tensor, Tensor]:
+def _given(count: int, size: int) -> tuple[Tensor, Tensor]:
     """Return a condition (N, 4, H, W) with a few hints, and the true normals (N, 3, H, W)."""
     pictures = batch(count, size)
     where = torch.zeros_like(pictures["mask"])
@@ -51,19 +169,19 @@ def given(count: int, size: int) -> tuple[Tensor, Tensor]:
     return make_condition(pictures["sketch"], hints), pictures["normal"]
 
 
-def _batches(network: N, size: int, answer: Answer[N]) -> None:
+def _batches(network: N, size: int, answer: _Answer[N]) -> None:
     """Run it on one picture and on three, in training and in evaluation."""
     for count in (1, 3):
         for training in (True, False):
-            answer(network.train(training), *given(count, size))
+            answer(network.train(training), *_given(count, size))
 
 
-def _learning(network: N, size: int, answer: Answer[N]) -> None:
+def _learning(network: N, size: int, answer: _Answer[N]) -> None:
     """Check that every parameter gets a finite gradient, and that not all gradients are zero."""
     network.train()
     network.zero_grad()
     torch.manual_seed(0)
-    loss = torch.stack([part.float().square().mean() for part in answer(network, *given(2, size))]).sum()
+    loss = torch.stack([part.float().square().mean() for part in answer(network, *_given(2, size))]).sum()
     loss.backward()
     learning = {name: p for name, p in network.named_parameters() if p.requires_grad}
     idle = [name for name, parameter in learning.items() if parameter.grad is None]
@@ -77,10 +195,10 @@ def _learning(network: N, size: int, answer: Answer[N]) -> None:
     network.zero_grad()
 
 
-def _looking(network: N, size: int, answer: Answer[N], sees_normals: bool) -> None:
+def _looking(network: N, size: int, answer: _Answer[N], sees_normals: bool) -> None:
     """Demand that the output depends on every input."""
     network.eval()
-    condition, normal = (part.requires_grad_() for part in given(2, size))
+    condition, normal = (part.requires_grad_() for part in _given(2, size))
     total = torch.stack([part.float().square().mean() for part in answer(network, condition, normal)]).sum()
     demand(total.requires_grad, network, "answers without a gradient", "it must be differentiable")
     inputs = {"the condition": condition} | ({"the normals": normal} if sees_normals else {})
@@ -91,7 +209,7 @@ def _looking(network: N, size: int, answer: Answer[N], sees_normals: bool) -> No
 
 
 @torch.no_grad()
-def _repeating(network: N, size: int, answer: Answer[N]) -> None:
+def _repeating(network: N, size: int, answer: _Answer[N]) -> None:
     """Demand the same output for the same input: always in evaluation, under one seed in training."""
     for training in (False, True):
         network.train(training)
@@ -99,7 +217,7 @@ def _repeating(network: N, size: int, answer: Answer[N]) -> None:
         for _ in range(2):
             if training:
                 torch.manual_seed(3)
-            answers.append(answer(copy.deepcopy(network), *given(2, size)))
+            answers.append(answer(copy.deepcopy(network), *_given(2, size)))
         same = all(torch.equal(one, other) for one, other in zip(*answers, strict=True))
         when = "in training under one seed of torch" if training else "in evaluation"
         asked = "draw random numbers by torch alone, and none in evaluation, so that a resumed run repeats"
@@ -107,10 +225,10 @@ def _repeating(network: N, size: int, answer: Answer[N]) -> None:
 
 
 @torch.no_grad()
-def _independence(network: N, size: int, answer: Answer[N]) -> None:
+def _independence(network: N, size: int, answer: _Answer[N]) -> None:
     """Check that in evaluation an output does not depend on other pictures of the batch."""
     network.eval()
-    condition, normal = given(3, size)
+    condition, normal = _given(3, size)
     whole = answer(network, condition, normal)
     single = answer(network, condition[1:2], normal[1:2])
     for one, other in zip(whole, single, strict=True):
@@ -124,13 +242,13 @@ def _independence(network: N, size: int, answer: Answer[N]) -> None:
         )
 
 
-def _state(network: N, size: int, answer: Answer[N]) -> None:
+def _state(network: N, size: int, answer: _Answer[N]) -> None:
     """Check that after training the state_dict alone determines the output."""
     trained, fresh = copy.deepcopy(network).train(), copy.deepcopy(network)
     optimizer = torch.optim.SGD([p for p in trained.parameters() if p.requires_grad], lr=1e-3)
     for _ in range(2):
         optimizer.zero_grad()
-        parts = answer(trained, *given(2, size))
+        parts = answer(trained, *_given(2, size))
         torch.stack([part.float().square().mean() for part in parts]).sum().backward()
         optimizer.step()
     with torch.no_grad():
@@ -138,15 +256,15 @@ def _state(network: N, size: int, answer: Answer[N]) -> None:
             if tensor.is_floating_point():
                 tensor.add_(0.5)
         fresh.load_state_dict(trained.state_dict())
-        before, after = (answer(each.eval(), *given(1, size)) for each in (trained, fresh))
+        before, after = (answer(each.eval(), *_given(1, size)) for each in (trained, fresh))
     same = all(torch.equal(one, two) for one, two in zip(before, after, strict=True))
     asked = "keep what it has learnt in parameters and persistent buffers"
     demand(same, network, "answers otherwise after its state_dict was loaded", asked)
 
 
 @torch.no_grad()
-def _on_device(network: N, size: int, answer: Answer[N], device: torch.device) -> tuple[Tensor, ...]:
-    inputs = (part.to(device) for part in given(1, size))
+def _on_device(network: N, size: int, answer: _Answer[N], device: torch.device) -> tuple[Tensor, ...]:
+    inputs = (part.to(device) for part in _given(1, size))
     try:
         return answer(network.to(device).eval(), *inputs)
     finally:

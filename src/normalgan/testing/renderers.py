@@ -1,5 +1,7 @@
 """Checks of a renderer."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from normalgan.normals import angles
@@ -21,8 +23,8 @@ __all__ = ["renderer_checks"]
 
 _MAPS = promised(Renderer.render)
 _SIZE = 96
-_VIEWS = (None, 40.0)
-"""Fields of view: orthographic, and perspective."""
+_VIEWS = {"orthographic": None, "perspective": 40.0}
+"""Fields of view in degrees."""
 
 
 def renderer_checks() -> list[Check[Renderer]]:
@@ -80,41 +82,41 @@ def _background(renderer: Renderer) -> None:
     demand(good, renderer, "has a finite depth off the object", "there it is infinite")
 
 
-def _mask(renderer: Renderer) -> None:
-    for field_of_view in _VIEWS:
+def _ellipsoids(renderer: Renderer) -> Iterator[tuple[str, Maps, Maps]]:
+    """Yield the maps of an ellipsoid under each projection, rendered and exact."""
+    for projection, field_of_view in _VIEWS.items():
         seen_by = camera(ellipsoid(), field_of_view)
-        mask = _render(renderer, ellipsoid(), seen_by).mask
-        true = exact_ellipsoid(RADII, seen_by, _SIZE).mask
-        share = int((mask & true).sum()) / max(int((mask | true).sum()), 1)
-        did = f"shares {share:.0%} of the mask with the true {_projection(field_of_view)} one of an ellipsoid"
+        yield projection, _render(renderer, ellipsoid(), seen_by), exact_ellipsoid(RADII, seen_by, _SIZE)
+
+
+def _mask(renderer: Renderer) -> None:
+    for projection, maps, true in _ellipsoids(renderer):
+        share = int((maps.mask & true.mask).sum()) / max(int((maps.mask | true.mask).sum()), 1)
+        did = f"shares {share:.0%} of the mask with the true {projection} one of an ellipsoid"
         asked = "the object must be where the camera's window shows it, one sample at each pixel's centre"
         demand(share > 0.98, renderer, did, asked)
 
 
 def _normals(renderer: Renderer) -> None:
-    for field_of_view in _VIEWS:
-        seen_by = camera(ellipsoid(), field_of_view)
-        maps, true = _render(renderer, ellipsoid(), seen_by), exact_ellipsoid(RADII, seen_by, _SIZE)
+    for projection, maps, true in _ellipsoids(renderer):
         both = maps.mask & true.mask
         error = float(angles(maps.normal[both], true.normal[both]).mean()) if both.any() else np.nan
-        did = f"is {error:.1f}° off from the true {_projection(field_of_view)} normals of an ellipsoid"
+        did = f"is {error:.1f}° off from the true {projection} normals of an ellipsoid"
         asked = "normals are in camera space, x to the right, y up and z to the viewer, row 0 on top"
         demand(error < 1, renderer, did, asked)
 
 
 def _depth(renderer: Renderer) -> None:
-    for field_of_view in _VIEWS:
-        seen_by = camera(ellipsoid(), field_of_view)
-        maps, true = _render(renderer, ellipsoid(), seen_by), exact_ellipsoid(RADII, seen_by, _SIZE)
+    for projection, maps, true in _ellipsoids(renderer):
         both = maps.mask & true.mask
         error = float(np.median(np.abs(maps.depth[both] - true.depth[both]))) if both.any() else np.nan
-        did = f"is {error:.3g} off from the true {_projection(field_of_view)} depth of an ellipsoid"
+        did = f"is {error:.3g} off from the true {projection} depth of an ellipsoid"
         asked = "depth is the distance from the camera's plane along its axis, in units of the mesh"
         demand(error < 5e-3, renderer, did, asked)
 
 
 def _inside(renderer: Renderer) -> None:
-    for field_of_view in _VIEWS:
+    for field_of_view in _VIEWS.values():
         seen_by = camera(bowl(), field_of_view, front=True)
         maps = _render(renderer, bowl(), seen_by)
         sight = seen_by.rays(_SIZE)[1] @ seen_by.rotation.T
@@ -144,7 +146,3 @@ def _repeats(renderer: Renderer) -> None:
 def _no_global(renderer: Renderer) -> None:
     with global_randomness_untouched(renderer):
         _render(renderer, ellipsoid(), camera(ellipsoid()))
-
-
-def _projection(field_of_view: float | None) -> str:
-    return "orthographic" if field_of_view is None else "perspective"

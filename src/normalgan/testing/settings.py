@@ -15,7 +15,7 @@ from torch import nn
 from normalgan.registry import class_path, summary
 from normalgan.testing.conformance import Check, demand
 
-__all__ = ["as_config", "frozen_check", "settings_checks", "settings_of"]
+__all__ = ["frozen_check", "settings_checks"]
 
 T = TypeVar("T")
 
@@ -92,7 +92,7 @@ def _documented(plugin: object) -> None:
         for text in texts
         for each in parse(inspect.cleandoc(text), style=DocstringStyle.GOOGLE).params
     }
-    unexplained = [name for name in settings_of(cls) if name not in explained]
+    unexplained = [name for name in _settings_of(cls) if name not in explained]
     demand(
         not unexplained,
         plugin,
@@ -103,19 +103,19 @@ def _documented(plugin: object) -> None:
 
 def _read_from_the_command_line(plugin: T, base: type[T]) -> None:
     cls = type(plugin)
-    for name, parameter in settings_of(cls).items():
+    for name, parameter in _settings_of(cls).items():
         demand(
             parameter.annotation is not inspect.Parameter.empty,
             plugin,
             f"has a setting {name} without a type",
             "the command line reads the type of each setting from the signature",
         )
-    needed = [n for n, p in settings_of(cls).items() if p.default is inspect.Parameter.empty]
+    needed = [n for n, p in _settings_of(cls).items() if p.default is inspect.Parameter.empty]
     if not is_dataclass(plugin) and needed:
         return  # nobody knows with what it was built
     parser = ArgumentParser(exit_on_error=False)
     parser.add_argument("--plugin", type=base)
-    given = {"plugin": as_config(plugin)}
+    given = {"plugin": _as_config(plugin)}
     read = parser.parse_object(given)
     again = parser.parse_string(parser.dump(read))
     demand(
@@ -137,14 +137,14 @@ def _read_from_the_command_line(plugin: T, base: type[T]) -> None:
 
 def _in_a_checkpoint(plugin: object) -> None:
     buffer = io.BytesIO()
-    torch.save(as_config(plugin), buffer)
+    torch.save(_as_config(plugin), buffer)
     buffer.seek(0)
     try:
         loaded = torch.load(buffer, weights_only=True)
     except pickle.UnpicklingError:
         loaded = None
     demand(
-        loaded == as_config(plugin),
+        loaded == _as_config(plugin),
         plugin,
         "has settings that a checkpoint read with weights_only=True does not give back",
         "settings must be numbers, texts, booleans, lists, tuples or null",
@@ -161,7 +161,7 @@ def _pickled(plugin: object) -> None:
     )
 
 
-def settings_of(cls: type[Any]) -> dict[str, inspect.Parameter]:
+def _settings_of(cls: type[Any]) -> dict[str, inspect.Parameter]:
     """Return the settings of a class, as its signature has them, by name; not ``**kwargs``."""
     passed_on = {inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD}
     return {
@@ -169,7 +169,7 @@ def settings_of(cls: type[Any]) -> dict[str, inspect.Parameter]:
     }
 
 
-def as_config(plugin: object) -> dict[str, Any]:
+def _as_config(plugin: object) -> dict[str, Any]:
     """Return the configuration that builds a plug-in: class_path, and init_args if known."""
     if not is_dataclass(plugin):
         return {"class_path": class_path(type(plugin))}
@@ -180,5 +180,5 @@ def as_config(plugin: object) -> dict[str, Any]:
 def _plain(value: Any) -> Any:
     """Return a setting as YAML holds it, with nested plug-ins as configurations."""
     if is_dataclass(value):
-        return as_config(value)
+        return _as_config(value)
     return [_plain(item) for item in value] if isinstance(value, list) else value

@@ -1,7 +1,7 @@
 import multiprocessing
 import os
 import pickle
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -39,6 +39,14 @@ class Confiding(BallRenderer):
     def render(self, mesh: Mesh, camera: Camera, size: int) -> Maps:
         spawned = multiprocessing.parent_process() is not None and os.environ["OMP_NUM_THREADS"] == "1"
         raise InputError(f"spawned {spawned}, threads {torch.get_num_threads()}.")
+
+
+@dataclass(frozen=True)
+class Careless(BallRenderer):
+    """Has a bug."""
+
+    def render(self, mesh: Mesh, camera: Camera, size: int) -> Maps:
+        raise ZeroDivisionError("division by zero")
 
 
 @dataclass(frozen=True)
@@ -113,6 +121,14 @@ def test_workers_are_spawned_with_a_thread_each_and_their_errors_are_a_sentence(
 def test_errors_name_the_mesh_and_keep_the_reason() -> None:
     flawed = StreamDataset([Octahedron("x", flaw="is torn")], 1, recipe(), 0)
     with pytest.raises(SampleError, match=r"^view 0 of x cannot be rendered: x is torn\.$"):
+        flawed[0]
+
+
+def test_a_bug_of_a_renderer_is_told_with_its_place() -> None:
+    flawed = StreamDataset(SOURCES[:1], 1, replace(recipe(), renderer=Careless()), 0)
+    with pytest.raises(
+        SampleError, match=r"rendered: ZeroDivisionError: .*, in Careless.render, test_stream.py line \d+\.$"
+    ):
         flawed[0]
 
 

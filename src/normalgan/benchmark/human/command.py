@@ -9,14 +9,13 @@ from typing import Any
 import torch
 
 from normalgan.benchmark.cells import figure_cell, interval_cell, spread_of
-from normalgan.benchmark.cost import describe_machine, describe_versions
+from normalgan.benchmark.cost import describe_origin
 from normalgan.benchmark.human.drawings import read_drawings
 from normalgan.benchmark.human.evaluation import COUNTS, Measurement, measure_drawings
 from normalgan.benchmark.intervals import mesh_interval
 from normalgan.benchmark.pictures import Line, draw_methods
 from normalgan.benchmark.table import markdown_table
 from normalgan.benchmark.training import write_json
-from normalgan.commit import commit
 from normalgan.errors import InputError, did_you_mean
 from normalgan.files.writing import write_bytes
 from normalgan.inference.load import load
@@ -35,14 +34,9 @@ _NOTES = (
 def human(
     folder: Path, name: str, out: Path, groups: Sequence[str], say: Callable[[str], None]
 ) -> Measurement:
-    """Measure a model on the drawings in a folder, and write results.json, table.md and gallery.png.
+    """Measure a model on the drawings in a folder; write results.json, table.md and gallery.png to ``out``.
 
-    Args:
-        folder: folder with a ``drawings.json``; see `read_drawings`.
-        name: name of the model's file, or ``shipped``.
-        out: where the files go.
-        groups: the groups of drawings to measure; empty for all.
-        say: tells the user.
+    The folder is one for `read_drawings`, the model a file or ``shipped``. Without groups all are measured.
 
     Raises:
         InputError: if the folder or the model cannot be used.
@@ -61,11 +55,9 @@ def human(
     measured.left_out = [*left_out, *measured.left_out]
     if not measured.drawings:
         raise InputError(f"none of the drawings in {folder} can be measured; {measured.left_out[0]}")
-    head: dict[str, Any] = {"model": name, "hint_seed": _SEED}
-    head |= {"machine": describe_machine(torch.device("cpu")), "versions": describe_versions()}
-    content = {**head, "commit": commit(), "groups": measured.groups}
-    content |= {"drawings": measured.drawings, "left_out": measured.left_out}
-    write_json(out / "results.json", content)
+    head = {"model": name, "hint_seed": _SEED, **describe_origin(torch.device("cpu"))}
+    figures = {"groups": measured.groups, "drawings": measured.drawings, "left_out": measured.left_out}
+    write_json(out / "results.json", {**head, **figures})
     text = tables(name, measured)
     write_bytes(out / "table.md", text.encode())
     bare, hinted = zip(*measured.shown, strict=True)

@@ -7,22 +7,21 @@ from typing import Any
 
 import numpy as np
 import torch
-from numpy.typing import NDArray
 from torch import Tensor
 
-from normalgan.arrays import BoolMask
 from normalgan.batch import Batch
 from normalgan.benchmark.accumulator import Accumulator, Figure, mesh_of
 from normalgan.benchmark.hints import hint_points
 from normalgan.benchmark.human.drawings import HumanDrawing
 from normalgan.benchmark.human.registration import camera_of, read_placed_mesh
 from normalgan.benchmark.measure import Measured
-from normalgan.callbacks.gallery import Row
+from normalgan.callbacks.gallery import Row, batch_row
 from normalgan.data.sources.pair_files import PairFiles
 from normalgan.errors import InputError
 from normalgan.hints import hints_at
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.reading.drawings import read_drawing
+from normalgan.inference.regions import Bounds, box_of
 from normalgan.metrics import angular_error, without_hints
 from normalgan.rendering.renderers.embree import EmbreeRenderer
 
@@ -80,7 +79,7 @@ def sample_of(drawing: HumanDrawing) -> Batch:
     if not mask.any():
         raise InputError("its camera shows nothing of the mesh.")
     ink = np.pad(ink, [(0, side - length) for length in ink.shape])
-    shared = _shared(_box(ink > _VISIBLE), _box(mask))
+    shared = _shared(box_of(ink > _VISIBLE), box_of(mask))
     if shared < _APART:
         raise InputError(
             f"the lines and the object as its camera shows it lie apart: their boxes share {shared:.0%}; "
@@ -94,17 +93,12 @@ def sample_of(drawing: HumanDrawing) -> Batch:
     }
 
 
-def _box(there: BoolMask) -> NDArray[np.intp]:
-    """Return the bounding box of marked pixels: first row and column, and those after the last."""
-    rows, columns = np.flatnonzero(there.any(axis=1)), np.flatnonzero(there.any(axis=0))
-    return np.array([rows[0], columns[0], rows[-1] + 1, columns[-1] + 1])
-
-
-def _shared(one: NDArray[np.intp], other: NDArray[np.intp]) -> float:
+def _shared(one: Bounds, other: Bounds) -> float:
     """Return the intersection over union of two boxes."""
-    sides = np.minimum(one[2:], other[2:]) - np.maximum(one[:2], other[:2])
-    both = float(sides.clip(0).prod())
-    return both / float((one[2:] - one[:2]).prod() + (other[2:] - other[:2]).prod() - both)
+    height = max(min(one[1], other[1]) - max(one[0], other[0]), 0)
+    width = max(min(one[3], other[3]) - max(one[2], other[2]), 0)
+    areas = sum((bottom - top) * (right - left) for top, bottom, left, right in (one, other))
+    return height * width / (areas - height * width)
 
 
 def measure_drawings(
@@ -117,14 +111,7 @@ def measure_drawings(
     """Return the figures of all drawings, and name those that cannot be measured.
 
     Hints are the true normals at uniform random points on the object; hinted pixels do not count. A drawing
-    without a visible object counts as an empty prediction.
-
-    Args:
-        drawings: what was drawn.
-        predictor: the model.
-        seed: seed of the hints.
-        gallery: drawings to show.
-        say: tells the user how far it is.
+    without a visible object counts as an empty prediction. ``gallery`` of them are kept to be shown.
     """
     found = Measurement()
     gathered: dict[str, dict[str, Accumulator]] = {}
@@ -151,7 +138,7 @@ def measure_drawings(
             )
             record["figures"][str(count)] = _of_one(predicted, batch, hints[:, 3:])
             record["warning"] = warning
-            rows.append(_row(drawing, batch, hints, predicted))
+            rows.append(batch_row(batch, 0, hints, predicted[:, :3], of_pairs=True))
         found.drawings.append(record)
         if number % every == 0 and len(found.shown) < gallery:
             found.shown.append((rows[0], rows[-1]))
@@ -190,14 +177,3 @@ def _of_one(predicted: Tensor, batch: Batch, where: Tensor) -> Figure:
 
 def _mean(values: Tensor) -> float | None:
     return float(values.double().mean()) if values.numel() else None
-
-
-def _row(drawing: HumanDrawing, batch: Batch, hints: Tensor, predicted: Tensor) -> Row:
-    return Row(
-        drawing.name,
-        batch["sketch"][0, 0].numpy(),
-        hints[0].numpy(),
-        predicted[0, :3].numpy(),
-        batch["normal"][0].numpy(),
-        batch["mask"][0, 0].numpy() > 0.5,
-    )

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from scipy.linalg import rq
 
 from normalgan.arrays import Doubles
 from normalgan.errors import InputError
@@ -75,7 +76,9 @@ def _perspective(matrix: Doubles, placed: PlacedMesh, side: int) -> Camera:
     determinant = float(np.linalg.det(matrix[:, :3]))
     if determinant <= 0:
         raise InputError("its projection is singular or shows the mesh in a mirror; y must point down.")
-    inner, rotation = _rq(matrix[:, :3])
+    inner, rotation = rq(matrix[:, :3])
+    signs = np.sign(np.diag(inner))  # a focal length is positive
+    inner, rotation = inner * signs, rotation * signs[:, None]
     scale = inner[2, 2]
     inner = inner / scale
     if abs(inner[0, 1]) > _SKEWED * inner[0, 0]:
@@ -108,11 +111,3 @@ def _orthographic(matrix: Doubles, placed: PlacedMesh, side: int) -> Camera:
     left, top = -offset[0] / lengths[0], offset[1] / lengths[1]
     window = (left, left + side / lengths[0], top - side / lengths[1], top)
     return Camera(rotation, np.array([0.0, 0.0, -2 * radius]), False, window, 0.9 * radius, 3.1 * radius)
-
-
-def _rq(matrix: Doubles) -> tuple[Doubles, Doubles]:
-    """Return an upper triangular matrix with a positive diagonal, and a rotation, whose product it is."""
-    flipped, triangle = np.linalg.qr(matrix[::-1].T)
-    upper, rotation = triangle.T[::-1, ::-1], flipped.T[::-1]
-    signs = np.sign(np.diag(upper))
-    return upper * signs, rotation * signs[:, None]

@@ -6,7 +6,7 @@ import time
 import warnings
 from collections.abc import Callable, Collection
 from concurrent.futures import CancelledError
-from contextlib import AbstractContextManager, ExitStack, suppress
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from queue import Empty, SimpleQueue
 from types import TracebackType
@@ -213,7 +213,9 @@ def _connect(where: str, stack: ExitStack) -> Any:
         from distributed import Client, LocalCluster
     except ImportError as error:
         raise InputError("a cluster needs Dask: pip install 'normalgan[cluster]'.") from error
-    stack.enter_context(_quiet_dask())
+    # That a worker has gone is reported by us, or does not matter.
+    names = [name for name in logging.root.manager.loggerDict if name.partition(".")[0] == "distributed"]
+    stack.enter_context(quiet_loggers(*names))
     address: Any = where
     settings: dict[str, str] = {}
     if found := re.fullmatch(r"local:(\d+)", where):
@@ -233,20 +235,11 @@ def _connect(where: str, stack: ExitStack) -> Any:
         address, settings = None, {"scheduler_file": where}
     elif not re.fullmatch(r"(\w+://)?[^/\s]+:\d+", where):
         raise InputError(f"{where!r} names no cluster; give {_FORMS}.")
-    return stack.enter_context(_client(Client, address, where, settings))
-
-
-def _client(client: Callable[..., Any], address: Any, where: str, settings: dict[str, str]) -> Any:
     try:
-        return client(address, timeout=_TIMEOUT, set_as_default=False, **settings)
+        client: Any = Client(address, timeout=_TIMEOUT, set_as_default=False, **settings)  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as error:  # no answer; no such protocol, no scheduler file
         raise InputError(
             f"no scheduler answers at {where} within {_TIMEOUT:.0f} seconds ({reason(error)}); is it "
             "running, and is the address right?"
         ) from error
-
-
-def _quiet_dask() -> AbstractContextManager[None]:
-    """Silence Dask where we report the event or it does not matter: that a worker has gone."""
-    names = [name for name in logging.root.manager.loggerDict if name.partition(".")[0] == "distributed"]
-    return quiet_loggers(*names)
+    return stack.enter_context(client)

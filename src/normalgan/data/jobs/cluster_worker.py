@@ -23,11 +23,7 @@ _PACKAGES = ("normalgan", "numpy", "scipy", "scikit-image", "trimesh", "embreex"
 
 @dataclass(frozen=True)
 class Unfit:
-    """A worker refused a task, because its result would differ from other workers' results.
-
-    Args:
-        worker: its address.
-    """
+    """A worker of this address refused a task, because its result would differ from other workers'."""
 
     worker: str
 

@@ -30,11 +30,6 @@ class Again:
     lost: bool
 
 
-def _unrelated(_: object) -> tuple[str, ...]:
-    """Return no names: all tasks are independent."""
-    return ()
-
-
 class Pool(ABC):
     """Runs tasks in processes, and continues when one of them dies.
 
@@ -70,15 +65,15 @@ class Pool(ABC):
         self,
         function: Callable[[T], R],
         tasks: Iterable[T],
-        related: Callable[[T], Collection[str]] = _unrelated,
+        related: Callable[[T], Collection[str]] = lambda _: (),
     ) -> Iterator[tuple[T, R | Killed]]:
         """Yield every task with its result when it is finished, in any order.
 
         Args:
             function: a module-level function, so that a worker can import it.
             tasks: its arguments.
-            related: the names of a task. After a task is killed, tasks that share a name with it are not
-                started, but yielded as killed.
+            related: the names of a task, by default none. After a task is killed, tasks that share a name
+                with it are not started, but yielded as killed.
 
         Raises:
             InputError: as a task does; tasks that finished before were yielded or written.

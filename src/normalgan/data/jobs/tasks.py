@@ -22,11 +22,11 @@ from normalgan.rendering.samples import Sample
 __all__ = [
     "DEADLY",
     "ChangedMeshError",
-    "CheckTask",
     "MakeShard",
     "MeshTask",
     "ShardTask",
     "check_recipe",
+    "error_text",
     "find_damage",
     "render_shard",
     "render_shards",
@@ -38,12 +38,7 @@ __all__ = [
 
 @dataclass(frozen=True)
 class MeshTask:
-    """A mesh to check.
-
-    Args:
-        source: where it comes from.
-        fingerprint: its fingerprint on the machine that sends the task.
-    """
+    """A mesh to check, with its fingerprint on the machine that sends the task."""
 
     source: Loadable
     fingerprint: str
@@ -56,14 +51,9 @@ class MeshTask:
 
 @dataclass(frozen=True)
 class ShardTask:
-    """A shard to render, with everything that rendering needs.
+    """A shard to render of the data set at a URL.
 
-    Args:
-        url: the folder of the data set.
-        shard: number of the shard.
-        recipe: how samples are made.
-        sources: the meshes it has views of, by name.
-        failed: reasons why meshes must not be tried, by name.
+    By name, ``sources`` has the meshes that it shows, and ``failed`` the reasons why some must not be tried.
     """
 
     url: str
@@ -80,13 +70,7 @@ class ShardTask:
 
 @dataclass(frozen=True)
 class MakeShard:
-    """Make shards in the process that reads them; a warning names each mesh or pair that fails.
-
-    Args:
-        url: the folder of the data set.
-        recipe: how samples are made.
-        sources: all meshes or pairs by name.
-    """
+    """Makes shards in the process that reads them; a warning names each mesh or pair that fails."""
 
     url: str
     recipe: SampleRecipe
@@ -101,21 +85,6 @@ class MakeShard:
         """Return the task of a shard."""
         needed = {name: self.sources[name] for name in shard.meshes}
         return ShardTask(self.url, shard, self.recipe, needed)
-
-
-@dataclass(frozen=True)
-class CheckTask:
-    """Some finished shards to check byte by byte.
-
-    Args:
-        url: the folder of the data set.
-        split: which part of it.
-        numbers: the shards.
-    """
-
-    url: str
-    split: str
-    numbers: tuple[int, ...]
 
 
 # The mesh used last, with its name and fingerprint, as its views are rendered in a row. It belongs to the
@@ -164,7 +133,7 @@ def _render(task: ShardTask) -> tuple[list[Sample], dict[str, str], dict[str, st
             except ChangedMeshError:
                 raise
             except FOREIGN_ERRORS as error:  # a renderer or style may raise anything
-                failed[name] = _error_text(error)
+                failed[name] = error_text(error)
                 if not isinstance(error, InputError):
                     traces[name] = "".join(traceback.format_exception(error))
         samples.append(sample)
@@ -182,14 +151,15 @@ def validate_source(task: MeshTask) -> str | None:
     except ChangedMeshError:
         raise
     except FOREIGN_ERRORS as error:  # somebody else's source may raise anything; the others can still be used
-        return _error_text(error)
+        return error_text(error)
     return None
 
 
-def find_damage(task: CheckTask) -> list[int]:
-    """Return which of some finished shards differ from the bytes that were written."""
-    _see(task.url, task.split)
-    return damaged(Storage(task.url), task.split, task.numbers)
+def find_damage(task: tuple[str, str, Sequence[int]]) -> list[int]:
+    """Return which shards, given a data set's URL, a split and numbers, differ from what was written."""
+    url, split, numbers = task
+    _see(url, split)
+    return damaged(Storage(url), split, numbers)
 
 
 _checked: set[str] = set()  # recipes that this process can carry out; checking takes time
@@ -202,10 +172,10 @@ def check_recipe(recipe: SampleRecipe) -> None:
         _checked.add(repr(recipe))
 
 
-def _error_text(error: BaseException) -> str:
+def error_text(error: BaseException) -> str:
     """Return an error in one sentence; for a bug in a plug-in, with its type and line.
 
-    >>> _error_text(InputError("horse has no legs.")), _error_text(KeyError("legs"))
+    >>> error_text(InputError("horse has no legs.")), error_text(KeyError("legs"))
     ('horse has no legs.', "KeyError: 'legs'.")
     """
     if isinstance(error, InputError):

@@ -1,6 +1,7 @@
 """Items: one sample as tensors; torch's `default_collate` makes a batch of several."""
 
-from typing import NotRequired, TypedDict
+from collections.abc import Mapping
+from typing import NotRequired, TypedDict, cast
 
 import torch
 from torch import Tensor
@@ -39,25 +40,15 @@ class Item(TypedDict):
     """Mesh and number of the view, such as ``horse-0001/17``."""
 
 
-def to_item(sketch: Tensor, normal: Tensor, mask: Tensor, name: str, hints: Tensor | None = None) -> Item:
-    """Return a sample in its stored form, a quarter of the bytes of the network's input; see `decode`.
+def to_item(arrays: Mapping[str, Tensor], name: str) -> Item:
+    """Return the arrays of a `Sample`, by name, as an item: channels first, of the types that are stored.
 
-    Args:
-        sketch: (H, W) uint8, ink 255.
-        normal: (H, W, 3) of any float type.
-        mask: (H, W) bool.
-        name: name of the sample.
-        hints: (H, W, 4) normals at the hints and where they are; None if samples bring none.
+    That is a quarter of the bytes of the network's input; see `decode`.
     """
-    item: Item = {
-        "sketch": sketch[None],
-        "normal": normal.permute(2, 0, 1),
-        "mask": mask[None],
-        "name": name,
+    turned = {
+        key: array[None] if array.ndim == 2 else array.permute(2, 0, 1) for key, array in arrays.items()
     }
-    if hints is not None:
-        item["hints"] = hints.permute(2, 0, 1)
-    return item
+    return cast(Item, {**turned, "name": name})
 
 
 def decode(batch: Batch) -> Batch:

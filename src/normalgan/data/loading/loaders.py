@@ -77,12 +77,7 @@ class Loaders:
     decoded: bool = True
 
     def shuffled(self, dataset: _Samples, seed: int) -> DataLoader[Item]:
-        """Return a loader of this process's share, in an order that depends only on seed and epoch.
-
-        Args:
-            dataset: the samples of all processes.
-            seed: seed of the order.
-        """
+        """Return a loader of this process's share, in an order that depends only on seed and epoch."""
         sampler: FreshViews | ShardOrder | DistributedSampler[Item]
         if isinstance(dataset, StreamDataset):
             sampler = FreshViews(dataset, seed, self.batch_size, self.replicas, self.rank)
@@ -123,22 +118,17 @@ class Loaders:
             pin_memory=torch.cuda.is_available(),
             collate_fn=collate_decoded if self.decoded else None,
             multiprocessing_context="spawn" if renders and self.workers else None,
-            worker_init_fn=_leave_ctrl_c_to_the_parent if renders else None,
+            worker_init_fn=_ignore_ctrl_c if renders else None,
         )
 
 
 class EqualShare(Dataset[Item]):
-    """One process's share of a split: every n-th sample, the same number for each process.
+    """The share of process ``rank``, from 0, in a split: every n-th sample, the same number for each process.
 
     If the samples do not divide evenly, shares are padded with a sample whose mask is empty, which changes no
     metric, so several processes measure exactly what one does. Padding with repeated samples, as Lightning
     does, would change metrics. With unequal shares a process would wait for ever, because the networks'
     buffers are exchanged with every batch.
-
-    Args:
-        dataset: the split.
-        replicas: how many processes there are.
-        rank: which one this is, from 0.
     """
 
     def __init__(self, dataset: Dataset[Item], replicas: int, rank: int) -> None:
@@ -162,6 +152,6 @@ class EqualShare(Dataset[Item]):
         return DistributedSampler(self, num_replicas=1, rank=0, shuffle=False)
 
 
-def _leave_ctrl_c_to_the_parent(_: int) -> None:
-    """Let a worker ignore Ctrl-C; its parent ends it. The worker's number is not used."""
+def _ignore_ctrl_c(_: int) -> None:
+    """Let a worker ignore Ctrl-C; its parent ends it."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)

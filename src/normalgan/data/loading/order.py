@@ -93,18 +93,12 @@ def spread(total: int, count: int) -> list[int]:
 
 
 class ShardOrder(Sampler[int]):
-    """The order of an epoch for one of several processes that train side by side.
+    """The order of an epoch for process ``rank``, from 0, of several that train side by side.
 
     In a fully random order a batch of 8 touches 8 shards, and a limited cache has dropped them before their
     other samples come. So shards are shuffled and shared among the processes, and each process shuffles the
     samples of `ABREAST` shards at a time. The order depends only on seed and epoch. All processes have
     equally many samples; if shards do not divide evenly, some samples come twice and some not in this epoch.
-
-    Args:
-        store: the samples.
-        replicas: how many processes train.
-        rank: which one this is, from 0.
-        seed: seed of the order.
     """
 
     def __init__(self, store: ShardedSamples, replicas: int, rank: int, seed: int) -> None:

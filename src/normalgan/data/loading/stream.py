@@ -8,10 +8,12 @@ from typing import Any
 import torch
 from torch.utils.data import Dataset, DistributedSampler
 
+from normalgan.data.jobs.tasks import error_text
 from normalgan.data.loading.items import Item, SampleError, to_item
 from normalgan.data.loading.order import ViewIndex, order_of_epoch
 from normalgan.data.recipe import Loadable, SampleRecipe
-from normalgan.errors import FOREIGN_ERRORS, InputError, brief
+from normalgan.data.store.layout import array_names
+from normalgan.errors import FOREIGN_ERRORS
 from normalgan.rendering.mesh import Mesh, check_mesh
 
 __all__ = ["FreshViews", "MeshCache", "StreamDataset"]
@@ -50,24 +52,19 @@ class StreamDataset(Dataset[Item]):
         try:
             sample = self.recipe.render(self.mesh_cache.take(index.mesh), index.view)
         except FOREIGN_ERRORS as error:  # a renderer or style may raise anything
-            why = str(error) if isinstance(error, InputError) else f"{type(error).__name__}: {brief(error)}."
-            raise SampleError(f"view {index.view} of {name} cannot be rendered: {why}") from error
-        sketch, normal, mask = map(torch.from_numpy, (sample.sketch, sample.normal, sample.mask))
-        return to_item(sketch, normal, mask, f"{name}/{index.view}")
+            raise SampleError(
+                f"view {index.view} of {name} cannot be rendered: {error_text(error)}"
+            ) from error
+        parts = array_names(self.recipe.hints)
+        arrays = {part: torch.from_numpy(getattr(sample, part)) for part in parts}
+        return to_item(arrays, f"{name}/{index.view}")
 
 
 class FreshViews(DistributedSampler[ViewIndex]):
-    """One process's view indices of the epoch that Lightning sets; no view repeats in another epoch.
+    """The views of process ``rank``, from 0, in the epoch that Lightning sets; none repeats in another epoch.
 
     All processes get the same number of whole batches; each may leave out up to a batch of an epoch. If there
     is not a whole batch for each, all samples are used, some of them twice.
-
-    Args:
-        dataset: what renders the views.
-        seed: seed of the order.
-        batch_size: samples in a batch.
-        replicas: how many processes train side by side.
-        rank: which one this is, from 0.
     """
 
     def __init__(

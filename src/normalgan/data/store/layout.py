@@ -40,7 +40,7 @@ class Shard:
         number: which shard of the split.
         size: side of the pictures in pixels.
         room: samples that a shard has room for; the last one holds fewer.
-        runs: what its samples show: a mesh, its first view here and the one after its last, and so on.
+        samples: mesh and number of the view of each sample.
         hints: whether its samples have hints.
     """
 
@@ -48,21 +48,16 @@ class Shard:
     number: int
     size: int
     room: int
-    runs: tuple[tuple[str, int, int], ...]
+    samples: tuple[tuple[str, int], ...]
     hints: bool = False
 
     def __len__(self) -> int:
-        return sum(stop - start for _, start, stop in self.runs)
-
-    @property
-    def samples(self) -> list[tuple[str, int]]:
-        """Mesh and number of the view of each sample."""
-        return [(mesh, view) for mesh, start, stop in self.runs for view in range(start, stop)]
+        return len(self.samples)
 
     @property
     def meshes(self) -> tuple[str, ...]:
         """The names of its meshes, in order."""
-        return tuple(mesh for mesh, _, _ in self.runs)
+        return tuple(dict.fromkeys(mesh for mesh, _ in self.samples))
 
     @property
     def marker(self) -> str:
@@ -106,13 +101,8 @@ class Layout:
 
     def shard(self, split: str, number: int) -> Shard:
         """Return everything needed to render and write a shard."""
-        places = self.indices(number)
-        runs = []
-        for mesh in range(places.start // self.views, (places.stop - 1) // self.views + 1):
-            before = mesh * self.views
-            first, last = max(places.start - before, 0), min(places.stop - before, self.views)
-            runs.append((self.meshes[mesh], first, last))
-        return Shard(split, number, self.size, self.per_shard, tuple(runs), self.hints)
+        samples = tuple(map(self.mesh_and_view, self.indices(number)))
+        return Shard(split, number, self.size, self.per_shard, samples, self.hints)
 
 
 def encode(shard: Shard, samples: Sequence[Sample]) -> dict[str, bytes]:

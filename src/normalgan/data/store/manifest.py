@@ -45,10 +45,6 @@ class Manifest:
     def finished(self, folder: Storage, noun: str) -> tuple[dict[str, ShardedSamples], dict[str, str]]:
         """Return the samples by split, to be read, and why a mesh could not be rendered, by name.
 
-        Args:
-            folder: where they are.
-            noun: the word for a mesh in messages.
-
         Raises:
             InputError: if no mesh of a split could be rendered.
         """

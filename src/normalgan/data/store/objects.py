@@ -24,9 +24,6 @@ class ObjectStore(Store):
 
     Zarr fills in zeros for a chunk that its store does not have, without a word. Every chunk was written, so
     a missing one was lost, perhaps during training.
-
-    Args:
-        storage: the folder.
     """
 
     supports_writes = False

@@ -61,7 +61,7 @@ class ShardedSamples:
         self._trusted: set[int] = set()
 
     def __len__(self) -> int:
-        return len(self._served) * self.layout.views
+        return len(self._places)
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_opened": None}  # open arrays belong to the process
@@ -77,31 +77,22 @@ class ShardedSamples:
         return self._make is not None
 
     @cached_property
-    def _served(self) -> Indices:
-        return np.array(
-            [i for i, mesh in enumerate(self.layout.meshes) if mesh not in self.left_out], np.int64
-        )
-
-    def _place(self, index: int) -> int:
-        mesh, view = divmod(index, self.layout.views)
-        return int(self._served[mesh]) * self.layout.views + view
+    def _places(self) -> Indices:
+        """The place in the layout of each sample that is not passed over."""
+        meshes = [number for number, mesh in enumerate(self.layout.meshes) if mesh not in self.left_out]
+        views = self.layout.views
+        return (np.array(meshes, np.int64)[:, None] * views + np.arange(views)).ravel()
 
     def name(self, index: int) -> str:
         """Return the name of a sample: mesh and number of the view, such as ``horse-0001/17``."""
-        mesh, view = self.layout.mesh_and_view(self._place(index))
+        mesh, view = self.layout.mesh_and_view(int(self._places[index]))
         return f"{mesh}/{view}"
 
     def indices(self, shard: int) -> range:
         """Return the samples that lie in a shard; there may be none."""
-        views, places = self.layout.views, self.layout.indices(shard)
-
-        def before(place: int) -> int:
-            mesh, view = divmod(place, views)
-            count = int(np.searchsorted(self._served, mesh))
-            served = count < len(self._served) and self._served[count] == mesh
-            return count * views + (view if served else 0)
-
-        return range(before(places.start), before(places.stop))
+        places = self.layout.indices(shard)
+        start, stop = np.searchsorted(self._places, [places.start, places.stop])
+        return range(int(start), int(stop))
 
     def create(self) -> None:
         """Write the arrays' metadata, unless it exists."""
@@ -120,12 +111,12 @@ class ShardedSamples:
         names = self._storage.names(f"{ZARR}/{self.split}")
         there = {f"{self.split}/{name}" for name in names}
         return [
-            shard for shard in self._finished() if not _paths(self.split, shard, self.layout.hints) <= there
+            shard for shard in self.finished() if not _paths(self.split, shard, self.layout.hints) <= there
         ]
 
     def verify(self) -> list[int]:
         """Return the finished shards whose bytes differ from those that were written."""
-        return damaged(self._storage, self.split, self._finished())
+        return damaged(self._storage, self.split, self.finished())
 
     def failures(self) -> dict[int, dict[str, str]]:
         """Return why meshes could not be rendered: by shard, by name.
@@ -144,7 +135,8 @@ class ShardedSamples:
         notes = _read_failures(self._storage, self.split)
         return [number for number, why in notes.items() if why is None and number < self.layout.shards]
 
-    def _finished(self) -> list[int]:
+    def finished(self) -> list[int]:
+        """Return the shards that have been finished."""
         return sorted(set(range(self.layout.shards)) - set(self.missing()))
 
     def read(self, index: int) -> Sample:
@@ -156,14 +148,14 @@ class ShardedSamples:
         """
         if not 0 <= index < len(self):
             raise IndexError(f"sample {index} of {len(self)}")
-        place = self._place(index)
+        place = int(self._places[index])
         return Sample(**self._select_or_make(place // self.layout.per_shard, place))
 
     def is_blank(self, index: int) -> bool:
         """Whether a sample that was read is a placeholder, as its mesh could not be rendered."""
-        place = self._place(index)
-        failed = _read_failure(self._storage, self.split, place // self.layout.per_shard)
-        return self.layout.mesh_and_view(place)[0] in (failed or {})
+        place = int(self._places[index])
+        note = self._storage.read(f"{_FAILED}/{self.split}/{place // self.layout.per_shard}.json")
+        return note is not None and self.layout.mesh_and_view(place)[0] in (_reasons(note) or {})
 
     def read_shard(self, shard: int) -> dict[str, NDArray[Any]]:
         """Return the samples of a shard, stacked, by name of the array; raises as `read` does."""
@@ -198,7 +190,7 @@ class ShardedSamples:
         if shard in self._trusted:
             return
         sums = _read_sums(self._storage, self.split, shard)
-        if sums is None or not _same_sizes(self._storage, sums):
+        if sums is None or any(self._storage.size(f"{ZARR}/{p}") != size for p, (size, _) in sums.items()):
             raise self._trouble(shard)
         self._trusted.add(shard)
 
@@ -267,12 +259,6 @@ def _read_failures(storage: Storage, split: str) -> dict[int, dict[str, str] | N
     return {number: _reasons(note) for number, note in notes.items() if note is not None}
 
 
-def _read_failure(storage: Storage, split: str, number: int) -> dict[str, str] | None:
-    """Return why meshes of one shard could not be rendered, by name; None if all could."""
-    note = storage.read(f"{_FAILED}/{split}/{number}.json")
-    return None if note is None else _reasons(note)
-
-
 def _reasons(note: bytes) -> dict[str, str] | None:
     try:
         found = json.loads(note)
@@ -295,11 +281,6 @@ def _read_sums(storage: Storage, split: str, number: int) -> dict[str, tuple[int
 def _paths(split: str, number: int, hints: bool) -> set[str]:
     """Return the paths of a shard's objects in the folder of the arrays."""
     return {chunk_path(split, name, number) for name in array_names(hints)}
-
-
-def _same_sizes(storage: Storage, sums: Mapping[str, tuple[int, str]]) -> bool:
-    """Whether all objects of a shard exist and have their recorded lengths."""
-    return all(storage.size(f"{ZARR}/{path}") == size for path, (size, _) in sums.items())
 
 
 def _same_bytes(storage: Storage, sums: Mapping[str, tuple[int, str]]) -> bool:

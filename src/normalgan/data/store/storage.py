@@ -82,7 +82,7 @@ class Storage:
         try:
             return bytes(files.cat_file(f"{root}/{path}", start=start, end=stop))
         except (FileNotFoundError, NotADirectoryError) as error:
-            if _no_bucket(error):
+            if "bucket does not exist" in str(error):  # S3 reports it as it does a missing object
                 raise InputError(f"the bucket of {self.url} does not exist; create it first.") from error
             return None
         except Exception as error:  # a remote store's error need not be an OSError; botocore's is not
@@ -123,7 +123,9 @@ class Storage:
         files, root = self._files()
         try:
             if isinstance(files, LocalFileSystem):
-                _write_atomically(Path(root), path, content)
+                # Not synced to disk: the checksum finds what a power cut damages.
+                partial = Path(root, _PARTIAL, uuid.uuid4().hex)
+                write_bytes(Path(root, path), content, partial, durable=False)
             else:  # object stores show an object once it is complete
                 files.pipe_file(f"{root}/{path}", content)
         except Exception as error:  # as in `read`
@@ -160,15 +162,14 @@ class Storage:
     def _files(self) -> tuple[AbstractFileSystem, str]:
         # Asked for each time, because fsspec keeps one for each process, and none may cross a fork.
         try:
-            files, root = _connect(self.url)
+            files, root = url_to_fs(self.url, **options(self.url))
         except (ValueError, ImportError) as error:
             raise InputError(f"no samples can be kept at {self.url}: {brief(error)}.") from error
+        if "s3" in files.protocol:
+            # s3fs retries five times on top of botocore's retries, and five times again when reading an
+            # object: an endpoint that accepts requests but never answers would block for many minutes.
+            files.retries = _ROUNDS
         return files, root
-
-
-def _write_atomically(root: Path, path: str, content: bytes) -> None:
-    # Not synced to disk: the checksum finds what a power cut damages.
-    write_bytes(root / path, content, root / _PARTIAL / uuid.uuid4().hex, durable=False)
 
 
 def options(url: str) -> dict[str, Any]:
@@ -195,21 +196,6 @@ def options(url: str) -> dict[str, Any]:
     return found
 
 
-def _connect(url: str) -> tuple[AbstractFileSystem, str]:
-    """Return the file system behind a URL, and the path in it.
-
-    s3fs retries five times on top of botocore's retries, and five times again when reading an object: an
-    endpoint that accepts requests but never answers would block a command for many minutes.
-
-    Raises:
-        ValueError, ImportError: if none is known or installed.
-    """
-    files, root = url_to_fs(url, **options(url))
-    if "s3" in files.protocol:
-        files.retries = _ROUNDS
-    return files, root
-
-
 def reason(error: BaseException) -> str:
     """Return the reason why a file system failed, in a few words.
 
@@ -221,8 +207,3 @@ def reason(error: BaseException) -> str:
     text = ((error.strerror if isinstance(error, OSError) else None) or brief(error)).rstrip(".")
     distant = isinstance(error, PermissionError) and not isinstance(error.errno, int)
     return f"{text} (are the credentials right?)" if distant else text
-
-
-def _no_bucket(error: BaseException) -> bool:
-    """Whether the bucket is missing, not the object: S3 reports both with the same error."""
-    return "bucket does not exist" in str(error)

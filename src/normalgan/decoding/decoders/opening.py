@@ -18,7 +18,6 @@ __all__ = [
     "DamagedError",
     "Message",
     "RefusedError",
-    "UnknownTiffError",
     "check_sides",
     "first_line",
     "import_plugin",
@@ -45,16 +44,12 @@ KNOWN = "a PNG, JPEG, WebP, TIFF, GIF, SVG or another image, or a file of a pain
 """What is read, in a sentence; the docs list all formats."""
 
 
-class UnknownTiffError(Exception):
-    """A TIFF that Pillow does not know, such as one of floats with colours; OpenCV may."""
-
-
 class DamagedError(OSError):
     """A damaged picture of a known format."""
 
 
 class RefusedError(Exception):
-    """A picture that is not decoded; its text goes after the picture's name: "is … pixels"."""
+    """A file that is not decoded; its text goes after the file's name: "is … pixels"."""
 
 
 def opened(content: bytes) -> "Image":

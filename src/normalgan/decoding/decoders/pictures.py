@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from .formats import NO_PAGE, SUBFILE, format_of
-from .levels import is_tiff
+from .levels import exact_levels, is_tiff, viewed
 from .limits import limit_time
 from .opening import (
     KNOWN,
@@ -15,7 +15,6 @@ from .opening import (
     DamagedError,
     Message,
     RefusedError,
-    UnknownTiffError,
     check_sides,
     first_line,
     opened,
@@ -58,8 +57,10 @@ def decode(
     longest: int,
     grey: bool,
     notes: list[Any],
-) -> "tuple[Image, tuple[int, int]]":
-    """Return a picture upright, in one of `MODES`, and the (width, height) that it had before it was reduced.
+) -> tuple[Any, tuple[int, int]]:
+    """Return a picture upright, and the (width, height) that it had before it was reduced.
+
+    It is an image in one of `MODES`, or an array if only OpenCV can read it.
 
     Args:
         content: its file.
@@ -79,8 +80,7 @@ def decode(
         content = draw_svg(content, svg_side, most)
     try:
         if (layered := _layered(content, least, most)) is not None:
-            with _unreadable_refused():
-                upright = layered.composite()
+            upright = layered.composite()
             if str(layered.notes):
                 notes.append(layered.notes)
             check_sides(upright.width, upright.height, least, most)
@@ -89,9 +89,11 @@ def decode(
             try:
                 image = opened(content)
             except DamagedError:
-                if is_tiff(content):
-                    raise UnknownTiffError from None
-                raise
+                if not is_tiff(content):
+                    raise
+                # Pillow does not know some, such as those of floats with colours; OpenCV may.
+                levels = exact_levels(content, least, most)
+                return viewed(levels, longest, grey), levels.shape[1::-1]
             with image:
                 check_sides(image.width, image.height, least, most)
                 image.load()
@@ -101,7 +103,7 @@ def decode(
         if longest and max(full) > longest:
             upright = reduced(upright, longest)
         return _grey(upright) if grey else upright, full
-    except (RefusedError, UnknownTiffError, MemoryError):
+    except (RefusedError, MemoryError):
         raise
     except UnidentifiedImageError:
         _refuse_foreign(content)
@@ -311,45 +313,29 @@ def _layered(content: bytes, least: int, most: int) -> Any:
         return None
     from .layered_files import open_layered  # late: few files need it
 
-    with _unreadable_refused():
-        return open_layered(
-            found.name, content, lambda width, height: check_sides(width, height, least, most)
-        )
+    return open_layered(found.name, content, lambda width, height: check_sides(width, height, least, most))
 
 
 def _layered_frames(layered: Any) -> Iterator[Message]:
     width, height = layered.size
     count = len(layered.durations)
     _check_parts(count, count * width * height, "frames")
-    with _unreadable_refused():
-        found = layered.frames()
-        first = next(found)
-        yield {"count": count, "loop": 0, **noted(layered.notes)}, None
-        for image, milliseconds in itertools.chain([first], found):
-            yield {**with_form(image), "duration": milliseconds}, image
+    found = layered.frames()
+    first = next(found)
+    yield {"count": count, "loop": 0, **noted(layered.notes)}, None
+    for image, milliseconds in itertools.chain([first], found):
+        yield {**with_form(image), "duration": milliseconds}, image
 
 
 @contextmanager
 def _failures_refused(words: str) -> Iterator[None]:
     """Turn whatever a decoder raises, which over damage is anything, into `RefusedError`: words and why."""
     try:
-        with _unreadable_refused():
-            yield
+        yield
     except (RefusedError, MemoryError):
         raise
     except Exception as error:
         raise RefusedError(f"{words}: {first_line(error)}") from None
-
-
-@contextmanager
-def _unreadable_refused() -> Iterator[None]:
-    """Turn `UnreadableError` into `RefusedError`."""
-    from .layered_files import UnreadableError
-
-    try:
-        yield
-    except UnreadableError as error:
-        raise RefusedError(str(error)) from None
 
 
 def _refuse_foreign(content: bytes) -> None:

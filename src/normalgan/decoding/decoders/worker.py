@@ -15,9 +15,9 @@ from importlib import import_module
 from typing import Any
 
 from .formats import format_of
-from .levels import exact_levels, loses_levels, viewed
+from .levels import exact_levels, loses_levels
 from .limits import limit, limit_time
-from .opening import Message, RefusedError, UnknownTiffError, import_plugin, with_form
+from .opening import Message, RefusedError, import_plugin, with_form
 from .pictures import decode, frames, layers, noted, tileset
 
 __all__ = ["import_all", "main", "needed"]
@@ -123,20 +123,14 @@ def _answers(request: dict[str, Any], content: bytes, seconds: int) -> Iterator[
 
 def _picture(request: dict[str, Any], content: bytes, least: int, most: int) -> Iterator[Message]:
     notes: list[Any] = []
-    full: tuple[int, ...]
     if request["exact"] and loses_levels(content):
         pixels = exact_levels(content, least, most)
-        full = pixels.shape[:2]
+        height, width = pixels.shape[:2]
     else:
         sizes = request["svg_side"], request["longest"]
-        try:
-            pixels, (width, height) = decode(content, least, most, *sizes, request["grey"], notes)
-            full = height, width
-        except UnknownTiffError:
-            pixels = viewed(exact_levels(content, least, most), request["longest"], request["grey"])
-            full = pixels.shape[:2]
+        pixels, (width, height) = decode(content, least, most, *sizes, request["grey"], notes)
     yield {"count": 1, **noted(*notes)}, None
-    yield {**with_form(pixels), "full": [*full]}, pixels
+    yield {**with_form(pixels), "full": [height, width]}, pixels
 
 
 def _send(connection: Any, header: dict[str, Any], pixels: Any) -> None:

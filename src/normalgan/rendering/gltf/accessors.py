@@ -16,15 +16,10 @@ _Array = NDArray[Any]
 
 
 def read_accessor(container: Container, index: Any, kind: str) -> _Array:
-    """Return the (count, width) numbers of an accessor (glTF 2.0, section 3.6.2).
+    """Return the (count, width) numbers of an accessor of a kind such as VEC3 (glTF 2.0, section 3.6.2).
 
     Integers that are marked as normalised come as float64 in [0, 1] or [-1, 1], others as they are stored;
     matrices come column by column, as they are stored.
-
-    Args:
-        container: the file.
-        index: number of the accessor.
-        kind: what it must hold: SCALAR, VEC3, VEC4 or MAT4.
 
     Raises:
         InputError: if it holds another type, or goes beyond its buffer.

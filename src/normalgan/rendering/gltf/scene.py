@@ -12,7 +12,7 @@ from normalgan.arrays import Doubles, Indices
 from normalgan.rendering.gltf.accessors import read_accessor
 from normalgan.rendering.gltf.container import Container, bad_gltf, read_container, refusing_bad_gltf
 
-__all__ = ["MODES", "Nodes", "read_faces", "read_nodes", "read_surfaces", "shown_nodes", "world_matrices"]
+__all__ = ["Nodes", "read_nodes", "read_primitives", "read_surfaces", "shown_nodes", "world_matrices"]
 
 
 @dataclass(frozen=True)
@@ -109,10 +109,6 @@ def world_matrices(nodes: Nodes) -> Doubles:
     return matrices
 
 
-MODES = (4, 5, 6)
-"""Primitives that are lists, strips or fans of triangles; the others are points and lines."""
-
-
 def read_surfaces(path: Path) -> list[tuple[Doubles, Indices]]:
     """Return the vertices (V, 3), in the world's axes, and faces (F, 3) of each surface that a file shows.
 
@@ -137,40 +133,41 @@ def read_surfaces(path: Path) -> list[tuple[Doubles, Indices]]:
 
 
 def _surfaces(container: Container, mesh: Any, matrix: Doubles) -> Iterator[tuple[Doubles, Indices]]:
-    for part in container.item("meshes", mesh)["primitives"]:
-        mode = part.get("mode", 4)
-        if mode not in MODES or "POSITION" not in part["attributes"]:
-            continue
-        vertices = read_accessor(container, part["attributes"]["POSITION"], "VEC3").astype(np.float64)
-        faces = read_faces(container, part, mode, len(vertices))
+    for _, vertices, faces in read_primitives(container, mesh):
         with np.errstate(invalid="ignore"):  # coordinates that are not numbers are refused later
             placed = vertices @ matrix[:3, :3].T + matrix[:3, 3]
         # A mirroring transform turns what was outside inside.
         yield placed, faces[:, ::-1] if np.linalg.det(matrix[:3, :3]) < 0 else faces
 
 
-def read_faces(container: Container, part: dict[str, Any], mode: int, count: int) -> Indices:
-    """Return the (F, 3) triangles of a primitive (glTF 2.0, section 3.7.2.1).
+_LIST, _STRIP, _FAN = 4, 5, 6
+"""Modes of primitives that are triangles (glTF 2.0, section 3.7.2.1); the others are points and lines."""
 
-    Args:
-        container: the file.
-        part: the primitive.
-        mode: 4 for a list of triangles, 5 for a strip, 6 for a fan.
-        count: number of its vertices.
+
+def read_primitives(container: Container, mesh: Any) -> Iterator[tuple[dict[str, Any], Doubles, Indices]]:
+    """Yield the attributes, vertices (V, 3) and triangles (F, 3) of a mesh's primitives that have triangles.
 
     Raises:
-        InputError: if a face refers to a vertex that is not there.
+        InputError: if a face refers to a vertex that is not there, or there is no such mesh.
     """
+    for part in container.item("meshes", mesh)["primitives"]:
+        mode = part.get("mode", _LIST)
+        if mode in (_LIST, _STRIP, _FAN) and "POSITION" in part["attributes"]:
+            vertices = read_accessor(container, part["attributes"]["POSITION"], "VEC3").astype(np.float64)
+            yield part["attributes"], vertices, _faces(container, part, mode, len(vertices))
+
+
+def _faces(container: Container, part: dict[str, Any], mode: int, count: int) -> Indices:
     if "indices" in part:
         corners = read_accessor(container, part["indices"], "SCALAR")[:, 0].astype(np.int64)
     else:
         corners = np.arange(count)
     if not 0 <= corners.min() <= corners.max() < count:
         raise bad_gltf(container.path, f"a face refers to vertex {corners.max()} of {count}")
-    if mode == 4:
+    if mode == _LIST:
         return corners[: len(corners) // 3 * 3].reshape(-1, 3)
     a, b = corners[1:-1], corners[2:]
-    if mode == 6:
+    if mode == _FAN:
         return np.stack([np.broadcast_to(corners[0], a.shape), a, b], axis=-1)
     faces = np.stack([corners[:-2], a, b], axis=-1)
     faces[1::2] = faces[1::2, [1, 0, 2]]  # every other triangle of a strip runs the other way

@@ -124,13 +124,9 @@ def random_distortion(bend: float, proportion: float, maps: Maps, rng: np.random
 
 def _framed(distortion: Distortion, maps: Maps) -> Distortion:
     """Return the distortion with the zoom and shift that keep the middle and larger side of the object."""
-    rim = maps.mask.copy()
-    inner = maps.mask[1:-1, 1:-1]
-    for across, down in ((0, 1), (2, 1), (1, 0), (1, 2)):
-        height, width = inner.shape
-        inner = inner & maps.mask[down : down + height, across : across + width]
-    rim[1:-1, 1:-1] &= ~inner
-    rows, columns = np.nonzero(rim)
+    cross = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
+    inner = cv2.erode(maps.mask.astype(np.uint8), cross, borderValue=0) > 0
+    rows, columns = np.nonzero(maps.mask & ~inner)
     if not len(rows):
         return distortion
     before = (np.stack([columns, rows], axis=1) + 0.5) / max(maps.mask.shape)
@@ -151,10 +147,6 @@ def follow(maps: Maps, distortion: Distortion) -> Maps:
     dz/dp. Therefore (nx, ny) becomes J^T (nx, ny), nz stays, and the vector is normalized. Of the four
     pixels around a source, only those on the object and on the surface of the nearest one are interpolated,
     so that neither the background nor a farther part blends in. The depth is that of the nearest.
-
-    Args:
-        maps: (H, W) of the object.
-        distortion: distortion of the drawing.
     """
     place, jacobian = distortion.grid(*maps.mask.shape)
     x, y = (place * max(maps.mask.shape) - 0.5).astype(np.float32)  # pixel centres at integers

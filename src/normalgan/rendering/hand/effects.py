@@ -111,13 +111,7 @@ def smooth_noise(
     """Return noise of mean 0 and deviation 1 along strokes laid end to end, (sum of counts, channels).
 
     A uniform cubic B-spline with normal coefficients, two to a wavelength: its second derivative is
-    continuous, and strokes and channels are independent.
-
-    Args:
-        counts: points of each stroke.
-        wavelength: of the noise.
-        channels: how many noises.
-        rng: source of randomness.
+    continuous, and strokes and channels are independent. ``counts`` are the points of each stroke.
     """
     sizes = np.asarray(counts)
     rate = 2 * STEP / wavelength
@@ -184,13 +178,8 @@ def forget(
 ) -> list[Stroke]:
     """Return the strokes without some; inner and short ones are missed more often.
 
-    The longest always stays, so that no drawing is empty.
-
-    Args:
-        strokes: the drawing.
-        interior: the share of each stroke that lies away from the silhouette.
-        chance: that a very short stroke is missed.
-        rng: source of randomness.
+    The longest always stays, so that no drawing is empty. ``chance`` is that of a very short stroke to be
+    missed, ``interior`` the share of each stroke that lies away from the silhouette.
     """
     if not strokes:
         return []

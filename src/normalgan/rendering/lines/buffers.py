@@ -4,6 +4,7 @@ from abc import abstractmethod
 from dataclasses import dataclass
 from typing import Self
 
+import cv2
 import numpy as np
 
 from normalgan.arrays import BoolMask, Doubles, Floats
@@ -78,25 +79,15 @@ class Buffers:
 
 def _object_window(mask: BoolMask) -> tuple[slice, slice] | None:
     """Return the rows and columns of the object and a margin: an animal fills a fraction of its frame."""
-    window = []
-    for axis in (1, 0):
-        filled = np.flatnonzero(mask.any(axis))
-        if not len(filled):
-            return None
-        end = mask.shape[1 - axis]
-        window.append(slice(max(int(filled[0]) - _MARGIN, 0), min(int(filled[-1]) + 1 + _MARGIN, end)))
-    return window[0], window[1]
+    left, top, width, height = cv2.boundingRect(mask.astype(np.uint8))
+    if not width:
+        return None
+    rows = slice(max(top - _MARGIN, 0), min(top + height + _MARGIN, mask.shape[0]))
+    return rows, slice(max(left - _MARGIN, 0), min(left + width + _MARGIN, mask.shape[1]))
 
 
 def sight(camera: Camera, maps: Maps, window: tuple[slice, slice], side: int) -> Sight:
-    """Return the rays of a part of the frame.
-
-    Args:
-        camera: whose frame it is.
-        maps: the visible surface in that part, (H, W).
-        window: rows and columns of the part.
-        side: side of the whole frame in pixels.
-    """
+    """Return the rays of the part (H, W) of a frame of ``side`` pixels that the maps show."""
     left, right, bottom, top = camera.window
     height, width = maps.mask.shape
     pixel = np.float32((right - left) / side)

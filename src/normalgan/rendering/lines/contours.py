@@ -174,18 +174,13 @@ _BEYOND = np.float32(1e6)  # depth of the background, in units of the mesh: fart
 
 
 def _depth_gaps(maps: Maps, sight: Sight, least: float) -> Crossings:
-    """Return where the surface jumps back by at least ``least`` pixels of its own size, from pixel to pixel.
+    """Return where the surface jumps back by at least ``least`` > 0 pixels of its own size, pixel to pixel.
 
     The expected depth change between neighbours lies between the predictions of both tangent planes and the
     changes a few pixels away on either side; only an excess over that is a gap. So surfaces at a grazing
     angle get no ink, even where the interpolated normals of a coarse mesh look less steep. A gap belongs to
     the nearer, occluding pixel. Its strength is its size, and is huge next to the background. The frame's
     border occludes nothing.
-
-    Args:
-        maps: the object, (H, W).
-        sight: its pixels' sizes and rays.
-        least: positive, in pixels.
     """
     depth = np.where(maps.mask, maps.depth, _BEYOND)
     floor = np.where(maps.mask, sight.pixel, np.float32(0)) * np.float32(least)

@@ -49,11 +49,8 @@ def radial_curvature(shape: Shape, eye: Doubles) -> tuple[Doubles, Doubles, Doub
 
     The radial curvature is that along w, the projection of the view vector v to the tangent plane; with
     ``S n = 0`` it is ``v · S v / (w · w)``, positive where the surface bulges. Its rise is its derivative
-    along w / |w|; at a zero of the radial curvature, the derivative of ``v · S v`` can replace it.
-
-    Args:
-        shape: the mesh and its curvature.
-        eye: (V, 3) unit vectors to the eye.
+    along w / |w|; at a zero of the radial curvature, the derivative of ``v · S v`` can replace it. ``eye``
+    are the view vectors (V, 3), of unit length.
     """
     normals = shape.normals
     facing = np.einsum("vc,vc->v", normals, eye)

@@ -66,10 +66,7 @@ def apparent_curvature(shape: Shape, eye: Doubles) -> tuple[Doubles, Doubles]:
     the picture and one along b is not. The view-dependent curvature is the largest singular value of the
     shape operator after undoing that; the direction returned is the tangent whose picture is its right
     singular vector (Judd, Durand, Adelson, "Apparent Ridges for Line Drawing", SIGGRAPH 2007, section 4).
-
-    Args:
-        shape: the mesh and its curvature.
-        eye: (V, 3) unit vectors to the eye.
+    ``eye`` are the unit vectors (V, 3) to the eye.
     """
     normals, operators = shape.normals, shape.operators
     facing = np.einsum("vc,vc->v", normals, eye)
@@ -89,15 +86,10 @@ def apparent_curvature(shape: Shape, eye: Doubles) -> tuple[Doubles, Doubles]:
 
 
 def extremes(surface: Surface, values: Doubles, along: Doubles) -> tuple[EdgeMarks, Doubles]:
-    """Return where values (V,) are largest or smallest along a direction, and how peaked they are there.
+    """Return where values (V,) are largest or smallest along tangents (V, 3), and how peaked they are there.
 
-    The marks are zeros of the derivative. Directions have no sign: along an edge, that of its first vertex
-    counts. The peakedness is minus the second derivative, (N,), positive at a maximum.
-
-    Args:
-        surface: the mesh.
-        values: (V,).
-        along: (V, 3) tangents, whose lengths count.
+    The marks are zeros of the derivative. The tangents' lengths count. They have no sign: along an edge, that
+    of its first vertex counts. The peakedness is minus the second derivative, (N,), positive at a maximum.
     """
     rise = np.einsum("vc,vc->v", surface.slope(values), along)
     one, other = surface.edges.T

@@ -73,10 +73,7 @@ def _seen(view: View, buffers: Buffers, points: Doubles) -> tuple[Doubles, BoolM
 def _paths(surface: Surface, marks: EdgeMarks, place: Doubles) -> list[Indices]:
     """Return the marks along each line, in order; two on sides of one face belong together.
 
-    Args:
-        surface: the mesh.
-        marks: N places on its edges.
-        place: (N, 2) where they lie in the picture.
+    ``place`` (N, 2) is where the N marks lie in the picture.
     """
     number = np.full(len(surface.edges), -1)
     number[marks.edges] = np.arange(len(marks.edges))
@@ -167,10 +164,10 @@ class SurfaceDrawing(OutlinedDrawing):
 def _worthy_runs(
     points: Doubles, strength: Doubles, least: float, seed: float, bridge: float, shortest: float
 ) -> list[slice]:
-    """Return the stretches of a path to draw, of at least two points each.
+    """Return the stretches of a path (P, 2) to draw, of at least two points each.
 
-    A stretch has a strength of at least ``least`` but for gaps up to ``bridge`` long, reaches ``seed``
-    somewhere, and is at least ``shortest`` long.
+    A stretch has a strength (P,) of at least ``least`` but for gaps up to ``bridge`` long, reaches ``seed``
+    somewhere, and is at least ``shortest`` long, in units of the points.
 
     >>> points = np.stack([np.arange(8.0), np.zeros(8)], axis=1)
     >>> strength = np.array([0, 2, 2, 0, 3, 2, 0, 2.0])
@@ -178,14 +175,6 @@ def _worthy_runs(
     [slice(1, 8, None)]
     >>> _worthy_runs(points, strength, least=1, seed=3, bridge=1, shortest=1)
     [slice(4, 6, None)]
-
-    Args:
-        points: (P, 2) of the path.
-        strength: (P,).
-        least: strength down to which a stretch continues.
-        seed: strength that a stretch must reach.
-        bridge: in units of the points.
-        shortest: in units of the points, along the path.
     """
     along = lengths_along(points)
     good = np.flatnonzero(strength >= least)

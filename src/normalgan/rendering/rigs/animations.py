@@ -73,14 +73,10 @@ def _track(container: Container, nodes: Nodes, animation: dict[str, Any], channe
 
 
 def track_at(track: Track, moments: Doubles) -> Doubles:
-    """Return the (M, D) values of a track; clamped to the first and the last one outside its times.
+    """Return the (M, D) values of a track at times (M,); clamped to its first and last value outside of it.
 
     glTF 2.0, appendix C: rotations by spherical interpolation along the shorter arc, or by the Hermite
     spline of their components, brought back to unit length.
-
-    Args:
-        track: how a property changes.
-        moments: (M,) seconds.
     """
     times, values = track.times, track.values[:, 1]
     turns = track.path == "rotation"

@@ -87,11 +87,6 @@ class RiggedFile:
 def find_poses(files: Sequence[MeshFile], poses: int, postures: float = 0.0) -> list[MeshFile | RiggedFile]:
     """Return mesh files, each rigged one replaced by ``poses`` poses; 0 leaves all at rest.
 
-    Args:
-        files: rigged and others.
-        poses: how many of each rigged file.
-        postures: share of them that are postures, as `RiggedFile` takes it.
-
     Raises:
         InputError: if the number is negative.
     """

@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 from normalgan.arrays import Doubles, Indices
 from normalgan.rendering.gltf.accessors import read_accessor
 from normalgan.rendering.gltf.container import Container, bad_gltf, read_container, refusing_bad_gltf
-from normalgan.rendering.gltf.scene import MODES, Nodes, read_faces, read_nodes, shown_nodes
+from normalgan.rendering.gltf.scene import Nodes, read_nodes, read_primitives, shown_nodes
 from normalgan.rendering.rigs.animations import read_clips
 from normalgan.rendering.rigs.rig import Piece, Rig, Skin
 
@@ -48,15 +48,10 @@ def _pieces(container: Container, nodes: Nodes, index: int) -> list[Piece]:
         return []
     skin = _skin(container, nodes, entry["skin"]) if "skin" in entry else None
     pieces = []
-    for part in container.item("meshes", entry["mesh"])["primitives"]:
-        mode = part.get("mode", 4)
-        if mode not in MODES:
-            continue  # points and lines
-        vertices = read_accessor(container, part["attributes"]["POSITION"], "VEC3").astype(np.float64)
+    for attributes, vertices, faces in read_primitives(container, entry["mesh"]):
         if not np.isfinite(vertices).all():
             raise bad_gltf(container.path, "a vertex has a coordinate that is not finite")
-        faces = read_faces(container, part, mode, len(vertices))
-        pieces.append(_bound(container, part["attributes"], skin, vertices, faces, index))
+        pieces.append(_bound(container, attributes, skin, vertices, faces, index))
     return pieces
 
 

@@ -103,15 +103,11 @@ class Rig:
 
 
 def posed_vertices(piece: Piece, world: Doubles) -> Doubles:
-    """Return the (V, 3) places of a piece's vertices in the world.
+    """Return the (V, 3) places of a piece's vertices in the world, given those of the nodes (N, 4, 4).
 
     ``x' = sum_k w_k J_k B_k x`` with the joint's place J and its inverse bind matrix B (Magnenat-Thalmann
     et al., "Joint-dependent local deformations for hand animation and object grasping", 1988); the place
     of the node that a skinned piece hangs on does not matter (glTF 2.0, section 3.7.3.3).
-
-    Args:
-        piece: a surface.
-        world: (N, 4, 4) from `world_matrices`.
     """
     points = np.concatenate([piece.vertices, np.ones((len(piece.vertices), 1))], axis=1)
     if piece.skin is None:

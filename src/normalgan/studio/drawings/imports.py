@@ -44,7 +44,7 @@ def import_picture(content: bytes, name: str = "the picture", part: int = 1) -> 
     if part == 1:
         picture = read_picture(Path(name), content)
     else:
-        picture = to_picture(decode_frames(name, content, (SMALLEST, LARGEST)).parts[part - 1].decoded)
+        picture = to_picture(decode_frames(name, content, (SMALLEST, LARGEST)).frames[part - 1])
     given, notes = [picture.shape[1], picture.shape[0]], picture.notes.layers
     if max(picture.size) > MOST_SIDE:
         picture = picture.resized(fitted(picture.size, MOST_SIDE))

@@ -2,8 +2,9 @@
 
 from collections.abc import Callable
 
+from ..opening import RefusedError
 from .aseprite import AsepriteFile
-from .base import Layer, LayeredFile, Notes, UnreadableError
+from .base import Layer, LayeredFile, Notes
 from .krita import KritaFile
 from .openraster import OpenRasterFile
 from .psd import PsdFile
@@ -15,7 +16,6 @@ __all__ = [
     "Layer",
     "LayeredFile",
     "Notes",
-    "UnreadableError",
     "foreign",
     "open_layered",
 ]
@@ -72,15 +72,10 @@ def foreign(content: bytes) -> str | None:
 
 
 def open_layered(kind: str, content: bytes, check_size: Callable[[int, int], None]) -> LayeredFile:
-    """Open a layered file without decoding its pictures.
-
-    Args:
-        kind: name of its format.
-        content: content of the file.
-        check_size: as `LayeredFile` has it.
+    """Open a layered file without decoding its pictures; ``kind`` is the name of its format.
 
     Raises:
-        UnreadableError: if it is broken, of an unknown version, or of an unsupported program.
+        RefusedError: if it is broken, of an unknown version, or of an unsupported program.
     """
     match kind:
         case "PSD":
@@ -99,5 +94,5 @@ def _zip_format(content: bytes) -> type[KritaFile] | type[OpenRasterFile]:
         return OpenRasterFile
     for name, (what, way_out) in _FOREIGN_ZIPS.items():
         if name in names:
-            raise UnreadableError(f"is {what}, which cannot be read; {way_out}")
-    raise UnreadableError(f"is a ZIP without {MERGED}; OpenRaster and Krita files have one")
+            raise RefusedError(f"is {what}, which cannot be read; {way_out}")
+    raise RefusedError(f"is a ZIP without {MERGED}; OpenRaster and Krita files have one")

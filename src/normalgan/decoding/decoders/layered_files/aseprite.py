@@ -6,14 +6,14 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from .base import Layer, LayeredFile, UnreadableError, flattened
+from ..opening import MOST_PARTS, MOST_PIXELS, RefusedError
+from .base import Layer, LayeredFile, flattened
 
 if TYPE_CHECKING:
     from PIL.Image import Image
 
 __all__ = ["AsepriteFile"]
 
-_MOST_FRAMES = 1024
 _FRAME = 0xF1FA
 _LAYER, _CEL, _PALETTE, _TILESET = 0x2004, 0x2005, 0x2019, 0x2023
 _OLD_PALETTES = {0x0004: 255, 0x0011: 63}
@@ -78,8 +78,8 @@ class AsepriteFile(LayeredFile):
         frames, self._depth, self._flags, self._clear, colours = struct.unpack(
             "<6xH4xHI10xB3xH", content[:34]
         )
-        if not 0 < frames <= _MOST_FRAMES:
-            raise UnreadableError(f"has {frames} frames; 1 to {_MOST_FRAMES} can be read")
+        if not 0 < frames <= MOST_PARTS:
+            raise RefusedError(f"has {frames} frames; 1 to {MOST_PARTS} can be read")
         self.durations = []
         self._layers: list[_LayerChunk] = []
         self._levels: list[tuple[bool, str, int]] = []
@@ -94,20 +94,20 @@ class AsepriteFile(LayeredFile):
             for _ in range(frames):
                 length, magic, old, duration, new = struct.unpack_from("<IHHH2xI", content, at)
                 if magic != _FRAME:
-                    raise UnreadableError("is an Aseprite file of an unknown version")
+                    raise RefusedError("is an Aseprite file of an unknown version")
                 self.durations.append(duration)
                 self._cels.append({})
                 inner = at + 16
                 for _ in range(new or old):
                     size, kind = struct.unpack_from("<IH", content, inner)
                     if size < 6:
-                        raise UnreadableError("is a broken Aseprite file: a chunk has no length")
+                        raise RefusedError("is a broken Aseprite file: a chunk has no length")
                     self._take(kind, content[inner + 6 : inner + size])
                     inner += size
                 self._palettes.append(list(self._palette))
                 at += length
         except (struct.error, IndexError) as error:
-            raise UnreadableError(f"is a broken Aseprite file: {error}") from None
+            raise RefusedError(f"is a broken Aseprite file: {error}") from None
 
     def composite(self) -> "Image":
         """Return the first frame."""
@@ -118,7 +118,7 @@ class AsepriteFile(LayeredFile):
         for number, duration in enumerate(self.durations):
             shown = flattened(self.size, self._cels_of(number))
             if not number and self._broken and not self._drawn:
-                raise UnreadableError(self._broken)
+                raise RefusedError(self._broken)
             yield shown, duration
 
     def tileset(self) -> "tuple[Image, tuple[int, int]]":
@@ -130,13 +130,13 @@ class AsepriteFile(LayeredFile):
                 try:
                     return self._image(found.pixels, (width, height * found.count), number, 0), found.size
                 except ValueError as error:
-                    raise UnreadableError(f"has a broken tileset of {layer.name!r}: {error}") from None
+                    raise RefusedError(f"has a broken tileset of {layer.name!r}: {error}") from None
         return super().tileset()
 
     def _read_size(self) -> tuple[int, int]:
         width, height, depth = struct.unpack("<8xHHH", self.content[:14])
         if depth not in {8, 16, 32}:
-            raise UnreadableError(f"is an Aseprite file of {depth} bits; 8, 16 and 32 can be read")
+            raise RefusedError(f"is an Aseprite file of {depth} bits; 8, 16 and 32 can be read")
         return width, height
 
     def _read_layers(self) -> Iterator[Layer]:
@@ -215,8 +215,8 @@ class AsepriteFile(LayeredFile):
         (length,) = struct.unpack_from("<H", data, 32)
         at, pixels = 34 + length, None
         size = count * width * height * self._depth // 8
-        if not 0 <= count * width * height <= 2**26:
-            raise UnreadableError(f"has a tileset of {count} tiles of {width} × {height} pixels")
+        if not 0 <= count * width * height <= MOST_PIXELS:
+            raise RefusedError(f"has a tileset of {count} tiles of {width} × {height} pixels")
         if flags & 1:  # numbers of the other file and of its tileset
             at += 8
         if flags & 2:
@@ -254,7 +254,7 @@ class AsepriteFile(LayeredFile):
         if kind not in {0, 2}:
             raise ValueError(f"it is of the unknown kind {kind}")
         width, height = struct.unpack_from("<HH", data, 16)
-        if not 0 < width * height <= 2**26:
+        if not 0 < width * height <= MOST_PIXELS:
             raise ValueError(f"it has {width} × {height} pixels")
         count = width * height * self._depth // 8
         pixels = data[20:] if kind == 0 else zlib.decompressobj().decompress(data[20:], count)
@@ -290,7 +290,7 @@ class AsepriteFile(LayeredFile):
             )
             return None
         width, height = tileset.size
-        if bits not in {8, 16, 32} or not 0 < columns * width * rows * height <= 2**26:
+        if bits not in {8, 16, 32} or not 0 < columns * width * rows * height <= MOST_PIXELS:
             raise ValueError(f"it has {columns} × {rows} tiles of {width} × {height} pixels and {bits} bits")
         count = columns * rows
         packed = zlib.decompressobj().decompress(data[48:], count * bits // 8)

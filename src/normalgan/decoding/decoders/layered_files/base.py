@@ -5,17 +5,15 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from ..opening import RefusedError
+
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-__all__ = ["Layer", "LayeredFile", "Notes", "UnreadableError", "flattened"]
+__all__ = ["Layer", "LayeredFile", "Notes", "flattened"]
 
 _MOST_NOTES = 12
 """Notes that are given in full; the others are counted."""
-
-
-class UnreadableError(Exception):
-    """A layered file that cannot be read; its text goes after the file's name."""
 
 
 class Notes:
@@ -90,7 +88,7 @@ class LayeredFile(ABC):
         check_size: called with width and height before anything else is read; may raise to refuse the file.
 
     Raises:
-        UnreadableError: if it is broken, or of an unknown version.
+        RefusedError: if it is broken, or of an unknown version.
     """
 
     def __init__(self, content: bytes, check_size: Callable[[int, int], None]) -> None:
@@ -111,9 +109,9 @@ class LayeredFile(ABC):
         """Return the tiles of the first visible tilemap, stacked vertically, and the size of one.
 
         Raises:
-            UnreadableError: if it has none.
+            RefusedError: if it has none.
         """
-        raise UnreadableError("has no tileset of its own; give the size of a tile, such as 16x16")
+        raise RefusedError("has no tileset of its own; give the size of a tile, such as 16x16")
 
     def layers(self) -> Iterator[Layer]:
         """Yield the visible layers, bottom to top, each cropped to its opaque part.
@@ -122,7 +120,7 @@ class LayeredFile(ABC):
         left out and noted.
 
         Raises:
-            UnreadableError: if the file cannot be read.
+            RefusedError: if the file cannot be read.
         """
         width, height = self.size
         for number, each in enumerate(self._read_layers()):
@@ -146,7 +144,7 @@ class LayeredFile(ABC):
         """Return the composite, or the first frame of an animation.
 
         Raises:
-            UnreadableError: if it cannot be read.
+            RefusedError: if it cannot be read.
         """
 
     @abstractmethod

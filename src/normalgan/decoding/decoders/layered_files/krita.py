@@ -5,7 +5,8 @@ from collections.abc import Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from .base import Layer, UnreadableError
+from ..opening import RefusedError
+from .base import Layer
 from .zips import MERGED, LayeredZip, member_of, xml_of
 
 if TYPE_CHECKING:
@@ -93,7 +94,7 @@ class KritaFile(LayeredZip):
                     yield from self._group(each.find("layers"), (*path, name), own, inside)
                     continue
                 image = self._paint(each)
-            except (ValueError, IndexError, UnreadableError) as error:
+            except (ValueError, IndexError, RefusedError) as error:
                 self.notes.leave_out(name, f"cannot be read: {error}; left out", "damaged")
                 continue
             for mask in inside:
@@ -181,7 +182,7 @@ def _keyframes(file: zipfile.ZipFile, layer: Any) -> list[tuple[int, Any]]:
     try:
         found = xml_of(file, _path(file, name)).iter("keyframe")
         return sorted(((int(each.get("time")), each) for each in found), key=lambda pair: pair[0])
-    except (UnreadableError, TypeError, ValueError):
+    except (RefusedError, TypeError, ValueError):
         return []  # then the layer's own file shows it
 
 

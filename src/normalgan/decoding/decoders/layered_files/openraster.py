@@ -3,7 +3,8 @@
 from collections.abc import Iterator
 from typing import Any
 
-from .base import Layer, UnreadableError
+from ..opening import RefusedError
+from .base import Layer
 from .zips import LayeredZip, member_of, png_of, xml_of
 
 __all__ = ["OpenRasterFile"]
@@ -36,7 +37,7 @@ class OpenRasterFile(LayeredZip):
                 image = png_of(member_of(self.zip, each.get("src", ""))) if each.tag == "layer" else None
                 if image is not None:
                     image.load()
-            except (ValueError, OSError, SyntaxError, UnreadableError) as error:
+            except (ValueError, OSError, SyntaxError, RefusedError) as error:
                 self.notes.leave_out(name, f"cannot be read: {error}; left out", "damaged")
                 continue
             if each.tag == "stack":

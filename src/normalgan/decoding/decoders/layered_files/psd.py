@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from .base import Layer, LayeredFile, Notes, UnreadableError
+from ..opening import RefusedError
+from .base import Layer, LayeredFile, Notes
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -26,19 +27,19 @@ class PsdFile(LayeredFile):
         """Return the merged picture that Photoshop saved, or else the layers as psd-tools composites them."""
         found = self._psd.topil() if self._psd.has_preview() else self._psd.composite()
         if found is None:
-            raise UnreadableError("holds no picture")
+            raise RefusedError("holds no picture")
         image: Image = found
         return image
 
     def _read_size(self) -> tuple[int, int]:
         version, height, width = struct.unpack(">4xH8xII", self.content[:22].ljust(22, b"\0"))
         if version not in {1, 2}:
-            raise UnreadableError(f"is a PSD of version {version}; 1 and 2 can be read")
+            raise RefusedError(f"is a PSD of version {version}; 1 and 2 can be read")
         return width, height
 
     def _read_layers(self) -> Iterator[Layer]:
         if self._psd.color_mode.name not in {"RGB", "GRAYSCALE"}:
-            raise UnreadableError(
+            raise RefusedError(
                 f"has its colours in {self._psd.color_mode.name}; layers of RGB and of greys can be predicted"
             )
         yield from _group(self._psd, self._psd, (), 255, self.notes)

@@ -7,7 +7,8 @@ from abc import abstractmethod
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from .base import LayeredFile, UnreadableError, flattened
+from ..opening import RefusedError
+from .base import LayeredFile, flattened
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -41,7 +42,7 @@ class LayeredZip(LayeredFile):
         try:
             return int(width), int(height)
         except ValueError:
-            raise UnreadableError("does not say how large it is") from None
+            raise RefusedError("does not say how large it is") from None
 
     @abstractmethod
     def _described_size(self) -> tuple[str, str]:
@@ -53,21 +54,21 @@ def open_zip(content: bytes) -> zipfile.ZipFile:
     try:
         return zipfile.ZipFile(io.BytesIO(content))
     except (zipfile.BadZipFile, ValueError) as error:
-        raise UnreadableError(f"is a broken ZIP: {error}") from None
+        raise RefusedError(f"is a broken ZIP: {error}") from None
 
 
 def member_of(file: zipfile.ZipFile, name: str) -> bytes:
-    """Return a file in a ZIP; raise `UnreadableError` if it is missing, broken or too large."""
+    """Return a file in a ZIP; raise `RefusedError` if it is missing, broken or too large."""
     try:
         about = file.getinfo(_stored_name(file, name))
         if about.file_size > _MOST_MEMBER:
-            raise UnreadableError(f"has more than {_MOST_MEMBER} bytes in its {name}")
+            raise RefusedError(f"has more than {_MOST_MEMBER} bytes in its {name}")
         with file.open(about) as member:
             return member.read(_MOST_MEMBER)
     except KeyError:
-        raise UnreadableError(f"is a ZIP without {name}; OpenRaster and Krita files have one") from None
+        raise RefusedError(f"is a ZIP without {name}; OpenRaster and Krita files have one") from None
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
-        raise UnreadableError(f"is broken: {error}") from None
+        raise RefusedError(f"is broken: {error}") from None
 
 
 def _stored_name(file: zipfile.ZipFile, name: str) -> str:
@@ -91,7 +92,7 @@ def xml_of(file: zipfile.ZipFile, name: str) -> Any:
     try:
         root = Tree.fromstring(member_of(file, name))
     except Tree.ParseError as error:
-        raise UnreadableError(f"has a broken {name}: {error}") from None
+        raise RefusedError(f"has a broken {name}: {error}") from None
     for each in root.iter():
         each.tag = each.tag.rpartition("}")[2]
     return root
