@@ -60,6 +60,7 @@ from normalgan.cli.training.trainer import (
     SaveConfig,
     check_trainer,
     check_trains,
+    keep_earlier_logs,
 )
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import CommandExit, InputError, brief, printable
@@ -120,7 +121,7 @@ class NormalGANCLI(LightningCLI):
             NormalGAN,
             MeshDataModule,
             save_config_callback=SaveConfig,
-            save_config_kwargs={"overwrite": True},
+            save_config_kwargs={"save_to_log_dir": False},
             trainer_class=RenderingTrainer,
             trainer_defaults={"callbacks": [LastCheckpoint(), StoppedCheckpoint()]},
             seed_everything_default=0,
@@ -217,6 +218,7 @@ class NormalGANCLI(LightningCLI):
             config["weights_only"] = True
         checkpoints = Path(checkpoint_folder(config["trainer"]["default_root_dir"]))
         check_trainer(config["trainer"])
+        keep_earlier_logs(config["trainer"])
         if command in {"predict", "render"}:
             config["trainer"]["logger"] = False  # it would leave files without anything logged
         if command == "test":
