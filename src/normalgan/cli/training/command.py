@@ -55,6 +55,7 @@ from normalgan.cli.training.saved_model import (
     ignored_settings,
     read_saved_model,
 )
+from normalgan.cli.training.slurm import restarted_from, with_slurm
 from normalgan.cli.training.trainer import (
     RenderingTrainer,
     SaveConfig,
@@ -63,7 +64,7 @@ from normalgan.cli.training.trainer import (
     keep_earlier_logs,
 )
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.errors import CommandExit, InputError, brief, printable
+from normalgan.errors import CommandExit, InputError, brief, printable, tell
 from normalgan.files.run_lock import check_writable, one_run_in
 from normalgan.gan import NormalGAN
 from normalgan.inference.outputs.outputs import outputs_of
@@ -198,6 +199,10 @@ class NormalGANCLI(LightningCLI):
         if self.safe:
             check_outputs(parser, args, self.config)
         name, root = self.config.get("ckpt_path"), self.config["trainer"]["default_root_dir"]
+        if self.command == "fit" and name is None and (saved := restarted_from(root)):
+            name = str(saved)
+            if rank_zero_only.rank == 0:  # type: ignore[attr-defined]
+                tell(f"SLURM has started this job again; fit resumes {name}.")
         path = find_model(self.command, name, root)
         if path is not None:
             self.config["ckpt_path"] = None
@@ -268,7 +273,9 @@ class NormalGANCLI(LightningCLI):
         callbacks = self.config_init["trainer"]["callbacks"]
         # A copy: the trainer adds its own to the list.
         given = list(callbacks) if isinstance(callbacks, list) else [callbacks]
-        trainer = super().instantiate_trainer(**kwargs)
+        plugins = self.config_init["trainer"]["plugins"] or []
+        plugins = with_slurm(plugins if isinstance(plugins, list) else [plugins])
+        trainer = super().instantiate_trainer(plugins=plugins, **kwargs)
         used: list[Callback] = trainer.callbacks  # type: ignore[attr-defined]  # public, not typed
         for number, callback in enumerate(used):
             if type(callback) in own and not any(callback is one for one in given):
