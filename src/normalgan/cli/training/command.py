@@ -59,6 +59,7 @@ from normalgan.cli.training.slurm import restarted_from, with_slurm
 from normalgan.cli.training.trainer import (
     RenderingTrainer,
     SaveConfig,
+    check_strategy,
     check_trainer,
     check_trains,
     keep_earlier_logs,
@@ -260,6 +261,8 @@ class NormalGANCLI(LightningCLI):
                     "pass a larger one to train on."
                 )
         if self.command == "fit":
+            if self.model.discriminator is not None:
+                check_strategy(self.trainer, self.config["trainer"]["strategy"])
             root = self.config["trainer"]["default_root_dir"]
             resumed, known = (saved.path, saved.folders) if saved else (None, set())
             check_others(callbacks, root, resumed, known)

@@ -10,12 +10,20 @@ from lightning.pytorch import LightningModule, Trainer
 from lightning.pytorch.accelerators import Accelerator, CUDAAccelerator, MPSAccelerator, XLAAccelerator
 from lightning.pytorch.cli import SaveConfigCallback
 from lightning.pytorch.loggers import CSVLogger
+from lightning.pytorch.strategies import DDPStrategy
 
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
 
-__all__ = ["RenderingTrainer", "SaveConfig", "check_trainer", "check_trains", "keep_earlier_logs"]
+__all__ = [
+    "RenderingTrainer",
+    "SaveConfig",
+    "check_strategy",
+    "check_trainer",
+    "check_trains",
+    "keep_earlier_logs",
+]
 
 _INSTEAD = {
     "gradient_clip_val": "model.gradient_clip",
@@ -25,6 +33,8 @@ _INSTEAD = {
 """Settings of the trainer that do nothing under manual optimisation, and what does that instead."""
 _LENGTHS = ("max_epochs", "max_steps", "limit_train_batches")
 """Settings of the trainer that say how long to train."""
+_PLAIN_DDP = ("auto", "ddp", "ddp_spawn", "ddp_fork", "ddp_notebook")
+"""Names under which several processes do not look for parameters that a step leaves untouched."""
 _LOGS = "lightning_logs"
 """Where Lightning's loggers write by default, in the run's folder."""
 _DEVICES: Mapping[str, tuple[type[Accelerator], ...]] = {
@@ -68,6 +78,25 @@ def check_trains(settings: Mapping[str, Any]) -> None:
                 f"trainer.{name} is 0, so fit would train nothing; give more, or leave it out. "
                 "To make the samples only, use normalgan render."
             )
+
+
+def check_strategy(trainer: Trainer, given: object) -> None:
+    """Refuse to train two networks by plain DDP, which Lightning also takes for several devices by itself.
+
+    Args:
+        trainer: the trainer.
+        given: the setting of its strategy.
+
+    Raises:
+        InputError: if it would; it ends with an error at the first step.
+    """
+    if isinstance(trainer.strategy, DDPStrategy) and given in _PLAIN_DDP:
+        name = "auto (ddp)" if given == "auto" else given
+        raise InputError(
+            f"trainer.strategy is {name}, which cannot train generator and discriminator, because each step "
+            "leaves one of them untouched; add --config ddp, or pass --trainer.strategy "
+            "ddp_find_unused_parameters_true."
+        )
 
 
 def keep_earlier_logs(settings: Mapping[str, Any]) -> None:
