@@ -51,7 +51,7 @@ from normalgan.cli.training.safe_config import SAFE_CONFIG, allow_known_classes_
 from normalgan.cli.training.saved_model import (
     SavedModel,
     announce,
-    find_model,
+    find_saved_model,
     ignored_settings,
     read_saved_model,
 )
@@ -204,7 +204,7 @@ class NormalGANCLI(LightningCLI):
             name = str(saved)
             if rank_zero_only.rank == 0:  # type: ignore[attr-defined]
                 tell(f"SLURM has started this job again; fit resumes {name}.")
-        path = find_model(self.command, name, root)
+        path = find_saved_model(self.command, name, root)
         if path is not None:
             self.config["ckpt_path"] = None
             size, default = self.config["data"]["size"], parser.get_default("data.size")
