@@ -18,7 +18,7 @@ from PIL import Image
 
 from normalgan.arrays import Floats
 from normalgan.inference.composites.series import Member, predict_series
-from normalgan.inference.network.onnx_backend import OnnxBackend, find_model
+from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.preview import lit
 from normalgan.inference.predictor import Predictor
@@ -32,6 +32,7 @@ from normalgan.rendering.mesh_files import MeshFile
 from normalgan.rendering.rigs import ClipMeshes
 from normalgan.rendering.strokes import rasterise
 from normalgan.rendering.view import View
+from normalgan.weights.shipped import find_model
 
 SIDE, AZIMUTH, ELEVATION, STILL = 256, 60.0, 10.0, 1.0
 WIDEST = 1080

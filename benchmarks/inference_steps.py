@@ -22,8 +22,9 @@ import numpy as np
 from machine import describe
 
 from normalgan.inference import pipeline, preparation
-from normalgan.inference.network.onnx_backend import OnnxBackend, find_model
+from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.reading.picture import Picture, fitted, read_picture
+from normalgan.weights.shipped import find_model
 
 SKETCHES = Path(__file__).parents[1] / "examples" / "sketches"
 

@@ -21,11 +21,12 @@ from PIL import Image
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
-from normalgan.inference.network.onnx_backend import OnnxBackend, find_model
+from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.reading.picture import fitted, read_picture
 from normalgan.normals import angles, encode, paint_flat
+from normalgan.weights.shipped import find_model
 
 MOVES = {"right": (1, 0), "down": (0, 1), "both": (1, 1)}
 STROKE, WIDTH, FAR = 1 / 12, 1 / 170, 1 / 4

@@ -50,7 +50,7 @@ LIGHT = (
 HEAVY = {
     "cli/discovery.py",
     *(f"cli/training/{name}.py" for name in ("command", "parser", "trainer", "normal_map_writer")),
-    *("cli/training/safe_config.py", "cli/training/saved_model.py"),
+    *("cli/training/safe_config.py", "cli/training/saved_model.py", "cli/training/slurm.py"),
     "inference/network/torch_backend.py",
 }
 """The exceptions, which no light module imports until it needs them."""

@@ -29,12 +29,13 @@ from normalgan.errors import InputError
 from normalgan.exporting.onnx_file import finish
 from normalgan.inference.network.extension import extend
 from normalgan.inference.network.framing import Frame
-from normalgan.inference.network.onnx_backend import OnnxBackend, find_model
+from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.network.upsampling import CELL, RIM, planes
 from normalgan.inference.pipeline import coarse_of
 from normalgan.inference.preparation import prepare
 from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import Picture
+from normalgan.weights.shipped import find_model
 
 LICENCE = "MIT; trained on procedural shapes of normalgan and on CC0 meshes (docs/model_card.md)"
 CROP = 192

@@ -257,6 +257,7 @@ def test_further_tests_of_a_plan_have_their_own_tables() -> None:
     assert line(text, "Inaccurate hints: mean error with 15 hints, moved", "ours") == ["18.00°", "15.00°"]
     suggested = "One pin after the other, where the studio suggests"
     assert line(text, suggested, "ours") == ["9.00°", "8.50°", "8.25°", "8.00°"]
+    assert text.count("Pixels that have a pin in the end are left out") == 2
     assert line(text, "Adversarial gradient", "ours") == ["2.0e-05", "3.0e-04"]
     assert line(text, "Adversarial gradient", "the paper") == ["–", "–"]
 
@@ -271,6 +272,10 @@ def test_intervals_and_figures_by_mesh_stand_in_tables() -> None:
     assert cells[:2] == ["16.50° [15.11, 17.89]", "-4.50° [-4.96, -4.04]"]
     assert line(text, "Table 3", "the paper")[1] == "+0.00° [+0.00, +0.00]"
     assert "Table 4" not in text  # one seed
+    assert "The differences to quote, over the test meshes and the seeds, need two test meshes" in text
+    alone = markdown(PLAN, Scale("cpu"), {"paper": [with_meshes(20)], "ours": [with_meshes(15)]})
+    assert line(alone, "Table 3", "ours")[:2] == ["–", "–"]
+    assert "An interval needs two test meshes." in alone
     both = {
         name: [{**with_meshes(a + d, b + d), "seed": seed} for seed, d in enumerate(seeds)]
         for name, a, b, seeds in (("paper", 20, 22, (0, 1)), ("ours", 15, 18, (0, 0.5)))

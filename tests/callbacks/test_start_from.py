@@ -84,8 +84,8 @@ def test_what_cannot_be_begun_with_is_refused(other: Path, meshes: Path, cache: 
     for start, said in (
         (str(other), "whose generator is another one"),
         ("shipped", "ours.onnx, whose generator is another one"),
-        ("/gone.ckpt", "there is no checkpoint"),
-        ("/gone.safetensors", "there are no weights"),
+        ("/gone.ckpt", "there is no model"),
+        ("/gone.safetensors", "there is no model"),
     ):
         with pytest.raises(InputError, match=said):
             trainer(tmp_path / "new", callbacks=[StartFrom(start)]).fit(wider, data(meshes, cache))

@@ -1,3 +1,4 @@
+import csv
 import json
 import re
 import signal
@@ -39,6 +40,18 @@ def test_fit_prints_no_warnings_that_users_cannot_act_on(bench: Bench, tmp_path:
     assert (outcome.code, outcome.err) == (0, "")
     (line,) = outcome.out.splitlines()
     assert line.startswith("The best checkpoint is ")
+
+
+@pytest.mark.slow
+def test_a_resumed_run_keeps_the_table_that_it_logged_before(bench: Bench, tmp_path: Path) -> None:
+    loggers = ("--trainer.logger", "[CSVLogger, TensorBoardLogger]")
+    for more in ((), ("--trainer.max_epochs", 2, "--ckpt_path", "last")):
+        outcome = bench.run("fit", tmp_path, *loggers, *more, "--trainer.enable_model_summary", "false")
+        assert (outcome.code, outcome.err) == (0, "")
+    tables = sorted(tmp_path.glob("lightning_logs/version_*/metrics.csv"))
+    epochs = [next(csv.DictReader(table.read_text().splitlines()))["epoch"] for table in tables]
+    assert epochs == ["0", "1"]
+    assert (tmp_path / "config.yaml").is_file()
 
 
 @pytest.mark.slow

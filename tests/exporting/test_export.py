@@ -219,7 +219,7 @@ def test_the_size_comes_from_the_run(tmp_path: Path, capsys: pytest.CaptureFixtu
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["gone.ckpt"], "there is no checkpoint gone.ckpt"),
+        (["gone.ckpt"], "there is no model gone.ckpt"),
         (["."], ". is a folder; name a checkpoint in it, such as checkpoints/last.ckpt of a run."),
         (["text.ckpt"], "damaged or no checkpoint"),
         (["good.ckpt", "-o", "m.tflite"], "m.tflite must end in .onnx, .safetensors, .pt, .pt2"),

@@ -1,11 +1,13 @@
 """Models by address, from a server of this machine."""
 
+import contextlib
 import hashlib
 import http.server
 import socket
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -33,6 +35,8 @@ class Handler(http.server.BaseHTTPRequestHandler):
         self._answer(True)
 
     def _answer(self, body: bool) -> None:
+        if "/slow/headers/" in self.path:
+            self._drip()
         self.asked.append(f"{self.command} {self.path}")
         there = self.path.endswith("model.onnx") and "/private/" not in self.path
         self.send_response(200 if there else 404)
@@ -49,8 +53,18 @@ class Handler(http.server.BaseHTTPRequestHandler):
         else:
             self.send_header("Content-Length", str(len(content)))
         self.end_headers()
-        if body:
+        if "/slow/body/" in self.path:
+            self._drip()
+        elif body:
             self.wfile.write(content[:1000] if "/cut/" in self.path else content)
+
+    def _drip(self) -> None:
+        """Send a byte every tenth of a second, until nobody listens or for half a minute."""
+        with contextlib.suppress(OSError):
+            for _ in range(300):
+                self.wfile.write(b"a")
+                self.wfile.flush()
+                time.sleep(0.1)
 
     def log_message(self, *_: object) -> None:
         """Say nothing."""
@@ -112,6 +126,20 @@ def test_a_hash_that_differs_is_refused_and_nothing_is_kept(server: str, tmp_pat
 def test_an_answer_that_is_cut_off_is_told_as_such(server: str, tmp_path: Path, kind: str, said: str) -> None:
     with pytest.raises(InputError, match=said):
         normalgan.load(f"{server}/{kind}/model.onnx#sha256={SHA}")
+    assert not (tmp_path / "kept").exists()
+
+
+@pytest.mark.parametrize(
+    ("where", "said"),
+    [("body", "sends less than 20 bytes a second"), ("headers", "does not answer: timed out")],
+)
+def test_a_server_that_drips_does_not_hold_us(
+    server: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, where: str, said: str
+) -> None:
+    monkeypatch.setattr("normalgan.files.addresses._WAIT", 1)
+    monkeypatch.setattr("normalgan.files.addresses._SLOWEST", 20)
+    with pytest.raises(InputError, match=said):
+        normalgan.load(f"{server}/slow/{where}/model.onnx#sha256={SHA}")
     assert not (tmp_path / "kept").exists()
 
 

@@ -9,13 +9,14 @@ import pytest
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
-from normalgan.inference.network.onnx_backend import OnnxBackend, find_model
+from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.network.tile import Tile
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.shading import curvature_of, occlusion_of
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.tiling import MOST_TILED
 from normalgan.normals import angles
+from normalgan.weights.shipped import find_model
 from pens import Pixels, overlap
 
 

@@ -9,9 +9,9 @@ import torch
 
 from normalgan.errors import RunError
 from normalgan.files.torch_files import load_torch_file
-from normalgan.inference.network.onnx_backend import OnnxBackend, find_model
+from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.weights.file import read_weights
-from normalgan.weights.shipped import SHIPPED
+from normalgan.weights.shipped import SHIPPED, find_model
 
 
 @pytest.mark.parametrize("error", [MemoryError(), RuntimeError("Exception during loading: std::bad_alloc")])

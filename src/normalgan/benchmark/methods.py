@@ -14,13 +14,13 @@ from normalgan.callbacks.checkpoints import check_size
 from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
 from normalgan.hints import HINT_SAMPLERS, HintSampler, NoHints
-from normalgan.inference.network.onnx_backend import OnnxBackend, find_model
+from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.losses import Wasserstein
 from normalgan.seeds import derive_seed
 from normalgan.weights.checkpoint import read_checkpoint
 from normalgan.weights.class_spec import ClassSpec
-from normalgan.weights.file import SUFFIXES, Weights, find_weights, read_weights
-from normalgan.weights.shipped import SHIPPED_NAME
+from normalgan.weights.file import SUFFIXES, Weights, read_weights
+from normalgan.weights.shipped import SHIPPED_NAME, find_model
 
 __all__ = [
     "Method",
@@ -119,10 +119,10 @@ def saved_method(name: str, size: int, device: torch.device) -> Method:
     Raises:
         InputError: if it cannot be used, or was trained at another size.
     """
-    path = find_weights(name)
+    path = find_model(name)
     # The package's own may use a GPU, through torch.
     if path.suffix.lower() == ".onnx" and name != SHIPPED_NAME:
-        return _onnx_method(find_model(name), size)
+        return _onnx_method(path, size)
     if path.suffix.lower() in SUFFIXES:
         weights = read_weights(path)
         check_size(path, weights.notes.size, size)

@@ -22,6 +22,7 @@ from normalgan.benchmark.plan import Plan
 from normalgan.benchmark.scale import Scale
 from normalgan.benchmark.training import Result, Results
 from normalgan.gan import SHARE
+from normalgan.metrics import ShareBelow
 
 __all__ = ["FIGURES", "RELIEF", "interval_table", "markdown", "markdown_table", "mesh_table", "ranked_error"]
 
@@ -65,6 +66,16 @@ _SEEDS_NOTES = (
     "the ones to quote of methods: an interval that covers 0 shows no difference between them."
 )
 
+_NO_TOTALS = (
+    "The differences to quote, over the test meshes and the seeds, need two test meshes and two seeds of "
+    "the reference and of another method."
+)
+_NO_MESHES = "An interval needs two test meshes."
+_PINS_NOTES = (
+    "Pixels that have a pin in the end are left out at every number: compare within a row, not with other "
+    "tables."
+)
+
 _Columns = Mapping[str, Cell]
 """The columns of a table: what fills the cells, by heading."""
 
@@ -86,7 +97,10 @@ def markdown(
         [*_relief(plan, results, hinted), "", _RELIEF_NOTES],
         _distances(plan, results, bare),
         _distances(plan, results, hinted),
-        *(_section(title, plan, results, columns) for title, columns in _further(plan, results)),
+        *(
+            _section(title, plan, results, columns, notes)
+            for title, columns, notes in _further(plan, results)
+        ),
         _hint_counts(plan, results),
         _section("What it costs", plan, results, cost_cells(), _machines(results)),
     ]
@@ -142,7 +156,8 @@ def mesh_table(result: Result, hints: int) -> str:
 def interval_table(plan: Plan, results: Results) -> list[str]:
     """Return the lines of table 3: mean errors, and differences from the reference, over the test meshes.
 
-    If a row has two seeds or more, table 4 follows: the differences over the test meshes and the seeds.
+    If a row has two seeds or more, table 4 follows: the differences over the test meshes and the seeds;
+    else a sentence says what it needs.
     """
     reference = results.get(plan.reference or "", [])
     columns: dict[str, Cell] = {}
@@ -154,11 +169,16 @@ def interval_table(plan: Plan, results: Results) -> list[str]:
             columns[less] = _difference_of(difference_interval, given, reference)
             totals[less] = _difference_of(total_interval, given, reference)
     title = "Table 3: mean error with 95 % intervals over the test meshes"
-    lines = _section(title, plan, results, columns, _MESHES_NOTES)
+    notes = _MESHES_NOTES
+    if not any(cell(runs) != interval_cell(None) for runs in results.values() for cell in columns.values()):
+        notes = _NO_MESHES
+    lines = _section(title, plan, results, columns, notes)
     others = {name: runs for name, runs in results.items() if name != plan.reference}
     if any(cell(runs) != interval_cell(None) for runs in others.values() for cell in totals.values()):
         title = "Table 4: the same differences with 95 % intervals over the test meshes and the seeds"
         lines += _section(title, plan, others, totals, _SEEDS_NOTES)
+    elif reference and others:
+        lines += ["", _NO_TOTALS]
     return lines
 
 
@@ -192,7 +212,8 @@ def _accuracy(plan: Plan, results: Results, title: str, given: str) -> list[str]
         columns["hints"] = lambda runs: spread_of([run["figures"][OWN]["hints"] for run in runs], 1)
     columns |= {heading: figure_cell(given, name) for name, heading in FIGURES.items()}
     for metric in more_metrics(plan.metrics):
-        columns[metric.label or metric.figure] = figure_cell(given, metric.figure, metric.unit)
+        below = f"< {metric.threshold:g}°" if isinstance(metric, ShareBelow) else ""
+        columns[below or metric.label or metric.figure] = figure_cell(given, metric.figure, metric.unit)
     columns |= {"coverage": figure_cell(given, "coverage"), "mask IoU": figure_cell(given, "mask_iou")}
     return _section(title, plan, results, columns)
 
@@ -234,12 +255,13 @@ def _distances(plan: Plan, results: Results, given: str) -> list[str]:
     return _section(title, plan, results, columns) if columns else []
 
 
-def _further(plan: Plan, results: Results) -> Iterator[tuple[str, _Columns]]:
+def _further(plan: Plan, results: Results) -> Iterator[tuple[str, _Columns, str]]:
     """Yield the title and columns of the tables that only some plans ask for."""
     for count in plan.placement_counts:
         yield (
             f"Where hints lie: mean error with {count} hints, placed",
             {name: figure_cell(f"{name}-{count}", "angular_mean") for name in plan.placements},
+            "",
         )
     right = str(plan.hints)
     for what, unit, sizes in (
@@ -251,6 +273,7 @@ def _further(plan: Plan, results: Results) -> Iterator[tuple[str, _Columns]]:
             yield (
                 f"Inaccurate hints: mean error with {right} hints, {what} by this many {unit}",
                 {"0": figure_cell(right, "angular_mean"), **off},
+                "",
             )
     if plan.pins:
         numbers = [number for number in (0, 1, 2, 3, 5, 10, 20, 50) if number <= plan.pins]
@@ -261,10 +284,11 @@ def _further(plan: Plan, results: Results) -> Iterator[tuple[str, _Columns]]:
             yield (
                 f"One pin after the other, {where}: mean error by number of pins",
                 {str(number): pin_cell(strategy, number) for number in numbers},
+                _PINS_NOTES,
             )
     if any(SHARE in run["curve"][-1] for run in _runs(results) if run["curve"]):
         title = "Adversarial gradient beside that of the reconstruction, at the generator's weights"
-        yield title, {"first": share_cell(0), "last": share_cell(-1)}
+        yield title, {"first": share_cell(0), "last": share_cell(-1)}, ""
 
 
 def _hint_counts(plan: Plan, results: Results) -> list[str]:

@@ -13,8 +13,8 @@ from normalgan.files.addresses import is_address
 from normalgan.models import ResidualUNetGenerator
 from normalgan.models.growth import grow
 from normalgan.weights.checkpoint import read_checkpoint
-from normalgan.weights.file import SUFFIXES, find_weights, read_weights
-from normalgan.weights.shipped import SHIPPED_NAME
+from normalgan.weights.file import SUFFIXES, read_weights
+from normalgan.weights.shipped import SHIPPED_NAME, find_model
 
 __all__ = ["StartFrom"]
 
@@ -62,7 +62,7 @@ class StartFrom(Callback):
             return
         if is_address(self.weights):  # a configuration does not decide what is fetched
             raise InputError(f"StartFrom takes a file, not the address {self.weights}; fetch it first.")
-        path = find_weights(self.weights)
+        path = find_model(self.weights)
         if self.grow:
             _grow(path, pl_module.get_submodule("generator"))
             return

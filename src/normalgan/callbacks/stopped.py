@@ -1,9 +1,12 @@
 """StoppedCheckpoint: the checkpoint of a run that is stopped within an epoch."""
 
+import os
 import signal
+import subprocess
 from threading import current_thread, main_thread
 from typing import Any
 
+from lightning.fabric.plugins.environments.slurm import SLURMEnvironment
 from lightning.pytorch import Callback, LightningModule, Trainer
 from lightning.pytorch.trainer.states import TrainerFn
 from lightning.pytorch.utilities.exceptions import SIGTERMException
@@ -26,18 +29,26 @@ class StoppedCheckpoint(Callback):
     With several processes, Lightning answers SIGTERM by a message to the others from within the handler. In
     the middle of another exchange this makes all processes wait for one another. Here the handler only sets a
     flag, and the processes agree before each batch.
+
+    Under SLURM, SIGUSR1 (``sbatch --signal=SIGUSR1@120``) does the same, and requeues the job.
     """
 
     def __init__(self) -> None:
         self._asked = False
+        self._requeue = False
 
     def on_train_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
         """Replace Lightning's handler, which restores the earlier one when training ends."""
-        if trainer.world_size > 1 and current_thread() is main_thread():
+        if current_thread() is not main_thread():
+            return
+        if trainer.world_size > 1:
             signal.signal(signal.SIGTERM, self._note)
+        if SLURMEnvironment.detect() and hasattr(signal, "SIGUSR1"):  # Windows has none
+            signal.signal(signal.SIGUSR1, self._note)
 
-    def _note(self, *_: object) -> None:
+    def _note(self, number: int, *_: object) -> None:
         self._asked = True
+        self._requeue = self._requeue or number != signal.SIGTERM
 
     def on_train_batch_start(
         self, trainer: Trainer, pl_module: LightningModule, batch: Any, batch_idx: int
@@ -58,7 +69,10 @@ class StoppedCheckpoint(Callback):
             self._agree(trainer)
 
     def _agree(self, trainer: Trainer) -> None:
-        if trainer.world_size > 1 and trainer.strategy.reduce_boolean_decision(self._asked, all=False):
+        asked = self._asked
+        if trainer.world_size > 1:
+            asked = trainer.strategy.reduce_boolean_decision(asked, all=False)
+        if asked:
             raise SIGTERMException
 
     def on_exception(self, trainer: Trainer, pl_module: LightningModule, exception: BaseException) -> None:
@@ -72,4 +86,20 @@ class StoppedCheckpoint(Callback):
         if isinstance(exception, LossError):
             exception.keep(path)
         elif trainer.is_global_zero:
-            tell(f"stopped by SIGTERM; resume with --ckpt_path {path}.")
+            name = "SIGUSR1" if self._requeue else "SIGTERM"
+            tell(f"stopped by {name}; resume with --ckpt_path {path}.")
+            if self._requeue:
+                _requeue_job()
+
+
+def _requeue_job() -> None:
+    """Ask SLURM to start the job again, and say so. It may end this process at once."""
+    job = os.environ.get("SLURM_JOB_ID", "")
+    if "SLURM_ARRAY_JOB_ID" in os.environ:
+        job = f"{os.environ['SLURM_ARRAY_JOB_ID']}_{os.environ['SLURM_ARRAY_TASK_ID']}"
+    try:
+        done = subprocess.run(["scontrol", "requeue", job], check=False, capture_output=True, text=True)
+        reason = done.stderr.strip() or f"exit code {done.returncode}" if done.returncode else ""
+    except OSError as error:
+        reason = str(error.strerror)
+    tell(f"job {job} {f'was not requeued: {reason}' if reason else 'is requeued'}.")

@@ -19,8 +19,7 @@ def run(arguments: list[str]) -> int:
     settings = build_parser().parse_args(arguments)
     # Late: ONNX Runtime takes a third of a second.
     from normalgan.files.addresses import kept_files
-    from normalgan.inference.network.onnx_backend import find_model
-    from normalgan.weights.shipped import SHIPPED_NAME
+    from normalgan.weights.shipped import SHIPPED_NAME, find_model
 
     models = [_model(SHIPPED_NAME, find_model()), *(_model(kept.address, kept.path) for kept in kept_files())]
     if settings.json:

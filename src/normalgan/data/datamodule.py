@@ -29,6 +29,7 @@ from normalgan.data.settings import EmbeddedAnimals, MeshOptions, MeshReading, P
 from normalgan.data.sketches import SketchDataset, SketchSample
 from normalgan.data.sources import DataSource, MeshGroup, PairSource, SplitSettings
 from normalgan.data.sources.meshes import join_variants, split_meshes
+from normalgan.data.sources.pair_files import PairFiles
 from normalgan.data.splits import SPLITS
 from normalgan.data.store.manifest import fingerprints, views_by_split
 from normalgan.errors import InputError
@@ -334,10 +335,14 @@ class MeshDataModule(LightningDataModule):
 
     def _open(self, split: str) -> SampleDataset:
         if not self.kept[split]:
-            raise InputError(
-                f"the split {split} is empty, but it is needed; give it a share in "
-                "data.split.fractions, or names in data.split.file."
-            )
+            remedy = "give it a share in data.split.fractions, or names in data.split.file"
+            pairs = [item for items in self.sources.values() for item in items if isinstance(item, PairFiles)]
+            if any(pair.part is not None for pair in pairs):
+                remedy = (
+                    f"the folders or the CSV of the pairs give the splits: put pairs into {split} there, or "
+                    "pass --data.source.resplit true to split all pairs by data.split.fractions"
+                )
+            raise InputError(f"the split {split} is empty, but it is needed; {remedy}.")
         # An unusable training pair keeps its place, whenever it is found, so that a resumed run, which
         # knows it from the start, has the same order.
         later = {*self._later(), *(["train"] if self.of_pairs else [])}

@@ -9,8 +9,8 @@ from normalgan.models import Generator
 from normalgan.models.base import check_generated
 from normalgan.models.condition import make_condition
 from normalgan.weights.checkpoint import read_model
-from normalgan.weights.file import find_weights
 from normalgan.weights.metadata import ModelMetadata
+from normalgan.weights.shipped import find_model
 
 __all__ = ["Deployed", "load"]
 
@@ -66,6 +66,6 @@ def load(name: str, size: int | None = None, licence: str | None = None) -> tupl
     Raises:
         InputError: if it is missing, damaged, not one of ours, or no size is known.
     """
-    weights = read_model(find_weights(name), size)
+    weights = read_model(find_model(name), size)
     notes = replace(weights.notes, size=size or weights.notes.size, licence=licence or weights.notes.licence)
     return Deployed(weights.generator(), notes.size), notes

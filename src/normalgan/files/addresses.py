@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from http.client import HTTPException, IncompleteRead
 from pathlib import Path
+from threading import Thread
 from urllib.error import HTTPError, URLError
 from urllib.parse import unquote, urlsplit
 from urllib.request import Request, urlopen
@@ -23,7 +24,10 @@ __all__ = ["CACHE", "Address", "Kept", "is_address", "kept_files", "local_file",
 CACHE = "NORMALGAN_CACHE"
 """The environment variable that names the folder of files that were fetched."""
 _WAIT = 30
-"""Seconds to wait for a server's answer."""
+"""Seconds to wait for a server's answer, and in which it sends at least as much as `_SLOWEST` says."""
+_SLOWEST = 10
+"""Bytes a second of the slowest server, as in cargo, which also measures over 30 s. A timeout of the socket
+alone starts again with each byte, so that a server could hold us for ever."""
 _HASH = re.compile(r"sha256=([0-9a-fA-F]{64})")
 _HUB_FILE = "model.onnx"
 """The file of a repository on the hub, if the address names none."""
@@ -140,11 +144,55 @@ def _hash(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
+class _Fetch(Thread):
+    """Fetches a file. A thread, because a slow server may stop anywhere, also within its headers."""
+
+    def __init__(self, address: Address) -> None:
+        super().__init__(daemon=True)
+        self._address = address
+        self._received = bytearray()
+        self._promised = 0
+        self._error: Exception | None = None
+
+    def run(self) -> None:
+        """Read the answer."""
+        request = Request(self._address.text, headers={"User-Agent": "normalgan"})
+        try:
+            with urlopen(request, timeout=_WAIT) as answer:
+                self._promised = int(answer.headers.get("Content-Length") or 0)
+                while len(self._received) <= MOST_BYTES and (part := answer.read1(2**16)):
+                    self._received += part
+        except Exception as error:
+            self._error = error
+
+    def content(self) -> tuple[bytes, int]:
+        """Return the file's content, and how many bytes were promised.
+
+        Raises:
+            InputError: if the server is too slow.
+            Exception: what urllib raises.
+        """
+        while self.is_alive():
+            before = len(self._received)
+            self.join(_WAIT)
+            if self.is_alive() and len(self._received) - before < _SLOWEST * _WAIT:
+                if not self._received:
+                    raise TimeoutError("timed out")
+                raise InputError(
+                    f"{self._address.text} sends less than {_SLOWEST} bytes a second; try again later."
+                )
+        if self._error is not None:
+            raise self._error
+        return bytes(self._received), self._promised
+
+
 def _from_web(address: Address) -> bytes:
+    fetch = _Fetch(address)
+    fetch.start()
     try:
-        with urlopen(Request(address.text, headers={"User-Agent": "normalgan"}), timeout=_WAIT) as answer:
-            content: bytes = answer.read(MOST_BYTES + 1)
-            promised = int(answer.headers.get("Content-Length") or 0)
+        content, promised = fetch.content()
+    except InputError:
+        raise
     except HTTPError as error:
         error.close()
         raise InputError(f"{address.text} answers {error.code} {error.reason}.") from error

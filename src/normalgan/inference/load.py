@@ -2,12 +2,11 @@
 
 from pathlib import Path
 
-from normalgan.errors import InputError, did_you_mean
-from normalgan.files.addresses import local_file
+from normalgan.errors import InputError
 from normalgan.inference.network.backend import Backend
-from normalgan.inference.network.onnx_backend import OnnxBackend, find_model
+from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.predictor import Predictor
-from normalgan.weights.shipped import SHIPPED_NAME
+from normalgan.weights.shipped import SHIPPED_NAME, find_model
 
 __all__ = ["load"]
 
@@ -37,15 +36,7 @@ def load(path_or_name: str | Path = SHIPPED_NAME, size: int | None = None) -> Pr
 
 
 def _backend(name: str, size: int | None) -> Backend:
-    if name == SHIPPED_NAME:
-        return OnnxBackend(find_model())
-    path = local_file(name)
-    if not path.is_file():
-        raise InputError(
-            f"there is no model {name}; give a file (.onnx, .safetensors, .ckpt), an address (https://…, "
-            f"hf://owner/name), or {SHIPPED_NAME!r} for the one that comes with the package."
-            f"{did_you_mean(name, [SHIPPED_NAME])}"
-        )
+    path = find_model(name)
     if path.suffix.lower() == ".onnx":
         return OnnxBackend(path)
     # Late: torch takes seconds to import.

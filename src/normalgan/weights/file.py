@@ -1,7 +1,7 @@
 """Weights as safetensors or in our ONNX files: tensors and notes; a stranger's file is checked before use."""
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -10,16 +10,14 @@ import torch
 from safetensors.torch import load, save
 from torch import Tensor
 
-from normalgan.errors import InputError, RunError, did_you_mean, wants_memory
-from normalgan.files.addresses import local_file
+from normalgan.errors import InputError, RunError, wants_memory
 from normalgan.files.limits import read_named
 from normalgan.models import GENERATORS, Generator
 from normalgan.weights.metadata import ModelMetadata
 from normalgan.weights.network import build_generator, check_fit
 from normalgan.weights.onnx_tensors import parse_onnx
-from normalgan.weights.shipped import SHIPPED, SHIPPED_NAME
 
-__all__ = ["SUFFIXES", "Weights", "find_weights", "parse_weights", "read_weights"]
+__all__ = ["SUFFIXES", "Weights", "parse_weights", "read_weights"]
 
 _ONNX = ".onnx"
 SUFFIXES = (".safetensors", _ONNX)
@@ -96,22 +94,6 @@ def parse_weights(content: bytes, name: str = "the file", is_onnx: bool = False)
     except InputError as error:
         raise InputError(f"the model in {name} cannot be built here: {error}") from error
     return Weights(notes, tensors)
-
-
-def find_weights(name: str, names: Iterable[str] = (SHIPPED_NAME,)) -> Path:
-    """Return the file of a model, given its path, its address or ``shipped``.
-
-    Args:
-        name: the path, the address or the name.
-        names: the names that can be given where it was, for a name that is nearly one of them.
-
-    Raises:
-        InputError: if an address cannot be fetched (see `local_file`), or the name is nearly one of these.
-    """
-    path = SHIPPED if name == SHIPPED_NAME else local_file(name)
-    if not path.exists() and (hint := did_you_mean(name, names)):
-        raise InputError(f"there is no model {name}.{hint}")
-    return path
 
 
 def read_weights(path: Path) -> Weights:

@@ -238,7 +238,7 @@ def test_it_loads_neither_torch_nor_what_only_others_need() -> None:
     [
         (["none.png"], "no sketch found at 'none.png'"),
         (["fox.png", "--model", "none.onnx"], "there is no model none.onnx"),
-        (["fox.png", "--model", "shippd"], "there is no model shippd; name a file that `normalgan export` "),
+        (["fox.png", "--model", "shippd"], "there is no model shippd; give a file (.onnx), an address "),
         (["fox.png", "--model", "shippd"], "Did you mean shipped?"),
         (["fox.png", "--model", "fox.png"], "fox.png is not a model that ONNX Runtime can run"),
         (["fox.png", "--mask", "none"], "there is no file or folder none for the mask"),
@@ -282,7 +282,7 @@ def test_what_cannot_be_used_is_told_in_a_sentence(
 def test_without_a_model_it_says_so(
     here: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("normalgan.inference.network.onnx_backend.SHIPPED", here / "none.onnx")
+    monkeypatch.setattr("normalgan.weights.shipped.SHIPPED", here / "none.onnx")
     assert main(["generate", "fox.png"]) == 2
     assert "no model comes with this package" in capsys.readouterr().err
 

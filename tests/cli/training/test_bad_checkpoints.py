@@ -72,10 +72,12 @@ def test_a_checkpoint_runs_nothing(
 
 @pytest.mark.slow
 def test_a_checkpoint_that_is_missing(bench: Bench, tmp_path: Path) -> None:
-    bench.run("test", tmp_path, "--ckpt_path", "gone.ckpt").refused("there is no checkpoint gone.ckpt.")
-    bench.run("test", tmp_path, "--ckpt_path", "last").refused("there is no checkpoint", "last.ckpt")
-    bench.run("test", tmp_path, "--ckpt_path", "lats").refused("no model lats. Did you mean last?")
-    run("export", "shippd", "-o", "m.onnx").refused("no model shippd. Did you mean shipped?")
+    bench.run("test", tmp_path, "--ckpt_path", "gone.ckpt").refused(
+        "there is no model gone.ckpt; ", "last, best, shipped."
+    )
+    bench.run("test", tmp_path, "--ckpt_path", "last").refused("there is no model", "last.ckpt")
+    bench.run("test", tmp_path, "--ckpt_path", "lats").refused("no model lats; ", "Did you mean last?")
+    run("export", "shippd", "-o", "m.onnx").refused("no model shippd; ", "Did you mean shipped?")
     for command in ("validate", "test"):
         bench.run(command, tmp_path).refused(f"{command} needs a trained model: --ckpt_path")
 

@@ -173,6 +173,14 @@ def test_settings_with_a_default_are_not_required(bench: Bench, tmp_path: Path) 
         assert "required" not in help_page[help_page.index(line) :][:400].split("--model.", 2)[1]
 
 
+@pytest.mark.parametrize("strategy", [(), ("--trainer.strategy", "ddp")])
+def test_plain_ddp_is_refused_before_any_process_starts(
+    bench: Bench, tmp_path: Path, strategy: tuple[str, ...]
+) -> None:
+    outcome = bench.run("fit", tmp_path / "run", "--trainer.devices", 2, *strategy)
+    outcome.refused("(ddp)" if not strategy else "is ddp,", "--config ddp", "ddp_find_unused_parameters_true")
+
+
 @pytest.mark.skipif(importlib.util.find_spec("wandb") is not None, reason="wandb is installed")
 def test_a_logger_that_is_not_installed_is_named_with_the_reason(bench: Bench, tmp_path: Path) -> None:
     outcome = bench.run("fit", tmp_path / "run", "--trainer.logger", "WandbLogger")

@@ -27,7 +27,7 @@ SPLITS = ("train", "val", "test")
 
 
 def data(files: object, cache: Path, **settings: object) -> MeshDataModule:
-    keys = ("green", "hints", "group_by")
+    keys = ("green", "hints", "group_by", "resplit")
     of_source = {key: settings.pop(key) for key in keys if key in settings}
     defaults = {
         "size": 32,
@@ -471,6 +471,62 @@ def test_folders_of_pix2pix_are_read_as_they_are(tmp_path: Path, layout: str) ->
     pair, other = module.sources["val"][0].load(), plain.load()
     np.testing.assert_array_equal(pair.normal, other.normal)
     assert pair.sketch.shape == other.sketch.shape == (SIZE, SIZE)
+
+
+def write_double(path: Path, number: int, flipped: bool = False, columns: int = 2 * SIZE) -> None:
+    """Write a sketch and its normal map side by side into one picture."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_pair(path.with_name("a.png"), path.with_name("b.png"), number)
+    halves = [np.asarray(Image.open(path.with_name(f"{half}.png")).convert("RGB")) for half in "ab"]
+    for half in "ab":
+        path.with_name(f"{half}.png").unlink()
+    Image.fromarray(np.hstack(halves[::-1] if flipped else halves)[:, :columns]).save(path)
+
+
+@pytest.mark.parametrize("layout", ["AB", "A and B"])
+def test_the_other_direction_of_pix2pix_is_named_and_can_be_set(tmp_path: Path, layout: str) -> None:
+    for number in range(3):
+        if layout == "AB":
+            write_double(tmp_path / "AB" / f"{number}.png", number, flipped=True)
+        else:
+            write_pair(tmp_path / "B" / f"{number}.png", tmp_path / "A" / f"{number}.png", number)
+    (wrong, *_), (right, *_) = (Pairs(str(tmp_path), direction=way).found() for way in ("AtoB", "BtoA"))
+    what = "shows the normal map where the sketch" if layout == "AB" else "is a normal map, and .* a sketch"
+    with pytest.raises(InputError, match=f"0.png {what}.*direction BtoA"):
+        wrong.load()
+    np.testing.assert_allclose(right.load().normal, exact(0).normal, atol=0.03)
+    assert wrong.fingerprint() != right.fingerprint()
+
+
+def test_side_by_side_pictures_of_other_shapes_are_halved_or_named(tmp_path: Path) -> None:
+    for number in range(3):
+        write_double(tmp_path / "AB" / "train" / f"{number}.png", number, columns=2 * SIZE - (number == 0))
+    folder = tmp_path / "AB" / "train"
+    Image.open(folder / "2.png").crop((0, 8, 2 * SIZE, SIZE - 8)).save(folder / "2.png")
+    with pytest.warns(UserWarning, match=r"0\.png is 127 pixels wide, which has no half"):
+        found = Pairs(str(tmp_path)).found()
+    assert [pair.name for pair in found] == ["train/1", "train/2"]
+    assert found[1].load().sketch.shape == (SIZE - 16, SIZE)
+    Image.open(folder / "1.png").crop((0, 0, 100, SIZE)).save(folder / "1.png")
+    with pytest.raises(InputError, match=r"^the right half of .*1\.png: the normal map holds"):
+        found[0].load()
+    # Without a folder AB, one picture that is twice as wide as high shows what they are.
+    write_double(folder / "3.png", 3)
+    folder.rename(tmp_path / "train")
+    (tmp_path / "AB").rmdir()
+    with pytest.warns(UserWarning, match="which has no half"):
+        assert len(Pairs(str(tmp_path)).found()) == 3
+
+
+def test_splits_given_by_folders_can_be_replaced(tmp_path: Path) -> None:
+    for number in range(6):
+        write_double(tmp_path / "AB" / ("train" if number < 4 else "test") / f"{number}.png", number)
+    with pytest.raises(InputError, match=r"split val is empty.*put pairs into val there, or .*resplit true"):
+        data(tmp_path, tmp_path / "cache").val_dataset  # noqa: B018
+    with pytest.raises(InputError, match=r"^data\.split\.file is s\.json, but .*resplit true"):
+        data(tmp_path, tmp_path / "cache", split=Split(file="s.json")).sources  # noqa: B018
+    found = names(data(tmp_path, tmp_path / "cache", resplit=True))
+    assert {part: len(of) for part, of in found.items()} == {"train": 4, "val": 1, "test": 1}
 
 
 def test_a_hole_is_background_where_the_file_can_say_so(tmp_path: Path) -> None:

@@ -25,12 +25,13 @@ from normalgan.inference.jobs.plan import (
 )
 from normalgan.inference.jobs.watching import Watcher
 from normalgan.inference.jobs.writing import Writer
-from normalgan.inference.network.onnx_backend import OnnxBackend, find_model
+from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.outputs.outputs import Outputs, outputs_of
 from normalgan.inference.predict_job import written_for
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.reading.drawings import MOST_BYTES
 from normalgan.ranges import OutOfRangeError
+from normalgan.weights.shipped import find_model
 
 __all__ = ["run"]
 
@@ -65,7 +66,7 @@ def run(arguments: list[str]) -> int:
         raise _not_one(len(jobs))
     if holes and len(jobs) > 1:
         raise InputError(f"a hole is a point of one drawing, but there are {len(jobs)}; name one.")
-    path = find_model(settings.model)
+    path = find_model(settings.model, [".onnx"])
     if piped is None:
         check_writable(jobs)
     writer = Writer(outputs) if piped is None else Writer(outputs, piped)

@@ -51,18 +51,21 @@ from normalgan.cli.training.safe_config import SAFE_CONFIG, allow_known_classes_
 from normalgan.cli.training.saved_model import (
     SavedModel,
     announce,
-    find_model,
+    find_saved_model,
     ignored_settings,
     read_saved_model,
 )
+from normalgan.cli.training.slurm import restarted_from, with_slurm
 from normalgan.cli.training.trainer import (
     RenderingTrainer,
     SaveConfig,
+    check_strategy,
     check_trainer,
     check_trains,
+    keep_earlier_logs,
 )
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.errors import CommandExit, InputError, brief, printable
+from normalgan.errors import CommandExit, InputError, brief, printable, tell
 from normalgan.files.run_lock import check_writable, one_run_in
 from normalgan.gan import NormalGAN
 from normalgan.inference.outputs.outputs import outputs_of
@@ -120,7 +123,7 @@ class NormalGANCLI(LightningCLI):
             NormalGAN,
             MeshDataModule,
             save_config_callback=SaveConfig,
-            save_config_kwargs={"overwrite": True},
+            save_config_kwargs={"save_to_log_dir": False},
             trainer_class=RenderingTrainer,
             trainer_defaults={"callbacks": [LastCheckpoint(), StoppedCheckpoint()]},
             seed_everything_default=0,
@@ -197,7 +200,11 @@ class NormalGANCLI(LightningCLI):
         if self.safe:
             check_outputs(parser, args, self.config)
         name, root = self.config.get("ckpt_path"), self.config["trainer"]["default_root_dir"]
-        path = find_model(self.command, name, root)
+        if self.command == "fit" and name is None and (saved := restarted_from(root)):
+            name = str(saved)
+            if rank_zero_only.rank == 0:  # type: ignore[attr-defined]
+                tell(f"SLURM has started this job again; fit resumes {name}.")
+        path = find_saved_model(self.command, name, root)
         if path is not None:
             self.config["ckpt_path"] = None
             size, default = self.config["data"]["size"], parser.get_default("data.size")
@@ -217,6 +224,7 @@ class NormalGANCLI(LightningCLI):
             config["weights_only"] = True
         checkpoints = Path(checkpoint_folder(config["trainer"]["default_root_dir"]))
         check_trainer(config["trainer"])
+        keep_earlier_logs(config["trainer"])
         if command in {"predict", "render"}:
             config["trainer"]["logger"] = False  # it would leave files without anything logged
         if command == "test":
@@ -253,6 +261,8 @@ class NormalGANCLI(LightningCLI):
                     "pass a larger one to train on."
                 )
         if self.command == "fit":
+            if self.model.discriminator is not None:
+                check_strategy(self.trainer, self.config["trainer"]["strategy"])
             root = self.config["trainer"]["default_root_dir"]
             resumed, known = (saved.path, saved.folders) if saved else (None, set())
             check_others(callbacks, root, resumed, known)
@@ -266,7 +276,9 @@ class NormalGANCLI(LightningCLI):
         callbacks = self.config_init["trainer"]["callbacks"]
         # A copy: the trainer adds its own to the list.
         given = list(callbacks) if isinstance(callbacks, list) else [callbacks]
-        trainer = super().instantiate_trainer(**kwargs)
+        plugins = self.config_init["trainer"]["plugins"] or []
+        plugins = with_slurm(plugins if isinstance(plugins, list) else [plugins])
+        trainer = super().instantiate_trainer(plugins=plugins, **kwargs)
         used: list[Callback] = trainer.callbacks  # type: ignore[attr-defined]  # public, not typed
         for number, callback in enumerate(used):
             if type(callback) in own and not any(callback is one for one in given):

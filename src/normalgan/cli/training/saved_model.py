@@ -8,10 +8,10 @@ from typing import Any
 from normalgan.callbacks.checkpoints import check_size, check_sizes, checkpoint_folder, named_checkpoint
 from normalgan.errors import InputError, tell
 from normalgan.weights.checkpoint import Checkpoint, read_checkpoint
-from normalgan.weights.file import SUFFIXES, Weights, find_weights, read_weights
-from normalgan.weights.shipped import SHIPPED, SHIPPED_NAME
+from normalgan.weights.file import SUFFIXES, Weights, read_weights
+from normalgan.weights.shipped import SHIPPED, SHIPPED_NAME, find_model
 
-__all__ = ["SavedModel", "announce", "find_model", "ignored_settings", "read_saved_model"]
+__all__ = ["SavedModel", "announce", "find_saved_model", "ignored_settings", "read_saved_model"]
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ def announce(model: SavedModel, command: str) -> None:
         tell(f"{command} uses the weights {whose}: {notes.generator.name}, {notes.size} pixels.")
 
 
-def find_model(command: str, name: str | None, root: str | None) -> Path | None:
+def find_saved_model(command: str, name: str | None, root: str | None) -> Path | None:
     """Return the file of the model that a command uses; None if it needs none.
 
     Args:
@@ -72,7 +72,7 @@ def find_model(command: str, name: str | None, root: str | None) -> Path | None:
         raise InputError(f"{command} needs a trained model: --ckpt_path names a file that fit saved.")
     if name in {"last", "best"}:
         name = str(named_checkpoint(Path(checkpoint_folder(root)) / "last.ckpt", name))
-    return find_weights(name or SHIPPED_NAME, ("last", "best", SHIPPED_NAME))
+    return find_model(name, names=("last", "best", SHIPPED_NAME))
 
 
 def read_saved_model(path: Path, command: str, size: int, default_size: int) -> SavedModel:

@@ -1,18 +1,29 @@
 """The trainer of the training commands: Lightning's with `render`, without settings that have no effect."""
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import torch
+from jsonargparse import Namespace
 from lightning.pytorch import LightningModule, Trainer
 from lightning.pytorch.accelerators import Accelerator, CUDAAccelerator, MPSAccelerator, XLAAccelerator
 from lightning.pytorch.cli import SaveConfigCallback
+from lightning.pytorch.loggers import CSVLogger
+from lightning.pytorch.strategies import DDPStrategy
 
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
 
-__all__ = ["RenderingTrainer", "SaveConfig", "check_trainer", "check_trains"]
+__all__ = [
+    "RenderingTrainer",
+    "SaveConfig",
+    "check_strategy",
+    "check_trainer",
+    "check_trains",
+    "keep_earlier_logs",
+]
 
 _INSTEAD = {
     "gradient_clip_val": "model.gradient_clip",
@@ -22,6 +33,10 @@ _INSTEAD = {
 """Settings of the trainer that do nothing under manual optimisation, and what does that instead."""
 _LENGTHS = ("max_epochs", "max_steps", "limit_train_batches")
 """Settings of the trainer that say how long to train."""
+_PLAIN_DDP = ("auto", "ddp", "ddp_spawn", "ddp_fork", "ddp_notebook")
+"""Names under which several processes do not look for parameters that a step leaves untouched."""
+_LOGS = "lightning_logs"
+"""Where Lightning's loggers write by default, in the run's folder."""
 _DEVICES: Mapping[str, tuple[type[Accelerator], ...]] = {
     "gpu": (CUDAAccelerator, MPSAccelerator),
     "cuda": (CUDAAccelerator,),
@@ -65,6 +80,43 @@ def check_trains(settings: Mapping[str, Any]) -> None:
             )
 
 
+def check_strategy(trainer: Trainer, given: object) -> None:
+    """Refuse to train two networks by plain DDP, which Lightning also takes for several devices by itself.
+
+    Args:
+        trainer: the trainer.
+        given: the setting of its strategy.
+
+    Raises:
+        InputError: if it would; it ends with an error at the first step.
+    """
+    if isinstance(trainer.strategy, DDPStrategy) and given in _PLAIN_DDP:
+        name = "auto (ddp)" if given == "auto" else given
+        raise InputError(
+            f"trainer.strategy is {name}, which cannot train generator and discriminator, because each step "
+            "leaves one of them untouched; add --config ddp, or pass --trainer.strategy "
+            "ddp_find_unused_parameters_true."
+        )
+
+
+def keep_earlier_logs(settings: Mapping[str, Any]) -> None:
+    """Let each command log into a ``metrics.csv`` of its own: ``lightning_logs/version_N``.
+
+    Our default for TensorBoard, the run's folder itself, stays when another logger is named. A CSVLogger
+    deletes the table that it finds there: a resumed run or a test would delete what was logged before.
+
+    Args:
+        settings: the trainer's; changed.
+    """
+    given = settings["logger"]
+    for logger in given if isinstance(given, list) else [given]:
+        if not isinstance(logger, Namespace) or not logger["class_path"].endswith(f".{CSVLogger.__name__}"):
+            continue
+        inside = logger["init_args"]
+        if inside.get("version") == "":
+            inside["name"], inside["version"] = _LOGS, None
+
+
 class RenderingTrainer(Trainer):
     """How and where to train: Lightning's Trainer."""
 
@@ -87,6 +139,12 @@ class SaveConfig(SaveConfigCallback):
         """Write them when training starts."""
         if stage == "fit":
             super().setup(trainer, pl_module, stage)
+
+    def save_config(self, trainer: Trainer, pl_module: LightningModule, stage: str) -> None:
+        """Write them into the run's folder, wherever its loggers write."""
+        path = Path(trainer.default_root_dir) / self.config_filename
+        path.parent.mkdir(parents=True, exist_ok=True)
+        self.parser.save(self.config, path, skip_unset=False, overwrite=True, multifile=self.multifile)
 
     def on_train_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
         """Write the batch size that is used, if a callback such as BatchSizeFinder has changed it."""

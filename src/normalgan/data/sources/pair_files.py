@@ -4,14 +4,17 @@ import csv
 import hashlib
 import io
 import json
+import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from glob import glob
 from os.path import commonpath
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 
 from normalgan.arrays import BoolMask
 from normalgan.data.sources.pair import PAIRS_VERSION, Pair, background
@@ -23,7 +26,7 @@ from normalgan.inference.reading.drawings import is_drawing, read_normals, read_
 from normalgan.inference.reading.hint_files import load_hints
 from normalgan.normals import Green, flip_green
 
-__all__ = ["LAYOUTS", "PairFiles", "find_pairs"]
+__all__ = ["LAYOUTS", "Direction", "PairFiles", "find_pairs", "header_size"]
 
 _NORMAL_SUFFIXES = (".png", ".exr", ".tif", ".tiff", ".webp", ".jpg", ".jpeg", ".bmp")
 """What a normal map's file may end in, in the order in which it is looked for."""
@@ -37,9 +40,13 @@ _FOLDERS = {
     "hints": ("hints", "hint"),
 }
 _ENDS_IN = {"normal": _NORMAL_SUFFIXES, "mask": (".png", ".webp", ".bmp"), "hints": (".png", ".json")}
+_HEADERS = ("PNG", "JPEG", "BMP", "TIFF", "GIF")
+"""Formats whose headers Pillow reads in Python alone; others are opened by the decoding process alone."""
 _ZERO = 0.05
 """A shorter vector means that there is no object, in 8 bits too."""
 _PARTNERS = tuple(f"_{kind}" for kind in _ENDS_IN)
+Direction = Literal["AtoB", "BtoA"]
+"""Which of ``A`` and ``B``, or of left and right, is the sketch: the first letter, as pix2pix calls it."""
 LAYOUTS = (
     "a pair is a.png with a_normal.png beside it, or sketch/a.png with normal/a.png in the folder next to "
     "it, or A/a.png with B/a.png, or one picture of both, side by side, in AB; the last two also in train, "
@@ -61,6 +68,7 @@ class PairFiles:
         green: direction of y in the normal map and in painted hints.
         group: the group that it belongs to.
         part: its split; None if it is not given.
+        direction: of one file that holds both: the sketch is on the left (``AtoB``) or on the right.
     """
 
     name: str
@@ -71,6 +79,7 @@ class PairFiles:
     green: Green = "up"
     group: str = ""
     part: str | None = None
+    direction: Direction = "AtoB"
 
     def fingerprint(self) -> str:
         """Return a hash of the files' bytes and the settings.
@@ -78,7 +87,8 @@ class PairFiles:
         Raises:
             InputError: if a file cannot be read.
         """
-        digest = hashlib.sha256(json.dumps([PAIRS_VERSION, self.name, self.green]).encode())
+        turned = [self.direction] if self.direction != "AtoB" else []  # as before there was another
+        digest = hashlib.sha256(json.dumps([PAIRS_VERSION, self.name, self.green, *turned]).encode())
         for path in (self.sketch, self.normal, self.mask, self.hints):
             digest.update(b"none" if path is None else hashlib.sha256(read_named(path)).digest())
         return digest.hexdigest()
@@ -89,12 +99,41 @@ class PairFiles:
         Raises:
             InputError: if a file cannot be used, or the files do not match.
         """
+        try:
+            return self._loaded()
+        except InputError:
+            if self._is_exchanged():
+                both = self.sketch == self.normal
+                what = "shows the normal map where the sketch should be" if both else "is a normal map"
+                raise InputError(
+                    f"{self.sketch} {what}{'' if both else f', and {self.normal} a sketch'}; exchange them, "
+                    "or pass --data.source.direction BtoA (AtoB, the default, takes A, or the left half, for "
+                    "the sketch)."
+                ) from None
+            raise
+
+    def _is_exchanged(self) -> bool:
+        """Return whether the files can be used if the sketch is taken for the normal map."""
+        other: Direction = "BtoA" if self.direction == "AtoB" else "AtoB"
+        try:
+            replace(
+                self, sketch=self.normal, normal=self.sketch, mask=None, hints=None, direction=other
+            )._loaded()
+        except InputError:
+            return False
+        return True
+
+    def _loaded(self) -> Pair:
         picture: AnyPicture = self.sketch
+        subject = str(self.normal)
         vectors, alpha = read_normals(self.normal, self.green)
-        if self.sketch == self.normal:  # side by side: the sketch on the left
+        if self.sketch == self.normal:  # side by side
             middle = vectors.shape[1] // 2
-            picture = read_pixels(self.sketch).pixels[:, :middle]
-            vectors, alpha = vectors[:, middle:], None if alpha is None else alpha[:, middle:]
+            left, right = np.s_[:, :middle], np.s_[:, middle:]
+            of_sketch, of_normal = (left, right) if self.direction == "AtoB" else (right, left)
+            picture = read_pixels(self.sketch).pixels[of_sketch]
+            vectors, alpha = vectors[of_normal], None if alpha is None else alpha[of_normal]
+            subject = f"the {'right' if self.direction == 'AtoB' else 'left'} half of {self.normal}"
         sketch = as_picture(picture)
         hints = None if self.hints is None else load_hints(self.hints, sketch.shape)
         if hints is not None and self.hints is not None and self.hints.suffix.lower() == ".png":
@@ -102,21 +141,22 @@ class PairFiles:
         try:
             return Pair(sketch, vectors, self.mask or _object(vectors, alpha), hints)
         except InputError as error:
-            raise with_subject(self.normal, error) from error
+            raise with_subject(subject, error) from error
 
 
-def find_pairs(entry: str, left_out: list[str]) -> Iterator[PairFiles]:
+def find_pairs(entry: str, left_out: list[str], direction: Direction = "AtoB") -> Iterator[PairFiles]:
     """Yield the pairs at a folder, a file or a glob; record files without a partner.
 
     Args:
         entry: the folder, the file or the glob.
-        left_out: gets a sentence for each file that has no partner.
+        left_out: gets a sentence for each file that has no partner, or cannot be halved.
+        direction: in folders of pix2pix, which is the sketch.
 
     Raises:
         InputError: if there is no sketch, or a CSV cannot be used.
     """
     path = Path(entry)
-    if path.is_dir() and (known := list(_pix2pix(path, left_out))):
+    if path.is_dir() and (known := list(_pix2pix(path, left_out, direction))):
         yield from known
         return
     if path.suffix.lower() == ".csv":
@@ -151,33 +191,47 @@ def find_pairs(entry: str, left_out: list[str]) -> Iterator[PairFiles]:
         yield PairFiles(name, sketch, normal, _partner(sketch, "mask"), _partner(sketch, "hints"))
 
 
-def _pix2pix(root: Path, left_out: list[str]) -> Iterator[PairFiles]:
+def _pix2pix(root: Path, left_out: list[str], direction: Direction) -> Iterator[PairFiles]:
     """Yield the pairs of a folder laid out as for pix2pix: ``A`` and ``B``, or both side by side in ``AB``.
 
-    ``A`` holds the sketches and ``B`` the normal maps; side by side the sketch is on the left. ``train``,
-    ``val`` and ``test`` below them are the splits.
+    ``train``, ``val`` and ``test`` below them are the splits. Without a folder ``AB``, a picture in
+    ``train`` that is twice as wide as high shows that these are pictures of both.
     """
-    a, b, both = (root / name for name in ("A", "B", "AB"))
+    sketches, normals = (root / name for name in ("AB" if direction == "AtoB" else "BA"))
+    both = root / "AB"
+    bare = not both.is_dir() and any(
+        _is_double(path) for part in SPLITS if (root / part).is_dir() for path in _pictures(root / part)
+    )
     for part in (None, *SPLITS):
         below = part or "."
-        if (a / below).is_dir() and (b / below).is_dir():
-            normals = {path.stem: path for path in _pictures(b / below)}
-            for sketch in sorted(filter(is_drawing, (a / below).iterdir())):
-                if (normal := normals.pop(sketch.stem, None)) is None:
+        if (sketches / below).is_dir() and (normals / below).is_dir():
+            of_stem = {path.stem: path for path in _pictures(normals / below)}
+            for sketch in sorted(filter(is_drawing, (sketches / below).iterdir())):
+                if (normal := of_stem.pop(sketch.stem, None)) is None:
                     left_out.append(f"{sketch} has no normal map")
                 else:
                     yield PairFiles(_in_part(part, sketch), sketch, normal, part=part)
-            left_out += [f"{normal} has no sketch" for normal in normals.values()]
-        elif not a.is_dir() and ((both / below).is_dir() or (part and not both.is_dir())):
+            left_out += [f"{normal} has no sketch" for normal in of_stem.values()]
+        elif not sketches.is_dir() and ((both / below).is_dir() or (part and bare)):
             folder = both / below if both.is_dir() else root / below
-            pictures = _pictures(folder) if folder.is_dir() else []
-            if pictures and _is_double(pictures[0]):
-                for picture in pictures:
-                    yield PairFiles(_in_part(part, picture), picture, picture, part=part)
+            for picture in _pictures(folder) if folder.is_dir() else []:
+                size = header_size(picture)
+                if size is not None and size[0] % 2:
+                    left_out.append(
+                        f"{picture} is {size[0]} pixels wide, which has no half; it must show sketch and "
+                        "normal map side by side"
+                    )
+                else:
+                    name = _in_part(part, picture)
+                    yield PairFiles(name, picture, picture, part=part, direction=direction)
 
 
 def _pictures(folder: Path) -> list[Path]:
-    return sorted(path for path in folder.iterdir() if path.suffix.lower() in _NORMAL_SUFFIXES)
+    return sorted(
+        path
+        for path in folder.iterdir()
+        if path.suffix.lower() in _NORMAL_SUFFIXES and not path.name.startswith(".")
+    )
 
 
 def _in_part(part: str | None, path: Path) -> str:
@@ -186,8 +240,23 @@ def _in_part(part: str | None, path: Path) -> str:
 
 def _is_double(path: Path) -> bool:
     """Return whether a picture is twice as wide as high, as one of sketch and normal map is."""
-    height, width = read_pixels(path).pixels.shape[:2]
-    return bool(width == 2 * height)
+    size = header_size(path)
+    if size is None:  # another format
+        try:
+            height, width = read_pixels(path).pixels.shape[:2]
+        except InputError:
+            return False
+        size = width, height
+    return size[0] == 2 * size[1]
+
+
+def header_size(path: Path) -> tuple[int, int] | None:
+    """Return width and height from a picture's header; None if it cannot be read."""
+    try:
+        with warnings.catch_warnings(action="ignore"), Image.open(path, formats=_HEADERS) as picture:
+            return picture.size
+    except Exception:  # a damaged file may raise anything
+        return None
 
 
 def _name(sketch: Path, root: Path) -> str:

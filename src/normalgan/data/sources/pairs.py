@@ -7,10 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
 from typing import Literal
 
-from PIL import Image
-
 from normalgan.data.sources.base import DATA_SOURCES, PairSource, SplitSettings
-from normalgan.data.sources.pair_files import LAYOUTS, PairFiles, find_pairs
+from normalgan.data.sources.pair_files import LAYOUTS, Direction, PairFiles, find_pairs, header_size
 from normalgan.data.splits import SPLITS, none_usable
 from normalgan.errors import InputError
 from normalgan.normals import Green
@@ -20,8 +18,6 @@ __all__ = ["Pairs"]
 
 _SHOWN = 20
 """The most files that a warning lists."""
-_HEADERS = ("PNG", "JPEG", "BMP", "TIFF", "GIF")
-"""Formats whose headers Pillow reads in Python alone; others are opened by the decoding process alone."""
 _WITH_HEADER = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".gif"}
 
 
@@ -39,6 +35,9 @@ class Pairs(PairSource):
         hints: use the pairs' own hints instead of a sampler's; a pair without hints gets none.
         group_by: the unit that stays in one split: each file, or each folder; the group of a
             CSV counts before it.
+        direction: in folders of pix2pix, ``A`` or the left half is the sketch (AtoB), or ``B`` or the right
+            half is (BtoA).
+        resplit: split all pairs as ``data.split`` says, although their folders or their CSV give splits.
 
     Raises:
         InputError: if a setting is not one of these.
@@ -48,6 +47,8 @@ class Pairs(PairSource):
     green: Green = "up"
     hints: bool = False
     group_by: Literal["file", "folder"] = "file"
+    direction: Direction = "AtoB"
+    resplit: bool = False
 
     def __post_init__(self) -> None:
         check_ranges(self)
@@ -78,6 +79,11 @@ class Pairs(PairSource):
     def _parts(self, pairs: Sequence[PairFiles], settings: SplitSettings) -> dict[str, str]:
         """Return the split of each pair by name; a pair missing from a split file has none."""
         if pairs[0].part is not None:
+            if settings.file is not None:
+                raise InputError(
+                    f"data.split.file is {settings.file}, but the folders or the CSV of the pairs give their "
+                    "splits; pass --data.source.resplit true to split by the file."
+                )
             return {pair.name: pair.part for pair in pairs if pair.part is not None}
         grouped = any(pair.group != pair.name for pair in pairs)
         groups = list(dict.fromkeys(pair.group for pair in pairs))
@@ -102,7 +108,11 @@ class Pairs(PairSource):
     def _find(self, left_out: list[str]) -> list[PairFiles]:
         """Return all pairs by name; record files without a partner. Raises as `found` does."""
         entries = [self.files] if isinstance(self.files, str) else self.files
-        pairs = [self._with_settings(pair) for entry in entries for pair in find_pairs(entry, left_out)]
+        pairs = [
+            self._with_settings(pair)
+            for entry in entries
+            for pair in find_pairs(entry, left_out, self.direction)
+        ]
         if left_out and not pairs:
             listed = all(Path(entry).suffix.lower() == ".csv" for entry in entries)
             raise InputError(f"{left_out[0]}{'' if listed else f'; {LAYOUTS}'}.")
@@ -128,7 +138,9 @@ class Pairs(PairSource):
     def _with_settings(self, pair: PairFiles) -> PairFiles:
         folder = pair.name.rpartition("/")[0] or "."
         group = pair.group or (folder if self.group_by == "folder" else pair.name)
-        return replace(pair, green=self.green, group=group, hints=pair.hints if self.hints else None)
+        hints = pair.hints if self.hints else None
+        part = None if self.resplit else pair.part
+        return replace(pair, green=self.green, group=group, hints=hints, part=part)
 
 
 def _warn(left_out: Sequence[str]) -> None:
@@ -165,11 +177,8 @@ def _headers_agree(pair: PairFiles) -> bool:
 
 def _size(path: Path) -> tuple[int, ...] | None:
     """Return the shorter and the longer side from a picture's header; None if it cannot be read."""
-    try:
-        with warnings.catch_warnings(action="ignore"), Image.open(path, formats=_HEADERS) as picture:
-            return tuple(sorted(picture.size))  # it may be turned when it is read
-    except Exception:  # a damaged file may raise anything
-        return None
+    size = header_size(path)
+    return None if size is None else tuple(sorted(size))  # it may be turned when it is read
 
 
 def _as_texts(files: object) -> str | list[str]:

@@ -11,13 +11,11 @@ import numpy as np
 import onnxruntime
 
 from normalgan.arrays import Floats
-from normalgan.errors import InputError, RunError, brief, did_you_mean, wants_memory, with_subject
-from normalgan.files.addresses import local_file
+from normalgan.errors import InputError, RunError, brief, wants_memory, with_subject
 from normalgan.files.limits import read_bounded
 from normalgan.inference.network.onnx_graph import check_graph
 from normalgan.inference.network.upsampling import upsampler
 from normalgan.line_widths import line_widths_of
-from normalgan.weights.shipped import SHIPPED, SHIPPED_NAME
 
 __all__ = [
     "LARGEST",
@@ -25,7 +23,6 @@ __all__ = [
     "PATIENCE",
     "SMALLEST",
     "OnnxBackend",
-    "find_model",
 ]
 
 PATIENCE = 300.0
@@ -34,29 +31,6 @@ MEMORY = 2**31
 """Bytes that all models of a process may take together in all threads; ours takes some 7e8 in eight."""
 SMALLEST, LARGEST = 8, 2048
 """Least and greatest side in pixels of a model's pictures."""
-
-
-def find_model(path: str | None = None) -> Path:
-    """Return the file of the model: the one named, or the one that comes with the package.
-
-    Args:
-        path: or address; None, or ``shipped``, for the package's own.
-
-    Raises:
-        InputError: if there is none.
-    """
-    path = None if path == SHIPPED_NAME else path
-    if path is None and not SHIPPED.is_file():
-        raise InputError(
-            "no model comes with this package; name one that `normalgan export` wrote with --model."
-        )
-    found = SHIPPED if path is None else local_file(path)
-    if not found.is_file():
-        hint = did_you_mean(str(path), [SHIPPED_NAME])
-        raise InputError(
-            f"there is no model {found}; name a file that `normalgan export` wrote, or {SHIPPED_NAME}.{hint}"
-        )
-    return found
 
 
 class OnnxBackend:

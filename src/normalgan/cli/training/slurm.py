@@ -1,0 +1,53 @@
+"""SLURM: one job that is stopped, requeued and started again continues one run."""
+
+import os
+from collections.abc import Iterable
+from pathlib import Path
+
+from lightning.fabric.plugins import ClusterEnvironment
+from lightning.fabric.plugins.environments.slurm import SLURMEnvironment
+
+from normalgan.callbacks.checkpoints import checkpoint_folder, stopped_checkpoint
+from normalgan.errors import InputError
+
+__all__ = ["restarted_from", "with_slurm"]
+
+
+def with_slurm(plugins: Iterable[object]) -> list[object]:
+    """Return the trainer's plugins, under SLURM with its environment, whose requeue is ours.
+
+    Lightning's saves ``hpc_ckpt_1.ckpt`` from within a signal's handler, perhaps between the steps of two
+    networks, and later commands in that folder, test too, use it in place of the checkpoint that they were
+    given. `StoppedCheckpoint` does it between batches.
+
+    Raises:
+        InputError: if SLURM does not say how many tasks a node has.
+    """
+    given = list(plugins)
+    if not SLURMEnvironment.detect() or any(isinstance(each, ClusterEnvironment) for each in given):
+        return given
+    try:
+        return [*given, SLURMEnvironment(auto_requeue=False)]
+    except RuntimeError as error:
+        tasks = os.environ["SLURM_NTASKS"]
+        raise InputError(
+            f"SLURM has {tasks} tasks (--ntasks) and does not say how many a node; pass "
+            f"--ntasks-per-node={tasks} to sbatch or srun instead, or set SLURM_JOB_NAME=bash for one."
+        ) from error
+
+
+def restarted_from(root: str | None) -> Path | None:
+    """Return the checkpoint from which a job that SLURM has started again continues its run.
+
+    That is the newer of ``last.ckpt`` and ``stopped.ckpt``, so that a job shorter than an epoch advances.
+
+    Args:
+        root: the folder of the run.
+
+    Returns:
+        None if the job was not started again, or saved nothing before.
+    """
+    if os.environ.get("SLURM_RESTART_COUNT", "0") == "0":
+        return None
+    paths = [Path(checkpoint_folder(root)) / "last.ckpt", stopped_checkpoint(root)]
+    return max(filter(Path.is_file, paths), key=lambda path: path.stat().st_mtime, default=None)
