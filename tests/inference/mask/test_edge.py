@@ -97,7 +97,8 @@ def test_nothing_inside_a_thin_outline_is_transparent(shape: str, width: float) 
 
 @pytest.mark.slow  # the largest map has 16 million pixels
 @pytest.mark.parametrize(
-    ("size", "drawn_here", "off"), [(512, False, 0.5), (4096, True, 0.5), (4096, False, 0.8)]
+    ("size", "drawn_here", "off"),
+    [(512, False, 0.5), (2048, True, 0.5), (2048, False, 0.5), (4096, True, 0.5), (4096, False, 0.8)],
 )
 def test_the_opacity_of_a_map_ends_where_the_ink_ends(size: int, drawn_here: bool, off: float) -> None:
     corners, width = closed_curve("flower") * size, size / 170
