@@ -36,7 +36,7 @@ from normalgan.errors import InputError
 from normalgan.inference.jobs.plan import find_files
 from normalgan.line_widths import USUAL_WIDTHS
 from normalgan.ranges import Count, PositiveInt, check_ranges
-from normalgan.rendering import EmbreeRenderer, Renderer, Views
+from normalgan.rendering import EmbreeRenderer, MeshSource, Renderer, Views
 from normalgan.rendering.hand import Hand
 from normalgan.rendering.lines import LineDrawing, SuggestiveContours
 from normalgan.rendering.media import Medium
@@ -208,7 +208,8 @@ class MeshDataModule(LightningDataModule):
             group = MeshGroup(self.meshes, split_file=self.split.file, **how)
             kinds = [group.split(settings), *kinds]
         elif not self.groups:
-            made = split_meshes([*make_animals(animals.count, self.seed, list(animals.species))], settings)
+            own: list[MeshSource] = [*make_animals(animals.count, self.seed, list(animals.species))]
+            made = split_meshes(own, settings)
             varied = join_variants(made["train"], settings.variation, reading.variants)
             kinds = [made | {"train": varied}]
         how_many = (animals.extra, self.seed, list(animals.species), animals.extra_postures)

@@ -2,16 +2,19 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 from normalgan.data.settings import MeshOptions
 from normalgan.data.sources.base import SplitSettings
 from normalgan.data.splits import SPLITS
 from normalgan.ranges import Share
-from normalgan.rendering import MeshFile, MeshSource, find_meshes
+from normalgan.rendering import MeshSource, find_meshes
 from normalgan.rendering.rigs import find_poses
 from normalgan.rendering.variation import Variation, Varied
 
 __all__ = ["MeshGroup", "join_variants", "split_meshes"]
+
+M = TypeVar("M", bound=MeshSource)
 
 
 @dataclass(frozen=True)
@@ -42,14 +45,14 @@ class MeshGroup(MeshOptions):
         split = split_meshes(found, replace(settings, file=self.split_file))
         # After the split, because poses and variants of a mesh are too similar to be on both sides.
         # Validation and test keep their poses, so that figures stay comparable.
-        posed = {
-            name: _pose(part, self.poses, self.postures if name == "train" else 0.0)
+        posed: dict[str, list[MeshSource]] = {
+            name: [*find_poses(part, self.poses, self.postures if name == "train" else 0.0)]
             for name, part in split.items()
         }
         return posed | {"train": join_variants(posed["train"], settings.variation, self.variants)}
 
 
-def split_meshes(sources: Sequence[MeshSource], settings: SplitSettings) -> dict[str, list[MeshSource]]:
+def split_meshes(sources: Sequence[M], settings: SplitSettings) -> dict[str, list[M]]:
     """Return the meshes of each split.
 
     Raises:
@@ -58,14 +61,6 @@ def split_meshes(sources: Sequence[MeshSource], settings: SplitSettings) -> dict
     by_name = {source.name: source for source in sources}
     names = settings.deal([source.name for source in sources])
     return {split: [by_name[name] for name in names[split]] for split in SPLITS}
-
-
-def _pose(sources: Sequence[MeshSource], poses: int, postures: float = 0.0) -> list[MeshSource]:
-    """Return the meshes with each rigged file replaced by ``poses`` poses; 0 replaces none."""
-    posed: list[MeshSource] = []
-    for source in sources:
-        posed += find_poses([source], poses, postures) if isinstance(source, MeshFile) else [source]
-    return posed
 
 
 def join_variants(sources: Sequence[MeshSource], variation: Variation, variants: int) -> list[MeshSource]:

@@ -81,11 +81,8 @@ class Brush(BufferedDrawing):
 
 def _facing_ratio(buffers: Buffers) -> Floats:
     """Return n·v of every pixel (H, W), from 0 to 1, and 1 off the object as on paper."""
-    normal = buffers.maps.normal
-    x, y = buffers.sight.x[None, :], buffers.sight.y[:, None]
-    facing = (normal[..., 2] - normal[..., 0] * x - normal[..., 1] * y) / np.sqrt(1 + x * x + y * y)
-    ratio: Floats = np.where(buffers.maps.mask, np.clip(facing, 0, 1), 1).astype(np.float32)
-    return ratio
+    facing = np.clip(buffers.sight.facing(buffers.maps.normal), 0, 1)
+    return np.where(buffers.maps.mask, facing, 1).astype(np.float32)
 
 
 def _sharpened(picture: Floats, sigma: float, sharpening: float) -> Floats:

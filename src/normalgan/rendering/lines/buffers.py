@@ -35,6 +35,13 @@ class Sight:
     y: Floats
     pixel: Floats
 
+    def facing(self, normal: Floats) -> Floats:
+        """Return n·v of every pixel (H, W), of its normal (H, W, 3) and the unit vector to the viewer."""
+        x, y = self.x[None, :], self.y[:, None]
+        along = normal[..., 2] - normal[..., 0] * x - normal[..., 1] * y
+        cosine: Floats = along / np.sqrt(1 + x * x + y * y)
+        return cosine
+
 
 @dataclass(frozen=True)
 class Buffers:

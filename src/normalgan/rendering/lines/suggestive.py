@@ -98,7 +98,7 @@ def _valley_depth(normal: Floats, sight: Sight) -> tuple[Floats, Floats, Floats]
     """
     x, y = sight.x[None, :], sight.y[:, None]
     nx, ny, nz = normal[..., 0], normal[..., 1], normal[..., 2]
-    f = (nz - nx * x - ny * y) / np.sqrt(1 + x * x + y * y)
+    f = sight.facing(normal)
     # A displacement e moves a point's picture by e_x + x e_z, e_y + y e_z; w = v - f n, and v moves it by 0.
     right, down = -(nx + x * nz), ny + y * nz
     length = np.maximum(np.sqrt(right * right + down * down), np.float32(1e-12))
