@@ -1,4 +1,5 @@
 from abc import ABC, abstractmethod
+from typing import ClassVar
 
 import pytest
 
@@ -35,6 +36,30 @@ def test_refuses_strangers_abstract_classes_and_duplicates(registry: Registry[Sh
         registry.register(Shape)
     with pytest.raises(ValueError, match="two classes are named Square"):
         registry.register(type("Square", (Square,), {"__module__": __name__}))
+
+
+def test_a_class_that_is_defined_again_takes_the_place_of_the_first(registry: Registry[Shape]) -> None:
+    for area in (1.0, 2.0):  # as a cell of a notebook does, and a module whose import failed
+        again = type("Disc", (Shape,), {"area": lambda _, area=area: area, "__module__": "__main__"})
+        assert registry.register(again) is registry.find("Disc")
+
+
+def test_refuses_a_class_that_breaks_whoever_lists_all(registry: Registry[Shape]) -> None:
+    class Named(Shape):
+        name: ClassVar[str]
+
+        @classmethod
+        def sides(cls) -> int:
+            return 4
+
+    named = Registry(Named, "normalgan.named")  # type: ignore[type-abstract]
+    body = {"area": lambda _: 1.0}
+    with pytest.raises(TypeError, match=r"^Nameless has no name, which every Named has\.$"):
+        named.register(type("Nameless", (Named,), body))
+    with pytest.raises(TypeError, match=r"^Many\.sides is a tuple, but in Named it is a method\.$"):
+        named.register(type("Many", (Named,), {**body, "name": "many", "sides": (1, 2)}))
+    with pytest.raises(TypeError, match=r"^Flat\.area is a float, but in Shape it is a method\.$"):
+        registry.register(type("Flat", (Shape,), {"area": 1.0}))
 
 
 def test_a_namesake_of_another_package_can_be_imported_and_found_by_its_full_name(

@@ -12,7 +12,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.metadata import EntryPoint, EntryPoints, PackageNotFoundError, entry_points, version
-from typing import Any, Generic, TypeVar
+from types import FunctionType
+from typing import Any, ClassVar, Generic, TypeVar, get_origin
 
 from normalgan.errors import brief, did_you_mean
 
@@ -99,7 +100,8 @@ class Registry(Generic[T]):
         would break its module, and somebody who uses both packages cannot rename their classes.
 
         Raises:
-            TypeError: if it is not a concrete subclass of the base.
+            TypeError: if it is not a concrete subclass of the base, lacks an attribute that the base
+                declares, or has a value where the base has a method: what lists all plug-ins would fail.
             ValueError: if another class of its package has the name.
         """
         plugin: type[Any] = cls  # so that the checks do not narrow the type that is returned
@@ -111,7 +113,11 @@ class Registry(Generic[T]):
         if inspect.isabstract(plugin):
             missing = ", ".join(sorted(getattr(plugin, "__abstractmethods__", ())))
             raise TypeError(f"{name} is abstract: it does not implement {missing}.")
-        known = self._classes.setdefault(name, plugin)
+        _check_attributes(plugin, self.base)
+        known = self._classes.get(name, plugin)
+        if _defined_again(known, plugin):
+            known = plugin
+        self._classes[name] = known
         if known is not plugin and _package(known) == _package(plugin):
             raise ValueError(f"{_namesakes(known, plugin)}.")
         return cls
@@ -191,6 +197,24 @@ class Registry(Generic[T]):
         """Return the error message for an unregistered name, with the nearest registered one."""
         hint = did_you_mean(name, self.names(), 0.5)
         return f"no {self.base.__name__} named {name!r}.{hint} Known: {', '.join(self.names())}."
+
+
+def _defined_again(known: type, plugin: type) -> bool:
+    """Return whether a class is another's next version: a notebook's cell, or a failing module, ran again."""
+    same = (known.__module__, known.__qualname__) == (plugin.__module__, plugin.__qualname__)
+    return same and not issubclass(plugin, known)
+
+
+def _check_attributes(plugin: type, base: type) -> None:
+    for name, annotation in inspect.get_annotations(base).items():
+        origin: Any = get_origin(annotation)
+        if origin is ClassVar and not hasattr(plugin, name):
+            raise TypeError(f"{plugin.__name__} has no {name}, which every {base.__name__} has.")
+    for name in dir(base):
+        method = isinstance(inspect.getattr_static(base, name), (FunctionType, classmethod, staticmethod))
+        if method and not name.startswith("__") and not callable(getattr(plugin, name)):
+            kind = type(getattr(plugin, name)).__name__
+            raise TypeError(f"{plugin.__name__}.{name} is a {kind}, but in {base.__name__} it is a method.")
 
 
 def _package(cls: type) -> str:

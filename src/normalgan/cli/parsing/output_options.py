@@ -69,12 +69,17 @@ def _options(kind: type[Output]) -> Iterator[_Option]:
         words = f"write {what[0].lower()}{what[1:]}"
         if len(formats) > 1:
             asked: Any = Literal[formats] | None
-            yield _Option(option_of(kind), asked, None, f"{words}: {descriptions['format'].rstrip('.')}")
+            yield _Option(
+                option_of(kind),
+                asked,
+                None,
+                f"{words}: {descriptions.get('format', 'the format').rstrip('.')}",
+            )
         else:
             yield _Option(option_of(kind), bool, False, f"{words}, {name}.{formats[0]}")
     defaults = {field.name: field.default for field in fields(kind)}
     for name in settings_of(kind):
-        yield _Option(name, types[name], defaults[name], descriptions[name].rstrip("."))
+        yield _Option(name, types[name], defaults[name], descriptions.get(name, "").rstrip("."))
 
 
 def _descriptions(kind: type[Output]) -> dict[str, str]:
