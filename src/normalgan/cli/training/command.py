@@ -55,7 +55,7 @@ from normalgan.cli.training.saved_model import (
     ignored_settings,
     read_saved_model,
 )
-from normalgan.cli.training.slurm import restarted_from, with_slurm
+from normalgan.cli.training.slurm import check_left_behind, restarted_from, with_slurm
 from normalgan.cli.training.trainer import (
     RenderingTrainer,
     SaveConfig,
@@ -224,6 +224,7 @@ class NormalGANCLI(LightningCLI):
             config["weights_only"] = True
         checkpoints = Path(checkpoint_folder(config["trainer"]["default_root_dir"]))
         check_trainer(config["trainer"])
+        check_left_behind(config["trainer"]["default_root_dir"])
         keep_earlier_logs(config["trainer"])
         if command in {"predict", "render"}:
             config["trainer"]["logger"] = False  # it would leave files without anything logged
