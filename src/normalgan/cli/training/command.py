@@ -171,8 +171,9 @@ class NormalGANCLI(LightningCLI):
                 print(f"Training stopped early. {reason.removesuffix(' Signaling Trainer to stop.')}")
         for callback in self.trainer.checkpoint_callbacks:
             if isinstance(callback, ModelCheckpoint) and callback.monitor and callback.best_model_path:
-                score = f"{callback.monitor} {float(callback.best_model_score or 0):.4g}"
-                print(printable(f"The best checkpoint is {callback.best_model_path} ({score})."))
+                best = callback.best_model_score  # None if nothing was trained after it was resumed
+                score = "" if best is None else f" ({callback.monitor} {float(best):.4g})"
+                print(printable(f"The best checkpoint is {callback.best_model_path}{score}."))
 
     @property
     def stopped(self) -> str:
