@@ -17,7 +17,7 @@ def with_slurm(plugins: Iterable[object]) -> list[object]:
     """Return the trainer's plugins, under SLURM with its environment, whose requeue is ours.
 
     Lightning's saves ``hpc_ckpt_1.ckpt`` from within a signal's handler, perhaps between the steps of two
-    networks, and later commands in that folder, test too, use it in place of the checkpoint that they were
+    networks, and later commands in that folder, test too, load it in place of the checkpoint that they were
     given. `StoppedCheckpoint` does it between batches.
 
     Raises:
