@@ -1,6 +1,7 @@
 import csv
 import json
 import re
+import shutil
 import signal
 from pathlib import Path
 
@@ -52,6 +53,20 @@ def test_a_resumed_run_keeps_the_table_that_it_logged_before(bench: Bench, tmp_p
     epochs = [next(csv.DictReader(table.read_text().splitlines()))["epoch"] for table in tables]
     assert epochs == ["0", "1"]
     assert (tmp_path / "config.yaml").is_file()
+
+
+@pytest.mark.slow
+def test_the_settings_of_a_resumed_run_begin_another_run(bench: Bench, trained: Path, tmp_path: Path) -> None:
+    shutil.copytree(trained, tmp_path / "first")
+    resumed = bench.run("fit", tmp_path / "first", "--ckpt_path", "last", "--trainer.max_epochs", 9)
+    assert resumed.code == 0, resumed.err
+    settings = ("--config", tmp_path / "first" / "config.yaml")
+    again = run("fit", *settings, "--trainer.default_root_dir", tmp_path / "again", "--trainer.max_epochs", 1)
+    assert again.code == 0, again.err
+    assert "Nothing was left to train" not in again.out
+    assert last(tmp_path / "again").is_file()
+    # The checkpoint may come before the settings, which do not take it away.
+    assert run("validate", "--ckpt_path", "last", *settings).code == 0
 
 
 @pytest.mark.slow

@@ -41,6 +41,15 @@ def test_lightning_saves_no_checkpoint_that_it_would_later_prefer() -> None:
     assert not environment.auto_requeue  # type: ignore[attr-defined]
 
 
+@pytest.mark.parametrize("command", ["fit", "test"])
+def test_a_checkpoint_that_lightning_would_prefer_is_named(
+    bench: Bench, trained: Path, tmp_path: Path, command: str
+) -> None:
+    (tmp_path / "hpc_ckpt_1.ckpt").write_bytes(b"unchecked")
+    more = ("--ckpt_path", trained / "checkpoints" / "last.ckpt") if command == "test" else ()
+    bench.run(command, tmp_path, *more).refused("hpc_ckpt_1.ckpt in place of any other checkpoint")
+
+
 def test_sigusr1_stops_between_batches_and_requeues_the_job(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

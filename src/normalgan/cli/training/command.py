@@ -55,7 +55,7 @@ from normalgan.cli.training.saved_model import (
     ignored_settings,
     read_saved_model,
 )
-from normalgan.cli.training.slurm import restarted_from, with_slurm
+from normalgan.cli.training.slurm import check_left_behind, restarted_from, with_slurm
 from normalgan.cli.training.trainer import (
     RenderingTrainer,
     SaveConfig,
@@ -171,8 +171,9 @@ class NormalGANCLI(LightningCLI):
                 print(f"Training stopped early. {reason.removesuffix(' Signaling Trainer to stop.')}")
         for callback in self.trainer.checkpoint_callbacks:
             if isinstance(callback, ModelCheckpoint) and callback.monitor and callback.best_model_path:
-                score = f"{callback.monitor} {float(callback.best_model_score or 0):.4g}"
-                print(printable(f"The best checkpoint is {callback.best_model_path} ({score})."))
+                best = callback.best_model_score  # None if nothing was trained after it was resumed
+                score = "" if best is None else f" ({callback.monitor} {float(best):.4g})"
+                print(printable(f"The best checkpoint is {callback.best_model_path}{score}."))
 
     @property
     def stopped(self) -> str:
@@ -224,6 +225,7 @@ class NormalGANCLI(LightningCLI):
             config["weights_only"] = True
         checkpoints = Path(checkpoint_folder(config["trainer"]["default_root_dir"]))
         check_trainer(config["trainer"])
+        check_left_behind(config["trainer"]["default_root_dir"])
         keep_earlier_logs(config["trainer"])
         if command in {"predict", "render"}:
             config["trainer"]["logger"] = False  # it would leave files without anything logged

@@ -7,17 +7,17 @@ from pathlib import Path
 from lightning.fabric.plugins import ClusterEnvironment
 from lightning.fabric.plugins.environments.slurm import SLURMEnvironment
 
-from normalgan.callbacks.checkpoints import checkpoint_folder, stopped_checkpoint
+from normalgan.callbacks.checkpoints import checkpoint_folder, run_folder, stopped_checkpoint
 from normalgan.errors import InputError
 
-__all__ = ["restarted_from", "with_slurm"]
+__all__ = ["check_left_behind", "restarted_from", "with_slurm"]
 
 
 def with_slurm(plugins: Iterable[object]) -> list[object]:
     """Return the trainer's plugins, under SLURM with its environment, whose requeue is ours.
 
     Lightning's saves ``hpc_ckpt_1.ckpt`` from within a signal's handler, perhaps between the steps of two
-    networks, and later commands in that folder, test too, use it in place of the checkpoint that they were
+    networks, and later commands in that folder, test too, load it in place of the checkpoint that they were
     given. `StoppedCheckpoint` does it between batches.
 
     Raises:
@@ -34,6 +34,20 @@ def with_slurm(plugins: Iterable[object]) -> list[object]:
             f"SLURM has {tasks} tasks (--ntasks) and does not say how many a node; pass "
             f"--ntasks-per-node={tasks} to sbatch or srun instead, or set SLURM_JOB_NAME=bash for one."
         ) from error
+
+
+def check_left_behind(root: str | None) -> None:
+    """Refuse a run's folder with a checkpoint of Lightning's own requeue, which under SLURM wins unchecked.
+
+    Raises:
+        InputError: if there is one.
+    """
+    left = sorted(Path(run_folder(root)).glob("hpc_ckpt_*.ckpt"))
+    if left and SLURMEnvironment.detect():
+        raise InputError(
+            f"under SLURM, Lightning would use {left[-1]} in place of any other checkpoint; move it into "
+            f"{checkpoint_folder(root)}, and name it with --ckpt_path to resume it."
+        )
 
 
 def restarted_from(root: str | None) -> Path | None:

@@ -35,6 +35,8 @@ _LENGTHS = ("max_epochs", "max_steps", "limit_train_batches")
 """Settings of the trainer that say how long to train."""
 _PLAIN_DDP = ("auto", "ddp", "ddp_spawn", "ddp_fork", "ddp_notebook")
 """Names under which several processes do not look for parameters that a step leaves untouched."""
+_OF_A_COMMAND = ("ckpt_path", "weights_only")
+"""Settings of one command, not of its run."""
 _LOGS = "lightning_logs"
 """Where Lightning's loggers write by default, in the run's folder."""
 _DEVICES: Mapping[str, tuple[type[Accelerator], ...]] = {
@@ -141,10 +143,17 @@ class SaveConfig(SaveConfigCallback):
             super().setup(trainer, pl_module, stage)
 
     def save_config(self, trainer: Trainer, pl_module: LightningModule, stage: str) -> None:
-        """Write them into the run's folder, wherever its loggers write."""
+        """Write them into the run's folder, wherever its loggers write.
+
+        Which checkpoint was resumed is not among them: a run that is repeated with them begins anew, and a
+        later command names its checkpoint before or after them.
+        """
         path = Path(trainer.default_root_dir) / self.config_filename
         path.parent.mkdir(parents=True, exist_ok=True)
-        self.parser.save(self.config, path, skip_unset=False, overwrite=True, multifile=self.multifile)
+        settings = self.config.clone()
+        for name in _OF_A_COMMAND:
+            settings.pop(name, None)
+        self.parser.save(settings, path, skip_unset=False, overwrite=True, multifile=self.multifile)
 
     def on_train_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
         """Write the batch size that is used, if a callback such as BatchSizeFinder has changed it."""
