@@ -196,3 +196,16 @@ def test_a_grey_drawing_has_the_ink_of_one_with_a_touch_of_colour(painted: bool)
 def test_what_is_transparent_all_over_has_no_line() -> None:
     with pytest.raises(InputError, match="no line is seen in it"):
         prepare(Picture(np.zeros((40, 40, 3), np.float32), np.zeros((40, 40), np.float32)), 64)
+
+
+def test_the_lines_of_a_tile_are_the_dark_outlines_of_its_spots_and_not_the_spots() -> None:
+    tile = np.full((48, 48), 85, np.uint8)
+    outline, inside = np.zeros_like(tile), np.zeros_like(tile)
+    for x, y, radius in ((8, 10, 4), (30, 8, 3), (20, 24, 5), (40, 30, 4), (9, 38, 4), (30, 42, 2)):
+        cv2.circle(inside, (x, y), radius - 1, 1, -1)
+        cv2.circle(outline, (x, y), radius, 1)
+    tile[inside > 0], tile[outline > 0] = 110, 50
+    picture = Picture(np.repeat(tile[..., None] / np.float32(255), 3, -1), None)
+    ink = clean(picture, read(picture), repeats=True).ink
+    assert ink[outline > 0].mean() > 0.5
+    assert ink[(inside > 0) & (outline == 0)].mean() < 0.1

@@ -18,6 +18,8 @@ _LEAST = 0.3
 _JOINT, _GRAIN = (9, 0.035), 0.06
 """A line on a surface is narrower than these pixels, or than this share of the longer side; and how much its
 grain differs in brightness."""
+_LEAST_SEEN = 0.02
+"""How much a pixel counts that the reader takes for paper, as it does most joints of a wall."""
 
 
 @dataclass(frozen=True)
@@ -62,8 +64,8 @@ def clean(picture: Picture, reading: Reading | None, repeats: bool = False) -> C
 def _of_surface(ink: Floats, grey: Floats) -> Floats:
     """Return the ink (H, W) of a surface: the areas of the reader's ink, and thin lines, dark or light.
 
-    Joints are all dark or all light: whichever stand out more. They are found by the top-hat transform of
-    Serra, "Image Analysis and Mathematical Morphology", 1982.
+    Joints are all dark or all light: whichever the reader's ink follows, or if it has none, stand out more.
+    They are found by the top-hat transform of Serra, "Image Analysis and Mathematical Morphology", 1982.
 
     Args:
         ink: (H, W) in [0, 1], by the reader, to which close lines are one.
@@ -72,7 +74,7 @@ def _of_surface(ink: Floats, grey: Floats) -> Floats:
     width = max(_JOINT[0], round(_JOINT[1] * max(grey.shape)))
     window = np.ones((width, width), np.uint8)
     hats = [cv2.morphologyEx(grey, way, window) for way in (cv2.MORPH_BLACKHAT, cv2.MORPH_TOPHAT)]
-    lines = np.asarray(max(hats, key=np.sum), np.float32)
+    lines = np.asarray(max(hats, key=lambda hat: float((hat * (ink + _LEAST_SEEN)).sum())), np.float32)
     strongest = max(float(np.quantile(lines, 0.99)), 2 * _GRAIN)
     joints = np.clip((lines - _GRAIN) / (strongest - _GRAIN), 0, 1)
     areas = cv2.morphologyEx(np.asarray(ink, np.float32), cv2.MORPH_OPEN, window)
