@@ -85,10 +85,12 @@ class Evaluation(LightningModule):
         """Let the network predict in training: norms keep their statistics, and no noise is drawn."""
         modes = {module: module.training for module in self.generator.modules()}
         self.generator.eval()
-        with torch.no_grad():
-            yield
-        for module, training in modes.items():
-            module.training = training
+        try:
+            with torch.no_grad():
+                yield
+        finally:
+            for module, training in modes.items():
+                module.training = training
 
     @torch.compiler.disable  # type: ignore[untyped-decorator]
     def validation_step(self, batch: Batch, batch_idx: int, dataloader_idx: int = 0) -> None:

@@ -74,7 +74,7 @@ def _hair(kind: str, wide: float, rng: Rng) -> list[Part]:
 
 
 def _toon(rng: Rng) -> list[Part]:
-    """A cartoon's: a large ball with large eyes."""
+    """A cartoon's head: a large ball with large eyes."""
     wide = rng.uniform(0.95, 1.12)
     parts = [
         fuse(ball((0.0, 0.52), [0.46, 0.47, 0.48 * wide])),
@@ -106,7 +106,7 @@ def _toon(rng: Rng) -> list[Part]:
 
 
 def _monkey(rng: Rng) -> list[Part]:
-    """A monkey's: round skull, heart-shaped face, muzzle, big ears."""
+    """A monkey's head: round skull, heart-shaped face, muzzle, big ears."""
     ears = rng.uniform(0.85, 1.25)
     return [
         fuse(ball((0.0, 0.60), [0.42, 0.42, 0.40])),
@@ -136,7 +136,7 @@ def _gorilla(rng: Rng) -> list[Part]:
 
 
 def _bear(rng: Rng) -> list[Part]:
-    """A bear's: broad skull, long muzzle, round ears on top."""
+    """A bear's head: broad skull, long muzzle, round ears on top."""
     long = rng.uniform(0.9, 1.15)
     tip = 0.24 + 0.46 * long
     return [

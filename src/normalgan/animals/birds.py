@@ -29,7 +29,7 @@ _TOES = (-34.0, 0.0, 34.0, 180.0)
 
 @dataclass(frozen=True)
 class Wing(Table):
-    """A pair of wings, in units of the length of the body.
+    """A pair of wings, in body lengths.
 
     Args:
         span: length of one open wing.
@@ -54,7 +54,7 @@ class Wing(Table):
 
 @dataclass(frozen=True)
 class Tail(Table):
-    """A fan of feathers, in units of the length of the body.
+    """A fan of feathers, in body lengths.
 
     Args:
         length: length of the feathers.
@@ -73,7 +73,7 @@ class Tail(Table):
 
 @dataclass(frozen=True)
 class Legs(Table):
-    """A pair of legs, in units of the length of the body.
+    """A pair of legs, in body lengths.
 
     Args:
         hip: (x, y, z) of the right one in the body's frame.

@@ -121,7 +121,7 @@ class WallClockSchedule(_RateSchedule):
 
 
 def stable_factor(step: int, warmup: int, cooldown: tuple[int, int] | None = None) -> float:
-    """Return the factor that a learning rate is multiplied by: a straight rise, 1, then 1 - sqrt(t).
+    """Return the factor of a learning rate: a linear warm-up, then 1, then a cool-down by 1 - sqrt(t).
 
     Args:
         step: batches so far, 0 or more.

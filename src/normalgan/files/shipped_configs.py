@@ -33,7 +33,7 @@ def find_config(given: str) -> str:
     """Return the path of a configuration: a file if there is one of this name, else the package's own.
 
     Args:
-        given: a path, or a name such as ``paper``; as in a clone, ``configs/paper.yaml`` names the same one.
+        given: a path, or a name such as ``paper``; ``configs/paper.yaml`` works too.
     """
     name = Path(given).as_posix().removeprefix("configs/").removesuffix(".yaml")
     if Path(given).exists() or name not in shipped_names():

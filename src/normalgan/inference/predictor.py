@@ -12,7 +12,7 @@ __all__ = ["Predictor"]
 
 
 class Predictor:
-    """Predicts drawings. It may be called by several threads.
+    """Predicts drawings. Several threads may call it.
 
     Args:
         backend: the network.

@@ -1,4 +1,4 @@
-"""The gradient length of one loss, relative to that of another."""
+"""The norm of one loss's gradient, relative to that of another."""
 
 from collections.abc import Sequence
 

@@ -65,7 +65,7 @@ class MapMetric(Metric, ABC):
         Args:
             preds: (N, 3, H, W) predicted normals, of any length.
             target: (N, 3, H, W) true unit normals.
-            mask: (N, 1, H, W), 1 where to look.
+            mask: (N, 1, H, W), 1 where to measure.
         """
 
     @abstractmethod
@@ -113,7 +113,7 @@ class NormalMapMetric(MapMetric):
         Args:
             preds: (N, 3, H, W) predicted normals.
             target: (N, 3, H, W) true unit normals.
-            mask: (N, 1, H, W), 1 where to look: the object, perhaps `without_hints`.
+            mask: (N, 1, H, W), 1 where to measure: the object, or that `without_hints`.
 
         Raises:
             InputError: if the shapes are not these.

@@ -30,7 +30,7 @@ class _PresenceMetric(MapMetric):
             self.add_state(name, torch.zeros((), dtype=torch.int64), dist_reduce_fx="sum")
 
     def compute(self) -> Tensor:
-        """Return the share, nan where there was nothing to count."""
+        """Return the share, or NaN if there was nothing to count."""
         return self.both.float() / self.total
 
 

@@ -15,7 +15,7 @@ from normalgan.ranges import PositiveInt, check_ranges
 __all__ = ["SCALES", "TiledGenerator"]
 
 SCALES = (1, 2, 4)
-"""How many times as wide as the window what a channel shows is."""
+"""Widths of what the channels show, in windows."""
 
 
 @GENERATORS.register

@@ -27,7 +27,7 @@ def ellipsoid() -> Mesh:
 
 @cache
 def bowl() -> Mesh:
-    """Return a sphere without its cap about +Z: from there one sees its inside through the hole."""
+    """Return a sphere with the cap around +Z cut off, so that its inside is visible from there."""
     ball = icosphere(subdivisions=4)
     vertices = np.asarray(ball.vertices, np.float32)
     faces = ball.faces[ball.triangles_center[:, 2] < 0.5].astype(np.int32)

@@ -13,7 +13,7 @@ from normalgan.__main__ import main
 from normalgan.decoding import decode_frames
 from normalgan.errors import InputError
 from normalgan.inference.composites.animation import Kind, encode_animation, moving_kind
-from normalgan.inference.composites.series import steadied
+from normalgan.inference.composites.steadying import steadied
 from normalgan.normals import read_png
 from pens import blob, outline
 

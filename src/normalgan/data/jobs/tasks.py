@@ -1,4 +1,4 @@
-"""Tasks of worker processes, which load no torch, and how they are run until all are done."""
+"""Tasks that worker processes do, without importing torch, and the loop that runs them all."""
 
 import socket
 import traceback

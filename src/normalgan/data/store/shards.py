@@ -144,7 +144,7 @@ class ShardedSamples:
 
         Raises:
             IndexError: if there are fewer.
-            InputError: if its shard is not finished or damaged, and cannot be made now.
+            InputError: if its shard is unfinished or damaged and cannot be rebuilt now.
         """
         if not 0 <= index < len(self):
             raise IndexError(f"sample {index} of {len(self)}")

@@ -1,4 +1,4 @@
-"""Opening: open a picture without decoding it, its errors, and the header of an array."""
+"""Opening: open a picture without decoding it; what may go wrong there; the header of an array."""
 
 import io
 from importlib import import_module

@@ -3,11 +3,11 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
+from normalgan.inference.composites.steadying import steadied
 from normalgan.inference.mask.masks import MaskOrSource
 from normalgan.inference.network.framing import bounds_of
 from normalgan.inference.normal_map import NormalMap
@@ -18,20 +18,8 @@ from normalgan.inference.preparation import Prepared, hinted, prepare, reframed
 from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import Picture, fitted
 from normalgan.inference.regions import Bounds, united
-from normalgan.inference.vectors import lengths
 
-__all__ = ["Member", "flat_map", "left_flat", "predict_series", "prepare_member", "steadied"]
-
-_REACH = 4
-"""Frames before and after that a frame is averaged with, as far as they show the same."""
-_AROUND = 1 / 32
-"""Standard deviation of the window, as a share of the network's side, in which frames are compared."""
-_ALIKE = 0.075
-"""Mean difference of the ink in a window from which two frames no longer show the same."""
-_SAME = 0.05
-"""Difference of two frames' normals, in radians, from which they belong to two surfaces."""
-_PASSES = 3
-"""How often frames are averaged with their neighbours, because moving parts match in neighbours only."""
+__all__ = ["Member", "flat_map", "left_flat", "predict_series", "prepare_member"]
 
 
 @dataclass(frozen=True)
@@ -102,45 +90,6 @@ def predict_series(
 
     for _, got in stream(range(len(members)), place):
         yield got if isinstance(got, InputError) else result_of(got)
-
-
-def steadied(seen: Sequence[Floats], preds: Sequence[Floats]) -> list[Floats]:
-    """Return the predictions for the frames of an animation, each averaged with its neighbours.
-
-    At each pixel a neighbour's weight is the similarity of its lines to those of the frame: the difference
-    of both drawings, blurred over a window. Blank paper is similar everywhere, so the normals must be similar
-    too: a ball that moved a few pixels is a different surface. Where something moves, a frame keeps its own;
-    in slow motion, frames farther apart count through the frames between them.
-
-    Args:
-        seen: (S, S) each, the network's inputs, all in the same frame.
-        preds: (S, S, 3) each, its predictions.
-
-    Example:
-        >>> still = np.zeros((32, 32), np.float32)
-        >>> tilted = [np.full((32, 32, 3), each, np.float32) for each in (0.0, 0.01)]
-        >>> [round(float(each.mean()), 3) for each in steadied([still, still], tilted)]
-        [0.005, 0.005]
-    """
-    width = max(_AROUND * seen[0].shape[0], 0.5) if seen else 1.0
-    alike: dict[tuple[int, int], Floats] = {}
-    for i, own in enumerate(seen):
-        for j in range(i + 1, min(i + _REACH + 1, len(seen))):
-            differ = cv2.GaussianBlur(np.abs(own - seen[j]), (0, 0), width)
-            turned = lengths(preds[i] - preds[j])
-            turned = np.maximum(turned, cv2.GaussianBlur(turned, (0, 0), width))
-            apart = np.square(np.asarray(differ, np.float32) / np.float32(_ALIKE))
-            apart += np.square(turned / np.float32(_SAME))
-            alike[i, j] = alike[j, i] = np.exp(-apart)[..., None]
-    means = list(preds)
-    for _ in range(_PASSES):
-        totals = [each.astype(np.float32) for each in means]
-        weights = [np.ones((*each.shape[:2], 1), np.float32) for each in means]
-        for (i, j), weight in alike.items():
-            totals[i] += weight * means[j]
-            weights[i] += weight
-        means = [np.asarray(total / weight) for total, weight in zip(totals, weights, strict=True)]
-    return means
 
 
 def left_flat(error: InputError) -> str:

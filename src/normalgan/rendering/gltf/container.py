@@ -87,7 +87,7 @@ def bad_gltf(path: Path, reason: str) -> InputError:
 
 @contextmanager
 def refusing_bad_gltf(path: Path) -> Iterator[None]:
-    """Refuse a file that violates glTF in a way without a specific message."""
+    """Turn a violation of glTF that has no message of its own into an `InputError`."""
     try:
         yield
     except InputError:

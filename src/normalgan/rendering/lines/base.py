@@ -16,9 +16,9 @@ __all__ = ["LINE_DRAWINGS", "LineDrawing", "check_strokes"]
 class LineDrawing(ABC):
     """Base of the line styles.
 
-    A style is a frozen dataclass that uses NumPy only. Its fields are its settings; they and the file that
-    defines the class, but not what that file imports, enter the key under which rendered samples are
-    stored. The hand and the ink come after it.
+    A style is a frozen dataclass that uses NumPy only. Its fields are its settings. The cache key of rendered
+    samples covers them and the source file of the class, but not what that file imports. The hand and the ink
+    come after it.
     """
 
     @abstractmethod

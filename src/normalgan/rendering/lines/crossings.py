@@ -86,7 +86,7 @@ class Crossings:
         return replace(self, **{field.name: getattr(self, field.name)[kept] for field in fields(self)})
 
     def _links(self) -> tuple[Doubles, Indices]:
-        """Return the points and those where three or four lines meet (M, 2), and the links between (L, 2)."""
+        """Return all points, with junctions of three or four lines added (M, 2), and their links (L, 2)."""
         cells = self.cells.ravel()
         order = np.argsort(cells, kind="stable")
         _, start, count = np.unique(cells[order], return_index=True, return_counts=True)

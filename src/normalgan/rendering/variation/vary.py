@@ -156,7 +156,8 @@ class _Object:
 def _steps(thing: _Object, strength: Variation, rng: np.random.Generator) -> list[Deformation]:
     """Return the deformations of one variation, in order.
 
-    The draws are always equally many, of unit scale, so that no strength shifts another's.
+    The number of random draws does not depend on the strengths, so that changing one leaves the others' draws
+    alone.
     """
     scales, tapered, bends, twisted, limbs, parts, bumps = (
         rng.uniform(-1, 1, count) for count in (3, 1, 2, 1, 2, _PARTS, _BUMPS)

@@ -17,7 +17,7 @@ def keep_memory() -> bool:
     """Have glibc keep freed memory; return whether it does.
 
     By default glibc gives large arrays back to the system when they are freed, and each thread has its own
-    memory. The next map then gets it page by page: at 1024 pixels that takes a sixth of a stroke's time.
+    memory. The next map must then fault it in page by page: at 1024 pixels, a sixth of a stroke's time.
     Other C libraries are left as they are.
     """
     if platform.libc_ver()[0] != "glibc":
