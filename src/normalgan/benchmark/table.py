@@ -22,7 +22,6 @@ from normalgan.benchmark.plan import Plan
 from normalgan.benchmark.scale import Scale
 from normalgan.benchmark.training import Result, Results
 from normalgan.gan import SHARE
-from normalgan.metrics import ShareBelow
 
 __all__ = ["FIGURES", "RELIEF", "interval_table", "markdown", "markdown_table", "mesh_table", "ranked_error"]
 
@@ -212,8 +211,7 @@ def _accuracy(plan: Plan, results: Results, title: str, given: str) -> list[str]
         columns["hints"] = lambda runs: spread_of([run["figures"][OWN]["hints"] for run in runs], 1)
     columns |= {heading: figure_cell(given, name) for name, heading in FIGURES.items()}
     for metric in more_metrics(plan.metrics):
-        below = f"< {metric.threshold:g}°" if isinstance(metric, ShareBelow) else ""
-        columns[below or metric.label or metric.figure] = figure_cell(given, metric.figure, metric.unit)
+        columns[metric.label or metric.figure] = figure_cell(given, metric.figure, metric.unit)
     columns |= {"coverage": figure_cell(given, "coverage"), "mask IoU": figure_cell(given, "mask_iou")}
     return _section(title, plan, results, columns)
 
