@@ -16,7 +16,7 @@ __all__ = ["check_left_behind", "restarted_from", "with_slurm"]
 def with_slurm(plugins: Iterable[object]) -> list[object]:
     """Return the trainer's plugins, under SLURM with its environment, whose requeue is ours.
 
-    Lightning's saves ``hpc_ckpt_1.ckpt`` from within a signal's handler, perhaps between the steps of two
+    Lightning's own saves ``hpc_ckpt_1.ckpt`` within a signal's handler, perhaps between the steps of two
     networks, and later commands in that folder, test too, load it in place of the checkpoint that they were
     given. `StoppedCheckpoint` does it between batches.
 

@@ -143,10 +143,10 @@ class SaveConfig(SaveConfigCallback):
             super().setup(trainer, pl_module, stage)
 
     def save_config(self, trainer: Trainer, pl_module: LightningModule, stage: str) -> None:
-        """Write them into the run's folder, wherever its loggers write.
+        """Write the settings into the run's folder, wherever its loggers write.
 
-        Which checkpoint was resumed is not among them: a run that is repeated with them begins anew, and a
-        later command names its checkpoint before or after them.
+        The checkpoint that was resumed is left out, so that the settings start a new run, and a later command
+        can name its own checkpoint.
         """
         path = Path(trainer.default_root_dir) / self.config_filename
         path.parent.mkdir(parents=True, exist_ok=True)
