@@ -52,13 +52,12 @@ def test_a_broken_plugin_is_left_out_and_the_rest_goes_on(module: str, site: Pat
         {module: source, "good_one": good},
         {GROUP: {"Aa": f"{module}:Dots", "Good": "good_one:GoodHints"}},
     )
+    ours = {each for each in HINT_SAMPLERS.names() if HINT_SAMPLERS.package(each).startswith("normalgan ")}
     HINT_SAMPLERS.discover()
     (left,) = HINT_SAMPLERS.left_out
     assert (left.entry, left.value, left.package) == ("Aa", f"{module}:Dots", "foreign 1.5")
     assert left.reason == reason
-    assert set(HINT_SAMPLERS.names()) == {
-        *("CurvatureHints", "FarthestPointHints", "GoodHints", "NoHints", "UniformHints", "WorstErrorHints")
-    }
+    assert set(HINT_SAMPLERS.names()) == {"GoodHints", *ours} > {"NoHints", "UniformHints"}
     assert HINT_SAMPLERS.package("GoodHints") == "foreign 1.5"
     assert HINT_SAMPLERS.package("NoHints").startswith("normalgan ")
 

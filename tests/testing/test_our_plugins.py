@@ -18,16 +18,9 @@ from normalgan.hints import (
 )
 from normalgan.inference.outputs import (
     OUTPUTS,
-    AmbientOcclusion,
-    Curvature,
     Height,
-    Mask,
-    ModelInput,
-    OcclusionRoughnessMetallic,
     Preview,
     Relief,
-    Roughness,
-    Specular,
 )
 from normalgan.losses import (
     ADVERSARIAL_OBJECTIVES,
@@ -134,20 +127,11 @@ OURS: list[tuple[Registry[Any], list[Any]]] = [
     (
         OUTPUTS,
         [
-            AmbientOcclusion(),
-            Curvature(),
-            Height(),
+            *(output() for output in OUTPUTS if output.__module__.startswith("normalgan.")),
             Height("tiff"),
             Height(height_scale=20.0),
-            Mask(),
-            ModelInput(),
-            OcclusionRoughnessMetallic(),
-            Preview(),
             Preview("gif"),
-            Relief(faces=500),
-            Relief("obj"),
-            Roughness(),
-            Specular(),
+            Relief("obj", faces=500),
         ],
     ),
     (RENDERERS, [EmbreeRenderer(), PyrenderRenderer()]),

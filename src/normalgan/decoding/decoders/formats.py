@@ -16,6 +16,9 @@ class Format(NamedTuple):
         endings: endings of its files.
         starts: magic bytes, any of them.
         plugin: Pillow's name of it; None if Pillow does not decode it.
+        modules: modules that decode it, imported before the child process may open no more files. The first
+            is that of Pillow's plug-in.
+        library: library that is imported only for such files, because it takes long; empty if there is none.
         moves: whether a file may hold several pictures, which are all read.
         layered: whether a file may hold layers.
     """
@@ -24,21 +27,26 @@ class Format(NamedTuple):
     endings: tuple[str, ...]
     starts: tuple[bytes, ...]
     plugin: str | None = None
+    modules: tuple[str, ...] = ()
+    library: str = ""
     moves: bool = False
     layered: bool = False
 
 
+_TIFF = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
+_PSD = ("psd_tools.composite", "PIL.ImageCms", "scipy.interpolate", "scipy.ndimage", "scipy.spatial")
+_MPO = "PIL.MpoImagePlugin"  # Pillow opens a JPEG that holds several pictures, as phones write them, with it
 FORMATS = (
-    Format("PNG", (".png", ".apng"), (b"\x89PNG",), "PNG", moves=True),
-    Format("JPEG", (".jpg", ".jpeg"), (b"\xff\xd8\xff",), "JPEG"),
-    Format("WebP", (".webp",), (b"RIFF",), "WEBP", moves=True),
-    Format("BMP", (".bmp",), (b"BM",), "BMP"),
-    Format("TIFF", (".tif", ".tiff"), (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"), "TIFF", moves=True),
-    Format("GIF", (".gif",), (b"GIF8",), "GIF", moves=True),
-    Format("SVG", (".svg",), ()),
-    Format("AVIF", (".avif",), (), "AVIF", moves=True),
-    Format("HEIC", (".heic", ".heif"), (), "HEIF"),
-    Format("PSD", (".psd",), (b"8BPS",), layered=True),
+    Format("PNG", (".png", ".apng"), (b"\x89PNG",), "PNG", ("PIL.PngImagePlugin",), moves=True),
+    Format("JPEG", (".jpg", ".jpeg"), (b"\xff\xd8\xff",), "JPEG", ("PIL.JpegImagePlugin", _MPO)),
+    Format("WebP", (".webp",), (b"RIFF",), "WEBP", ("PIL.WebPImagePlugin",), moves=True),
+    Format("BMP", (".bmp",), (b"BM",), "BMP", ("PIL.BmpImagePlugin",)),
+    Format("TIFF", (".tif", ".tiff"), _TIFF, "TIFF", ("PIL.TiffImagePlugin",), "cv2", moves=True),
+    Format("GIF", (".gif",), (b"GIF8",), "GIF", ("PIL.GifImagePlugin",), moves=True),
+    Format("SVG", (".svg",), (), None, ("resvg_py", "xml.etree.ElementTree")),
+    Format("AVIF", (".avif",), (), "AVIF", ("PIL.AvifImagePlugin",), moves=True),
+    Format("HEIC", (".heic", ".heif"), (), "HEIF", ("pillow_heif",), "pillow_heif"),
+    Format("PSD", (".psd",), (b"8BPS",), None, _PSD, "psd_tools", layered=True),
     Format("Krita", (".kra",), (b"PK\x03\x04",), layered=True),
     Format("OpenRaster", (".ora",), (b"PK\x03\x04",), layered=True),
     Format("Aseprite", (".ase", ".aseprite"), (), moves=True, layered=True),

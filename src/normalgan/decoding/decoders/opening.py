@@ -4,7 +4,7 @@ import io
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from .formats import format_of
+from .formats import Format, format_of
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -66,7 +66,7 @@ def opened(content: bytes) -> "Image":
     if found is None or found.plugin is None:
         raise UnidentifiedImageError
     try:
-        import_plugin(found.plugin)
+        import_plugin(found)
     except ImportError:
         raise RefusedError(
             f"is a {found.name}; run `pip install 'normalgan[{found.name.lower()}]'` to read it, or save it "
@@ -78,18 +78,16 @@ def opened(content: bytes) -> "Image":
         raise DamagedError(f"it begins as a {found.name} and is cut short or damaged") from None
 
 
-def import_plugin(plugin: str) -> None:
-    """Import the plug-in of a format that Pillow does not include.
+def import_plugin(wanted: Format) -> None:
+    """Import Pillow's plug-in of a format.
 
     Raises:
-        ImportError: if it is not installed.
+        ImportError: if it is not installed, or Pillow was built without its codec.
     """
-    if plugin == "HEIF":
-        import_module("pillow_heif").register_heif_opener(thumbnails=False)
-        return
-    module = {"WEBP": "WebP"}.get(plugin, plugin.capitalize())
-    found = import_module(f"PIL.{module}ImagePlugin")
-    if not getattr(found, "SUPPORTED", True):
+    plugin = import_module(wanted.modules[0])
+    if hasattr(plugin, "register_heif_opener"):
+        plugin.register_heif_opener(thumbnails=False)
+    if not getattr(plugin, "SUPPORTED", True):
         raise ImportError
 
 

@@ -10,14 +10,14 @@ import pkgutil
 import signal
 import sys
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from importlib import import_module
 from typing import Any
 
-from .formats import format_of
+from .formats import FORMATS, format_of
 from .levels import exact_levels, loses_levels
 from .limits import limit, limit_time
-from .opening import Message, RefusedError, import_plugin, with_form
+from .opening import Message, RefusedError, with_form
 from .pictures import decode, frames, layers, noted, tileset
 
 __all__ = ["import_all", "main", "needed"]
@@ -72,36 +72,27 @@ def main(handle: int, needs: str, seconds: int, memory: int, folders: list[str])
 def needed(content: bytes, exact: bool = False) -> str:
     """Return the additional library that a picture needs; empty if none."""
     found = format_of(content[:64])
-    name = found.name if found is not None else ""
-    if name in {"PSD", "HEIC"}:
-        return {"PSD": "psd_tools", "HEIC": "pillow_heif"}[name]
-    return "cv2" if name == "TIFF" or (exact and loses_levels(content)) else ""
+    if found is not None and found.library:
+        return found.library
+    return "cv2" if exact and loses_levels(content) else ""
 
 
-def import_all(needs: str) -> None:
-    """Import everything that decoding needs, because no file can be opened under the limits."""
-    modules = [
-        "resvg_py",
-        "xml.etree.ElementTree",
-        "PIL.ImageChops",
-        "PIL.ImageOps",
-        "numpy",
-    ]
-    modules += [f"PIL.{plugin}ImagePlugin" for plugin in ("Avif", "Mpo", "Tiff", "WebP")]
-    if needs == "psd_tools":
-        modules += ["psd_tools.composite", "PIL.ImageCms"]
-        modules += [f"scipy.{part}" for part in ("interpolate", "ndimage", "spatial")]
-    elif needs == "cv2":
-        modules += ["cv2"]
+def import_all(library: str) -> None:
+    """Import everything that decoding needs, because no file can be opened under the limits.
+
+    Args:
+        library: the additional library that `needed` names; empty for none.
+    """
+    modules = ["PIL.ImageChops", "PIL.ImageOps", "numpy", *([library] if library else [])]
+    modules += [name for each in FORMATS if each.library in {"", library} for name in each.modules]
     for module in modules:
-        import_module(module)
+        # If pillow_heif is not installed, `opened` says so for each picture.
+        with suppress(ImportError) if module == "pillow_heif" else nullcontext():
+            import_module(module)
     import_module(".layered_files", __package__)
     from PIL import Image
 
     Image.preinit()  # what it would import for the first picture
-    if needs == "pillow_heif":
-        with suppress(ImportError):  # `opened` says that it is not installed
-            import_plugin("HEIF")
     for found in pkgutil.iter_modules(encodings.__path__):  # those of SVG and of names in ZIP
         if found.name.startswith(("cp", "iso8859", "koi8", "mac_", "utf_")):
             codecs.lookup(found.name)

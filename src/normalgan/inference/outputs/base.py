@@ -1,12 +1,14 @@
 """Output: the base of all kinds of files that are written for a drawing, and their registry."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, get_args, get_type_hints
 
 import numpy as np
 
 from normalgan.inference.normal_map import NormalMap
+from normalgan.inference.outputs.engines import Engine
 from normalgan.normals import encode_grey
 from normalgan.ranges import check_ranges
 from normalgan.registry import Registry
@@ -32,6 +34,12 @@ class Output(ABC):
     """What the studio's menu calls it."""
     option: ClassVar[str] = ""
     """The option of the commands that asks for it; empty is its name."""
+    in_zip: ClassVar[bool] = True
+    """Whether the studio's zip of all files holds it."""
+    engine_suffixes: ClassVar[Mapping[Engine, str]] = {}
+    """Suffixes in the zip for an engine, such as ``{"unity": "_Occlusion"}``; elsewhere ``_name``."""
+    engine_formats: ClassVar[Mapping[Engine, str]] = {}
+    """Formats in the zip for an engine; elsewhere the default format."""
 
     format: str = "png"
 
@@ -56,6 +64,12 @@ class Output(ABC):
     def whole_batch(self) -> bool:
         """Whether its files depend on all drawings of a command."""
         return False
+
+    @classmethod
+    def zip_suffix(cls, engine: Engine | None) -> str:
+        """Return what follows a drawing's name in the zip for an engine, such as ``_height``."""
+        plain = f"_{cls.name}"
+        return plain if engine is None else cls.engine_suffixes.get(engine, plain)
 
     @classmethod
     def formats(cls) -> tuple[str, ...]:

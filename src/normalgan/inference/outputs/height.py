@@ -1,5 +1,6 @@
 """Height: the height map of a normal map."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
@@ -8,6 +9,7 @@ import numpy as np
 from normalgan.errors import InputError
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.base import OUTPUTS, Output, Scaled
+from normalgan.inference.outputs.engines import Engine
 from normalgan.normals import encode_grey
 from normalgan.ranges import Positive
 
@@ -30,6 +32,8 @@ class Height(Output):
 
     name: ClassVar[str] = "height"
     label: ClassVar[str] = "Height map"
+    engine_suffixes: ClassVar[Mapping[Engine, str]] = {"unity": "_Height", "unreal": "_H"}
+    engine_formats: ClassVar[Mapping[Engine, str]] = {"blender": "tiff"}
 
     format: Literal["png", "tiff"] = "png"
     height_scale: Positive | Literal["batch"] | None = None

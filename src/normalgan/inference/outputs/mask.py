@@ -1,10 +1,12 @@
 """Mask: the predicted object."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.base import OUTPUTS, Output
+from normalgan.inference.outputs.engines import Engine
 from normalgan.normals import encode_grey
 
 __all__ = ["Mask"]
@@ -22,6 +24,7 @@ class Mask(Output):
     name: ClassVar[str] = "mask"
     label: ClassVar[str] = "Mask"
     option: ClassVar[str] = "show_mask"
+    engine_suffixes: ClassVar[Mapping[Engine, str]] = {"unity": "_Mask", "unreal": "_M"}
 
     def encode(self, preds: NormalMap) -> dict[str, bytes]:
         """Return the content of the file."""

@@ -21,6 +21,7 @@ class ModelInput(Output):
 
     name: ClassVar[str] = "input"
     label: ClassVar[str] = "What the model saw"
+    in_zip: ClassVar[bool] = False
     option: ClassVar[str] = "show_input"
 
     def encode(self, preds: NormalMap) -> dict[str, bytes]:

@@ -25,6 +25,7 @@ class Roughness(Output):
 
     name: ClassVar[str] = "roughness"
     label: ClassVar[str] = "Roughness"
+    in_zip: ClassVar[bool] = False  # it is the specular map inverted
 
     def encode(self, preds: NormalMap) -> dict[str, bytes]:
         """Return the content of the file."""
@@ -42,6 +43,7 @@ class OcclusionRoughnessMetallic(Output):
 
     name: ClassVar[str] = "orm"
     label: ClassVar[str] = "Occlusion, roughness, metallic"
+    in_zip: ClassVar[bool] = False  # it packs maps that the zip holds
 
     def encode(self, preds: NormalMap) -> dict[str, bytes]:
         """Return the content of the file; nothing is metallic, because drawings do not show it."""

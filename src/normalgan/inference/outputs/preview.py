@@ -1,5 +1,6 @@
 """Preview: a normal map lit by a lamp that circles it, as a sheet of pictures or an animation."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from io import BytesIO
 from typing import ClassVar, Literal
@@ -12,6 +13,7 @@ from normalgan.arrays import Floats
 from normalgan.errors import InputError
 from normalgan.inference.normal_map import NormalMap, as_it_lies
 from normalgan.inference.outputs.base import OUTPUTS, Output
+from normalgan.inference.outputs.engines import Engine
 from normalgan.inference.outputs.lighting import lamp_direction, shade, to_srgb
 from normalgan.normals import normalize
 
@@ -36,6 +38,8 @@ class Preview(Output):
 
     name: ClassVar[str] = "preview"
     label: ClassVar[str] = "Lit preview"
+    in_zip: ClassVar[bool] = False  # which holds one picture, under the user's own lights
+    engine_suffixes: ClassVar[Mapping[Engine, str]] = {"unity": "_Preview", "unreal": "_Preview"}
 
     format: Literal["png", "gif"] = "png"
 

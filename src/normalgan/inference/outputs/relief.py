@@ -28,6 +28,7 @@ class Relief(Output):
 
     name: ClassVar[str] = "relief"
     label: ClassVar[str] = "Relief mesh"
+    in_zip: ClassVar[bool] = False
 
     format: Literal["glb", "obj"] = "glb"
     faces: Annotated[int, Range(FEWEST)] | None = None

@@ -1,6 +1,6 @@
 """Shading maps for engines: ambient occlusion, curvature and specular."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import wraps
 from typing import ClassVar
@@ -13,6 +13,7 @@ from normalgan.arrays import BoolMask, Floats
 from normalgan.inference.network.tile import middle, wrapped
 from normalgan.inference.normal_map import NormalMap, part_of
 from normalgan.inference.outputs.base import OUTPUTS, Output
+from normalgan.inference.outputs.engines import Engine
 from normalgan.inference.outputs.occlusion import occlusion
 from normalgan.normals import encode_grey
 
@@ -46,6 +47,7 @@ class AmbientOcclusion(Output):
 
     name: ClassVar[str] = "ao"
     label: ClassVar[str] = "Ambient occlusion"
+    engine_suffixes: ClassVar[Mapping[Engine, str]] = {"unity": "_Occlusion", "unreal": "_AO"}
 
     def encode(self, preds: NormalMap) -> dict[str, bytes]:
         """Return the content of the file."""
@@ -63,6 +65,7 @@ class Curvature(Output):
 
     name: ClassVar[str] = "curvature"
     label: ClassVar[str] = "Curvature"
+    engine_suffixes: ClassVar[Mapping[Engine, str]] = {"unity": "_Curvature", "unreal": "_C"}
 
     def encode(self, preds: NormalMap) -> dict[str, bytes]:
         """Return the content of the file."""
@@ -80,6 +83,7 @@ class Specular(Output):
 
     name: ClassVar[str] = "specular"
     label: ClassVar[str] = "Specular"
+    engine_suffixes: ClassVar[Mapping[Engine, str]] = {"unity": "_Specular", "unreal": "_S"}
 
     def encode(self, preds: NormalMap) -> dict[str, bytes]:
         """Return the content of the file."""

@@ -3,6 +3,7 @@
 import json
 from html import escape
 
+from normalgan.decoding.decoders.formats import ENDINGS
 from normalgan.inference.edits import MOST_PINS, REACH
 from normalgan.inference.forms import BEVELS
 from normalgan.inference.structures import KINDS as STRUCTURES
@@ -52,7 +53,7 @@ LEAST_PERIOD, MOST_PERIOD = 1 / 16, 2**16
 
 
 def with_limits(page: str) -> str:
-    """Return the page with these limits, as JSON in an attribute of its root, and in its fields for sides.
+    """Return the page with these limits, as JSON in an attribute of its root, and in its fields.
 
     Raises:
         ValueError: if the page has no root to put them in.
@@ -78,6 +79,7 @@ def with_limits(page: str) -> str:
     if page.count(_ROOT) != 1:
         raise ValueError(f"the page begins without {_ROOT}, where its limits go.")
     page = page.replace("data-sides", f'min="{LEAST_SIDE}" max="{MOST_SIDE}"')
+    page = page.replace("data-drawings", f'accept="image/*,{",".join(ENDINGS)}"')
     return page.replace(_ROOT, f'<html lang="en" data-limits="{escape(json.dumps(limits))}">')
 
 

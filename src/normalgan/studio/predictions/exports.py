@@ -4,7 +4,7 @@ import io
 import json
 import zipfile
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from html import escape
 from pathlib import Path
@@ -14,16 +14,7 @@ from PIL import Image
 
 from normalgan.errors import InputError
 from normalgan.inference.normal_map import Format, NormalMap
-from normalgan.inference.outputs import (
-    OUTPUTS,
-    AmbientOcclusion,
-    Curvature,
-    Height,
-    Mask,
-    Normal,
-    Output,
-    Specular,
-)
+from normalgan.inference.outputs import OUTPUTS, Normal, Output, Preview
 from normalgan.inference.outputs.engines import CONVENTIONS, Engine
 from normalgan.normals import Bits
 from normalgan.studio.drawings.drawing_request import read_png
@@ -34,7 +25,6 @@ from normalgan.studio.page_files import PAGE
 __all__ = [
     "PRESETS",
     "ExportRequest",
-    "Names",
     "Preset",
     "offered",
     "read_export_request",
@@ -43,49 +33,20 @@ __all__ = [
 
 
 @dataclass(frozen=True)
-class Names:
-    """The names of a program's files besides the map; ``{}`` stands for the drawing's name.
-
-    Args:
-        line: line art.
-        mask: where the object is.
-        height: height map.
-        ao: ambient occlusion.
-        curvature: ridges and hollows.
-        specular: how much each place reflects.
-        preview: the map under a lamp.
-    """
-
-    line: str = "{}_line"
-    mask: str = "{}_mask"
-    height: str = "{}_height"
-    ao: str = "{}_ao"
-    curvature: str = "{}_curvature"
-    specular: str = "{}_specular"
-    preview: str = "{}_preview"
-
-    def of(self, drawing: str) -> "Names":
-        """Return the names of a drawing's files, without endings."""
-        return Names(**{part: name.format(drawing) for part, name in asdict(self).items()})
-
-
-@dataclass(frozen=True)
 class Preset:
-    """How a program wants its files.
+    """How a program expects the files of a drawing.
 
     Args:
-        names: of its files.
-        notes: how to set up the import there, a sentence.
-        engine: whose conventions the map follows; None for none.
-        prefix: of all names.
-        height: file format of the height map.
+        notes: how to import them there; ``{linear}`` stands for the files whose numbers are not colours.
+        engine: the engine whose naming and conventions the files follow; None for none.
+        prefix: prefix of all names.
+        line_art: suffix of the line art.
     """
 
-    names: Names
     notes: str
     engine: Engine | None = None
     prefix: str = ""
-    height: Literal["png", "tiff"] = "png"
+    line_art: str = "_line"
 
     @property
     def normal(self) -> Normal:
@@ -95,57 +56,47 @@ class Preset:
         wanted = CONVENTIONS[self.engine]
         return Normal(y=wanted.y, bits=wanted.bits, suffix=wanted.suffix, alpha=True, engine=self.engine)
 
+    @property
+    def readme(self) -> str:
+        """The text of the zip's README."""
+        suffixes = [kind.zip_suffix(self.engine) for kind in _zipped_kinds()]
+        return self.notes.format(linear=f"{', '.join(suffixes[:-1])} and {suffixes[-1]}") + "\n"
+
 
 PRESETS: Final = {
     "unity": Preset(
-        Names(
-            line="{}_LineArt",
-            mask="{}_Mask",
-            height="{}_Height",
-            ao="{}_Occlusion",
-            curvature="{}_Curvature",
-            specular="{}_Specular",
-            preview="{}_Preview",
-        ),
-        "Unity: the file .meta makes _NormalMap a normal map, which sprites take for a secondary texture. "
-        "Switch sRGB off for _Mask, _Height, _Occlusion, _Curvature and _Specular.",
+        "Unity: the file .meta makes _NormalMap a normal map, which sprites use as a secondary texture. "
+        "Switch sRGB off for {linear}.",
         "unity",
+        line_art="_LineArt",
     ),
     "unreal": Preset(
-        Names(
-            line="{}_L",
-            mask="{}_M",
-            height="{}_H",
-            ao="{}_AO",
-            curvature="{}_C",
-            specular="{}_S",
-            preview="{}_Preview",
-        ),
         "Unreal: green points down (DirectX) as the engine expects. Set the compression of _N to Normalmap, "
-        "and of _M, _H, _AO, _C and _S to Masks (no sRGB); the script does so for _N.",
+        "and of {linear} to Masks (no sRGB); the script does so for _N.",
         "unreal",
         prefix="T_",
+        line_art="_L",
     ),
     "godot": Preset(
-        Names(),
         "Godot: green points up (OpenGL) as the engine expects. Use _n as the normal texture of a "
         "CanvasTexture and _specular as its specular texture, or _n as Normal Map of a StandardMaterial3D.",
         "godot",
     ),
     "godot3": Preset(
-        Names(),
         "Godot 3: green points down, as its 2D lights read it. Use _n as the Normal Map of a Sprite.",
         "godot3",
     ),
     "blender": Preset(
-        Names(),
         "Blender: set the colour space of all but _line and _preview to Non-Color, and put _normal through a "
         "Normal Map node, as the script does. _height is in pixels.",
         "blender",
-        height="tiff",
     ),
 }
-_PLAIN: Final = Preset(Names(), "Green points up (OpenGL); flip it for DirectX.")
+_PLAIN: Final = Preset("Green points up (OpenGL); flip it for DirectX.")
+
+
+def _zipped_kinds() -> list[type[Output]]:
+    return [kind for kind in OUTPUTS if kind.in_zip]
 
 
 _FORMATS: Final[dict[str, Format]] = {"png8": "png", "png16": "png", "exr": "exr", "tiff": "tiff"}
@@ -217,20 +168,24 @@ class ExportRequest:
                 yield self.name + ending, partial(_encoded, encode, ending)
             return
         preset = PRESETS.get(self.preset, _PLAIN)
-        own = preset.prefix + self.name
-        names, normal = preset.names.of(own), preset.normal
+        own, normal = preset.prefix + self.name, preset.normal
         encode = lru_cache(maxsize=1)(normal.encode)
         for ending in normal.endings:
             yield own + ending, partial(_encoded, encode, ending)
             if (beside := normal.sidecar(Path(own + ending))) is not None:
                 yield beside[0].name, partial(_fixed, beside[1])
-        for output in (Mask(), Height(preset.height), AmbientOcclusion(), Curvature(), Specular()):
-            (ending,) = output.endings
-            yield getattr(names, output.name) + Path(ending).suffix, partial(_encoded, output.encode, ending)
-        yield f"{names.preview}.png", _preview if self.lit is None else partial(_fixed, self.lit)
+        for kind in _zipped_kinds():
+            form = None if preset.engine is None else kind.engine_formats.get(preset.engine)
+            output = kind() if form is None else kind(format=form)
+            encode = lru_cache(maxsize=1)(output.encode)
+            for ending in output.endings:
+                suffix = kind.zip_suffix(preset.engine) + ending.removeprefix(f"_{kind.name}")
+                yield own + suffix, partial(_encoded, encode, ending)
+        preview = f"{own}{Preview.zip_suffix(preset.engine)}.png"
+        yield preview, _preview if self.lit is None else partial(_fixed, self.lit)
         if self.line_art is not None:
-            yield f"{names.line}.png", partial(_fixed, self.line_art)
-        yield "README.txt", partial(_fixed, f"{preset.notes}\n".encode())
+            yield f"{own}{preset.line_art}.png", partial(_fixed, self.line_art)
+        yield "README.txt", partial(_fixed, preset.readme.encode())
 
 
 def _encoded(encode: Callable[[NormalMap], Mapping[str, bytes]], ending: str, preds: NormalMap) -> bytes:
