@@ -15,7 +15,7 @@ from normalgan.cli.training.normal_map_writer import NormalMapWriter
 from normalgan.data.settings import Prediction
 from normalgan.inference.network.torch_backend import TorchBackend
 from normalgan.inference.outputs import Normal
-from normalgan.inference.outputs.outputs import Outputs
+from normalgan.inference.outputs.output_set import Outputs
 from normalgan.inference.predictor import Predictor
 from pens import blob, outline
 from small import QUIET, data, gan, trainer

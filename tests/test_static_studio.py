@@ -26,7 +26,7 @@ from normalgan.inference.cleaning.reader import read
 from normalgan.inference.composites.composition import compose
 from normalgan.inference.composites.context import context_of, surest, ways_to_see
 from normalgan.inference.inputs import as_hints, as_picture
-from normalgan.inference.mask.masks import MODEL
+from normalgan.inference.mask.mask_files import MODEL
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.pipeline import finish, predict

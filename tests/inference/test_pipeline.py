@@ -7,7 +7,7 @@ import pytest
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
-from normalgan.inference.mask.masks import MODEL, OUTLINE
+from normalgan.inference.mask.mask_files import MODEL, OUTLINE
 from normalgan.inference.network.extension import extend
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.normal_map import NormalMap

@@ -27,7 +27,7 @@ from things import drawings
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
 from normalgan.inference.cleaning.silhouette import is_silhouette
-from normalgan.inference.mask.masks import OUTLINE
+from normalgan.inference.mask.mask_files import OUTLINE
 from normalgan.inference.preparation import prepare
 from normalgan.inference.reading.picture import Picture, read_picture
 

@@ -20,7 +20,7 @@ import numpy as np
 from mkdocs.config.defaults import MkDocsConfig
 
 from normalgan.inference import edits, forms, normal_map, pipeline, structures, suggestion, unrolling
-from normalgan.inference.cleaning import cleaning, reader, silhouette
+from normalgan.inference.cleaning import ink, reader, silhouette
 from normalgan.inference.mask import decision, edge
 from normalgan.inference.network import extension, line_width, upsampling
 from normalgan.inference.network.onnx_backend import OnnxBackend
@@ -41,7 +41,7 @@ BINARY = "ort-wasm-simd-threaded.wasm"
 """Goes into the site packed, as not every host packs what it sends: 4 MB of 14. The worker unpacks it."""
 CONSTANTS = "constants.js"
 MODULES = (
-    cleaning, decision, edge, edits, extension, forms, line_width, normal_map, pipeline, reader, silhouette,
+    decision, edge, edits, extension, forms, ink, line_width, normal_map, pipeline, reader, silhouette,
     suggestion, unrolling, upsampling,
 )  # fmt: skip
 """Modules that the page's scripts repeat, and whose constants they therefore take from there."""

@@ -2,12 +2,12 @@
 
 type Named<Names extends string> = { readonly [name in Names]: number };
 
-export const CLEANING: Named<"LEAST">;
 export const DECISION: Named<"INKED" | "LEAST_OFF" | "OFF" | "OPEN" | "REACH" | "SIDE"> & { readonly UNSURE: [number, number, number] };
 export const EDGE: Named<"FINER" | "LARGE" | "MERGED" | "PALEST" | "TIP" | "TOUCHING">;
 export const EDITS: Named<"AVERAGED" | "BRUSH_FADES" | "FADES" | "INKED" | "LEAST_REACH" | "REACH" | "SOFT">;
 export const EXTENSION: Named<"SWEEPS">;
 export const FORMS: Named<"COARSE" | "DISH" | "OUTSIDE" | "SIDE" | "SWEEPS">;
+export const INK: Named<"LEAST">;
 export const LINE_WIDTH: Named<"DRAWN_WIDTH" | "FINER" | "ROUGH" | "THIN">;
 export const NORMAL_MAP: Named<"PADDING">;
 export const PIPELINE: Named<"BESIDE" | "LEAST" | "PRESENT">;

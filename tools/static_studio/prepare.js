@@ -1,6 +1,6 @@
 /** Prepare: a drawing as far as it gets without the network, as normalgan.inference does it in Python. */
 
-import { CLEANING, LINE_WIDTH, SILHOUETTE } from "./constants.js";
+import { INK, LINE_WIDTH, SILHOUETTE } from "./constants.js";
 import { decide } from "./decision.js";
 import { SQUARE, above, blurred, boxOf, components, dilated, distance, eroded, median, opposite, part, refitted, resized, ridge, rint, stretched, sumOf, thinned, where } from "./raster.js";
 import { brightness, inkAt, read } from "./reader.js";

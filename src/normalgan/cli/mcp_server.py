@@ -271,7 +271,7 @@ class Tools:
 
     def _mask(self, mask: str | None) -> str | None:
         """Return a source of masks as it is, or the file of a mask below the root."""
-        from normalgan.inference.mask.masks import SOURCES
+        from normalgan.inference.mask.mask_files import SOURCES
 
         return mask if mask is None or mask in SOURCES else str(self._inside(mask))
 

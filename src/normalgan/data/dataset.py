@@ -9,7 +9,7 @@ from torch import Tensor
 from torch.utils.data import Dataset
 
 from normalgan.data.loading.items import Item, SampleError, to_item
-from normalgan.data.store.layout import ARRAYS, array_names
+from normalgan.data.store.sample_layout import ARRAYS, array_names
 from normalgan.data.store.shards import ShardedSamples
 from normalgan.errors import InputError
 

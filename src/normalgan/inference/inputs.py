@@ -12,7 +12,7 @@ from normalgan.arrays import BoolMask, Floats
 from normalgan.decoding import Decoded
 from normalgan.decoding.decoders.pictures import plain, reduced, turned_upright
 from normalgan.errors import InputError, brief
-from normalgan.inference.mask.masks import SOURCES, MaskOrSource, load_mask, mask_of
+from normalgan.inference.mask.mask_files import SOURCES, MaskOrSource, load_mask, mask_of
 from normalgan.inference.preparation import Prepared, prepare
 from normalgan.inference.reading.drawings import LARGEST, SMALLEST
 from normalgan.inference.reading.hint_files import Hints, load_hints, parse_hints

@@ -27,11 +27,11 @@ from normalgan.inference.findings import Finding
 from normalgan.inference.inputs import as_hints
 from normalgan.inference.jobs.plan import DrawingFiles, Job, overwritten
 from normalgan.inference.jobs.writing import Held, Writer
-from normalgan.inference.mask.masks import READER, MaskOrSource, load_mask
+from normalgan.inference.mask.mask_files import READER, MaskOrSource, load_mask
 from normalgan.inference.network.tile import Tile
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.explanation import write_explanation
-from normalgan.inference.outputs.outputs import Outputs
+from normalgan.inference.outputs.output_set import Outputs
 from normalgan.inference.pipeline import predict
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.preparation import Prepared, hinted

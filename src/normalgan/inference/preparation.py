@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
-from normalgan.inference.cleaning.cleaning import clean
+from normalgan.inference.cleaning.ink import clean
 from normalgan.inference.cleaning.reader import Reading, read
 from normalgan.inference.findings import Finding
 from normalgan.inference.mask.decision import Decision, decide
-from normalgan.inference.mask.masks import MODEL, OUTLINE, MaskOrSource
+from normalgan.inference.mask.mask_files import MODEL, OUTLINE, MaskOrSource
 from normalgan.inference.network.framing import Frame
 from normalgan.inference.network.line_width import render_model_input
 from normalgan.inference.reading.hint_files import Hints

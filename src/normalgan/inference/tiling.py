@@ -8,10 +8,10 @@ import numpy as np
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
-from normalgan.inference.cleaning.cleaning import clean
+from normalgan.inference.cleaning.ink import clean
 from normalgan.inference.cleaning.reader import read
 from normalgan.inference.mask.decision import decide
-from normalgan.inference.mask.masks import MODEL, READER, MaskOrSource
+from normalgan.inference.mask.mask_files import MODEL, READER, MaskOrSource
 from normalgan.inference.network.backend import Backend
 from normalgan.inference.network.framing import Frame
 from normalgan.inference.network.line_width import render_model_input

@@ -1,7 +1,7 @@
 """What training minimises: adversarial objectives and reconstruction losses, each a plug-in."""
 
+from normalgan.losses.adversarial import ADVERSARIAL_OBJECTIVES, AdversarialObjective, Critic, Scores
 from normalgan.losses.angular_likelihood import AngularLikelihood
-from normalgan.losses.base import ADVERSARIAL_OBJECTIVES, AdversarialObjective, Critic, Scores
 from normalgan.losses.cosine import CosineAndL2
 from normalgan.losses.cross_entropy import CrossEntropy
 from normalgan.losses.l1_and_hints import L1AndHints

@@ -6,7 +6,7 @@ from torch import Tensor
 
 from normalgan.contracts import class_name, describe, refused
 from normalgan.errors import InputError
-from normalgan.losses.base import AdversarialObjective
+from normalgan.losses.adversarial import AdversarialObjective
 from normalgan.losses.reconstruction import Reconstruction, Term
 
 __all__ = ["check_losses", "check_terms"]

@@ -6,7 +6,7 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
-from normalgan.losses.base import ADVERSARIAL_OBJECTIVES, AdversarialObjective, Scores
+from normalgan.losses.adversarial import ADVERSARIAL_OBJECTIVES, AdversarialObjective, Scores
 
 __all__ = ["CrossEntropy"]
 

@@ -6,7 +6,7 @@ import torch
 from torch import Tensor, nn
 
 from normalgan.errors import InputError
-from normalgan.losses.base import (
+from normalgan.losses.adversarial import (
     ADVERSARIAL_OBJECTIVES,
     AdversarialObjective,
     Critic,

@@ -12,7 +12,7 @@ from normalgan.data.settings import Prediction
 from normalgan.errors import InputError, RunError
 from normalgan.gan import NormalGAN
 from normalgan.inference.outputs import Height, ModelInput, Normal
-from normalgan.inference.outputs.outputs import Outputs
+from normalgan.inference.outputs.output_set import Outputs
 from normalgan.models import UNetGenerator
 from normalgan.normals import Bits, encode, read_png
 from small import QUIET, data, gan, trainer

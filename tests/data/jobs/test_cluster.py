@@ -15,7 +15,7 @@ from toys import Octahedron, contents, recipe
 from normalgan.data.jobs.cluster import Cluster
 from normalgan.data.jobs.tasks import MeshTask, ShardTask, render_shard
 from normalgan.data.render import render_samples
-from normalgan.data.store.layout import Layout
+from normalgan.data.store.sample_layout import Layout
 from normalgan.data.store.shards import ShardedSamples
 from normalgan.errors import InputError, RunError
 

@@ -10,7 +10,7 @@ from toys import contents, recipe
 from normalgan.data.jobs import tasks
 from normalgan.data.jobs.tasks import ChangedMeshError, MeshTask, ShardTask, render_shard
 from normalgan.data.render import render_samples
-from normalgan.data.store.layout import Layout
+from normalgan.data.store.sample_layout import Layout
 from normalgan.data.store.shards import ShardedSamples
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile

@@ -9,7 +9,7 @@ from toys import recipe
 
 from normalgan.data.jobs.pool import Killed, Pool
 from normalgan.data.jobs.tasks import DEADLY, MeshTask, ShardTask, render_shards, validate_sources
-from normalgan.data.store.layout import Layout
+from normalgan.data.store.sample_layout import Layout
 from normalgan.data.store.shards import ShardedSamples
 from normalgan.errors import RunError
 

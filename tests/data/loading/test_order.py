@@ -16,7 +16,7 @@ from normalgan.data.loading.order import (
     order_of_epoch,
     spread,
 )
-from normalgan.data.store.layout import Layout
+from normalgan.data.store.sample_layout import Layout
 from normalgan.data.store.shards import ShardedSamples
 
 

@@ -13,8 +13,8 @@ from toys import Octahedron, assert_same, contents, recipe
 
 from normalgan.data.dataset import SampleDataset
 from normalgan.data.render import open_samples, render_samples
-from normalgan.data.store import storage
-from normalgan.data.store.storage import Storage, options
+from normalgan.data.store import fsspec_storage
+from normalgan.data.store.fsspec_storage import Storage, options
 from normalgan.errors import InputError
 from s3_server import forget, fresh_bucket, s3_server
 
@@ -182,7 +182,7 @@ def test_an_endpoint_that_does_not_answer_is_one_sentence_in_time(
 def test_an_endpoint_that_accepts_and_never_answers_is_given_up(
     bucket: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(storage, "_SECONDS", 1)  # in place of 10
+    monkeypatch.setattr(fsspec_storage, "_SECONDS", 1)  # in place of 10
     with socket.create_server(("127.0.0.1", 0), backlog=64) as silent:
         monkeypatch.setenv("AWS_ENDPOINT_URL", f"http://127.0.0.1:{silent.getsockname()[1]}")
         forget()

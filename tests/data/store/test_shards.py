@@ -8,9 +8,9 @@ import pytest
 import zarr
 from toys import assert_same, contents, samples
 
-from normalgan.data.store.layout import Layout, chunk_path
+from normalgan.data.store.fsspec_storage import Storage
+from normalgan.data.store.sample_layout import Layout, chunk_path
 from normalgan.data.store.shards import ShardedSamples, write_shard
-from normalgan.data.store.storage import Storage
 from normalgan.errors import InputError
 from normalgan.rendering.samples import Sample
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from normalgan.arrays import BoolMask, Floats
-from normalgan.inference.mask.masks import OUTLINE
+from normalgan.inference.mask.mask_files import OUTLINE
 from normalgan.inference.preparation import prepare
 from normalgan.inference.reading.picture import Picture
 

@@ -9,7 +9,7 @@ from skimage.morphology import reconstruction
 from normalgan.arrays import Floats
 from normalgan.inference.cleaning.reader import Reading
 from normalgan.inference.mask.decision import decide
-from normalgan.inference.mask.masks import OUTLINE
+from normalgan.inference.mask.mask_files import OUTLINE
 from normalgan.inference.network.upsampling import enlarge
 from normalgan.inference.pipeline import finish
 from normalgan.inference.preparation import prepare

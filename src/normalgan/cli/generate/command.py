@@ -26,7 +26,7 @@ from normalgan.inference.jobs.plan import (
 from normalgan.inference.jobs.watching import Watcher
 from normalgan.inference.jobs.writing import Writer
 from normalgan.inference.network.onnx_backend import OnnxBackend
-from normalgan.inference.outputs.outputs import Outputs, outputs_of
+from normalgan.inference.outputs.output_set import Outputs, outputs_of
 from normalgan.inference.predict_job import written_for
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.reading.drawings import MOST_BYTES

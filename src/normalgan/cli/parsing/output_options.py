@@ -11,7 +11,7 @@ from normalgan.cli.parsing.light_parser import choices
 from normalgan.errors import InputError
 from normalgan.inference.normal_map import Format
 from normalgan.inference.outputs import OUTPUTS, Normal, Output
-from normalgan.inference.outputs.outputs import option_of, settings_of
+from normalgan.inference.outputs.output_set import option_of, settings_of
 from normalgan.registry import summary
 
 __all__ = ["add_output_options"]

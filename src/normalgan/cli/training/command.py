@@ -68,7 +68,7 @@ from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import CommandExit, InputError, brief, printable, tell
 from normalgan.files.run_lock import check_writable, one_run_in
 from normalgan.gan import NormalGAN
-from normalgan.inference.outputs.outputs import outputs_of
+from normalgan.inference.outputs.output_set import outputs_of
 from normalgan.warning_filters import filter_warnings
 
 __all__ = ["NormalGANCLI", "resolved_settings", "run", "training_parser"]

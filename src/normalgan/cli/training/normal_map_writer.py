@@ -17,7 +17,7 @@ from normalgan.inference.jobs.plan import Job, plan
 from normalgan.inference.jobs.writing import Held, Writer
 from normalgan.inference.network.torch_backend import channels_last
 from normalgan.inference.network.upsampling import enlarge, upsampler
-from normalgan.inference.outputs.outputs import Outputs
+from normalgan.inference.outputs.output_set import Outputs
 from normalgan.inference.pipeline import finish
 
 __all__ = ["NormalMapWriter"]

@@ -16,7 +16,7 @@ from uuid import uuid4
 from normalgan.data.jobs.cluster_worker import Unfit, flaws, order
 from normalgan.data.jobs.pool import Again, Killed, Pool
 from normalgan.data.jobs.workers import one_thread_each
-from normalgan.data.store.storage import reason
+from normalgan.data.store.fsspec_storage import reason
 from normalgan.errors import InputError, RunError
 from normalgan.warning_filters import quiet_loggers
 

@@ -12,9 +12,9 @@ from typing import Any
 
 from normalgan.data.jobs.pool import Killed, Pool
 from normalgan.data.recipe import Loadable, SampleRecipe, fingerprint
-from normalgan.data.store.layout import Shard, blank
+from normalgan.data.store.fsspec_storage import Storage
+from normalgan.data.store.sample_layout import Shard, blank
 from normalgan.data.store.shards import ZARR, damaged, write_shard, write_traces
-from normalgan.data.store.storage import Storage
 from normalgan.errors import FOREIGN_ERRORS, InputError, RunError, brief, third_party_place
 from normalgan.rendering.mesh_bytes import read_once
 from normalgan.rendering.samples import Sample

@@ -12,7 +12,7 @@ from normalgan.data.jobs.tasks import error_text
 from normalgan.data.loading.items import Item, SampleError, to_item
 from normalgan.data.loading.order import ViewIndex, order_of_epoch
 from normalgan.data.recipe import Loadable, SampleRecipe
-from normalgan.data.store.layout import array_names
+from normalgan.data.store.sample_layout import array_names
 from normalgan.errors import FOREIGN_ERRORS
 from normalgan.rendering.mesh import Mesh, check_mesh
 

@@ -13,9 +13,9 @@ import zarr
 from numpy.typing import NDArray
 
 from normalgan.arrays import Indices
-from normalgan.data.store.layout import Layout, Shard, array_names, blank, chunk_path, encode, metadata
-from normalgan.data.store.objects import ObjectStore
-from normalgan.data.store.storage import Storage
+from normalgan.data.store.fsspec_storage import Storage
+from normalgan.data.store.sample_layout import Layout, Shard, array_names, blank, chunk_path, encode, metadata
+from normalgan.data.store.zarr_store import ObjectStore
 from normalgan.errors import InputError
 from normalgan.rendering.samples import Sample
 

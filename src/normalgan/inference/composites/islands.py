@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from normalgan.arrays import BoolMask
 from normalgan.decoding import Decoded
 from normalgan.errors import InputError
-from normalgan.inference.cleaning.cleaning import clean
+from normalgan.inference.cleaning.ink import clean
 from normalgan.inference.cleaning.reader import read
 from normalgan.inference.cleaning.silhouette import enclosed_by
 from normalgan.inference.composites.cells import Cell

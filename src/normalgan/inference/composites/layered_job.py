@@ -15,7 +15,7 @@ from normalgan.inference.drawing import Drawing
 from normalgan.inference.jobs.plan import Job, overwritten
 from normalgan.inference.jobs.writing import Held, Writer
 from normalgan.inference.normal_map import NormalMap
-from normalgan.inference.outputs.outputs import Outputs
+from normalgan.inference.outputs.output_set import Outputs
 from normalgan.inference.parallel import result_of, stream
 from normalgan.inference.pipeline import finish
 from normalgan.inference.predictor import Predictor

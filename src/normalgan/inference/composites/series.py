@@ -8,7 +8,7 @@ import numpy as np
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
 from normalgan.inference.composites.steadying import steadied
-from normalgan.inference.mask.masks import MaskOrSource
+from normalgan.inference.mask.mask_files import MaskOrSource
 from normalgan.inference.network.framing import bounds_of
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.parallel import result_of, stream

@@ -15,7 +15,7 @@ from normalgan.inference.composites.cells import Cell
 from normalgan.inference.composites.composition import tiled
 from normalgan.inference.composites.series import Member, flat_map, left_flat, predict_series
 from normalgan.inference.findings import Finding
-from normalgan.inference.mask.masks import MaskOrSource
+from normalgan.inference.mask.mask_files import MaskOrSource
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.parallel import result_of, stream
 from normalgan.inference.predictor import Predictor

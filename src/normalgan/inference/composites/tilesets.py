@@ -13,7 +13,7 @@ from normalgan.inference.cleaning.silhouette import is_silhouette
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.composites.sheets import predict_sheet
 from normalgan.inference.composites.tile_grid import TileGrid
-from normalgan.inference.mask.masks import MaskOrSource
+from normalgan.inference.mask.mask_files import MaskOrSource
 from normalgan.inference.network.tile import Tile
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.predictor import Predictor

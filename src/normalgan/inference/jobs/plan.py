@@ -8,8 +8,8 @@ from typing import Literal
 
 from normalgan.errors import InputError, unwritable
 from normalgan.inference.jobs.folders import find_drawings, search
-from normalgan.inference.mask.masks import ENDINGS as MASK_ENDINGS
-from normalgan.inference.mask.masks import SOURCES, MaskSource
+from normalgan.inference.mask.mask_files import ENDINGS as MASK_ENDINGS
+from normalgan.inference.mask.mask_files import SOURCES, MaskSource
 from normalgan.inference.outputs import OUTPUTS
 from normalgan.inference.reading.drawings import SUFFIXES, find_companion
 from normalgan.inference.reading.hint_files import ENDINGS as HINT_ENDINGS

@@ -9,7 +9,7 @@ from normalgan.files.writing import write_bytes
 from normalgan.inference.jobs.plan import Job
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.base import Scaled
-from normalgan.inference.outputs.outputs import Outputs
+from normalgan.inference.outputs.output_set import Outputs
 
 __all__ = ["Held", "Sink", "Writer"]
 

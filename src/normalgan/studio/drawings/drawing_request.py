@@ -31,7 +31,7 @@ from normalgan.inference.edits import (
     tilt,
 )
 from normalgan.inference.forms import Form, feather, give_form
-from normalgan.inference.mask.masks import MaskOrSource, MaskSource, mask_of
+from normalgan.inference.mask.mask_files import MaskOrSource, MaskSource, mask_of
 from normalgan.inference.reading.hint_files import Hints, check_hints
 from normalgan.inference.reading.picture import Picture, read_picture
 from normalgan.inference.structures import Tile, impress, read_tile

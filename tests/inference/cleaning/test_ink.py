@@ -6,7 +6,7 @@ import pytest
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
-from normalgan.inference.cleaning.cleaning import Cleaned, clean
+from normalgan.inference.cleaning.ink import Cleaned, clean
 from normalgan.inference.cleaning.reader import read
 from normalgan.inference.mask.decision import decide
 from normalgan.inference.preparation import prepare

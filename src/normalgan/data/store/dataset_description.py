@@ -9,9 +9,9 @@ from typing import Any
 
 from normalgan.data.recipe import Loadable, SampleRecipe, fingerprint
 from normalgan.data.splits import none_usable, plural
-from normalgan.data.store.layout import Layout
+from normalgan.data.store.fsspec_storage import Storage
+from normalgan.data.store.sample_layout import Layout
 from normalgan.data.store.shards import ShardedSamples
-from normalgan.data.store.storage import Storage
 from normalgan.errors import InputError
 
 __all__ = ["FORMAT_VERSION", "Manifest", "dataset_key", "fingerprints", "views_by_split"]

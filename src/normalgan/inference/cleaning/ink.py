@@ -1,4 +1,4 @@
-"""Cleaning: the ink of a drawing, and the object where the opacity of the drawing shows it."""
+"""Ink: the lines of a drawing, and the object where the opacity of the drawing shows it."""
 
 from dataclasses import dataclass
 

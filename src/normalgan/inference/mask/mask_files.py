@@ -1,4 +1,4 @@
-"""Masks: pictures that say where the object is in a drawing."""
+"""Mask files: pictures that say where the object is in a drawing, and the names of the other sources."""
 
 from pathlib import Path
 from typing import Literal

@@ -9,7 +9,7 @@ from PIL import Image
 
 from normalgan.errors import InputError
 from normalgan.inference.inputs import as_mask
-from normalgan.inference.mask.masks import load_mask
+from normalgan.inference.mask.mask_files import load_mask
 from normalgan.studio.drawings.drawing_request import DrawingRequest
 
 OBJECT = np.zeros((30, 40), bool)

@@ -1,4 +1,4 @@
-"""Outputs: all files of a drawing: its normal map and the other outputs."""
+"""Outputs: the set of files that is written for each drawing: its normal map and the other outputs."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace

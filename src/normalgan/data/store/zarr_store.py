@@ -12,7 +12,7 @@ from zarr.abc.store import (
 from zarr.core.buffer import Buffer, BufferPrototype
 from zarr.core.buffer.core import default_buffer_prototype
 
-from normalgan.data.store.storage import Storage
+from normalgan.data.store.fsspec_storage import Storage
 
 __all__ = ["ObjectStore"]
 

@@ -1,4 +1,4 @@
-"""Layout: the place and encoding of each sample of a split."""
+"""Layout: the order of the samples in a split, and their encoding in shards."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
