@@ -32,7 +32,7 @@ export class Unpaintable extends Error {
   }
 }
 
-const { LEAST } = CLEANING;
+const { LEAST } = INK;
 const { SHEET, SURE } = SILHOUETTE;
 
 /**
