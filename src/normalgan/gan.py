@@ -24,7 +24,7 @@ from normalgan.line_widths import USUAL_WIDTHS, LineWidths, check_line_widths
 from normalgan.losses import AdversarialObjective, L1AndHints, Reconstruction, Term
 from normalgan.losses.checks import check_losses, check_terms
 from normalgan.losses.distractor_consistency import distractor_inconsistency, mark_some
-from normalgan.losses.finite import watch
+from normalgan.losses.finite import start_finite_check
 from normalgan.losses.gradient_share import gradient_share
 from normalgan.models import Discriminator, Generator
 from normalgan.models.base import check_predictions, check_scores
@@ -40,7 +40,7 @@ from normalgan.seeds import derive_seed, seed_torch
 __all__ = ["SHARE", "NormalGAN"]
 
 SHARE = "train/adversarial_share"
-"""Length of the adversarial gradient beside that of the reconstruction, at the generator's weights."""
+"""Ratio of the adversarial to the reconstruction gradient norm, at the generator's weights."""
 
 
 def _weighted(terms: dict[str, Term]) -> Tensor:
@@ -67,30 +67,31 @@ def _check_optimizer(name: str, optimizer: object) -> None:
 
 
 def _check_callbacks(callbacks: Iterable[object]) -> None:
-    """Refuse callbacks that need an optimiser which Lightning steps.
+    """Refuse callbacks that work only if Lightning steps the optimisers.
 
     Raises:
-        InputError: if there is one.
+        InputError: if there is such a callback.
     """
     for callback in callbacks:
         if isinstance(callback, LearningRateFinder):
             raise InputError(
                 "LearningRateFinder cannot be used, because NormalGAN steps its optimisers by hand; compare "
-                "rates by a sweep."
+                "rates with a sweep."
             )
 
 
 class NormalGAN(SavedSettings, Evaluation):
     """Predicts a normal map from a sketch and hints, and trains against a discriminator.
 
-    All randomness of a training step (dropout, hints, gradient penalty) is seeded by the step's number, so
-    that a killed and resumed run ends with the same weights as an unbroken one.
+    Each training step seeds all of its randomness (dropout, hints, gradient penalty) with its own number, so
+    a run that is killed and resumed ends with the same weights as an uninterrupted one.
 
     Args:
-        generator: predicts the map.
-        discriminator: tells predicted maps from true ones; None trains on the reconstruction loss alone.
-        hint_sampler: stands in for the designer in training and testing. A batch with its own hints keeps
-            them; prediction uses only those.
+        generator: the network that predicts normal maps.
+        discriminator: the network that distinguishes predicted maps from true ones; None trains on the
+            reconstruction loss alone.
+        hint_sampler: chooses the hints in training and testing, in place of a designer. A batch that has
+            hints keeps them. Prediction uses only the hints that are given.
         objective: the adversarial losses.
         generator_optimizer: optimiser of the generator.
         discriminator_optimizer: optimiser of the discriminator.
@@ -99,25 +100,23 @@ class NormalGAN(SavedSettings, Evaluation):
         adversarial_weight: weight of the objective's generator loss.
         reconstruction: the per-pixel loss.
         gradient_clip: largest norm of the generator's gradient; None leaves it as it is.
-        n_critic: discriminator steps to each generator step; one batch each.
-        pinned: share of each batch whose hints are followed by up to three pins, each where the prediction
-            with those before it is most wrong. Each takes a prediction of these samples.
-        hint_noise: largest mean angle in degrees by which the hints of a training sample are turned.
-        distractor_consistency: weight of the mean angle in radians between the normals with and without
-            distractor strokes. A quarter of each batch is predicted twice for it; 0: none.
-        share_every: number of generator steps after which to log the ratio of the adversarial to the
-            reconstruction gradient norm, as ``train/adversarial_share`` (at its weights) and
-            ``train/adversarial_share_output`` (at its output); 0 logs none. Such a step takes two more
-            backward passes.
+        n_critic: discriminator steps per generator step, with one batch each.
+        pinned: fraction of each batch that gets up to three more hints (pins), one at a time, each where the
+            prediction with the hints so far is worst. Each pin costs one more forward pass of these samples.
+        hint_noise: largest mean angle in degrees by which the hints of a training sample are rotated.
+        distractor_consistency: weight of the mean angle in radians between the normals predicted with and
+            without distractor strokes. A quarter of each batch is predicted twice for it. 0 switches it off.
+        share_every: log the ratio of the adversarial to the reconstruction gradient norm every this many
+            generator steps, at the generator's weights (``train/adversarial_share``) and at its output
+            (``train/adversarial_share_output``). Such a step takes two more backward passes; 0 logs none.
         noise_at_test: keep the noise z (dropout) on when testing and predicting, as pix2pix does.
-        seed: seed of the hints and the noise.
-        refined: whether its maps, enlarged to a drawing's size, are refined by the refiner of the package,
-            which was trained for the weights that come with it.
-        line_widths: the thinnest and the thickest line of a drawing, in pixels of the model, that it is shown
-            as drawn when it predicts; lines of other widths are redrawn 1.25 pixels wide. About those of its
-            training.
-        compile: whether ``torch.compile`` compiles the generator's pass in training; a name selects another
-            backend of torch than its default, which needs a C++ compiler. Checkpoints do not hold it.
+        seed: seed of the hints and of the noise.
+        refined: whether the package's refiner sharpens its maps when they are enlarged to a drawing's size.
+            The refiner was trained for the shipped weights.
+        line_widths: thinnest and thickest line, in pixels of the model's input, that prediction leaves
+            as drawn; lines outside it are redrawn 1.25 pixels wide. Set it to the widths of the training.
+        compile: whether to compile the generator's forward pass in training with ``torch.compile``; a string
+            selects another backend than the default, which needs a C++ compiler. Checkpoints do not hold it.
 
     References:
         He et al. 2021, "Sketch-based Normal Map Generation with Geometric Sampling".
@@ -184,21 +183,30 @@ class NormalGAN(SavedSettings, Evaluation):
         self.refined = refined
         self.line_widths = check_line_widths(line_widths)
         self.compile_generator = check_compile(compile)
-        self._generate: Callable[[Tensor], Predictions] | None = None  # of the run that is under way
+        self._generate: Callable[[Tensor], Predictions] | None = None  # compiled, while a run trains
         check_ranges(self)
 
     def setup(self, stage: str) -> None:
-        """Make the metrics of a stage, and compile the generator if asked."""
+        """Make the metrics of a stage, and compile the generator if the settings ask for it."""
         self._generate = None
         if stage == "fit":
             _check_callbacks(getattr(self.trainer, "callbacks", []))
             if self.compile_generator:
                 self._generate = compiled_predict(self.generator, self.compile_generator)
-            # With max_steps, Lightning takes each checkpoint for one within an epoch, and ends it again:
+            # With max_steps, Lightning mistakes a checkpoint for one saved within an epoch, and ends that
+            # epoch a second time; so it has none until `on_train_start`, when the checkpoint has been read:
             # https://github.com/Lightning-AI/pytorch-lightning/blob/2.6.0/src/lightning/pytorch/loops/fit_loop.py
             loop = self.trainer.fit_loop.epoch_loop
             self._max_steps, loop.max_steps = loop.max_steps, -1
         self.make_metrics(stage)
+
+    def on_train_start(self) -> None:
+        """Restore ``max_steps``, and end a cosine schedule with the run, also if it is resumed for longer."""
+        self.trainer.fit_loop.epoch_loop.max_steps = self._max_steps
+        epochs = self.trainer.max_epochs
+        for config in self.trainer.lr_scheduler_configs:
+            if isinstance(config.scheduler, CosineAnnealingLR) and epochs is not None and epochs > 0:
+                end_cosine_at(config.scheduler, epochs)
 
     def teardown(self, stage: str) -> None:
         """Drop the compiled function, which cannot be copied or pickled."""
@@ -206,7 +214,7 @@ class NormalGAN(SavedSettings, Evaluation):
 
     # --- training -------------------------------------------------------------------------------------
 
-    # torch.compile(model) would compile what Lightning does between the networks, which torch cannot follow.
+    # torch.compile(model) would also compile Lightning's code between the networks, which it cannot trace.
     @torch.compiler.disable  # type: ignore[untyped-decorator]
     def training_step(self, batch: Batch, batch_idx: int) -> None:
         """Step the discriminator, and the generator with every ``n_critic``-th batch."""
@@ -219,17 +227,12 @@ class NormalGAN(SavedSettings, Evaluation):
             hints = turn_hints(hints, self.hint_noise, derive_seed("hint noise", seed))
         condition = make_condition(batch["sketch"], hints)
         generates = self.discriminator is None or step % self.n_critic == 0  # so that fast_dev_run tries both
-        given, count = condition, len(condition)
-        if generates and self.distractor_consistency:
-            marked = mark_some(batch["sketch"], batch["mask"])
-            # In one pass, so that batch norm has the same statistics for both.
-            given = torch.cat([condition, make_condition(marked, hints[: len(marked)])])
+        distracts = generates and self.distractor_consistency > 0
+        # The first sketches of the batch again, with strokes that should not change their maps.
+        distracted = mark_some(batch["sketch"], batch["mask"]) if distracts else None
         with torch.set_grad_enabled(generates):
-            preds = (self._generate or self.generator.predict)(given)
-            check_predictions(self.generator, preds, given)
-        with_distractors = preds.direction[count:]
-        preds = preds if given is condition else preds.of(slice(count))
-        fake: Tensor | None = None  # whole maps are not needed unless logged
+            preds, of_distracted = self._predict_both(condition, distracted, hints)
+        fake: Tensor | None = None  # without a discriminator nothing needs whole maps
         if self.discriminator is not None:
             fake = paste_hints(preds.normal, hints).to(condition.dtype)
             self._step_discriminator(self.discriminator, condition, batch, fake.detach())
@@ -238,17 +241,30 @@ class NormalGAN(SavedSettings, Evaluation):
                 preds, batch["normal"].float(), batch["mask"].float(), hints[:, 3:].float()
             )
             check_terms(self.reconstruction, terms, alone=self.discriminator is None)
-            if self.distractor_consistency:
-                turned = distractor_inconsistency(preds.direction, with_distractors, batch["mask"].float())
+            if of_distracted is not None:
+                turned = distractor_inconsistency(preds.direction, of_distracted, batch["mask"].float())
                 terms = {**terms, "distractor_inconsistency": Term(turned, self.distractor_consistency)}
             self._step_generator(condition, terms, preds.direction, fake, batch)
 
+    def _predict_both(
+        self, condition: Tensor, distracted: Tensor | None, hints: Tensor
+    ) -> tuple[Predictions, Tensor | None]:
+        """Return predictions for a batch, and directions for its first sketches with distractor strokes."""
+        given, count = condition, len(condition)
+        if distracted is not None:
+            # In one pass, so that batch norm has the same statistics for both.
+            given = torch.cat([condition, make_condition(distracted, hints[: len(distracted)])])
+        preds = (self._generate or self.generator.predict)(given)
+        check_predictions(self.generator, preds, given)
+        return (preds, None) if given is condition else (preds.of(slice(count)), preds.direction[count:])
+
     def training_hints(self, batch: Batch, seed: int) -> Tensor:
-        """Return the hints (N, 4, H, W) of a batch: its own, or the sampler's and pins, drawn with a seed."""
+        """Return a batch's hints (N, 4, H, W): its own, or else the sampler's and the pins."""
         if "hints" in batch:
             return batch["hints"]
         hints = draw_hints(self.hint_sampler, batch["normal"], batch["mask"], seed, self._error(batch))
-        first = len(hints) - round(self.pinned * len(hints))  # the ones before get strokes that say nothing
+        # The last samples of the batch get pins, because the first ones get distractor strokes.
+        first = len(hints) - round(self.pinned * len(hints))
         if first == len(hints):
             return hints
         last = slice(first, None)
@@ -274,10 +290,10 @@ class NormalGAN(SavedSettings, Evaluation):
             )
             penalty = self.objective.penalty(lambda normal: discriminator(condition, normal), real, fake)
             check_losses(self.objective, {"discriminator_loss": loss, "penalty": penalty})
-            read = watch({"discriminator": loss, "penalty": penalty}, self.trainer.world_size)
+            check_finite = self._start_finite_check({"discriminator": loss, "penalty": penalty})
             optimizer.zero_grad()
             self.manual_backward(loss + penalty)
-            values = read(batch, self.current_epoch, self.trainer.fit_loop.epoch_loop.batch_idx)
+            values = check_finite(batch)
             optimizer.step()
             self.objective.after_discriminator_step(discriminator)
         if self._are_shown(1):
@@ -296,24 +312,29 @@ class NormalGAN(SavedSettings, Evaluation):
                 if self._logs_share():
                     self._log_share(_weighted(terms), _weighted({"": adversarial}), predicted)
                 terms = {**terms, "adversarial": adversarial}
-            read = watch({name: term.value for name, term in terms.items()}, self.trainer.world_size)
+            check_finite = self._start_finite_check({name: term.value for name, term in terms.items()})
             optimizer.zero_grad()
             self.manual_backward(_weighted(terms))
-            values = read(batch, self.current_epoch, self.trainer.fit_loop.epoch_loop.batch_idx)
+            values = check_finite(batch)
             optimizer.step()
         if self._are_shown(1 if self.discriminator is None else self.n_critic):
             self.log_dict({f"train/{name}": value for name, value in values.items()})
             first = next(iter(values))
             self.log(first, values[first], prog_bar=True, logger=False)
 
-    def _are_shown(self, every: int) -> bool:
-        """Return whether the losses of this batch will be logged; ``every`` batches are.
+    def _start_finite_check(self, losses: dict[str, Tensor]) -> Callable[[Batch], dict[str, Tensor]]:
+        check = start_finite_check(losses, self.trainer.world_size)
+        batch_idx = self.trainer.fit_loop.epoch_loop.batch_idx
+        return lambda batch: check(batch, self.current_epoch, batch_idx)
 
-        Logging costs a few hundredths of a step, and loggers keep only one step in ``log_every_n_steps``.
+    def _are_shown(self, every: int) -> bool:
+        """Return whether to log the losses of this batch, in a network that steps every ``every`` batches.
+
+        Logging costs a few per cent of a step, and loggers keep only one step in ``log_every_n_steps``.
         """
         interval: int = self.trainer.log_every_n_steps  # type: ignore[attr-defined]  # documented, not typed
         to_come = interval - 1 - self.trainer.fit_loop.total_batch_idx % max(interval, 1)
-        first = self.trainer.fit_loop.epoch_loop.batch_idx < every  # what the progress bar shows till then
+        first = self.trainer.fit_loop.epoch_loop.batch_idx < every  # for the progress bar
         return first or 0 <= to_come < every
 
     def _logs_share(self) -> bool:
@@ -325,31 +346,23 @@ class NormalGAN(SavedSettings, Evaluation):
         self.log(f"{SHARE}_output", gradient_share(adversarial, reconstruction, [predicted]))
 
     def on_before_optimizer_step(self, optimizer: Optimizer) -> None:
-        """Clip the generator's gradient, which mixed precision has unscaled by now."""
+        """Clip the generator's gradient, after mixed precision has unscaled it."""
         if self.gradient_clip is not None and optimizer is self.trainer.optimizers[0]:
             nn.utils.clip_grad_norm_(self.generator.parameters(), self.gradient_clip)
 
     def on_validation_start(self) -> None:
-        """Average the statistics of batch norm over the processes, so that all measure the same network."""
+        """Average batch norm's statistics over all processes, so that they validate the same network."""
         self._average_statistics()
 
     def _average_statistics(self) -> None:
         if self.trainer.world_size > 1:
             average_statistics(self, self.trainer.strategy)
 
-    def on_train_start(self) -> None:
-        """End a cosine schedule with the run, also if it is resumed to train longer."""
-        self.trainer.fit_loop.epoch_loop.max_steps = self._max_steps  # now that a checkpoint is read
-        epochs = self.trainer.max_epochs
-        for config in self.trainer.lr_scheduler_configs:
-            if isinstance(config.scheduler, CosineAnnealingLR) and epochs is not None and epochs > 0:
-                end_cosine_at(config.scheduler, epochs)
-
     def on_train_epoch_end(self) -> None:
-        """Step the learning rates, which Lightning leaves to manual optimisation."""
-        self._average_statistics()  # for the checkpoint, should there be no validation
+        """Step the learning rate schedules, which Lightning does not do in manual optimisation."""
+        self._average_statistics()  # for the checkpoint of an epoch without validation
         if not self.trainer.fit_loop.epoch_loop.batch_progress.is_last_batch:
-            return  # stopped within the epoch, by max_steps or max_time: the rates change where it ends
+            return  # max_steps or max_time stopped the run within the epoch; the rates change at its end
         schedulers = self.lr_schedulers()
         for scheduler in schedulers if isinstance(schedulers, list) else [schedulers]:
             if scheduler is not None:

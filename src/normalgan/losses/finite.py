@@ -12,7 +12,7 @@ from torch import Tensor
 from normalgan.batch import Batch
 from normalgan.errors import RunError
 
-__all__ = ["FEW", "LossError", "async_to_cpu", "loss_error", "not_finite", "watch"]
+__all__ = ["FEW", "LossError", "async_to_cpu", "loss_error", "not_finite", "start_finite_check"]
 
 FEW = 8
 """More names of samples than this no one reads."""
@@ -82,16 +82,18 @@ def loss_error(bad: Sequence[str], names: Sequence[str], epoch: int, batch: int)
     )
 
 
-def watch(losses: Mapping[str, Tensor], processes: int) -> Callable[[Batch, int, int], dict[str, Tensor]]:
-    """Start reading losses during the backward pass and return a check to call before the weights change.
+def start_finite_check(
+    losses: Mapping[str, Tensor], processes: int
+) -> Callable[[Batch, int, int], dict[str, Tensor]]:
+    """Start copying losses to the CPU; return the check to call after the backward pass, before the step.
 
-    The check takes the batch, the epoch and the batch's number, and returns the losses on the CPU, where
-    logging them does not wait for the GPU.
+    The copy runs during the backward pass. The check takes the batch, the epoch and the index of the batch,
+    and returns the losses on the CPU, so that logging them does not wait for the GPU.
 
     Args:
         losses: scalars by name.
-        processes: how many train together. If one process stopped alone, the others would hang, so the sum
-            over all is checked too.
+        processes: number of processes that train together. If one of them stopped alone, the others would
+            hang, so the sum over all processes is checked too.
 
     Raises:
         LossError: by the returned check, in every process, if a loss is not finite.

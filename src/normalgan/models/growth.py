@@ -32,16 +32,16 @@ def grow(small: ResidualUNetGenerator, large: ResidualUNetGenerator) -> None:
         Chen, Goodfellow, Shlens 2016, "Net2Net: Accelerating Learning via Knowledge Transfer".
     """
     _check(small, large)
-    scale = large.patch // small.patch
+    scale, patch = large.patch // small.patch, small.detail_patch
     heard = torch.tensor([1 / scale**2, 1, 1, 1, 1]).view(1, 5, 1, 1, 1, 1)  # ink is a mean, a hint one pixel
     _put(small.stem, large.stem, weight=_finer(small.stem.weight, small.patch, scale, heard))
     first, last = (cast(nn.Conv2d, small.detail[index]) for index in (0, 2))
     coarse, given = first.weight.tensor_split(2, dim=1)
     mean = torch.tensor(1 / scale**2)
-    listens = [_finer(coarse, small.fold, scale, mean), _finer(given, small.fold, scale, heard)]
+    listens = [_finer(coarse, patch, scale, mean), _finer(given, patch, scale, heard)]
     _put(first, large.detail[0], weight=torch.cat(listens, dim=1))
     for one, other in ((last, large.detail[2]), (small.heads, large.heads)):
-        weight, bias = (_repeated(values, small.fold, scale) for values in (one.weight, _bias(one)))
+        weight, bias = (_repeated(values, patch, scale) for values in (one.weight, _bias(one)))
         _put(one, other, weight=weight, bias=bias)
     levels = zip([*small.encoder, *small.decoder], [*large.encoder, *large.decoder], strict=True)
     for blocks, more_blocks in levels:
@@ -136,10 +136,10 @@ def _check(small: ResidualUNetGenerator, large: ResidualUNetGenerator) -> None:
         len(few) == len(many) and all(a <= b for a, b in zip(few, many, strict=True))
         for few, many in (levels, widths)
     )
-    patch, detail = small.patch, small.fold
-    if not fits or (large.patch, large.fold) not in ((patch, detail), (2 * patch, 2 * detail)):
+    patch, detail = small.patch, small.detail_patch
+    if not fits or (large.patch, large.detail_patch) not in ((patch, detail), (2 * patch, 2 * detail)):
         raise InputError(
             "a generator grows into one of the same norm and levels, each of at least as many blocks and "
             f"channels, with a patch and detail of {patch} and {detail} or of {2 * patch} and {2 * detail}, "
-            f"not {large.patch} and {large.fold}."
+            f"not {large.patch} and {large.detail_patch}."
         )

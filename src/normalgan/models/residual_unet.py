@@ -25,40 +25,42 @@ __all__ = [
     "residual_blocks",
 ]
 
-_HEADS = 5  # a direction, the presence of an object, the confidence
-_DETAIL = 16  # channels between the two last layers, which take up the lines' exact place
+_OUTPUTS = 5
+"""Output channels: a direction (3), the logit of presence, and the confidence."""
+_DETAIL = 16
+"""Channels between the last two layers, which see the sketch again and place edges exactly on its lines."""
 
 
 @GENERATORS.register
 class ResidualUNetGenerator(Generator):
     """A U-Net of residual blocks that works at a fraction of the drawing's resolution.
 
-    Squares of pixels are folded into channels, each level halves the resolution, and skips join levels of one
-    size. Hints enter at every level, so that a few of them reach the whole object. The output has four
-    channels: a normal whose length is the presence, and the confidence in its direction.
+    Patches of pixels are unshuffled into channels, each level halves the resolution, and skip connections
+    join levels of the same size. Hints enter at every level, so that a few of them affect the whole object.
+    The output has four channels: a normal whose length is the presence, and the confidence in its direction.
 
     Args:
         widths: channels of each level, from the finest to the coarsest.
-        blocks: residual blocks of each level, down and again up.
-        patch: side of the squares of pixels that are folded into channels, a power of two.
-        norm: norm of the residual blocks. Batch norm learns from fewer images; without it, training does not
-            mix the pictures of a batch.
-        detail: side of the folded squares in the last two layers, which see the sketch again; a power of two,
-            at most ``patch``. With 1, these layers take as much time as all others together.
-        hint_levels: whether hints enter at every level. Otherwise they enter only with the sketch, with the
-            same number of weights; an ablation.
-        deblock: whether to average directions over a patch far from lines, except in training. Folding leaves
-            a faint grid that shows on smooth forms under light.
-        mirror: whether to average predictions for a drawing and its mirror image, except in training; this
-            takes twice as long.
+        blocks: residual blocks of each level, in the encoder and again in the decoder.
+        patch: side of the patches that are unshuffled into channels, a power of two.
+        norm: norm of the residual blocks. Batch norm learns from fewer images. Without it, the samples of a
+            batch do not affect one another in training.
+        detail: side of the patches in the last two layers, which see the sketch again; a power of two, at
+            most ``patch``. With 1, these two layers take as long as all others together.
+        hint_levels: whether hints enter at every level. If not, they enter with the sketch only, through the
+            same number of weights, as an ablation.
+        deblock: whether to average directions over a patch far from lines, except in training. Unshuffling
+            leaves a faint grid, which lighting shows on smooth surfaces.
+        mirror: whether to average the predictions for a drawing and its mirror image, except in training. It
+            doubles the time.
 
     Raises:
         InputError: if ``widths`` and ``blocks`` differ in length, or a number is out of range.
 
     References:
         Shi et al. 2016, "Real-Time Single Image and Video Super-Resolution Using an Efficient Sub-Pixel
-        Convolutional Neural Network" (folding); Bae, Budvytis, Cipolla 2021, "Estimating and Exploiting the
-        Aleatoric Uncertainty in Surface Normal Estimation" (confidence).
+        Convolutional Neural Network" (unshuffling); Bae, Budvytis, Cipolla 2021, "Estimating and Exploiting
+        the Aleatoric Uncertainty in Surface Normal Estimation" (confidence).
     """
 
     def __init__(
@@ -81,7 +83,7 @@ class ResidualUNetGenerator(Generator):
                 "two, and detail at most patch."
             )
         self.patch = patch
-        self.fold = detail
+        self.detail_patch = detail
         self.norm = norm
         self.hint_levels = hint_levels
         self.deblock = deblock
@@ -98,13 +100,13 @@ class ResidualUNetGenerator(Generator):
         self.decoder = nn.ModuleList(
             [residual_blocks(*level, norm) for level in zip(widths[:-1], blocks[:-1], strict=True)]
         )
-        self.heads = nn.Conv2d(widths[0], _HEADS * patch**2, 3, padding=1)
+        self.heads = nn.Conv2d(widths[0], _OUTPUTS * patch**2, 3, padding=1)
         self.detail = nn.Sequential(
-            nn.Conv2d((_HEADS + 5) * detail**2, _DETAIL, 3, padding=1),
+            nn.Conv2d((_OUTPUTS + 5) * detail**2, _DETAIL, 3, padding=1),
             nn.SiLU(),
-            nn.Conv2d(_DETAIL, _HEADS * detail**2, 3, padding=1),
+            nn.Conv2d(_DETAIL, _OUTPUTS * detail**2, 3, padding=1),
         )
-        # Convolutions are fastest in this layout; weights in another one would be converted at every step.
+        # Convolutions are fastest in this layout. Weights in another layout would be converted at each step.
         self.to(memory_format=torch.channels_last)  # type: ignore[call-overload]  # missing in torch's types
 
     def forward(self, condition: Tensor) -> Tensor:
@@ -121,8 +123,8 @@ class ResidualUNetGenerator(Generator):
             condition: (N, 4, H, W) as `Generator.forward` takes it.
 
         Raises:
-            InputError: if the sides are not multiples of ``patch`` × 2^halvings, or if batch norm in training
-                has a single value left.
+            InputError: if the sides are not multiples of ``patch`` × 2^(levels - 1), or if batch norm in
+                training has only one value per channel.
         """
         height, width = condition.shape[2:]
         if height % self.factor or width % self.factor:
@@ -142,27 +144,27 @@ class ResidualUNetGenerator(Generator):
     def _predict(self, condition: Tensor) -> Predictions:
         """Return the predictions of the network itself, without mirroring."""
         where = condition[:, 3:]
-        # Hints have the layout of the features; concatenating two layouts would copy one of them.
+        # Hints get the memory layout of the features, because concatenation copies tensors of another layout.
         hints = torch.cat([condition[:, :3] * where, where], dim=1).contiguous(
             memory_format=torch.channels_last
         )
-        # Ink 1 on paper 0, like the padding; at a hint the condition has no sketch, so it counts as paper.
+        # Ink is 1, and paper 0 like the padding. Where a hint replaces the sketch, it counts as paper.
         ink = (1 - condition[:, :1]) / 2 * (1 - where)
         given = torch.cat([ink, hints], dim=1).contiguous(memory_format=torch.channels_last)
         features = F.silu(self._body(given, hints))
-        coarse = F.pixel_shuffle(float32_output(self.heads, features), self.patch // self.fold)
-        fine = torch.cat([coarse, F.pixel_unshuffle(given, self.fold)], dim=1)
-        heads = F.pixel_shuffle(coarse + float32_output(self.detail, fine), self.fold)
+        coarse = F.pixel_shuffle(float32_output(self.heads, features), self.patch // self.detail_patch)
+        fine = torch.cat([coarse, F.pixel_unshuffle(given, self.detail_patch)], dim=1)
+        heads = F.pixel_shuffle(coarse + float32_output(self.detail, fine), self.detail_patch)
         direction, presence = F.normalize(heads[:, :3], dim=1, eps=1e-6), heads[:, 3:4]
-        # Not in training, where it takes long: it has no weights to learn.
+        # Not in training: it has no weights, and takes long.
         if self.deblock and self.patch > 1 and not self.training:
             direction = _deblocked(direction, presence, ink.float(), self.patch)
         return Predictions(direction, presence, 1.01 + F.elu(heads[:, 4:]))
 
     def _body(self, given: Tensor, hints: Tensor) -> Tensor:
-        """Return features (N, widths[0], H / patch, W / patch), still folded."""
-        folds = self.patch.bit_length() - 1
-        pyramid = [hints, *hint_pyramid(hints, folds + len(self.downs))][folds:]
+        """Return features (N, widths[0], H / patch, W / patch)."""
+        halvings = self.patch.bit_length() - 1
+        pyramid = [hints, *hint_pyramid(hints, halvings + len(self.downs))][halvings:]
         if not self.hint_levels:
             pyramid = [torch.zeros_like(level) for level in pyramid]
         features: Tensor = self.stem(F.pixel_unshuffle(given, self.patch))
@@ -189,11 +191,11 @@ def _deblocked(direction: Tensor, presence: Tensor, ink: Tensor, patch: int) -> 
     """
     # The mean over a patch removes everything that repeats from patch to patch. It is shifted by half a
     # pixel, because a patch has no middle pixel; the mean of two neighbours shifts it back.
-    there = direction * torch.sigmoid(presence).clamp(min=1e-3)
-    mean = F.avg_pool2d(F.avg_pool2d(there, patch, 1, patch // 2, count_include_pad=False), 2, 1)
-    # Unchanged within a pixel of a line, where normals jump, and fully smooth three pixels farther.
+    weighted = direction * torch.sigmoid(presence).clamp(min=1e-3)
+    mean = F.avg_pool2d(F.avg_pool2d(weighted, patch, 1, patch // 2, count_include_pad=False), 2, 1)
+    # Normals jump at lines: leave them within a pixel of a line, and average fully from four pixels on.
     near = F.avg_pool2d(F.max_pool2d(ink, 5, 1, 2), 3, 1, 1, count_include_pad=False)
-    return F.normalize(torch.lerp(mean, there, near), dim=1, eps=1e-6)
+    return F.normalize(torch.lerp(mean, weighted, near), dim=1, eps=1e-6)
 
 
 def check_levels(network: nn.Module, widths: Sequence[int], blocks: Sequence[int]) -> None:
@@ -212,13 +214,13 @@ def check_levels(network: nn.Module, widths: Sequence[int], blocks: Sequence[int
 class ResidualBlock(nn.Module):
     """A residual block: x + conv(SiLU(norm(conv(SiLU(norm(x)))))).
 
-    Norm and activation first (He et al. 2016, "Identity Mappings in Deep Residual Networks"). Without norms
-    the second convolution starts at zero, so that each block starts as the identity (Zhang et al. 2019,
-    "Fixup Initialization", first rule).
+    Norm and activation come before the convolution (He et al. 2016, "Identity Mappings in Deep Residual
+    Networks"). Without norms the second convolution starts at zero, so that each block starts as the identity
+    (Zhang et al. 2019, "Fixup Initialization", first rule).
 
     Args:
-        channels: channels of the input and the output.
-        norm: before each activation.
+        channels: channels of the input and of the output.
+        norm: norm before each activation.
     """
 
     def __init__(self, channels: int, norm: Norm = "none") -> None:
@@ -245,14 +247,14 @@ def residual_blocks(channels: int, count: int, norm: Norm = "none") -> nn.Sequen
 
 
 def hint_pyramid(hints: Tensor, levels: int) -> list[Tensor]:
-    """Return the hints halved again and again, ``levels`` tensors (N, 4, H / 2^l, W / 2^l), l from 1.
+    """Return hints at ``levels`` lower resolutions, tensors (N, 4, H / 2^l, W / 2^l) for l from 1.
 
-    A cell holds the mean of its hint normals, and 1 if it has any, else 0. At full resolution a convolution
-    sees a single hint within three pixels; at the fifth level within a hundred.
+    Each cell holds the mean of the hint normals in it, and 1 if it has any, else 0. At full resolution a
+    convolution sees a hint within three pixels, and at the fifth level within a hundred.
 
     Args:
-        hints: (N, 4, H, W), normals at the hints and where they are.
-        levels: how often to halve; the sides must allow it.
+        hints: (N, 4, H, W), the normals at the hints, and 1 where there is one.
+        levels: number of halvings, which the sides must allow.
 
     Example:
         >>> hints = torch.zeros(1, 4, 4, 4)
@@ -269,16 +271,16 @@ def hint_pyramid(hints: Tensor, levels: int) -> list[Tensor]:
 
 
 def mirror_condition(condition: Tensor) -> Tensor:
-    """Return a generator's input, (N, 4, H, W), for the mirror image of the drawing."""
+    """Return a generator's input (N, 4, H, W) for the mirror image of its drawing."""
     normals, where = condition[:, :3], condition[:, 3:]
-    # The sketch lies in the same channels and has no direction.
-    return torch.cat([torch.where(where > 0.5, _turned(normals), normals), where], dim=1).flip(3)
+    # Where there is no hint, these channels hold the sketch, whose values are not directions.
+    return torch.cat([torch.where(where > 0.5, _flip_x(normals), normals), where], dim=1).flip(3)
 
 
 def mean_of_mirrored(preds: Predictions) -> Predictions:
-    """Return the mean of the predictions for drawings and for their mirror images.
+    """Average the predictions for drawings with those for their mirror images.
 
-    Directions are weighted by their confidence, if there is one.
+    Directions are weighted by their confidence, if the network predicts one.
 
     Args:
         preds: predictions for N drawings, then for their mirror images; directions (2 N, 3, H, W).
@@ -287,9 +289,9 @@ def mean_of_mirrored(preds: Predictions) -> Predictions:
         The predictions of the first N drawings, each averaged with its mirror image.
     """
     direction, presence, confidence = preds
-    # By shape and not len, which a trace would keep as a number; and slices, as ONNX's exporter has no chunk.
+    # A trace would record len() as a constant, and ONNX's exporter has no chunk; hence shape and slices.
     count = direction.shape[0] // 2
-    here, there = direction[:count], _turned(direction[count:].flip(3))
+    here, there = direction[:count], _flip_x(direction[count:].flip(3))
     if confidence is not None:
         sure, mirrored = confidence[:count], confidence[count:].flip(3)
         here, there, confidence = here * sure, there * mirrored, (sure + mirrored) / 2
@@ -298,19 +300,19 @@ def mean_of_mirrored(preds: Predictions) -> Predictions:
     return Predictions(F.normalize(here + there, dim=1, eps=1e-6), presence, confidence)
 
 
-def _turned(normals: Tensor) -> Tensor:
-    """Return normals (N, 3, H, W) whose x is negated."""
+def _flip_x(normals: Tensor) -> Tensor:
+    """Return normals (N, 3, H, W) with x negated."""
     return torch.cat([-normals[:, :1], normals[:, 1:]], dim=1)
 
 
 def float32_output(layer: nn.Module, features: Tensor) -> Tensor:
-    """Apply a layer to features (N, C, H, W) in float32, under autocast too.
+    """Apply a layer to features (N, C, H, W) in float32, even under autocast.
 
-    In bfloat16 a logit near 5 would move in steps of 0.03.
+    In bfloat16, logits near 5 are multiples of 0.03.
     """
     kind = features.device.type
     if not torch.is_autocast_enabled(kind):
         result: Tensor = layer(features)
-        return result.float()  # of a network that is bfloat16 throughout
+        return result.float()  # the whole network may be bfloat16
     with torch.autocast(kind, enabled=False):
         return float32_output(layer, features.float())
