@@ -15,7 +15,7 @@ from normalgan.callbacks.checkpoints import stopped_checkpoint
 from normalgan.errors import tell
 from normalgan.losses.finite import LossError
 
-__all__ = ["StoppedCheckpoint"]
+__all__ = ["StoppedCheckpoint", "requeue_job"]
 
 
 class StoppedCheckpoint(Callback):
@@ -89,10 +89,10 @@ class StoppedCheckpoint(Callback):
             name = "SIGUSR1" if self._requeue else "SIGTERM"
             tell(f"stopped by {name}; resume with --ckpt_path {path}.")
             if self._requeue:
-                _requeue_job()
+                requeue_job()
 
 
-def _requeue_job() -> None:
+def requeue_job() -> None:
     """Ask SLURM to start the job again, and say so. It may end this process at once."""
     job = os.environ.get("SLURM_JOB_ID", "")
     if "SLURM_ARRAY_JOB_ID" in os.environ:

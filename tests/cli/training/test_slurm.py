@@ -12,7 +12,8 @@ from command import Bench
 from lightning.pytorch.utilities.exceptions import SIGTERMException
 
 from normalgan.callbacks import StoppedCheckpoint
-from normalgan.cli.training.slurm import restarted_from, with_slurm
+from normalgan.cli.training.slurm import requeued_on_signal, restarted_from, with_slurm
+from normalgan.data.datamodule import MeshDataModule
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="SLURM runs on Linux")
 
@@ -82,6 +83,31 @@ def test_sigusr1_stops_between_batches_and_requeues_the_job(
     control.write_text('#!/bin/sh\necho "no such job" >&2\nexit 1\n')
     callback.on_exception(trainer, module, stop.value)
     assert "job 7 was not requeued: no such job." in capsys.readouterr().err
+
+
+def test_a_job_is_requeued_before_training_starts_too(
+    bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    control = tmp_path / "scontrol"
+    control.write_text(f'#!/bin/sh\necho "$@" >> {tmp_path}/said\n')
+    control.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+
+    def warned(*_: Any, **__: Any) -> None:
+        os.kill(os.getpid(), signal.SIGUSR1)
+
+    monkeypatch.setattr(MeshDataModule, "prepare_data", warned)
+    before = signal.getsignal(signal.SIGUSR1)
+    outcome = bench.run("fit", tmp_path / "run")
+    assert outcome.code == 130
+    assert (tmp_path / "said").read_text() == "requeue 7\n"
+    assert "job 7 is requeued." in outcome.err
+    assert signal.getsignal(signal.SIGUSR1) == before
+    monkeypatch.setenv("SLURM_PROCID", "1")
+    monkeypatch.setenv("SLURM_LOCALID", "1")
+    with requeued_on_signal(), pytest.raises(KeyboardInterrupt):
+        signal.raise_signal(signal.SIGUSR1)
+    assert (tmp_path / "said").read_text() == "requeue 7\n"
 
 
 def test_the_newer_checkpoint_continues_a_restarted_job(

@@ -55,7 +55,7 @@ from normalgan.cli.training.saved_model import (
     ignored_settings,
     read_saved_model,
 )
-from normalgan.cli.training.slurm import check_left_behind, restarted_from, with_slurm
+from normalgan.cli.training.slurm import check_left_behind, requeued_on_signal, restarted_from, with_slurm
 from normalgan.cli.training.trainer import (
     RenderingTrainer,
     SaveConfig,
@@ -318,6 +318,7 @@ def run(arguments: list[str]) -> int:
     ]  # a shell does not expand variables in single quotes
     with _reading_settings(safe) as held:
         held.enter_context(help_of(section if section in SECTIONS else None))
+        held.enter_context(requeued_on_signal())
         command: NormalGANCLI | None = None
         try:
             command = NormalGANCLI(arguments[0], arguments[1:], held, safe)

@@ -1,16 +1,20 @@
 """SLURM: one job that is stopped, requeued and started again continues one run."""
 
 import os
-from collections.abc import Iterable
+import signal
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from threading import current_thread, main_thread
 
 from lightning.fabric.plugins import ClusterEnvironment
 from lightning.fabric.plugins.environments.slurm import SLURMEnvironment
 
 from normalgan.callbacks.checkpoints import checkpoint_folder, run_folder, stopped_checkpoint
+from normalgan.callbacks.stopped import requeue_job
 from normalgan.errors import InputError
 
-__all__ = ["check_left_behind", "restarted_from", "with_slurm"]
+__all__ = ["check_left_behind", "requeued_on_signal", "restarted_from", "with_slurm"]
 
 
 def with_slurm(plugins: Iterable[object]) -> list[object]:
@@ -34,6 +38,33 @@ def with_slurm(plugins: Iterable[object]) -> list[object]:
             f"SLURM has {tasks} tasks (--ntasks) and does not say how many a node; pass "
             f"--ntasks-per-node={tasks} to sbatch or srun instead, or set SLURM_JOB_NAME=bash for one."
         ) from error
+
+
+@contextmanager
+def requeued_on_signal() -> Iterator[None]:
+    """Inside this context SIGUSR1 requeues a SLURM job and ends the command, as Ctrl-C does.
+
+    It is for the time before training, such as while samples are rendered. When training starts,
+    `StoppedCheckpoint` puts a handler of its own in place, which saves a checkpoint first.
+    """
+    if (
+        not SLURMEnvironment.detect()
+        or current_thread() is not main_thread()
+        or not hasattr(signal, "SIGUSR1")
+    ):
+        yield
+        return
+
+    def requeue(*_: object) -> None:
+        if os.environ.get("SLURM_PROCID", "0") == "0":  # the signal reaches all tasks
+            requeue_job()
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGUSR1, requeue)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGUSR1, before)
 
 
 def check_left_behind(root: str | None) -> None:

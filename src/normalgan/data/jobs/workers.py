@@ -20,7 +20,7 @@ from typing import Any, Self, TypeVar
 from normalgan.data.jobs.pool import Killed, Pool
 from normalgan.errors import InputError
 
-__all__ = ["Workers", "check_main_guard", "one_thread_each"]
+__all__ = ["Workers", "check_main_guard", "leave_signals_to_parent", "one_thread_each"]
 
 T = TypeVar("T")
 R = TypeVar("R")
@@ -129,9 +129,15 @@ def one_thread_each() -> Iterator[None]:
             os.environ.pop(name) if value is None else os.environ.update({name: value})
 
 
+def leave_signals_to_parent() -> None:
+    """Ignore Ctrl-C and SLURM's SIGUSR1, which reach all processes; the parent lets each finish writing."""
+    for name in ("SIGINT", "SIGUSR1"):
+        if hasattr(signal, name):  # Windows has no SIGUSR1
+            signal.signal(getattr(signal, name), signal.SIG_IGN)
+
+
 def _prepare() -> None:
-    # Ctrl-C reaches the whole group; the parent lets every worker finish writing.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    leave_signals_to_parent()
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_die_with, args=(parent.sentinel,), daemon=True).start()

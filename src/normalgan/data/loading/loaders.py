@@ -1,7 +1,6 @@
 """Loaders: from samples to batches, in this process or in workers."""
 
 import multiprocessing
-import signal
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,7 +9,7 @@ import torch
 from torch.utils.data import DataLoader, Dataset, DistributedSampler, Sampler
 
 from normalgan.data.dataset import SampleDataset
-from normalgan.data.jobs.workers import check_main_guard, one_thread_each
+from normalgan.data.jobs.workers import check_main_guard, leave_signals_to_parent, one_thread_each
 from normalgan.data.loading.items import Item, collate_decoded
 from normalgan.data.loading.order import ShardOrder
 from normalgan.data.loading.stream import FreshViews, StreamDataset
@@ -118,7 +117,7 @@ class Loaders:
             pin_memory=torch.cuda.is_available(),
             collate_fn=collate_decoded if self.decoded else None,
             multiprocessing_context="spawn" if renders and self.workers else None,
-            worker_init_fn=_ignore_ctrl_c if renders else None,
+            worker_init_fn=_prepare_worker if renders else None,
         )
 
 
@@ -152,6 +151,5 @@ class EqualShare(Dataset[Item]):
         return DistributedSampler(self, num_replicas=1, rank=0, shuffle=False)
 
 
-def _ignore_ctrl_c(_: int) -> None:
-    """Let a worker ignore Ctrl-C; its parent ends it."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+def _prepare_worker(_: int) -> None:
+    leave_signals_to_parent()

@@ -38,7 +38,9 @@ def main(handle: int, needs: str, seconds: int, memory: int, folders: list[str])
     """
     from multiprocessing import connection as connections
 
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the one who asks
+    for name in ("SIGINT", "SIGUSR1"):  # Ctrl-C, and SLURM's warning, are for the parent
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_IGN)
     if sys.platform == "win32":
         connection = connections.PipeConnection(handle)
     else:
