@@ -1,4 +1,4 @@
-"""What training minimises: adversarial objectives and reconstruction losses, each a plug-in."""
+"""Losses: adversarial objectives and reconstruction losses, each a plug-in."""
 
 from normalgan.losses.angular_likelihood import AngularLikelihood
 from normalgan.losses.base import ADVERSARIAL_OBJECTIVES, AdversarialObjective, Critic, Scores
