@@ -138,7 +138,7 @@ def load_yaml(text: str) -> Any:
 
     >>> load_yaml("a: 2026-02-30")
     Traceback (most recent call last):
-    yaml.constructor.ConstructorError: 2026-02-30 looks like a number or a date but is not one; put it in quotes
+    yaml.constructor.ConstructorError: 2026-02-30 is not a valid number or date; put it in quotes
       in "<unicode string>", line 1, column 4:
         a: 2026-02-30
            ^
@@ -163,5 +163,5 @@ class _Loader(yaml.SafeLoader):
         try:
             return super().construct_object(node, deep)
         except (ValueError, AttributeError) as error:
-            problem = f"{node.value:.40} looks like a number or a date but is not one; put it in quotes"
+            problem = f"{node.value:.40} is not a valid number or date; put it in quotes"
             raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark) from error
