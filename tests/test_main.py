@@ -65,9 +65,9 @@ def test_a_reader_that_has_ended_is_no_failure(unbuffered: str) -> None:
         (OSError(errno.ENOSPC, "No space", "a.ckpt"), 1, "the disk is full at a.ckpt; free some space and"),
         (OSError(errno.EROFS, "Read-only", "a.ckpt"), 1, "no permission to write a.ckpt; choose another"),
         (OSError(errno.EIO, "Input/output error", "a"), 1, "failed while reading or writing a: Input/output"),
-        (MemoryError(), 1, "out of memory; make data.batch_size"),
-        (RuntimeError("DefaultCPUAllocator: can't allocate memory: you tried"), 1, "out of memory; make"),
-        (RuntimeError("CUDA out of memory. Tried to allocate 2 GiB\nmore"), 1, "out of memory; make"),
+        (MemoryError(), 1, "out of memory; reduce data.batch_size"),
+        (RuntimeError("DefaultCPUAllocator: can't allocate memory: you tried"), 1, "out of memory; reduce"),
+        (RuntimeError("CUDA out of memory. Tried to allocate 2 GiB\nmore"), 1, "out of memory; reduce"),
         (
             RuntimeError("odd\nlong story"),
             1,

@@ -1,6 +1,6 @@
 """normalgan: from a line sketch to a surface normal map.
 
-``normalgan.load()`` returns a predictor: call it with a drawing to get the normal map. Every name here is
+``normalgan.load()`` returns a predictor: call it with a drawing to get the normal map. Each public name is
 imported on first use, so ``import normalgan`` itself is fast.
 """
 
@@ -35,7 +35,7 @@ __all__ = [
     "models",
 ]
 
-# Otherwise ONNX Runtime 1.32 writes a device id into the home folder when it is imported, to report usage.
+# On import, ONNX Runtime 1.32 writes a device id for telemetry into the home folder unless this is set.
 os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")
 
 _MODULES = {
@@ -47,13 +47,13 @@ _MODULES = {
     "Pairs": "normalgan.data.sources",
     "load": "normalgan.inference.load",
 }
-"""The modules of names that are imported late."""
+"""The module of each lazily imported name."""
 _PACKAGES = ("hints", "metrics", "models", "losses")
-"""Packages that are imported late, each with what it offers."""
+"""Lazily imported packages, with all their public names."""
 
 
 def __getattr__(name: str) -> Any:
-    if name == "__version__":  # looking it up takes as long as all else that ``normalgan --help`` does
+    if name == "__version__":  # looking it up takes as long as the rest of ``normalgan --help``
         return import_module("normalgan.version").__version__
     if name in _PACKAGES:
         return import_module(f"normalgan.{name}")

@@ -1,7 +1,7 @@
-"""The front door: turns whatever happens inside into an exit code and, if it went wrong, one sentence.
+"""Entry point of the command line: runs a command, and reports a failure in one sentence with an exit code.
 
-0: done. 2: something that was given cannot be used. 1: it failed while running. 130: stopped by Ctrl-C.
-141: nobody reads what it prints, as after ``| head``. 143: stopped by SIGTERM, the checkpoint saved.
+0: success. 1: failure while running. 2: invalid input. 130: interrupted by Ctrl-C. 141: broken pipe, as
+after ``| head``. 143: terminated by SIGTERM after saving a checkpoint.
 """
 
 import errno
@@ -38,7 +38,7 @@ TRAINING_LIBRARIES = (
     ),
     *("pyrender", "zarr", "fsspec", "tensorboard", "matplotlib", "rich"),
 )
-"""What the extra ``train`` of pyproject.toml installs, by the names they are imported by."""
+"""Import names of the packages in pyproject.toml's ``train`` extra."""
 
 __all__ = ["COMMANDS", "OTHERS", "TRAINING_LIBRARIES", "USAGE", "main"]
 
@@ -47,13 +47,13 @@ def main(arguments: list[str] | None = None) -> int:
     """Run a command and return its exit code.
 
     Args:
-        arguments: the arguments after the program's name; None takes those of the command line.
+        arguments: the arguments after the program's name; by default those of the command line.
     """
     arguments = sys.argv[1:] if arguments is None else arguments
     try:
         code = _run(arguments)
-        if sys.stdout is not None:  # as in a program without a console
-            sys.stdout.flush()  # or else Python tells of a full disk at its exit, with a traceback
+        if sys.stdout is not None:  # None in a program without a console
+            sys.stdout.flush()  # otherwise Python reports a full disk at exit, with a traceback
         return code
     except InputError as error:
         return _fail(str(error), 1 if isinstance(error, RunError) else 2)
@@ -61,7 +61,7 @@ def main(arguments: list[str] | None = None) -> int:
         return _fail(str(stop) or "stopped.", 130)
     except OSError as error:
         if isinstance(error, BrokenPipeError) and _nobody_reads():
-            return 128 + 13  # as if SIGPIPE had ended it
+            return 128 + 13  # the exit code of SIGPIPE
         return _fail(_explain(error), 1)
     except Exception as error:
         if os.environ.get("NORMALGAN_TRACEBACK"):
@@ -95,11 +95,11 @@ def _run(arguments: list[str]) -> int:
             print(overview(arguments[0]), end="")
             return 0
         with gc_paused():
-            from normalgan.cli.training.command import run  # late: lightning takes seconds to import
+            from normalgan.cli.training.command import run  # lightning takes seconds to import
         return run(arguments)
     except CommandExit as stop:
         return int(stop.code or 0)
-    except SystemExit as stop:  # of a plug-in, a callback or a module that a setting names
+    except SystemExit as stop:  # raised by a plug-in or a callback
         raise RunError(
             f"failed while running: {exit_caller(stop)}. Raise an error to report a fault; a callback ends "
             "training with trainer.should_stop = True."
@@ -107,11 +107,11 @@ def _run(arguments: list[str]) -> int:
 
 
 def _nobody_reads() -> bool:
-    """Return whether the reader of the output, such as ``head``, has ended; then write nothing more."""
+    """Return whether the reader of the output, such as ``head``, has exited; if so, discard all output."""
     try:
-        print(flush=True)  # flushing again would not tell, as an output without a buffer has nothing left
+        print(flush=True)  # a flush alone proves nothing if the output is unbuffered
     except BrokenPipeError:
-        # Python flushes again at its exit.
+        # Python flushes again at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return True
     return False
@@ -128,7 +128,7 @@ def _known(error: Exception, command: str) -> tuple[str, int] | None:
         left_out = f"{command} needs {error.name}, which a plain installation leaves out"
         return f"{left_out}; install it with pip install 'normalgan[train]'.", 2
     if wants_memory(error):
-        return "out of memory; make data.batch_size, data.size or the networks' width smaller.", 1
+        return "out of memory; reduce data.batch_size, data.size or the networks' width.", 1
     return None
 
 

@@ -1,4 +1,4 @@
-"""Arrays: the types of NumPy arrays in this package, each defined once."""
+"""Types of the NumPy arrays used throughout the package."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -6,10 +6,10 @@ from numpy.typing import NDArray
 __all__ = ["BoolMask", "Doubles", "Floats", "Indices"]
 
 Floats = NDArray[np.float32]
-"""Pictures, normals and other values in single precision."""
+"""Images, normals and other single-precision values."""
 Doubles = NDArray[np.float64]
-"""Geometry in double precision."""
+"""Double-precision geometry."""
 BoolMask = NDArray[np.bool_]
-"""Which pixels, or which elements, belong to something."""
+"""A mask of pixels or elements."""
 Indices = NDArray[np.int64]
-"""Numbers of vertices, faces or other elements."""
+"""Indices of vertices, faces or other elements."""

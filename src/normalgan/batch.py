@@ -13,9 +13,9 @@ class Sketches(TypedDict):
     sketch: Tensor
     """(N, 1, H, W) in [0, 1]; ink is 1, paper 0."""
     hints: NotRequired[Tensor]
-    """(N, 4, H, W): unit normals at the hinted pixels (zero elsewhere), then 1 where they are."""
+    """(N, 4, H, W): unit normals at the hinted pixels, and a channel that is 1 there; zero elsewhere."""
     name: NotRequired[list[str]]
-    """N names of the samples, for error messages and file names."""
+    """Names of the N samples, for error messages and file names."""
 
 
 class Batch(Sketches):

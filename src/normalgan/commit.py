@@ -1,4 +1,4 @@
-"""The commit of the code, for reports."""
+"""The git commit of the running code, for reports."""
 
 import subprocess
 from pathlib import Path
@@ -7,7 +7,7 @@ __all__ = ["commit"]
 
 
 def commit() -> str | None:
-    """Return the commit of the code, with a ``+`` if it was changed since; None outside a repository."""
+    """Return the commit of the code, with a ``+`` if there are local changes; None outside a repository."""
     folder = Path(__file__).parent
     head = _git(folder, "rev-parse", "HEAD")
     if head is None:

@@ -1,4 +1,4 @@
-"""Errors for wrong outputs of plug-ins, raised where the output is made."""
+"""Errors for plug-ins that return invalid values, raised right where the value is returned."""
 
 from collections.abc import Collection, Mapping
 
@@ -10,14 +10,14 @@ __all__ = ["check_kinds", "class_name", "describe", "refused"]
 
 
 def check_kinds(given: Mapping[str, tuple[object, type]], optional: Collection[str] = ()) -> None:
-    """Check that settings are objects of their kinds, for callers from Python.
+    """Check the types of settings that a caller from Python passed.
 
     Args:
-        given: the value of each setting and its kind.
-        optional: those that may be None.
+        given: value and required type of each setting, by its name.
+        optional: names of the settings that may be None.
 
     Raises:
-        InputError: if one is a name, a class instead of an object, or anything else.
+        InputError: if a value is not an instance of its type, such as a name or the class itself.
     """
     for setting, (value, kind) in given.items():
         if not (isinstance(value, kind) or (value is None and setting in optional)):
@@ -38,12 +38,12 @@ def class_name(plugin: object) -> str:
 
 
 def refused(plugin: object, gave: object, asked: str) -> InputError:
-    """Return the error for a wrong output of a plug-in.
+    """Return the error for an invalid output of a plug-in.
 
     Args:
         plugin: the plug-in.
         gave: its output.
-        asked: the accepted values, a sentence without its full stop.
+        asked: the accepted values, as a sentence without a full stop.
     """
     return InputError(f"{class_name(plugin)} gave {describe(gave)}; {asked}.")
 

@@ -34,15 +34,15 @@ __all__ = [
 
 
 _STEERING = re.compile(r"[\0-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
-"""Characters that control a terminal, end a line, turn the direction of writing, or cannot be encoded."""
+"""Characters that control a terminal, break a line, change the writing direction, or cannot be encoded."""
 
 
 FOREIGN_ERRORS = (Exception, SystemExit)
-"""What somebody else's code may raise: ``sys.exit`` in a plug-in would end the command in silence."""
+"""What third-party code may raise; ``sys.exit`` in a plug-in would otherwise end the command silently."""
 
 
 class InputError(ValueError):
-    """Bad input from outside: a file, a folder, a setting.
+    """Invalid input from the user: a file, a folder, a setting.
 
     The message is one sentence that says what was given and what is accepted; the command line
     prints it without a traceback and exits with code 2.
@@ -57,7 +57,7 @@ class RunError(InputError):
 
 
 class CommandExit(SystemExit):
-    """A command ends here: a parser has printed what was asked for, or a signal has stopped the studio."""
+    """Ends a command early, after a parser printed its help or a signal stopped the studio."""
 
 
 def unwritable(sentence: str, error: OSError) -> InputError:
@@ -66,9 +66,9 @@ def unwritable(sentence: str, error: OSError) -> InputError:
 
 
 def wants_memory(error: BaseException) -> bool:
-    """Return whether an error means that the system gave no more memory.
+    """Return whether an error means that memory ran out.
 
-    torch and ONNX Runtime raise a plain RuntimeError for it.
+    torch and ONNX Runtime raise a plain RuntimeError in that case.
 
     >>> wants_memory(RuntimeError("Exception during initialization: std::bad_alloc"))
     True
@@ -78,13 +78,13 @@ def wants_memory(error: BaseException) -> bool:
 
 
 def with_subject(what: object, error: InputError) -> InputError:
-    """Return an error that names its subject."""
+    """Return the error with its subject named in the message."""
     text = str(error)
     return type(error)(text if str(what) in text else f"{what}: {text}")
 
 
 def printable(name: object) -> str:
-    r"""Return a name with its line ends and terminal commands escaped; letters of all scripts are kept.
+    r"""Return a name with line breaks and terminal control codes escaped; letters of any script are kept.
 
     >>> printable("a\nfast  \x1b[2Jhorse.png")
     'a\\nfast  \\x1b[2Jhorse.png'
@@ -93,7 +93,7 @@ def printable(name: object) -> str:
 
 
 def one_line(text: str) -> str:
-    r"""Return a text as one printable line, because names in files may hold terminal commands.
+    r"""Return text as one printable line, because names in files may contain terminal control codes.
 
     >>> one_line("the mesh \x1b[2Jhorse\n is missing")
     'the mesh \\x1b[2Jhorse is missing'
@@ -102,7 +102,7 @@ def one_line(text: str) -> str:
 
 
 def tell(message: object) -> None:
-    """Print a message on the error stream, in one line after the program's name."""
+    """Print a one-line message to stderr, prefixed with the program's name."""
     print(f"normalgan: {one_line(str(message))}", file=sys.stderr, flush=True)
 
 
@@ -115,7 +115,7 @@ class Place(NamedTuple):
 
 
 def third_party_place(error: BaseException) -> Place | None:
-    """Return where a third-party class derived from ours raised an error; None if none did."""
+    """Return the place where a third-party subclass of one of our classes raised an error, if one did."""
     found: Place | None = None
     for frame, line in traceback.walk_tb(error.__traceback__):
         owner, file = type(frame.f_locals.get("self")), frame.f_code.co_filename
@@ -128,7 +128,7 @@ def third_party_place(error: BaseException) -> Place | None:
 
 
 def exit_caller(stop: SystemExit) -> str:
-    """Return which line ended the program, such as ``dots.py, line 12, called sys.exit(0)``."""
+    """Return the line that ended the program, such as ``dots.py, line 12, called sys.exit(0)``."""
     frames = [
         (frame.f_code, line)
         for frame, line in traceback.walk_tb(stop.__traceback__)
@@ -140,7 +140,7 @@ def exit_caller(stop: SystemExit) -> str:
 
 
 def brief(error: BaseException) -> str:
-    r"""Return the first line of an error's text, or its type's name if it has none.
+    r"""Return the first line of an error's message, or the name of its type if the message is empty.
 
     >>> brief(ValueError("bad shape\nlong story"))
     'bad shape'
@@ -152,28 +152,28 @@ def brief(error: BaseException) -> str:
 
 
 def did_you_mean(given: str, known: Iterable[str], cutoff: float = 0.6) -> str:
-    """Return " Did you mean …?" for the nearest known name; empty if no name is near.
+    """Return " Did you mean …?" with the closest known name; empty if no name is close.
 
     Args:
         given: the unknown name.
         known: the known names.
-        cutoff: share of letters that must agree.
+        cutoff: minimum similarity in [0, 1], as in `difflib.get_close_matches`.
 
     >>> did_you_mean("hrose", ["house", "horse"])
     ' Did you mean horse?'
     """
     near = difflib.get_close_matches(given, list(known), cutoff=cutoff)
-    # To difflib, "hrose" is as near to "house" as to "horse": letters that were swapped come first.
+    # difflib scores "hrose" the same against "house" and "horse", so anagrams are preferred.
     near.sort(key=lambda name: sorted(name) != sorted(given))
     return f" Did you mean {near[0]}?" if near else ""
 
 
 def sentence_of(error: "ValidationError", whole: str = "the request") -> str:
-    """Return the first thing that pydantic found wrong, as one sentence.
+    """Return pydantic's first finding as one sentence.
 
     Args:
-        error: what pydantic raised.
-        whole: what was checked, for a fault that is not in one of its fields.
+        error: the error that pydantic raised.
+        whole: name of the validated object, for errors that concern no single field.
     """
     first = error.errors(include_url=False)[0]
     steps = [step for step in first["loc"] if step != "[key]"]
@@ -186,7 +186,7 @@ def sentence_of(error: "ValidationError", whole: str = "the request") -> str:
         case "value_error":
             said = str(first["ctx"]["error"])
             return f"{where}{': ' if where else ''}{said}{'' if said.endswith(('.', '?')) else '.'}"
-    # "Input should be …", "Tuple should have at most 9 items after validation, not 10".
+    # For example "Input should be …" or "Tuple should have at most 9 items after validation, not 10".
     _, should, accepted = first["msg"].replace(" after validation", "").partition(" should ")
     accepted = re.sub(r"\b(a|an) (valid )?dictionary( or an instance of \w+)?", "a table", accepted)
     words = re.findall("'(.+?)'", accepted) if first["type"] == "literal_error" else []

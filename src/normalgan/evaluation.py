@@ -19,14 +19,14 @@ __all__ = ["Evaluation"]
 
 
 class Evaluation(LightningModule):
-    """Predicts with a generator and measures it; training is left to the class that inherits it.
+    """Mixin that predicts with a generator and measures it; subclasses add the training.
 
     Attributes:
-        generator: predicts the map.
-        hint_sampler: stands in for the designer. A batch with its own hints keeps them; prediction uses only
-            those.
-        seed: seed of the hints.
-        noise_at_test: whether dropout stays on when testing and predicting.
+        generator: network that predicts normal maps.
+        hint_sampler: sampler that stands in for the designer, unless a batch has its own hints. Prediction
+            uses only a batch's own hints.
+        seed: seed of the hint sampler.
+        noise_at_test: whether dropout stays active in testing and prediction.
     """
 
     generator: Generator
@@ -35,7 +35,7 @@ class Evaluation(LightningModule):
     noise_at_test: bool
 
     def make_metrics(self, stage: str) -> None:
-        """Make the metrics of a stage."""
+        """Create the metrics of a stage."""
         if stage in {"fit", "validate"}:
             self.val_metrics = StageMetrics("val", ("hints", "no_hints"))
         elif stage == "test":
@@ -46,10 +46,10 @@ class Evaluation(LightningModule):
 
         Args:
             sketch: (N, 1, H, W) in [0, 1], ink 1.
-            hints: (N, 4, H, W) normals at the hints and where they are; None for none.
+            hints: (N, 4, H, W), as in `Sketches`; None for no hints.
 
         Returns:
-            (N, 3, H, W) in [-1, 1], of about unit length on the object and near zero off it.
+            (N, 3, H, W) in [-1, 1]: close to unit length on the object and to zero elsewhere.
         """
         return self.predict_with_confidence(sketch, hints)[:, :3]
 
@@ -74,7 +74,7 @@ class Evaluation(LightningModule):
         return draw_hints_by_name(self.hint_sampler, *given)
 
     def _error(self, batch: Batch) -> Tensor | None:
-        """Return the error without hints (N, 1, H, W), for a sampler that needs it."""
+        """Return the error of the hint-free prediction (N, 1, H, W), if the sampler needs it."""
         if not isinstance(self.hint_sampler, ErrorHintSampler):
             return None
         with self._predicting():
@@ -82,7 +82,7 @@ class Evaluation(LightningModule):
 
     @contextmanager
     def _predicting(self) -> Iterator[None]:
-        """Let the network predict in training: norms keep their statistics, and no noise is drawn."""
+        """Predict during training without updating the norms' statistics or drawing noise."""
         modes = {module: module.training for module in self.generator.modules()}
         self.generator.eval()
         try:
@@ -94,9 +94,9 @@ class Evaluation(LightningModule):
 
     @torch.compiler.disable  # type: ignore[untyped-decorator]
     def validation_step(self, batch: Batch, batch_idx: int, dataloader_idx: int = 0) -> None:
-        """Measure without hints and with the sampler's, which are the same in every epoch.
+        """Update the metrics, without hints and with the sampler's hints, which are the same in every epoch.
 
-        Several loaders count as one set.
+        Multiple loaders are treated as one set.
         """
         target, mask = batch["normal"], batch["mask"]
         hints = self.measured_hints(batch)
@@ -111,12 +111,12 @@ class Evaluation(LightningModule):
     def test_step(
         self, batch: Batch, batch_idx: int, dataloader_idx: int = 0
     ) -> dict[str, tuple[Tensor, Tensor]]:
-        """Measure without hints, with the sampler's, and with these but outside the hinted pixels.
+        """Update the metrics: without hints, with sampled hints, and with these outside the hinted pixels.
 
-        Several loaders count as one set.
+        Multiple loaders are treated as one set.
 
         Returns:
-            For callbacks: the maps (N, 3, H, W) and the pixels (N, 1, H, W) of each row.
+            For callbacks: the maps (N, 3, H, W) and the measured pixels (N, 1, H, W) of each row.
         """
         mask = batch["mask"]
         hints = self.measured_hints(batch)
@@ -135,14 +135,15 @@ class Evaluation(LightningModule):
         self._log_figures(self.test_metrics.pop())
 
     def _log_figures(self, figures: dict[str, Tensor]) -> None:
-        # They are reduced already; sync_dist averages equal numbers, which avoids a warning from Lightning.
+        # The values are already reduced; sync_dist only avoids a warning from Lightning.
         self.log_dict(figures, sync_dist=True)
 
     @torch.compiler.disable  # type: ignore[untyped-decorator]
     def predict_step(self, batch: Sketches, batch_idx: int, dataloader_idx: int = 0) -> Tensor:
         """Return predicted normals (N, 3, H, W), with the user's hints if there are any.
 
-        Drawings are predicted one at a time, because in a batch the last bits depend on the neighbours.
+        Drawings are predicted one at a time, because in a batch the last bits depend on the other
+        drawings.
         """
         hints = batch.get("hints")
         return torch.cat(
@@ -154,20 +155,20 @@ class Evaluation(LightningModule):
 
     def _predict(self, batch: Sketches, hints: Tensor | None) -> Tensor:
         predicted: Tensor = self(batch["sketch"], hints)
-        return predicted.float()  # under bf16, figures and files are still made of full precision
+        return predicted.float()  # under bf16, metrics and files still get full precision
 
     def on_test_model_eval(self) -> None:
-        """Switch to evaluation, but keep the noise on if asked."""
+        """Switch to evaluation mode, but keep the noise on if requested."""
         super().on_test_model_eval()
         self.keep_noise()
 
     def on_predict_model_eval(self) -> None:
-        """Switch to evaluation, but keep the noise on if asked."""
+        """Switch to evaluation mode, but keep the noise on if requested."""
         super().on_predict_model_eval()
         self.keep_noise()
 
     def keep_noise(self) -> None:
-        """Switch the noise on again after `eval`, if it is kept at test."""
+        """Switch the noise back on after `eval` if ``noise_at_test`` is set."""
         if self.noise_at_test:
             for module in self.generator.modules():
                 if isinstance(module, nn.Dropout):

@@ -1,4 +1,4 @@
-"""Graphs: which items are connected by pairs of them."""
+"""Connected components of a graph."""
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -9,16 +9,16 @@ __all__ = ["connected"]
 
 
 def connected(count: int, pairs: ArrayLike) -> Indices:
-    """Return a number for each item, (count,), from 0, the same for items that pairs connect.
+    """Return the index of each item's connected component, (count,).
 
     Args:
         count: number of items.
-        pairs: (E, 2) indices of the items; may be empty.
+        pairs: (E, 2) indices of connected items; may be empty.
 
     >>> connected(4, [(0, 2), (2, 3)]).tolist()
     [0, 1, 0, 0]
     """
-    from scipy.sparse import coo_array  # here: it takes half a second to import
+    from scipy.sparse import coo_array  # takes half a second to import
     from scipy.sparse.csgraph import connected_components
 
     first, second = np.asarray(pairs, np.intp).reshape(-1, 2).T

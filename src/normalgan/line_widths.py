@@ -8,18 +8,18 @@ from normalgan.errors import InputError
 __all__ = ["DRAWN_WIDTH", "USUAL_WIDTHS", "LineWidths", "check_line_widths", "line_widths_of"]
 
 LineWidths = tuple[float, float]
-"""The thinnest and the thickest line that a model knows from its training, in pixels of its pictures."""
+"""The thinnest and thickest line that a model saw in training, in pixels at the model's resolution."""
 DRAWN_WIDTH = 1.25
-"""Width of redrawn lines: that of the usual training samples."""
+"""Width of redrawn lines, which is the default of training samples."""
 USUAL_WIDTHS: LineWidths = (0.8, 1.9)
-"""Of models that do not say what they know: lines about as wide as that keep the hand that drew them."""
+"""Default for models that do not specify a range: lines of about the training width are not redrawn."""
 
 
 def check_line_widths(widths: object) -> LineWidths:
-    """Return the validated widths; settings in a file may be anything.
+    """Return the widths from a settings file, after validating them.
 
     Raises:
-        InputError: if they are not two widths with `DRAWN_WIDTH` between them.
+        InputError: if ``widths`` is not a pair with `DRAWN_WIDTH` between its two values.
     """
     match widths:
         case [int() | float() as thinnest, int() | float() as thickest] if (
@@ -33,10 +33,10 @@ def check_line_widths(widths: object) -> LineWidths:
 
 
 def line_widths_of(metadata: Mapping[str, str]) -> LineWidths:
-    """Return the line widths that a model file's metadata gives; files of older versions do not say.
+    """Return the line widths from a model file's metadata, or the default for files of older versions.
 
     Raises:
-        InputError: if they cannot be used.
+        InputError: if the entry is not a valid pair of widths.
 
     >>> line_widths_of({"line_widths": "0.5 5.0"})
     (0.5, 5.0)

@@ -1,7 +1,7 @@
-"""Normal maps: axes, encoding and files. Every reader and writer uses this module; numpy only.
+"""Normal maps: axes, encoding and files. All readers and writers use this module; it does not need torch.
 
-Axes are those of the camera, as in OpenGL: x right, y up, z to the viewer. A unit vector n is stored as
-the colour (n + 1) / 2. Outside the object a map in memory is zero; a file holds flat, (0, 0, 1), there.
+Normals are in camera space, as in OpenGL: x right, y up, z to the viewer. A unit vector n is stored as the
+colour (n + 1) / 2. Outside the object, a map is zero in memory and flat, (0, 0, 1), in a file.
 """
 
 import math
@@ -42,11 +42,11 @@ __all__ = [
 
 Bits = Literal[8, 16]
 Green = Literal["up", "down"]
-"""Which way of y a file holds as green: up as in OpenGL, down as in DirectX."""
+"""Direction of y that a file's green channel stores: up as in OpenGL, down as in DirectX."""
 LEAST_Z = -0.02
-"""A unit normal whose z is below this looks away from the viewer; above it may be the rounding of 8 bits."""
+"""A unit normal with a z below this faces away; a z between this and 0 may be rounding to 8 bits."""
 _STRIP = 2**16
-"""Values in a strip; intermediate arrays of this size stay in a processor's cache."""
+"""Number of values in a strip; intermediate arrays of this size fit into a CPU cache."""
 
 
 def normalize(vectors: NDArray[np.floating], eps: float = 1e-8) -> Floats:
@@ -62,20 +62,20 @@ def normalize(vectors: NDArray[np.floating], eps: float = 1e-8) -> Floats:
 
 
 def angles(one: NDArray[np.floating], other: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Return the angles in degrees between vectors (..., 3) of any length but zero, in their precision.
+    """Return the angles in degrees between nonzero vectors (..., 3), in the precision of the inputs.
 
     >>> float(angles(np.array([1.0, 0.0, 0.0]), np.array([1.0, 1.0, 0.0])).round(3))
     45.0
     """
-    # By both sine and cosine: the arc cosine is inexact near zero.
+    # atan2 of sine and cosine, because the arc cosine is inexact near zero.
     sine = np.linalg.norm(np.cross(one, other), axis=-1)
     return np.asarray(np.rad2deg(np.arctan2(sine, (one * other).sum(axis=-1))))
 
 
 def encode(normals: NDArray[np.floating], bits: Bits = 8) -> NDArray[np.uint8] | NDArray[np.uint16]:
-    """Return the colours of normals, in any shape: [-1, 1] to the whole range of 8 or 16 bits.
+    """Return normals of any shape as colours, mapping [-1, 1] to the full range of 8 or 16 bits.
 
-    The nearest level is taken, so that 0 becomes 128 (of 8 bits) or 32768.
+    Values are rounded to the nearest level, so 0 becomes 128 (8 bits) or 32768 (16 bits).
 
     >>> encode(np.array([0.0, 0.0, 1.0])).tolist()
     [128, 128, 255]
@@ -83,7 +83,8 @@ def encode(normals: NDArray[np.floating], bits: Bits = 8) -> NDArray[np.uint8] |
     top = 2**bits - 1
     colours = np.empty(normals.shape, np.uint8 if bits == 8 else np.uint16)
     for strip in strips(normals.shape):
-        # In single precision one of some hundred boundaries between levels would be missed by a last bit.
+        # In single precision, about one in a hundred boundaries between levels would be off by the last
+        # bit.
         levels: NDArray[np.float64] = np.multiply(normals[strip], top / 2, dtype=np.float64)
         levels += top / 2
         colours[strip] = np.clip(np.rint(levels, out=levels), 0, top, out=levels)
@@ -93,7 +94,7 @@ def encode(normals: NDArray[np.floating], bits: Bits = 8) -> NDArray[np.uint8] |
 def strips(shape: tuple[int, ...]) -> Iterator[slice]:
     """Yield slices of rows, so that elementwise computations use the cache.
 
-    A large picture is processed in strips, because each step would otherwise need its memory again.
+    Without strips, each step on a large picture would allocate memory for the whole picture.
 
     >>> list(strips((5, 2**14, 2)))
     [slice(0, 2, None), slice(2, 4, None), slice(4, 6, None)]
@@ -104,7 +105,7 @@ def strips(shape: tuple[int, ...]) -> Iterator[slice]:
 
 
 def decode(colours: NDArray[np.uint8] | NDArray[np.uint16]) -> Floats:
-    """Return the unit normals of colours, (..., 3), undoing `encode` to half a level.
+    """Return the unit normals (..., 3) of colours; inverts `encode` up to half a level.
 
     >>> decode(np.array([255, 128, 128], dtype=np.uint8)).round(2).tolist()
     [1.0, 0.0, 0.0]
@@ -113,9 +114,10 @@ def decode(colours: NDArray[np.uint8] | NDArray[np.uint16]) -> Floats:
 
 
 def vectors(levels: NDArray[Any]) -> Floats:
-    """Decode the levels of a normal map, (..., 3), to vectors; their length is kept.
+    """Decode the levels of a normal map (..., 3) to vectors without normalising them.
 
-    Floats below 0 are the vectors themselves, as in the normal pass of a renderer; others are colours.
+    Float arrays with negative values hold vectors, as in a renderer's normal pass; all others hold
+    colours.
 
     >>> vectors(np.array([255, 0, 51], dtype=np.uint8)).astype(float).round(2).tolist()
     [1.0, -1.0, -0.6]
@@ -130,30 +132,30 @@ def vectors(levels: NDArray[Any]) -> Floats:
 
 
 def flip_green(normals: Floats) -> Floats:
-    """Turn y up (OpenGL) into y down (DirectX) or back, on vectors (..., 3)."""
+    """Convert vectors (..., 3) between y up (OpenGL) and y down (DirectX)."""
     return normals * np.array([1, -1, 1], dtype=np.float32)
 
 
 def paint_flat(normals: Floats, mask: NDArray[np.bool_]) -> Floats:
-    """Return the map (H, W, 3) with (0, 0, 1), flat for engines, off the object."""
+    """Return the map (H, W, 3) with flat normals (0, 0, 1) outside the object, as game engines expect."""
     import cv2  # as below
 
     flat = np.zeros(normals.shape, np.float32)
     flat[..., 2] = 1
-    # NumPy's own choice takes twice as long.
+    # NumPy's default path takes twice as long.
     return np.asarray(cv2.copyTo(np.asarray(normals, np.float32), mask.astype(np.uint8), flat), np.float32)
 
 
 def pad_edge(pixels: NDArray[Any], there: NDArray[np.bool_], reach: int) -> None:
-    """Give pixels (H, W, C) around an object the colour of the nearest one on it, in place.
+    """Fill the pixels around an object with the colour of the nearest object pixel, in place.
 
-    Engines blend neighbouring pixels when they scale a texture, so colours next to an object bleed into its
-    rim. A fourth channel, the opacity, stays as it is.
+    Engines blend neighbouring pixels when they scale a texture, so the colours outside an object bleed
+    into its rim. A fourth channel, the opacity, is not changed.
 
     Args:
-        pixels: pixels of any type.
-        there: (H, W), the object.
-        reach: how far, in pixels.
+        pixels: (H, W, C) of any type.
+        there: (H, W), mask of the object.
+        reach: distance to fill, in pixels.
 
     Example:
         >>> row = np.array([[[9], [0], [0], [0]]], np.uint8)
@@ -182,7 +184,7 @@ def pad_edge(pixels: NDArray[Any], there: NDArray[np.bool_], reach: int) -> None
 def encode_png(
     normals: NDArray[np.floating], bits: Bits = 8, alpha: NDArray[np.floating] | None = None
 ) -> bytes:
-    """Return a normal map (H, W, 3) as a PNG, with an alpha channel (H, W) in [0, 1] if given."""
+    """Return a normal map (H, W, 3) as a PNG, with an optional alpha channel (H, W) in [0, 1]."""
     return pack_png(pixels_of(normals, bits, alpha, blue_first=True))
 
 
@@ -193,13 +195,13 @@ def pixels_of(
     *,
     blue_first: bool = False,
 ) -> NDArray[np.uint8] | NDArray[np.uint16]:
-    """Return the colours of a normal map (H, W, 3), with an alpha channel (H, W) in [0, 1] if given.
+    """Return the colours of a normal map, with an optional alpha channel.
 
     Args:
         normals: (H, W, 3).
-        bits: bits of each channel.
-        alpha: (H, W), the fourth channel; None leaves it out.
-        blue_first: blue, green, red, as OpenCV writes them.
+        bits: bits per channel.
+        alpha: (H, W) in [0, 1], the fourth channel; None for no such channel.
+        blue_first: whether the channel order is blue, green, red, as in OpenCV.
     """
     import cv2  # as below
 
@@ -213,23 +215,23 @@ def pixels_of(
 
 
 def pack_png(pixels: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
-    """Return pixels (H, W, 3) or (H, W, 4), blue first, as a PNG."""
+    """Return pixels (H, W, 3) or (H, W, 4) in BGR order as a PNG."""
     return _encoded(".png", pixels)
 
 
 def encode_tiff(normals: Floats, alpha: Floats | None = None) -> bytes:
-    """Return a normal map as a TIFF of 32-bit floats: colours (n + 1) / 2 in [0, 1], and alpha if given."""
+    """Return a normal map as a 32-bit float TIFF: colours (n + 1) / 2 in [0, 1], and optional alpha."""
     return _encoded(".tiff", _float_colours(normals, alpha)[..., [2, 1, 0, 3][: 3 + (alpha is not None)]])
 
 
 def encode_exr(normals: Floats, alpha: Floats | None = None) -> bytes:
-    """Return a normal map as an EXR of 32-bit floats: colours (n + 1) / 2 in [0, 1], and alpha if given."""
+    """Return a normal map as a 32-bit float EXR: colours (n + 1) / 2 in [0, 1], and optional alpha."""
     import OpenEXR
 
     colours = _float_colours(normals, alpha)
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     names = "RGBA"[: colours.shape[2]]
-    with TemporaryDirectory() as folder:  # it writes to files only
+    with TemporaryDirectory() as folder:  # the library writes to files only
         path = Path(folder) / "map.exr"
         OpenEXR.File(header, {names: colours}).write(str(path))
         return path.read_bytes()
@@ -249,7 +251,7 @@ def _float_colours(normals: Floats, alpha: Floats | None) -> Floats:
 
 
 def _encoded(suffix: str, pixels: NDArray[Any]) -> bytes:
-    import cv2  # here, because decoding and encoding in memory does not need it
+    import cv2  # only files need OpenCV
 
     done, buffer = cv2.imencode(suffix, pixels)
     if not done:
@@ -258,13 +260,13 @@ def _encoded(suffix: str, pixels: NDArray[Any]) -> bytes:
 
 
 def read_png(path: str | Path) -> tuple[Floats, Floats]:
-    """Read a normal map of 8 or 16 bits a channel.
+    """Read a normal map with 8 or 16 bits per channel.
 
     Returns:
         Unit normals (H, W, 3) and opacity (H, W) in [0, 1], which is 1 where the file has no alpha.
 
     Raises:
-        InputError: if there is no such file or it is not a colour image of 8 or 16 bits.
+        InputError: if the file is missing or is not an 8- or 16-bit colour image.
     """
     import cv2
 
@@ -288,14 +290,15 @@ def read_png(path: str | Path) -> tuple[Floats, Floats]:
 def read_exr(path: str | Path, most: int = 8192) -> Floats:
     """Read the levels (H, W, 3), or (H, W, 4) with opacity, of an EXR.
 
-    Its channels are R, G, B and A, or X, Y and Z, of the only layer or of one whose name ends in "normal".
+    The channels are R, G, B and A, or X, Y and Z, of the only layer or of a layer with a name ending in
+    "normal".
 
     Args:
         path: path of the file.
-        most: pixels that a side has at most.
+        most: maximum side in pixels.
 
     Raises:
-        InputError: if there is no such file, or it is of another kind.
+        InputError: if the file is missing, too large, or not such an EXR.
     """
     import OpenEXR
 
@@ -316,7 +319,7 @@ def read_exr(path: str | Path, most: int = 8192) -> Floats:
             channels = {name: channel.pixels for name, channel in file.channels().items()}
     except InputError:
         raise
-    except Exception as error:  # the library raises bare RuntimeErrors, or what its bindings make of them
+    except Exception as error:  # the library raises bare RuntimeErrors, or errors of its bindings
         raise InputError(f"{path} is not an EXR that can be read: {brief(error)}.") from None
     layers: dict[str, dict[str, Any]] = {}
     for name, pixels in channels.items():

@@ -19,15 +19,15 @@ _QUINTICS = (
     (3.3184196573706015, -2.488488024314874, 0.51004894012372),
     (2.300652019954817, -1.6689039845747493, 0.4188073119525673),
 )
-"""a, b, c of x → ax + bx³ + cx⁵, one after the other: Amsel et al., "The Polar Express", 2025."""
+"""Coefficients a, b, c of successive polynomials ax + bx³ + cx⁵ (Amsel et al., "The Polar Express", 2025)."""
 
 
 def orthogonalized(matrix: Tensor) -> Tensor:
-    """Return roughly the nearest matrix whose rows, or columns if there are fewer of them, are orthonormal.
+    """Return an approximation of the nearest matrix with orthonormal rows (or columns, if there are fewer).
 
-    All singular values become about 1 (0.85 to 1.15), except those under a thousandth of the largest, which
-    stay smaller. It applies odd polynomials, without a decomposition, to the smaller of the two Gram
-    matrices.
+    All singular values end up between 0.85 and 1.15, except those below a thousandth of the largest, which
+    stay smaller. Instead of a decomposition, it applies odd polynomials by means of the smaller Gram
+    matrix.
 
     Args:
         matrix: (A, B) in float32 or float64; the zero matrix stays zero.
@@ -36,7 +36,7 @@ def orthogonalized(matrix: Tensor) -> Tensor:
         >>> orthogonalized(torch.tensor([[3.0, 0.0], [0.0, 0.2]])).round(decimals=0).tolist()
         [[1.0, 0.0], [0.0, 1.0]]
     """
-    # Manual optimisation steps within the autocast of the forward pass; in half precision these give nan.
+    # With manual optimisation, steps run under autocast, and half precision would give nan here.
     with torch.autocast(matrix.device.type, enabled=False):
         wide = matrix if matrix.shape[0] <= matrix.shape[1] else matrix.T
         wide = wide / (1.01 * wide.norm()).clamp(min=torch.finfo(wide.dtype).tiny)  # singular values up to 1
@@ -44,7 +44,7 @@ def orthogonalized(matrix: Tensor) -> Tensor:
         factor = product = _polynomial(gram, *_QUINTICS[0])
         for quintic in _QUINTICS[1:]:
             gram = factor @ gram @ factor
-            gram = (gram + gram.T) / 2  # rounding would make it less and less symmetric
+            gram = (gram + gram.T) / 2  # rounding errors would make it less symmetric in each step
             factor = _polynomial(gram, *quintic)
             product = factor @ product
         result: Tensor = product @ wide
@@ -52,7 +52,7 @@ def orthogonalized(matrix: Tensor) -> Tensor:
 
 
 def _polynomial(gram: Tensor, a: float, b: float, c: float) -> Tensor:
-    """Return a + b · gram + c · gram², by which x is multiplied to become ax + bx³ + cx⁵."""
+    """Return a + b · gram + c · gram²; its product with x is ax + bx³ + cx⁵."""
     factor = torch.addmm(gram, gram, gram, beta=b, alpha=c)
     factor.diagonal().add_(a)
     return factor
@@ -61,18 +61,19 @@ def _polynomial(gram: Tensor, a: float, b: float, c: float) -> Tensor:
 class MuonRAdam(RAdam):
     """RAdam for biases, norms and narrow layers; orthogonalised momentum for the weights of wide layers.
 
-    A convolution's weights form a matrix with a row for each output channel. Its momentum has a few large
-    singular values, which dominate RAdam's step. An orthogonalised step is equally long in all directions
-    (Jordan et al., "Muon", 2024). It is scaled to the size of Adam's step, so that rate and weight decay are
-    those of RAdam (Liu et al., "Muon is scalable for LLM training", 2025, equation 4).
+    The weights of a convolution form a matrix with one row per output channel. Its momentum has a few
+    large singular values, which dominate RAdam's step. An orthogonalised step is equally long in all
+    directions (Jordan et al., "Muon", 2024). It is scaled to the size of Adam's step, so learning rate and
+    weight decay can stay the same as for RAdam (Liu et al., "Muon is scalable for LLM training", 2025,
+    equation 4).
 
     Args:
-        params: tensors, or groups of them with separate settings.
-        lr: rate.
+        params: tensors or parameter groups.
+        lr: learning rate.
         betas: betas of RAdam.
-        weight_decay: decoupled, a share of ``lr``.
-        momentum: momentum of the weights of wide layers.
-        narrowest: smallest number of rows and columns of a matrix to orthogonalise.
+        weight_decay: decoupled weight decay, multiplied by ``lr``.
+        momentum: momentum for the weights of wide layers.
+        narrowest: minimum number of rows and of columns for a matrix to be orthogonalised.
 
     Raises:
         InputError: if ``momentum`` is not between 0 and 1.
@@ -100,7 +101,7 @@ class MuonRAdam(RAdam):
 
     @torch.no_grad()
     def step(self, closure: Callable[[], float] | None = None) -> float | None:
-        """Take a step; return the closure's loss."""
+        """Perform one step and return the loss of the closure, if any."""
         loss = None
         if closure is not None:
             with torch.enable_grad():
@@ -111,7 +112,7 @@ class MuonRAdam(RAdam):
                 if weights.grad is not None and self._is_wide(weights):
                     gradients.append((weights, weights.grad))
                     self._step_wide(weights, weights.grad, group["lr"], group["weight_decay"])
-                    weights.grad = None  # RAdam passes over what has none
+                    weights.grad = None  # RAdam skips weights without a gradient
         super().step()
         for weights, gradient in gradients:
             weights.grad = gradient
@@ -123,12 +124,12 @@ class MuonRAdam(RAdam):
     def _step_wide(self, weights: nn.Parameter, gradient: Tensor, rate: float, decay: float) -> None:
         state = self.state[weights]
         if not state:
-            state["step"] = torch.zeros(())  # as RAdam asks of every state that is loaded
+            state["step"] = torch.zeros(())  # RAdam expects it in every loaded state
             state["momentum"] = torch.zeros_like(weights)
         state["step"] += 1
         momentum: Tensor = state["momentum"].lerp_(gradient, 1 - self.momentum)
-        matrix = gradient.lerp(momentum, self.momentum).flatten(1)  # a step ahead, by Nesterov
-        size = 0.2 * math.sqrt(max(matrix.shape))  # entries as large as those of a step of Adam's, mostly
+        matrix = gradient.lerp(momentum, self.momentum).flatten(1)  # Nesterov momentum
+        size = 0.2 * math.sqrt(max(matrix.shape))  # about the size of Adam's entries
         weights.mul_(1 - rate * decay).add_(
             orthogonalized(matrix.float()).view_as(weights).to(weights.dtype), alpha=-rate * size
         )

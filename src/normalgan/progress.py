@@ -13,16 +13,16 @@ def progress_bar(
     """Show a bar, and yield a function that advances it.
 
     Args:
-        title: name of the work.
+        title: label of the bar.
         total: number of units.
         unit: name of the units.
-        shown: False shows nothing.
-        stays: whether the full bar stays on the screen, and is one line in a log file.
+        shown: whether the bar is shown at all.
+        stays: whether the finished bar stays on the screen, or as one line in a log file.
     """
     if not shown or total <= 0:
         yield lambda more: None
         return
-    # Late, as most commands show no bar.
+    # Imported here because most commands show no bar.
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 

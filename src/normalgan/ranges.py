@@ -1,4 +1,4 @@
-"""Ranges: the numbers or words that a setting takes, in its annotation, checked by its constructor."""
+"""Ranges: annotations for the numbers or words that a setting accepts, checked in the constructor."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -23,12 +23,13 @@ __all__ = [
 
 
 class OutOfRangeError(InputError):
-    """A setting outside its range.
+    """Error for a setting outside its range.
 
     Args:
-        message: the sentence, which names the setting and its class.
+        message: the full sentence, with the setting and its class.
         setting: the setting's name.
-        verdict: the rest of the sentence, for those who name the setting otherwise.
+        verdict: the part of the sentence after the setting's name, for callers that use another name for
+            it.
     """
 
     def __init__(self, message: str, setting: str = "", verdict: str = "") -> None:
@@ -38,11 +39,11 @@ class OutOfRangeError(InputError):
 
 @dataclass(frozen=True)
 class Range:
-    """The finite numbers that a setting takes.
+    """The range of finite numbers that a setting accepts.
 
     Args:
-        least: the smallest.
-        most: the largest.
+        least: minimum.
+        most: maximum.
         above: whether ``least`` itself is excluded.
         below: whether ``most`` itself is excluded.
 
@@ -59,25 +60,25 @@ class Range:
     below: bool = False
 
     def __contains__(self, value: object) -> bool:
-        """Return whether a setting may have a value; never nan or a value of another type."""
+        """Return whether a value is in the range; False for nan and for other types."""
         if not isinstance(value, Real):
             return False
         try:
             number = float(value)
-        except OverflowError:  # a whole number of hundreds of digits
+        except OverflowError:  # an integer of hundreds of digits
             return False
         low = self.least < number if self.above else self.least <= number
         return low and (number < self.most if self.below or self.most == math.inf else number <= self.most)
 
     def __repr__(self) -> str:
-        """Return the range in words, which `--help` shows as a part of the type."""
+        """Return the range in words; ``--help`` shows it as part of the type."""
         if self.most == math.inf:
             return f"more than {self.least:g}" if self.above else f"{self.least:g} or more"
         first = f"above {self.least:g}, up" if self.above else f"from {self.least:g}"
         return f"{first} to {'below ' if self.below else ''}{self.most:g}"
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Callable[[Any], Any]) -> Any:
-        """Let pydantic check the range, of a number that is given as a number."""
+        """Let pydantic check the range; a string is not converted to a number."""
         from pydantic_core.core_schema import no_info_after_validator_function
 
         schema = handler(source)
@@ -94,17 +95,17 @@ class Range:
 
 
 class OneOf:
-    """The words that a setting takes, where no `Literal` can list them.
+    """The words that a setting accepts, where a `Literal` cannot list them.
 
     Args:
-        values: the words.
+        values: accepted words.
     """
 
     def __init__(self, values: Iterable[Any]) -> None:
         self._values = tuple(values)
 
     def __contains__(self, value: object) -> bool:
-        """Return whether a setting may have a value."""
+        """Return whether a value is one of the words."""
         return any(value == each and type(value) is type(each) for each in self._values)
 
     def __repr__(self) -> str:
@@ -129,15 +130,15 @@ Share = Annotated[float, Range(0, 1)]
 def check_ranges(settings: Any, values: Mapping[str, Any] | None = None) -> None:
     """Check all settings of an object that its constructor annotates with a `Range` or a `Literal`.
 
-    Call it in ``__post_init__``, or at the end of ``__init__``. A tuple that is annotated as a whole holds
-    two numbers, low then high.
+    Call it in ``__post_init__``, or at the end of ``__init__``. If the annotation is on a tuple, the tuple
+    must hold two numbers, low then high.
 
     Args:
         settings: the object.
-        values: the settings by name; None takes the object's attributes.
+        values: the settings by name; by default the object's attributes.
 
     Raises:
-        OutOfRangeError: if one lies outside its range, or is not one of its words.
+        OutOfRangeError: if a setting is outside its range or not one of the accepted words.
 
     Example:
         >>> @dataclass
@@ -149,7 +150,7 @@ def check_ranges(settings: Any, values: Mapping[str, Any] | None = None) -> None
         Traceback (most recent call last):
         normalgan.ranges.OutOfRangeError: radius of Blur is 0; it must be more than 0.
     """
-    kind: Any = type(settings)  # to mypy, a type is not hashable
+    kind: Any = type(settings)  # mypy does not consider a type hashable
     for name, hint in _hints(kind).items():
         value = getattr(settings, name) if values is None else values[name]
         for given, allowed in _given(hint, value):
@@ -171,7 +172,7 @@ def _ranged(hint: Any) -> bool:
 
 
 def _wrong(given: Any, allowed: Range | OneOf) -> str:
-    """Return what a number, a pair or a word should be; nothing if it is that."""
+    """Describe the accepted values if a number, pair or word is not one of them; otherwise return ""."""
     pair = isinstance(given, list | tuple)
     numbers: Sequence[Any] = given if pair else [given]
     rising = not pair or (len(numbers) == 2 and numbers[0] <= numbers[1])
@@ -181,7 +182,7 @@ def _wrong(given: Any, allowed: Range | OneOf) -> str:
 
 
 def _given(hint: Any, value: Any) -> list[tuple[Any, Range | OneOf]]:
-    """Return the ranged parts of a value, a number, a pair or a word, and the range."""
+    """Return each restricted part of a setting's value together with its range."""
     if value is None:
         return []
     if get_origin(hint) is Annotated:
@@ -197,5 +198,5 @@ def _given(hint: Any, value: Any) -> list[tuple[Any, Range | OneOf]]:
     words = OneOf(tuple(word for each in literals for word in get_args(each)))
     if value in words or (literals and literals == inner):
         return [(value, words)]
-    inner = [each for each in inner if each not in literals]  # another type may take the value
+    inner = [each for each in inner if each not in literals]  # the value may match another type of the union
     return [pair for each in inner for pair in _given(each, value)]

@@ -1,4 +1,4 @@
-"""Records: dataclasses that pydantic reads from the content of a file, so that it names a wrong field."""
+"""Records: dataclasses that pydantic fills from a file's content, with errors that name the wrong field."""
 
 from collections.abc import Callable, Mapping
 from functools import cache
@@ -16,18 +16,19 @@ T = TypeVar("T")
 
 
 class Record:
-    """The base of such dataclasses: unknown fields are refused."""
+    """Base class of dataclasses that are read from files; unknown fields are refused."""
 
     @classmethod
     def table_of(cls, given: Any) -> Any:
-        """Return the table that stands for an object; a subclass may look names up."""
+        """Return the table that describes an object; a subclass may also accept a name and look it up."""
         return given
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: Any, handler: Callable[[Any], Any]) -> Any:
-        """Look at the names of the fields before pydantic reads them."""
+        """Check the field names before pydantic reads the fields."""
         schema = handler(source)
-        # By its ref, pydantic uses a schema again where a class appears again: this one, not the one within.
+        # pydantic reuses schemas by ref, so the ref must belong to the wrapping schema, not to the inner
+        # one.
         within = {key: value for key, value in schema.items() if key != "ref"}
         return reads(cls, cls.table_of, within, schema.get("ref"))
 
@@ -40,11 +41,12 @@ def read_record(kind: type[T], content: Mapping[str, Any]) -> T:
         content: its fields, from YAML, TOML or JSON.
 
     Raises:
-        InputError: if a field is unknown, missing or wrong; the sentence names it, but not the file.
+        InputError: if a field is unknown, missing or invalid; the message names the field but not the
+            file.
     """
     from pydantic import ValidationError
 
-    cls: Any = kind  # to mypy, a type is not hashable
+    cls: Any = kind  # mypy does not consider a type hashable
     try:
         read: T = _adapter(cls).validate_python(content)
     except ValidationError as error:
@@ -55,13 +57,13 @@ def read_record(kind: type[T], content: Mapping[str, Any]) -> T:
 def reads(
     make: Callable[..., Any], table_of: Callable[[Any], Any], schema: Any, ref: str | None = None
 ) -> Any:
-    """Return pydantic's schema for what a dataclass or a function makes of a table.
+    """Return a pydantic schema that builds an object from a table and refuses unknown fields.
 
     Args:
-        make: the dataclass or function.
-        table_of: returns the table, given what the file holds.
+        make: dataclass or function that builds the object.
+        table_of: function that turns a file's value into the table.
         schema: pydantic's schema of ``make``.
-        ref: name of the whole schema.
+        ref: reference name of the returned schema.
     """
     from pydantic_core.core_schema import no_info_wrap_validator_function
 
@@ -74,7 +76,7 @@ def reads(
                 raise InputError(f"{name} is not known.{hint} Known: {', '.join(fields)}.")
         return rest(table)
 
-    # It wraps, so that pydantic names the field where ``make`` itself refuses its arguments.
+    # A wrap validator, so that pydantic also names the field if ``make`` refuses its arguments.
     return no_info_wrap_validator_function(read, schema, ref=ref)
 
 

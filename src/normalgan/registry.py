@@ -1,7 +1,7 @@
-"""Plug-ins by class name: a decorator, entry points, and suggestions for typos.
+"""Registry of plug-ins by class name: a decorator, entry points, and suggestions for typos.
 
-jsonargparse already finds every imported subclass of an annotated base by its short name, lists the
-choices in ``--help`` and checks ``init_args``. A registry adds the rest.
+jsonargparse itself finds imported subclasses by their short names, lists them in ``--help`` and checks
+``init_args``.
 """
 
 import inspect
@@ -26,8 +26,8 @@ C = TypeVar("C", bound=type[Any])
 def offered(group: str) -> EntryPoints:
     """Return the entry points of installed packages in a group.
 
-    Reading the entry points of a few hundred packages takes a tenth of a second, so all groups are read
-    together, and again only after the path or a folder on it has changed.
+    Reading the entry points of a few hundred packages takes 0.1 s. All groups are therefore read together,
+    and again only after `sys.path` or one of its folders has changed.
     """
     state = tuple((folder, _changed(folder)) for folder in sys.path)
     selected: EntryPoints = _all_offered(state).select(group=group)
@@ -35,28 +35,28 @@ def offered(group: str) -> EntryPoints:
 
 
 @lru_cache(maxsize=1)
-def _all_offered(_state: tuple[tuple[str, int], ...]) -> Any:  # of another type in Python 3.11 than later
+def _all_offered(_state: tuple[tuple[str, int], ...]) -> Any:  # Python 3.11 returns another type
     return entry_points()
 
 
 def _changed(folder: str) -> int:
-    """Return when a folder on the path was changed (ns), 0 if it is not there."""
+    """Return the modification time (ns) of a folder on `sys.path`, or 0 if it does not exist."""
     try:
-        return os.stat(folder or ".").st_mtime_ns  # noqa: PTH116 -- an entry may be empty or no path at all
+        return os.stat(folder or ".").st_mtime_ns  # noqa: PTH116 -- an entry may be empty or not be a path
     except OSError:
         return 0
 
 
 @dataclass(frozen=True)
 class LeftOut:
-    """A plug-in that some package offers and that cannot be used.
+    """An installed plug-in that cannot be used.
 
     Args:
-        entry: its name in the package's list of entry points.
-        value: the class as ``module:Class``.
-        group: the group of entry points it is offered in.
-        package: its package, with the version; empty if unknown.
-        reason: why it cannot be used, a sentence without a full stop.
+        entry: name of the entry point.
+        value: class of the plug-in, as ``module:Class``.
+        group: group of the entry point.
+        package: name and version of the package; empty if unknown.
+        reason: why the plug-in cannot be used, as a sentence without a full stop.
     """
 
     entry: str
@@ -70,11 +70,11 @@ class LeftOut:
 
 
 class Registry(Generic[T]):
-    """The known concrete subclasses of one abstract base, by class name.
+    """The known concrete subclasses of an abstract base class, by class name.
 
     Args:
-        base: the abstract base every plug-in of this kind derives from.
-        group: the entry-point group other packages use, such as ``normalgan.hint_samplers``.
+        base: abstract base class of the plug-ins.
+        group: entry-point group for plug-ins of other packages, such as ``normalgan.hint_samplers``.
 
     Example:
         >>> class Base: ...
@@ -89,22 +89,23 @@ class Registry(Generic[T]):
         self.base = base
         self.group = group
         self.left_out: list[LeftOut] = []
-        """What `discover` found and could not use."""
+        """Plug-ins that `discover` found but could not use."""
         self._classes: dict[str, type[T]] = {}
         self._packages: dict[str, str] = {}
 
     def register(self, cls: C) -> C:
-        """Add a class under its own name; usable as a decorator.
+        """Register a class under its own name; usable as a decorator.
 
-        If a class of another package has the name already, this one can only be named in full. Refusing it
-        would break its module, and somebody who uses both packages cannot rename their classes.
+        If a class of another package already has that name, settings can name the new class only by its
+        full path. An error would make its module unusable, and users of both packages cannot rename the
+        classes.
 
         Raises:
-            TypeError: if it is not a concrete subclass of the base, lacks an attribute that the base
-                declares, or has a value where the base has a method: what lists all plug-ins would fail.
-            ValueError: if another class of its package has the name.
+            TypeError: if ``cls`` is not a concrete subclass of the base, lacks an attribute that the base
+                declares, or has a value where the base has a method.
+            ValueError: if another class of the same package has the same name.
         """
-        plugin: type[Any] = cls  # so that the checks do not narrow the type that is returned
+        plugin: type[Any] = cls  # so that the checks do not narrow the return type
         if not inspect.isclass(plugin):
             raise TypeError(f"{getattr(cls, '__name__', cls)} is not a class.")
         name = plugin.__name__
@@ -126,7 +127,7 @@ class Registry(Generic[T]):
         """Import and register the plug-ins of installed packages; warn about those that cannot be used."""
         self.discover()
         with warnings.catch_warnings():
-            # Even where warnings are made errors: a broken plug-in must not stop what does not need it.
+            # Even if warnings are errors, a broken plug-in must not stop commands that do not need it.
             warnings.simplefilter("always")
             for left in self.left_out:
                 warnings.warn(str(left), stacklevel=2)
@@ -157,7 +158,7 @@ class Registry(Generic[T]):
         return ""
 
     def package(self, name: str) -> str:
-        """Return the package and version that a registered class comes from, such as ``normalgan 0.1.0``."""
+        """Return the package and version of a registered class, such as ``normalgan 0.1.0``."""
         if name not in self._packages:
             top = _package(self._classes[name])
             try:
@@ -171,12 +172,12 @@ class Registry(Generic[T]):
         return sorted(self._classes)
 
     def find(self, name: str) -> type[T] | None:
-        """Return the class that a file names, None if it is unknown; nothing is imported for the name.
+        """Return the class that a file names, or None if it is unknown, without importing anything.
 
         Args:
-            name: name of a registered class, or its dotted path. In a path only the package must be right,
-                because classes move within a package. A class that is not registered is found if it is
-                imported already.
+            name: name or dotted path of a registered class. Only the package and the class name of a path
+                are compared, because classes move within a package. An unregistered class is found if it
+                is already imported.
         """
         known = self._registered(name)
         return known if known is not None or "." not in name else find_imported(name, self.base)
@@ -200,7 +201,7 @@ class Registry(Generic[T]):
 
 
 def _defined_again(known: type, plugin: type) -> bool:
-    """Return whether a class is another's next version: a notebook's cell, or a failing module, ran again."""
+    """Return whether a class redefines a known one, after a notebook cell or a failed import ran again."""
     same = (known.__module__, known.__qualname__) == (plugin.__module__, plugin.__qualname__)
     return same and not issubclass(plugin, known)
 
@@ -226,9 +227,9 @@ def _namesakes(one: type, other: type) -> str:
 
 
 def find_imported(name: str, base: type[T]) -> type[T] | None:
-    """Return the concrete class derived from a base that a name in dots means; nothing is imported for it.
+    """Return the concrete subclass of a base with a given dotted path, without importing anything.
 
-    Only its package and its own name count, because packages re-export classes in other modules.
+    Only the package and the class name are compared, because packages re-export classes in other modules.
 
     >>> class Base: ...
     >>> class Dots(Base): ...
@@ -251,7 +252,7 @@ def find_imported(name: str, base: type[T]) -> type[T] | None:
 
 
 def class_path(cls: type[Any]) -> str:
-    """Return the path in dots by which settings name a class.
+    """Return the dotted path that names a class in settings.
 
     >>> class_path(LeftOut)
     'normalgan.registry.LeftOut'
@@ -260,16 +261,16 @@ def class_path(cls: type[Any]) -> str:
 
 
 def summary(cls: type[Any]) -> str:
-    """Return the first line of a class's own docstring; empty if it has none.
+    """Return the first line of a class's own docstring, or "" if there is none.
 
     >>> summary(LeftOut)
-    'A plug-in that some package offers and that cannot be used.'
+    'An installed plug-in that cannot be used.'
     """
     doc = (cls.__dict__.get("__doc__") or "").strip()
-    # A dataclass without a docstring is given its signature for one.
+    # A dataclass without a docstring gets its signature as the docstring.
     return "" if doc.startswith(f"{cls.__name__}(") else doc.partition("\n")[0].strip()
 
 
 def offerer(entry: EntryPoint) -> str:
-    """Return the package that an entry point belongs to, with its version; empty if it is unknown."""
+    """Return the name and version of an entry point's package, or "" if it is unknown."""
     return f"{entry.dist.name} {entry.dist.version}" if entry.dist else ""

@@ -1,4 +1,4 @@
-"""SavedSettings: a LightningModule whose checkpoints hold classes and settings as text."""
+"""SavedSettings: a LightningModule that saves its classes and settings as text in checkpoints."""
 
 from collections.abc import Mapping
 from functools import partial
@@ -22,52 +22,54 @@ from normalgan.weights.class_spec import ANY_NUMBER, ClassSpec, is_plain
 __all__ = ["SavedSettings", "settings_to_save"]
 
 _OF_TRAINING = {"compile"}
-"""Arguments of the model that say how to train on this machine; they are not saved."""
+"""Arguments of the model that depend on the training machine and are not saved."""
 
 
 class SavedSettings(LightningModule):
-    """Saves the arguments of a module as text, and its weights under the names that they have uncompiled."""
+    """Saves a module's arguments as text, and its weights under the names of the uncompiled networks."""
 
     _picture_size: int | None = None
 
     @property
     def hparams_initial(self) -> AttributeDict:
-        """The hyperparameters that loggers write: classes and settings, in values that any YAML reader knows.
+        """The hyperparameters for loggers: classes and settings, as values that any YAML reader accepts.
 
-        For objects from Python they would write every weight as text: 8 MB for a million weights.
+        Given the objects themselves, loggers would write each weight as text: 8 MB per million weights.
         """
         settings = settings_to_save(self._given())
         return AttributeDict({k: list(v) if isinstance(v, tuple) else v for k, v in settings.items()})
 
     def on_save_checkpoint(self, checkpoint: dict[str, Any]) -> None:
-        """Store classes and settings as text, so that reading a checkpoint runs no code from it."""
+        """Store classes and settings as text, so that loading a checkpoint does not execute code from it."""
         checkpoint[self.CHECKPOINT_HYPER_PARAMS_KEY] = settings_to_save(self._given())
         checkpoint["state_dict"] = {uncompiled(k): v for k, v in checkpoint["state_dict"].items()}
         if self._picture_size is not None:
             checkpoint[PICTURE_SIZE] = self._picture_size
 
     def on_load_checkpoint(self, checkpoint: dict[str, Any]) -> None:
-        """Name weights as this module does, whose networks may be wrapped by ``torch.compile``."""
+        """Rename the weights for this module, which may hold networks wrapped by ``torch.compile``."""
         own = {uncompiled(name): name for name in self.state_dict()}
         weights = checkpoint["state_dict"]
         checkpoint["state_dict"] = {own.get(uncompiled(k), k): v for k, v in weights.items()}
 
     def _given(self) -> dict[str, Any]:
-        """Return all arguments of the module; Lightning drops values from ``hparams`` that cannot be pickled.
+        """Return all arguments of the module, with unpicklable ones that Lightning drops from ``hparams``.
 
-        Otherwise a run with an optimiser made by a lambda, for example, would continue with the default one.
+        Without these, a run with an optimiser from a lambda would resume with the default optimiser.
         """
         dropped = signature(type(self)).parameters.keys() - self.hparams.keys()
         return {**{name: getattr(self, name) for name in dropped if hasattr(self, name)}, **self.hparams}
 
 
 def settings_to_save(given: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the arguments of a model as a checkpoint holds them: classes and values instead of objects.
+    """Return the arguments of a model as stored in a checkpoint: class names and plain values, not objects.
 
-    Objects that plain values cannot describe are only named; such a model can be continued in Python.
+    Objects that plain values cannot describe are stored by class name only; resume such a model from
+    Python.
 
     Args:
-        given: as Lightning saves them: configurations, if the command line built the model, or the objects.
+        given: hyperparameters from Lightning: configurations if the command line built the model,
+            otherwise objects.
     """
     saved: dict[str, Any] = {"_instantiator": "lightning.pytorch.cli.instantiate_module"}
     for name, value in given.items():

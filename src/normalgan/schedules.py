@@ -1,4 +1,4 @@
-"""Cosine schedules that end with the run."""
+"""Cosine learning-rate schedules that end with the run."""
 
 import math
 
@@ -8,13 +8,13 @@ __all__ = ["end_cosine_at"]
 
 
 def end_cosine_at(schedule: CosineAnnealingLR, epochs: int) -> None:
-    """Change the length of a cosine schedule, and set the rate of the current epoch.
+    """Change the length of a cosine schedule, and update the learning rate of the current epoch.
 
     PyTorch derives each rate from the previous one, so a schedule that has reached 0 would stay there.
 
     Args:
-        schedule: stepped once an epoch; unchanged if it has this length.
-        epochs: number of epochs to the lowest rate.
+        schedule: schedule that is stepped once per epoch; unchanged if it already has this length.
+        epochs: number of epochs until the lowest rate.
     """
     if schedule.T_max == epochs:
         return

@@ -1,4 +1,4 @@
-"""Seeds for the parts of a run: independent of each other, and equal when a run is resumed."""
+"""Seeds for the parts of a run: independent of each other, and reproducible when a run is resumed."""
 
 import hashlib
 import zlib
@@ -13,7 +13,7 @@ __all__ = ["derive_seed", "rng_of", "seed_torch"]
 
 
 def derive_seed(*parts: int | str) -> int:
-    """Return a seed that depends only on the parts, equal on every machine.
+    """Return a seed that depends only on the parts, not on the machine.
 
     >>> derive_seed("hints", 1) == derive_seed("hints", 1) != derive_seed("hints", 2)
     True
@@ -22,7 +22,7 @@ def derive_seed(*parts: int | str) -> int:
 
 
 def rng_of(name: str, number: int) -> np.random.Generator:
-    """Return the random generator for a name, the same on every machine.
+    """Return a random generator seeded with a name and a number, the same on every machine.
 
     >>> bool(rng_of("horse", 3).random() == rng_of("horse", 3).random() != rng_of("horse", 4).random())
     True
@@ -31,17 +31,17 @@ def rng_of(name: str, number: int) -> np.random.Generator:
 
 
 def seed_torch(seed: int, device: "torch.device") -> None:
-    """Seed torch's generators of the CPU and of one device.
+    """Seed torch's random generators of the CPU and of one device.
 
-    For a backend that has not started, `torch.manual_seed` records each call with its stack, which costs time
-    and memory at every step.
+    Unlike this, `torch.manual_seed` records each call with its stack for every backend that has not been
+    initialised, which costs time and memory at each step.
 
     >>> import torch
     >>> seed_torch(3, torch.device("cpu"))
     >>> bool((torch.rand(2) == torch.rand(2, generator=torch.Generator().manual_seed(3))).all())
     True
     """
-    import torch  # late: shapes are seeded too, without it
+    import torch  # imported here because seeding shapes does not need torch
 
     torch.default_generator.manual_seed(seed)
     if device.type == "cuda":

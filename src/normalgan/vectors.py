@@ -1,7 +1,7 @@
-"""Vectors as tensors of pictures, of length 1.
+"""Normalisation of vectors in image tensors.
 
-Apart from the metrics, which need them too: torchmetrics takes as long to import as torch, and the workers
-that load samples need it for nothing else.
+This is not part of ``normalgan.metrics`` because torchmetrics takes as long to import as torch, and the
+workers that load samples do not need it.
 """
 
 import torch
@@ -18,14 +18,14 @@ def unit_vectors(vectors: Tensor) -> Tensor:
         [0.6000000238418579, 0.800000011920929, 0.0]
     """
     vectors = of_unit_size(vectors.to(torch.promote_types(vectors.dtype, torch.float32)))
-    return vectors / length(vectors).clamp(min=1.0)  # 1 at least of any vector but zero by now
+    return vectors / length(vectors).clamp(min=1.0)  # at least 1, unless the vector is zero
 
 
 def unit_vectors_within(vectors: Tensor, mask: Tensor) -> Tensor:
     """Return (N, 3, H, W) vectors scaled to length 1 where the mask is 1, and 0 where it is 0.
 
-    Faster than `unit_vectors`, for stored or interpolated normals, whose squares cannot overflow. Vectors
-    shorter than 1e-6 stay shorter than 1.
+    It is faster than `unit_vectors` but does not guard against overflow of squares, so use it for stored
+    or interpolated normals. Vectors shorter than 1e-6 stay shorter than 1.
 
     Args:
         vectors: (N, 3, H, W) of float32 or float64.
@@ -42,11 +42,11 @@ def unit_vectors_within(vectors: Tensor, mask: Tensor) -> Tensor:
 
 
 def of_unit_size(vectors: Tensor) -> Tensor:
-    """Scale each vector to a largest coordinate of ±1, so that its square cannot under- or overflow."""
+    """Scale each vector to a largest coordinate of ±1, so that squares can neither under- nor overflow."""
     largest = vectors.abs().amax(1, keepdim=True)
     return vectors / torch.where(largest == 0, 1.0, largest)
 
 
 def length(vectors: Tensor) -> Tensor:
-    """Return (N, 1, H, W) lengths; `torch.linalg.vector_norm` over dim 1 takes 16 times as long on a CPU."""
+    """Return lengths (N, 1, H, W), 16 times faster on a CPU than `torch.linalg.vector_norm` over dim 1."""
     return vectors.square().sum(1, keepdim=True).sqrt()

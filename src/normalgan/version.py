@@ -1,4 +1,4 @@
-"""Version: of the installed package; looking it up takes as long as the rest of ``--help``."""
+"""Version of the installed package, in its own module because looking it up is slow."""
 
 from importlib.metadata import version
 

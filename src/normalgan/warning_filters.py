@@ -1,4 +1,4 @@
-"""Warning filters: hide warnings that the user cannot act on, and show the rest in one line each."""
+"""Warning filters: hide warnings that the user cannot act on, and show the others in one line each."""
 
 import logging
 import re
@@ -13,37 +13,37 @@ from normalgan.errors import tell
 __all__ = ["INFO_NOT_SAID", "NOT_SAID", "filter_warnings", "quiet_loggers"]
 
 NOT_SAID = (
-    r".*does not have many workers.*",  # a small data set lies in memory, where workers only cost
+    r".*does not have many workers.*",  # a small data set is kept in memory, where workers only add overhead
     r".*is smaller than the logging interval.*",
-    r".*The dirpath has changed.*",  # a checkpoint is used from another folder; its own keeps the best
-    r".*Checkpoint directory .* exists and is not empty.*",  # a run that is resumed
-    # It counts the steps of both optimisers, and our order of samples depends on seed and epoch alone.
+    r".*The dirpath has changed.*",  # a checkpoint from another folder is in use
+    r".*Checkpoint directory .* exists and is not empty.*",  # a run was resumed
+    # Lightning counts the steps of both optimisers; the order of samples depends only on seed and epoch.
     r".*resuming from a checkpoint that ended before the epoch ended.*",
-    r"LightningCLI.s args parameter is intended.*",  # we do run in-process, with the arguments we mean
+    r"LightningCLI.s args parameter is intended.*",  # running in-process with explicit arguments is intended
 )
-"""Warnings of Lightning about what we do on purpose."""
+"""Lightning warnings about things that are intended here."""
 _LIBRARIES = r"(lightning|torch)\."
-"""Modules that call what other libraries have deprecated; a plug-in's own calls are shown."""
+"""Modules with hidden deprecation warnings; warnings caused by plug-ins are shown."""
 
 
 INFO_NOT_SAID = re.compile(
     r"(GPU|TPU|HPU) available|Seed set to|Tip: For seamless|LOCAL_RANK|MPS available|"
-    # Of settings that were given, and of a run that ends or goes on as asked.
+    # Confirmations of settings, and of a run that ends or continues as requested.
     r"`Trainer\(|already configured with model summary|^`Trainer\.fit` stopped: `max_epochs|"
     r"Restor(ing|ed) |Loaded model weights|Loading `train_dataloader`|`weights_only` was not set|"
     r"Using .*(Automatic Mixed|AMP|precision)|Found current_model_state|"
-    # Of several processes.
+    # From runs with several processes.
     r"Initializing distributed|distributed_backend=|All distributed processes|^-+$|"
-    r"Detected KeyboardInterrupt|Received SIGTERM|Bypassing SIGTERM"  # those we tell ourselves
+    r"Detected KeyboardInterrupt|Received SIGTERM|Bypassing SIGTERM"  # reported by our own messages
 )
-"""What Lightning logs and nobody asks for; the rest is shown: why a run stops, what a profiler measured."""
+"""Lightning's routine log messages; others, such as why a run stops or a profiler's report, are shown."""
 
 
 class _InfoHandler(logging.Handler):
-    """Prints Lightning's log messages to the current stderr as our own sentences."""
+    """Prints Lightning's log messages to the current stderr in the format of our own."""
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Print a message, unless it is filtered."""
+        """Print a message unless it is filtered."""
         text = record.getMessage().strip("\n")
         if record.levelno <= logging.INFO and (not text.strip() or INFO_NOT_SAID.search(text.strip())):
             return
@@ -57,7 +57,7 @@ _HANDLER = _InfoHandler()
 
 
 def filter_warnings() -> None:
-    """Filter and shorten warnings until the surrounding `warnings.catch_warnings` ends."""
+    """Filter and shorten warnings until the enclosing `warnings.catch_warnings` block ends."""
     logging.getLogger("lightning").handlers[:] = [_HANDLER]
     for name in ("lightning.pytorch", "lightning.fabric"):
         # Without handlers of the root logger they have some of their own; with them, "lightning" prints too.
@@ -78,7 +78,7 @@ def _show(message: Warning | str, *_: Any, **__: Any) -> None:
 
 @contextmanager
 def quiet_loggers(*names: str, level: int = logging.CRITICAL + 1) -> Iterator[None]:
-    """Silence loggers below a level inside the context."""
+    """Silence loggers below a level within the context."""
     loggers = [logging.getLogger(name) for name in names]
     levels = [logger.level for logger in loggers]
     for logger in loggers:

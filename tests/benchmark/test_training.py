@@ -156,7 +156,7 @@ def test_the_best_checkpoint_or_the_last(tmp_path: Path) -> None:
     save("")
     assert measured_checkpoint(one, "best").name == "last.ckpt"  # validation never gave a figure
     save("/moved/since/checkpoints/003-20.00.ckpt")
-    with pytest.raises(InputError, match=r"003-20\.00\.ckpt, the best checkpoint of its run, is gone"):
+    with pytest.raises(InputError, match=r"003-20\.00\.ckpt, the best checkpoint of its run, is missing"):
         measured_checkpoint(one, "best")
     (folder / "003-20.00.ckpt").touch()
     (folder / "stopped.ckpt").touch()  # later, but not better

@@ -158,8 +158,8 @@ def test_a_run_resumed_with_other_data_says_what_is_other(meshes: Path, cache: P
         seen_in(other, tmp_path, 2, last(tmp_path))
     (told,) = [str(warning.message) for warning in caught if "other data" in str(warning.message)]
     assert told.endswith(
-        "goes on with what is given now: data.meshes, data.batch_size (2, now 3), data.augmentation, "
-        "data.seed (0, now 1)."
+        "training continues with the current settings: data.meshes, data.batch_size (2, now 3), "
+        "data.augmentation, data.seed (0, now 1)."
     )
 
 

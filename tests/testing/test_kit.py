@@ -82,7 +82,7 @@ SAMPLERS = broken(
         "ListOfHints": (lambda right, *given: list(right(*given)), "gave a list of .*; hints are a tensor"),
         "WholeNumbers": (
             lambda right, *given: right(*given).long(),
-            r"returned torch.int64 for normals of torch.float32; it must return the type of the normals.",
+            r"returned torch.int64 for normals of torch.float32; it must return the dtype of the normals.",
         ),
         "Half": (
             lambda right, *given: right(*given) / 2,
@@ -92,7 +92,7 @@ SAMPLERS = broken(
             lambda right, normal, mask, rng: torch.ones_like(mask),
             r"gave \d+ hints off the object; hints must lie where mask is 1",
         ),
-        "AtLeastOne": (at_least_one, "gave 1 hints to a picture without an object; it must give none"),
+        "AtLeastOne": (at_least_one, "gave 1 hints to a picture without an object; it must return no hints"),
         "Divides": (
             lambda right, normal, mask, rng: (
                 [1 / int(one.sum()) for one in mask] and right(normal, mask, rng)
@@ -102,15 +102,15 @@ SAMPLERS = broken(
         "Leaves": (lambda *_: sys.exit(0), r"raised SystemExit \(0\) when asked for shape and type"),
         "Square": (
             lambda right, normal, mask, rng: right(normal, mask, rng) * torch.ones(2 * mask.shape[-1:]),
-            "raised RuntimeError .* when asked for batches of other sizes; every size of picture",
+            "raised RuntimeError .* when asked for batches of other sizes; all sizes of pictures",
         ),
         "Moody": (
             of_its_own_state,
-            "returned something else under the same seed; all randomness must come from rng",
+            "returned another output for the same seed; all randomness must come from rng",
         ),
         "SeedsPython": (
             lambda right, *given: random.seed(1) or right(*given),
-            "drew from or seeded Python's global random state; all randomness must come from the gen",
+            "drew from or seeded Python's global random state; all randomness must come from the given",
         ),
         "DrawsFromNumpy": (
             lambda right, *given: 0 * np.random.rand() + right(*given),  # noqa: NPY002
@@ -122,7 +122,7 @@ SAMPLERS = broken(
         ),
         "Quota": (
             quota,
-            "changed the hints of a sample when another one of the batch was changed; a sample must not",
+            "changed the hints of a sample when another sample of the batch was changed; a sample must not",
         ),
         "IntoTheMask": (
             into_the_mask,
@@ -198,15 +198,18 @@ class _Private(Sampler):
 
 
 SETTINGS: Cases = [
-    (Undocumented, "Undocumented has no docstring of its own; its first line is what --help"),
+    (Undocumented, "Undocumented has no docstring of its own; --help and normalgan plugins show"),
     (
         Mysterious,
         "Mysterious does not explain spacing in its docstring; the docstring of the class needs a line",
     ),
     (Untyped, "Untyped has a setting spacing without a type; the command line reads the type"),
     (Holding, "Holding .*; settings must be"),
-    (Growing, "Growing built from its own settings is another one; its fields must be its settings"),
-    (Locked, "Locked raised TypeError .* when asked for being handed to another process; it must survive"),
+    (
+        Growing,
+        "Growing is not equal after being rebuilt from its own settings; its fields must be its settings",
+    ),
+    (Locked, "Locked raised TypeError .* when asked for pickling for another process; it must survive"),
     (_Private, "_Private has a part that begins with an underscore in its path"),
 ]
 
@@ -283,40 +286,40 @@ GENERATORS: Cases = [
             ),
             "AnswersInDoubles": (
                 lambda right, condition: right(condition).double(),
-                "returned torch.float64 for a condition of torch.float32; it must keep the type",
+                "returned torch.float64 for a condition of torch.float32; it must keep the dtype",
             ),
             "Loud": (
                 lambda right, condition: right.__self__.conv(condition),
-                r"predicted a component of .*; each component must lie in \[-1, 1\], as by tanh",
+                r"predicted a component of .*; each component must be in \[-1, 1\], for example by tanh",
             ),
             "Unsure": (unsure, "predicted a confidence of 0 or less; the fourth channel must be above 0"),
             "Explodes": (
                 lambda right, condition: right(condition) / (condition[:, 3:] * 0),
-                "predicted values that are not finite; its answer must be finite",
+                "predicted values that are not finite; its output must be finite",
             ),
             "Lonely": (
                 lambda right, condition: right(condition).view(
                     min(len(condition), 2), 3, *condition.shape[2:]
                 ),
-                "raised RuntimeError .* when asked for batches of any number; forward must return",
+                "raised RuntimeError .* when asked for batches of any size; forward must return",
             ),
             "Cut": (
                 lambda right, condition: (
                     right(condition).detach() + 0 * sum(p.sum() for p in right.__self__.parameters())
                 ),
-                "has gradients of zero alone; a loss of its answer must reach its parameters",
+                "has only zero gradients; a loss on its output must reach its parameters",
             ),
             "Blind": (
                 lambda right, condition: right(0 * condition),
-                "does not look at the condition; its answer must depend on all it is given",
+                "ignores the condition; its output must depend on all inputs",
             ),
             "NoisyNetwork": (
                 lambda right, condition: right(condition + torch.randn_like(condition)),
-                "answers twice the same differently in evaluation; draw random numbers by torch alone",
+                "returns different outputs for the same input in evaluation; draw random numbers",
             ),
             "Mixes": (
                 lambda right, condition: right(condition - condition.mean(0)),
-                "answers .* otherwise to a picture in a batch than alone; in evaluation",
+                "differs by .* between a picture in a batch and the same picture alone; in evaluation",
             ),
             "Saturates": (  # bfloat16 rounds it to 1, where tanh has no slope
                 lambda right, condition: torch.tanh(right.__self__.conv(condition) + 5),
@@ -329,7 +332,7 @@ GENERATORS: Cases = [
         {
             "TrainsAnother": (
                 lambda right, condition: Predictions(-right.__self__(condition).float()),
-                "predicts otherwise than forward returns; what is trained",
+                "returns different values from predict and from forward; training and",
             ),
             "PlainTensor": (
                 lambda right, condition: right.__self__(condition),
@@ -337,13 +340,13 @@ GENERATORS: Cases = [
             ),
             "Rounds": (
                 lambda right, condition: Predictions(right.__self__(condition)),
-                "predicts direction in torch.bfloat16 under mixed precision; what losses take",
+                "predicts direction in torch.bfloat16 under mixed precision; the input of losses",
             ),
         },
     ),
-    (Spare, "Spare gives no gradient to spare.weight, spare.bias; every parameter must take part"),
-    (Forgets, "Forgets answers otherwise after its state_dict was loaded; keep what it has learnt"),
-    (Counts, "Counts answers otherwise after its state_dict was loaded; keep what it has learnt"),
+    (Spare, "Spare gives no gradient to spare.weight, spare.bias; each parameter must affect"),
+    (Forgets, "Forgets gives another output after its state_dict was loaded; keep all learnt"),
+    (Counts, "Counts gives another output after its state_dict was loaded; keep all learnt"),
 ]
 
 
@@ -383,11 +386,11 @@ DISCRIMINATORS = broken(
         ),
         "LooksAway": (
             lambda right, condition, normal: right(condition, 0 * normal),
-            "does not look at the normals; its answer must depend",
+            "ignores the normals; its output must depend",
         ),
         "LooksAtTheMapAlone": (
             lambda right, condition, normal: right(0 * condition, normal),
-            "does not look at the condition; its answer must depend",
+            "ignores the condition; its output must depend",
         ),
     },
 )
@@ -440,11 +443,11 @@ OBJECTIVES: Cases = [
             ),
             "UpsideDown": (
                 lambda right, fake: -right(fake),
-                "does not lower generator_loss as scores rise; the generator wants",
+                "does not lower generator_loss as scores rise; high scores mean true",
             ),
             "CountsElements": (
                 lambda right, fake: -torch.cat([score.flatten() for score in fake]).mean(),
-                "weighs a head of 16 scores and a head of one as .*; heads count equally",
+                "weights a head of 16 scores and a head of one score as .*; heads must have",
             ),
         },
     ),
@@ -457,7 +460,7 @@ OBJECTIVES: Cases = [
             ),
             "MixesScoresUp": (
                 lambda right, real, fake: right(fake, real),
-                "does not lower discriminator_loss as true maps score higher; the discriminator wants",
+                "does not lower discriminator_loss as true maps score higher; the discriminator must",
             ),
             "HalfBlind": (
                 lambda right, real, fake: right.__self__.generator_loss(real),
@@ -470,7 +473,7 @@ OBJECTIVES: Cases = [
         {
             "OtherDice": (
                 of_another_state,
-                "returned two penalties under one seed of torch; draw random numbers by torch alone",
+                "returned different penalties for the same torch seed; draw random numbers only from torch",
             ),
             "FixedPenalty": (
                 lambda right, critic, real, fake: real.new_ones(()),
@@ -483,7 +486,7 @@ OBJECTIVES: Cases = [
         {
             "Spoils": (
                 spoil,
-                "spoilt patches.weight of the discriminator; after_discriminator_step may change",
+                "corrupted patches.weight of the discriminator; after_discriminator_step must keep",
             )
         },
     ),
@@ -492,7 +495,7 @@ OBJECTIVES: Cases = [
         {
             "Rude": (
                 fail,
-                "raised KeyError .* when asked for refusing with a sentence; check may raise InputError",
+                "raised KeyError .* when asked for one-sentence errors; check may raise only",
             )
         },
     ),
@@ -525,21 +528,21 @@ RECONSTRUCTIONS = broken(
         ),
         "TakenName": (
             lambda right, *given: {"adversarial": right(*given)["square"]},
-            "has a term named adversarial; training logs one itself; rename it",
+            "has a term named adversarial; training itself logs a term of this name; rename yours",
         ),
         "Negative": (
             lambda right, *given: {"square": right(*given)["square"]._replace(weight=-1.0)},
-            "weighs square by -1.0; weights are 0 or more",
+            "gives square the weight -1.0; weights must be 0 or more",
         ),
         "PointsAway": (
             lambda right, preds, target, *_: {"cosine": Term((preds.normal * target).sum(1).mean() + 1, 1.0)},
-            "is .* for the truth and .* for .*; the loss is minimised, so it must be less",
+            "is .* for the true normals and .* for .*; the loss is minimised, so it must be smaller",
         ),
         "Steep": (  # its slope is infinite at 0
             lambda right, preds, target, *_: {
                 "length": Term((preds.normal - target).square().sum(1).sqrt().mean(), 1.0)
             },
-            "has a gradient that is infinite or no number at the truth; one infinite value spoils",
+            "has a gradient that is infinite or nan at the true normals; a single infinite value would",
         ),
         "MeanOfNothing": (
             lambda right, preds, target, mask, where: {
@@ -598,9 +601,9 @@ class Alone(Worst):
 
 
 METRICS: Cases = [
-    (OfTheBatch, ".*once a picture without an object was counted too"),
-    (EverywhereMeasured, ".*after the prediction off the mask was changed"),
-    (Alone, ".*when two processes measured a part each"),
+    (OfTheBatch, ".*after a picture without an object was added"),
+    (EverywhereMeasured, ".*after the prediction outside the mask was changed"),
+    (Alone, ".*when two processes each measured a part"),
 ]
 
 
@@ -681,7 +684,7 @@ SOURCES = broken(
             lambda right, settings: texts("t0", "t1"),
             "has t0, which loads as str; load must return a Mesh",
         ),
-        "Twice": (lambda right, settings: texts("t0", "t0"), "has two things named t0"),
+        "Twice": (lambda right, settings: texts("t0", "t0"), "has two items named t0"),
     },
 )
 
@@ -777,13 +780,13 @@ RENDERERS: Cases = [
             ),
             "Long": (
                 normals_times(np.float32(2)),
-                "rendered a normal whose length is 1 off from 1; normals on the object are unit vectors",
+                "rendered a normal with a length that is 1 off; normals on the object must be unit vectors",
             ),
-            "Painted": (painted, "rendered normals off the object; there they are zero"),
-            "Near": (near, "has a finite depth off the object; there it is infinite"),
+            "Painted": (painted, "rendered normals outside the object; they must be zero there"),
+            "Near": (near, "has a finite depth outside the object; it must be infinite there"),
             "Flipped": (
                 flipped,
-                r"shares \d+% of the mask with the true orthographic one of an ellipsoid; the object must",
+                r"has an IoU of \d+% with the true orthographic mask of an ellipsoid; the object must",
             ),
             "Green": (
                 normals_times(np.array([1, -1, 1], np.float32)),
@@ -796,7 +799,7 @@ RENDERERS: Cases = [
             ),
             "InsideOut": (
                 inside_out,
-                r"turned 100% of the normals of an open shell away from the viewer; a surface seen from",
+                r"has 100% of the normals of an open shell facing away from the viewer; a surface seen from",
             ),
             "NeedsAnObject": (
                 nearest_depth,
@@ -804,7 +807,7 @@ RENDERERS: Cases = [
             ),
             "NoisyMaps": (
                 with_noise,
-                "rendered the same twice differently; samples are kept by their settings alone",
+                "rendered the same view twice with different results; samples are cached by",
             ),
             "SeedsNumpy": (
                 lambda right, *given: np.random.seed(0) or right(*given),  # noqa: NPY002
@@ -816,7 +819,7 @@ RENDERERS: Cases = [
         *(Rays, "check", HERE),
         {"Missing": (no_opengl, "raised InputError .there is no OpenGL here. when asked for running here")},
     ),
-    (Loose, "Loose is not a frozen dataclass; its fields are its settings, and enter the key"),
+    (Loose, "Loose is not a frozen dataclass; its fields are its settings, which are part of the cache key"),
 ]
 
 
@@ -863,11 +866,11 @@ LINE_STYLES: Cases = [
             ),
             "Thin": (
                 lambda right, points, width, rng: right(points, 0 * width, rng),
-                "traced a stroke of width 0 or less; a pen has a width above 0",
+                "traced a stroke of width 0 or less; a pen must be wider than 0",
             ),
             "Black": (
                 lambda right, points, width, rng: Stroke(points, width, np.full(len(points), 255.0)),
-                "traced a stroke of darkness .* to .*; darkness lies from 0, paper, to 1",
+                "traced a stroke of darkness .* to .*; darkness must be between 0",
             ),
         },
     ),
@@ -876,18 +879,18 @@ LINE_STYLES: Cases = [
         {
             "Nothing": (
                 lambda right, view, rng: [],
-                "drew nothing of an animal; every object must leave some ink",
+                "drew nothing of an animal; each object must give some ink",
             ),
-            "Frame": (with_a_frame, r"put \d+% of its ink beside the animal; lines must lie on the object"),
+            "Frame": (with_a_frame, r"put \d+% of its ink outside the animal; lines must lie on the object"),
             "NeverNothing": (
                 never_nothing,
-                "drew something in a view that shows nothing; it must draw nothing there",
+                "drew something in an empty view; it must draw nothing there",
             ),
             "ExpectsAnObject": (
                 lambda right, view, rng: (np.nonzero(view.maps().mask)[0].min(), right(view, rng))[1],
-                "raised ValueError .* when asked for an empty view; a view that shows nothing",
+                "raised ValueError .* when asked for an empty view; an empty view must",
             ),
-            "IntoTheMaps": (into_the_maps, "changed the maps of the view; they belong to all styles"),
+            "IntoTheMaps": (into_the_maps, "changed the maps of the view; all styles share them"),
         },
     ),
 ]
@@ -940,7 +943,9 @@ def test_a_class_inside_a_function_is_told_off() -> None:
 
 @pytest.mark.parametrize("kind", [HintSampler, LineDrawing, BatchAugmentation])
 def test_the_seed_of_every_kind_that_draws_is_checked(kind: type) -> None:
-    assert {"the same under a seed", "global randomness left alone"} <= {each.name for each in checks(kind)}
+    assert {"the same output for the same seed", "no use of global randomness"} <= {
+        each.name for each in checks(kind)
+    }
 
 
 def test_checks_are_assertions_with_names_of_their_own() -> None:

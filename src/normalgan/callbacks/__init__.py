@@ -1,4 +1,4 @@
-"""Callbacks: checkpoints, schedules, averaged weights, pictures for the logger, the test report."""
+"""Callbacks: checkpoints, learning-rate schedules, averaged weights, logged pictures, the test report."""
 
 from normalgan.callbacks.learning_curve import LearningCurve
 from normalgan.callbacks.pictures import PictureLogger

@@ -1,4 +1,4 @@
-"""Checkpoints: written atomically, and checked before they are used."""
+"""Checkpoints: atomic writing, and checks before use."""
 
 import re
 from collections.abc import Iterable, Mapping
@@ -33,59 +33,59 @@ __all__ = [
 class LastCheckpoint(ModelCheckpoint):
     """Saves ``last.ckpt`` after every epoch, so that a killed run loses at most one epoch.
 
-    A run that ``max_steps`` or ``max_time`` stops within an epoch saves it after its last batch. If it were
-    saved later, the epoch would count as complete.
+    If ``max_steps`` or ``max_time`` stops a run within an epoch, the checkpoint is saved after the last
+    batch. Saved any later, it would count the epoch as complete.
 
-    Since 2.6, Lightning's own ``save_last`` saves only together with a new best, and before the end of an
-    epoch that is not validated, so that resuming goes wrong.
+    Since Lightning 2.6, its own ``save_last`` saves only together with a new best checkpoint. In an epoch
+    without validation, it saves before the end of the epoch, so resuming goes wrong.
     """
 
     def __init__(self) -> None:
         super().__init__(filename="last", save_on_train_epoch_end=True, enable_version_counter=False)
 
     def setup(self, trainer: Trainer, pl_module: LightningModule, stage: str) -> None:
-        """Set the folder of the run."""
+        """Set the checkpoint folder of the run."""
         self.dirpath = checkpoint_folder(trainer.default_root_dir)
         super().setup(trainer, pl_module, stage)
 
     def on_train_batch_end(
         self, trainer: Trainer, pl_module: LightningModule, outputs: Any, batch: Any, batch_idx: int
     ) -> None:
-        """Save if the run stops here, within an epoch."""
+        """Save if the run stops within an epoch after this batch."""
         loop = trainer.fit_loop.epoch_loop
         if loop.done and not loop.batch_progress.is_last_batch:
             super().on_train_epoch_end(trainer, pl_module)
 
     def on_train_epoch_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        """Save, if the whole epoch was trained."""
+        """Save if the whole epoch was trained."""
         if trainer.fit_loop.epoch_loop.batch_progress.is_last_batch:
             super().on_train_epoch_end(trainer, pl_module)
 
 
 class AtomicCheckpointIO(TorchCheckpointIO):
-    """Writes a checkpoint beside its target and renames it, so that a killed run never leaves half a file.
+    """Writes a checkpoint next to its target and renames it, so a killed run never leaves a partial file.
 
-    Lightning writes to the system's temporary folder. From another disk a file is copied, not renamed, over
-    the last checkpoint.
+    Lightning writes to the system's temporary folder instead. If that is on another disk, the file is
+    copied, not renamed, over the last checkpoint.
     """
 
     def save_checkpoint(
         self, checkpoint: dict[str, Any], path: str | Path, storage_options: Any | None = None
     ) -> None:
-        """Save a checkpoint as a file or under a URL."""
-        if "://" in str(path):  # object stores show only complete objects
+        """Save a checkpoint to a file or a URL."""
+        if "://" in str(path):  # object stores expose only complete objects
             super().save_checkpoint(checkpoint, path, storage_options)
             return
-        # Left half written by a killed run; only one process writes to a run's folder.
+        # A partial file was left by a killed run, because only one process writes to a run's folder.
         for left in Path(path).parent.glob(".*.ckpt.*.tmp"):
             left.unlink(missing_ok=True)
-        # In memory first, because torch does not report a full disk reliably.
+        # Serialised in memory first, because torch does not report a full disk reliably.
         buffer = BytesIO()
         torch.save(checkpoint, buffer)
         write_bytes(path, buffer.getbuffer())
 
     def remove_checkpoint(self, path: str | Path) -> None:
-        """Remove a checkpoint that a better one replaces: a file, never a whole folder."""
+        """Remove a checkpoint that a better one replaces, if it is a file; folders are never removed."""
         if "://" in str(path):
             super().remove_checkpoint(path)
         else:
@@ -93,7 +93,7 @@ class AtomicCheckpointIO(TorchCheckpointIO):
 
 
 def run_folder(root: str | None) -> str:
-    """Return the folder of a run: ``trainer.default_root_dir``, or the working directory without it."""
+    """Return the folder of a run: ``trainer.default_root_dir``, or the working directory if it is not set."""
     return root or "."
 
 
@@ -103,19 +103,19 @@ def checkpoint_folder(root: str | None) -> str:
 
 
 def stopped_checkpoint(root: str | None) -> Path:
-    """Return the path of the checkpoint that a run stopped within an epoch leaves."""
+    """Return the path of the checkpoint that is saved when a run is stopped within an epoch."""
     return Path(checkpoint_folder(root)) / "stopped.ckpt"
 
 
 def best_checkpoint(last: Path) -> Path | None:
-    """Return a run's best checkpoint on the validation split; None if none was measured.
+    """Return a run's best checkpoint on the validation split, or None if no epoch was validated.
 
     Args:
-        last: ``last.ckpt`` of the run, which names it; the run's folder may have moved. File times do not
-            help: a stopped and resumed run leaves ``stopped.ckpt`` behind.
+        last: ``last.ckpt`` of the run, which records the best one; the folder may have moved. File times
+            do not help, because a stopped and resumed run leaves a ``stopped.ckpt``.
 
     Raises:
-        InputError: if it cannot be read, or the best checkpoint is missing.
+        InputError: if ``last`` cannot be read, or the best checkpoint is missing.
     """
     content = load_torch_file(last)
     callbacks = content.get("callbacks") if isinstance(content, dict) else None
@@ -130,19 +130,19 @@ def best_checkpoint(last: Path) -> Path | None:
         return None
     best = last.with_name(Path(paths[0]).name)
     if not best.is_file():
-        raise InputError(f"{best}, the best checkpoint of its run, is gone.")
+        raise InputError(f"{best}, the best checkpoint of its run, is missing.")
     return best
 
 
 def named_checkpoint(last: Path, name: str) -> Path:
-    """Return the checkpoint that ``last`` or ``best`` names.
+    """Return the checkpoint with the name ``last`` or ``best``.
 
     Args:
         last: ``last.ckpt`` of the run.
         name: ``last`` or ``best``.
 
     Raises:
-        InputError: if there is no best one.
+        InputError: if there is no best checkpoint.
     """
     if name == "last":
         return last
@@ -153,11 +153,12 @@ def named_checkpoint(last: Path, name: str) -> Path:
 
 
 def check_unused(folder: Path, resumed: Path | None = None) -> None:
-    """Check that the folder of a run's checkpoints holds none of another run.
+    """Check that the checkpoint folder of a run has no checkpoints of another run.
 
     Args:
-        folder: where the run will write.
-        resumed: the checkpoint that it resumes, which lies there if the others are its own.
+        folder: checkpoint folder of the run.
+        resumed: checkpoint to resume from. If it is in the folder, the other checkpoints belong to this
+            run.
 
     Raises:
         InputError: if the folder holds checkpoints of another run.
@@ -178,19 +179,19 @@ def check_others(
     """Check that no callback would overwrite a checkpoint of another run.
 
     Args:
-        callbacks: callbacks of the run; only Lightning's checkpoint callbacks matter.
+        callbacks: callbacks of the run; only Lightning's checkpoint callbacks are checked.
         root: folder of the run.
-        resumed: the checkpoint that it resumes.
-        known: folders that ``resumed`` says its run wrote to.
+        resumed: checkpoint to resume from.
+        known: checkpoint folders recorded in ``resumed``.
 
     Raises:
-        InputError: if one would.
+        InputError: if a callback would overwrite one.
     """
     own = Path(checkpoint_folder(root)).resolve()
     for callback in callbacks:
         if not isinstance(callback, ModelCheckpoint) or "://" in str(callback.dirpath or ""):
             continue
-        # A name may lead out of the folder; the slash of a metric, such as {val/angle:.2f}, does not.
+        # A file name may contain a path, but the slash in a metric such as {val/angle:.2f} is not one.
         name = re.sub(r"\{.*?\}", "_", callback.filename or "_")
         folder = (Path(callback.dirpath or own) / name).resolve().parent
         if folder == own or str(folder) in known or (resumed and resumed.parent.resolve() == folder):
@@ -203,16 +204,16 @@ def check_others(
 
 
 def check_sizes(path: Path, settings: Mapping[str, Any], size: int) -> None:
-    """Compare the sizes of the networks' pictures with that of the data; see `check_size`."""
+    """Check the picture size of the networks against that of the data; see `check_size`."""
     for network in ("generator", "discriminator"):
         check_size(path, ((settings.get(network) or {}).get("init_args") or {}).get("size"), size)
 
 
 def check_size(path: Path, trained: int | None, size: int) -> None:
-    """Compare the size that a model was trained at, None for any, with that of the data.
+    """Check the size that a model was trained at (None for any) against that of the data.
 
     Raises:
-        InputError: if they differ.
+        InputError: if the sizes differ.
     """
     if trained not in {None, size}:
         raise InputError(f"{path} was trained at {trained} pixels, not {size}; data.size must be {trained}.")

@@ -1,4 +1,4 @@
-"""Output of training on the terminal: the networks before it, and a progress bar."""
+"""Terminal output of training: a summary of the networks and a progress bar."""
 
 import sys
 from typing import Any
@@ -10,18 +10,18 @@ from torch.nn import Module
 __all__ = ["NetworkSummary", "WideProgressBar", "count_parameters"]
 
 _WIDE = 160
-"""Columns of a log file, which has no width; Rich takes 80, which cuts the losses off."""
+"""Line width for log files; Rich's default of 80 would cut the losses off."""
 
 
 class WideProgressBar(RichProgressBar):
-    """Lightning's bar: as wide as the terminal, wide enough for all losses in a file, epochs from 1."""
+    """Lightning's progress bar with epochs counted from 1, and room for all losses in a log file."""
 
     def __init__(self) -> None:
         terminal = any(stream.isatty() for stream in (sys.stdout, sys.stderr) if stream is not None)
         super().__init__(console_kwargs=None if terminal else {"width": _WIDE})
 
     def on_train_epoch_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        """Name the epoch as people count, from 1."""
+        """Show the number of the epoch, from 1."""
         super().on_train_epoch_start(trainer, pl_module)
         if self.progress is not None and self.train_progress_bar_id is not None:
             most = trainer.max_epochs
@@ -34,12 +34,12 @@ class WideProgressBar(RichProgressBar):
 class NetworkSummary(Callback):
     """Prints the networks and their numbers of parameters.
 
-    Lightning's own summary counts FLOPs of an example input, which a model that reads batches of several
-    tensors does not have: it prints 0.
+    Lightning's own summary counts FLOPs for an example input. A model with batches of several tensors has
+    none, so it prints 0.
     """
 
     def on_fit_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        """Print a line for each network."""
+        """Print one line per network."""
         if not trainer.is_global_zero:
             return
         for name, network in pl_module.named_children():
@@ -48,12 +48,12 @@ class NetworkSummary(Callback):
 
 
 def count_parameters(network: Module) -> int:
-    """Return how many numbers a network learns."""
+    """Return the number of trainable parameters of a network."""
     return sum(parameter.numel() for parameter in network.parameters() if parameter.requires_grad)
 
 
 def _class_name(network: Module) -> str:
-    original: Any = getattr(network, "_orig_mod", network)  # of torch.compile
+    original: Any = getattr(network, "_orig_mod", network)  # from torch.compile
     return type(original).__name__
 
 

@@ -1,4 +1,4 @@
-"""The gallery: rows of sketch, hints, generated map, ground truth and error, as one picture."""
+"""The gallery: one picture with rows of sketch, hints, generated map, ground truth and error."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -36,11 +36,11 @@ __all__ = [
 
 COLUMNS = ("sketch", "hints", "generated", "ground truth", "angular error")
 MAX_ERROR = 60.0
-"""Degrees at the top of the error scale; larger errors have its last colour."""
+"""Top of the error scale in degrees; larger errors get the last colour."""
 
 _DPI = 100
 _EDGE, _GAP, _LINE, _HEAD = 10, 8, 24, 52  # pixels: margin, between cells, caption under a row, headings
-_NEUTRAL = (0.72, 0.72, 0.72)  # off the object; neither end of the error scale looks like it
+_NEUTRAL = (0.72, 0.72, 0.72)  # outside the object, unlike both ends of the error scale
 
 
 @dataclass(frozen=True)
@@ -48,11 +48,11 @@ class Row:
     """One sample of the gallery, as numpy arrays.
 
     Args:
-        title: the caption under it.
+        title: caption under the row.
         sketch: (H, W) in [0, 1], ink 1.
-        hints: (4, H, W) normals at the hints and where they are.
+        hints: (4, H, W): hint normals and hint mask.
         preds: (3, H, W) generated normals of any length.
-        target: (3, H, W) true unit normals, 0 off the object.
+        target: (3, H, W) true unit normals, 0 outside the object.
         mask: (H, W) True on the object.
     """
 
@@ -64,17 +64,17 @@ class Row:
     mask: BoolMask
 
     def error(self) -> Floats:
-        """Return the angular error in degrees, (H, W), nan off the object; 90° where nothing is predicted."""
+        """Return the angular error (H, W) in degrees: nan outside the object, 90° without a prediction."""
         preds, target = normalize(np.moveaxis(self.preds, 0, -1)), np.moveaxis(self.target, 0, -1)
         angle = angles(preds, target)
-        angle[~preds.any(-1)] = 90.0  # as `normalgan.metrics.angular_error` has it
+        angle[~preds.any(-1)] = 90.0  # as in `normalgan.metrics.angular_error`
         return np.where(self.mask, angle, np.nan).astype(np.float32)
 
 
 def colours(normal: Floats, mask: BoolMask | None = None) -> NDArray[np.uint8]:
-    """Return the picture (H, W, 3) of a map (3, H, W); flat off the object.
+    """Return a map (3, H, W) as colours (H, W, 3), flat outside the object.
 
-    Without a mask, vectors shorter than half a unit count as background.
+    Without a mask, vectors shorter than 0.5 count as background.
     """
     vectors = np.moveaxis(normal, 0, -1)
     if mask is None:
@@ -87,9 +87,9 @@ def batch_row(batch: Batch, index: int, hints: Tensor, preds: Tensor, of_pairs: 
 
     Args:
         batch: N samples.
-        index: which of them.
-        hints: (N, 4, H, W), the generator's hints.
-        preds: (N, 3, H, W), its predictions.
+        index: index of the sample.
+        hints: (N, 4, H, W), hints given to the generator.
+        preds: (N, 3, H, W), predictions of the generator.
         of_pairs: whether samples are pairs on disk, which have a name but no view number.
     """
 
@@ -108,11 +108,11 @@ def batch_row(batch: Batch, index: int, hints: Tensor, preds: Tensor, of_pairs: 
 
 
 class Sheet:
-    """A picture on which everything is placed in pixels from the upper left.
+    """A matplotlib figure with positions in pixels from the upper left.
 
     Args:
-        width: its width.
-        height: its height.
+        width: width in pixels.
+        height: height in pixels.
     """
 
     def __init__(self, width: int, height: int) -> None:
@@ -120,7 +120,7 @@ class Sheet:
         self.figure = Figure(figsize=(width / _DPI, height / _DPI), dpi=_DPI)
 
     def box(self, x: float, y: float, w: float, h: float) -> Axes:
-        """Return axes at a place, with neither ticks nor a frame."""
+        """Return axes without ticks or frame at a position."""
         place = (x / self.width, 1 - (y + h) / self.height, w / self.width, h / self.height)
         axes = self.figure.add_axes(place)
         axes.set(xticks=[], yticks=[])
@@ -128,11 +128,11 @@ class Sheet:
         return axes
 
     def text(self, x: float, y: float, text: str, **how: Any) -> None:
-        """Write a text at a place, as `matplotlib.figure.Figure.text` does."""
+        """Write text at a position, like `matplotlib.figure.Figure.text`."""
         self.figure.text(x / self.width, 1 - y / self.height, text, **how)
 
     def error_scale(self, shown: AxesImage, x: float, y: float, w: float, h: float) -> Axes:
-        """Draw the scale of an error map at a place, and return its axes."""
+        """Draw the colour scale of an error map at a position, and return its axes."""
         scale = self.figure.colorbar(shown, cax=self.box(x, y, w, h), orientation="horizontal")
         scale.outline.set_visible(False)
         scale.set_ticks([0, 15, 30, 45, MAX_ERROR], labels=["0°", "15°", "30°", "45°", f"≥{MAX_ERROR:.0f}°"])
@@ -147,17 +147,17 @@ class Sheet:
 
 
 def error_colours() -> Colormap:
-    """Return the colours of an error map, grey off the object."""
+    """Return the colour map of error maps, grey outside the object."""
     return colormaps["magma"].with_extremes(bad=_NEUTRAL)
 
 
 def draw_gallery(rows: Sequence[Row]) -> bytes:
     """Return the gallery as a PNG, with a scale of the error in degrees.
 
-    Maps of up to 300 pixels are enlarged by a whole number, so that every pixel is visible.
+    Maps of up to 300 pixels are enlarged by an integer factor, so that every pixel is visible.
 
     Args:
-        rows: the samples, top to bottom, all of the same size.
+        rows: rows from top to bottom, all of the same picture size.
 
     Raises:
         InputError: if there are no rows.
@@ -174,11 +174,11 @@ def draw_gallery(rows: Sequence[Row]) -> bytes:
     for i, row in enumerate(rows):
         shown = _draw_row(row, [sheet.box(x, top + i * (cell + _LINE), cell, cell) for x in lefts])
     for name, x in zip(COLUMNS, lefts, strict=True):
-        # The scale goes between the last heading and its column.
+        # The scale is placed between the last heading and its column.
         y = top - (_HEAD if name == COLUMNS[-1] else 20)
         sheet.text(x + cell / 2, y, name, fontsize=11, ha="center", va="top")
     scale = sheet.error_scale(shown, lefts[-1], top - 29, cell, 9)
-    labels = scale.get_xticklabels()  # the outer ones must not stand out
+    labels = scale.get_xticklabels()  # the outer labels must not stick out
     labels[0].set_horizontalalignment("left")
     labels[-1].set_horizontalalignment("right")
     return sheet.png()
@@ -190,8 +190,8 @@ def write_gallery(path: str | Path, rows: Sequence[Row]) -> None:
 
 
 def _draw_row(row: Row, axes: Sequence[Axes]) -> AxesImage:
-    """Draw one row into its axes and return the error map, which the scale is for."""
-    # Enlarged pixels stay squares; large maps are averaged down.
+    """Draw a row into its axes and return the image of the error map, for the scale."""
+    # Enlarged pixels stay square; large maps are downsampled by averaging.
     how = "nearest" if row.mask.shape[0] <= 300 else "antialiased"
     error = row.error()
     axes[0].imshow(1 - row.sketch, cmap="gray", vmin=0, vmax=1, interpolation=how)

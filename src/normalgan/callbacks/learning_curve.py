@@ -1,4 +1,4 @@
-"""LearningCurve: validation figures by training images, as a file."""
+"""LearningCurve: validation metrics over the number of training images, as a file."""
 
 import json
 from pathlib import Path
@@ -15,12 +15,12 @@ __all__ = ["LearningCurve"]
 
 
 class LearningCurve(Callback):
-    """Writes ``curve.json`` in the folder of the run, one record for each validation.
+    """Writes ``curve.json`` to the folder of the run, with one record per validation.
 
-    A record holds ``images``, ``epoch``, ``seconds`` of training so far, the validation figures, and the
-    adversarial gradient's share if it is logged. Images are counted over
-    the generator's batches on all processes; batches for the discriminator alone do not count. The records
-    are saved in the checkpoint, so a resumed run continues them.
+    A record holds ``images``, ``epoch``, ``seconds`` of training so far, the validation metrics, and the
+    adversarial gradient's share if it is logged. ``images`` counts the images of the generator's batches
+    on all processes, without batches that train only the discriminator. Checkpoints include the records,
+    so a resumed run continues them.
     """
 
     def __init__(self) -> None:
@@ -36,7 +36,7 @@ class LearningCurve(Callback):
     def on_train_batch_start(
         self, trainer: Trainer, pl_module: LightningModule, batch: Batch, batch_idx: int
     ) -> None:
-        """Count the batch, if the generator steps with it."""
+        """Count the batch if the generator takes a step on it."""
         if not isinstance(pl_module, NormalGAN):
             raise TypeError(f"LearningCurve counts steps of a NormalGAN, not a {type(pl_module).__name__}.")
         step = trainer.fit_loop.total_batch_idx
@@ -66,6 +66,6 @@ class LearningCurve(Callback):
         return {"images": self.images, "records": self.records, "seconds": self._spent()}
 
     def load_state_dict(self, state_dict: dict[str, Any]) -> None:
-        """Continue from where the checkpoint was saved."""
+        """Restore the state from a checkpoint."""
         self.images, self.records = state_dict["images"], state_dict["records"]
         self._seconds = state_dict["seconds"]

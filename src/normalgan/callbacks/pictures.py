@@ -21,8 +21,8 @@ class PictureLogger(Callback):
     """Logs a gallery of the first samples of the validation split.
 
     Args:
-        every_n_epochs: how often.
-        samples: how many rows, at most one batch of them.
+        every_n_epochs: interval in epochs.
+        samples: number of rows, at most the batch size.
     """
 
     def __init__(self, every_n_epochs: PositiveInt = 5, samples: PositiveInt = 4) -> None:
@@ -40,7 +40,7 @@ class PictureLogger(Callback):
         batch_idx: int,
         dataloader_idx: int = 0,
     ) -> None:
-        """Log the gallery of the first batch when its epoch has come."""
+        """Log the gallery of the first batch if it is due in this epoch."""
         due = (trainer.current_epoch + 1) % self.every_n_epochs == 0
         loggers = [log for log in trainer.loggers if isinstance(log, TensorBoardLogger | WandbLogger)]
         if batch_idx or trainer.sanity_checking or not due or not loggers:

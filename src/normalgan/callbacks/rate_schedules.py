@@ -1,4 +1,4 @@
-"""Schedules of the learning rates as callbacks: over a time budget, or constant with a cool-down."""
+"""Learning-rate schedules as callbacks: over a time budget, or constant with a cool-down."""
 
 import math
 from abc import ABC, abstractmethod
@@ -15,26 +15,26 @@ __all__ = ["StableSchedule", "WallClockSchedule", "cosine_factor", "stable_facto
 
 
 class _RateSchedule(Callback, ABC):
-    """Multiplies all learning rates of a run by a factor, which is set again for every batch."""
+    """Multiplies all learning rates of a run by a factor, which is updated before each batch."""
 
     def __init__(self) -> None:
-        self._rates: list[list[float]] = []  # of each parameter group of each optimiser, unscaled
+        self._rates: list[list[float]] = []  # unscaled, by optimiser and parameter group
 
     @abstractmethod
     def _factor(self, trainer: Trainer) -> float:
         """Return the factor of the next batch."""
 
     def on_train_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        """Note the rates of the optimisers.
+        """Record the learning rates of the optimisers.
 
         Raises:
-            InputError: if there is another schedule of the learning rates.
+            InputError: if there is another learning-rate schedule.
         """
         if trainer.lr_scheduler_configs:
             raise InputError(
                 f"{type(self).__name__} sets the learning rates itself; set model.lr_scheduler to null."
             )
-        if not self._rates:  # the optimisers of a checkpoint hold rates that are already scaled
+        if not self._rates:  # optimisers restored from a checkpoint hold rates that are already scaled
             self._rates = [[group["lr"] for group in each.param_groups] for each in trainer.optimizers]
 
     def on_train_batch_start(
@@ -48,11 +48,11 @@ class _RateSchedule(Callback, ABC):
 
 
 def cosine_factor(progress: float, warmup: float) -> float:
-    """Return the factor of a learning rate: a linear rise, then half a cosine down to 0.
+    """Return the factor of a learning rate: a linear warm-up, then half a cosine down to 0.
 
     Args:
-        progress: share of the budget that is spent, 0 or more; 0 is returned beyond 1.
-        warmup: share of the budget in which the rate rises, at least 0 and below 1.
+        progress: fraction of the budget that is spent, 0 or more; beyond 1, the factor is 0.
+        warmup: fraction of the budget for the warm-up, at least 0 and below 1.
 
     >>> [round(cosine_factor(p, warmup=0.2), 3) for p in (0.0, 0.1, 0.2, 0.6, 1.0, 1.5)]
     [0.0, 0.5, 1.0, 0.5, 0.0, 0.0]
@@ -64,14 +64,14 @@ def cosine_factor(progress: float, warmup: float) -> float:
 
 
 class WallClockSchedule(_RateSchedule):
-    """Schedules all learning rates over a time budget, and stops training at its end.
+    """Schedules all learning rates over a time budget, and stops training when it is spent.
 
-    The rates are set at every batch. Time includes validation. The checkpoint stores the time spent, so a
-    resumed run has the rest. Set ``max_epochs`` to -1, or large enough not to end the run first.
+    The rates are updated before each batch. Time includes validation. Checkpoints store the time spent, so
+    a resumed run has only the rest. Set ``max_epochs`` to -1, or large enough not to end the run first.
 
     Args:
-        seconds: the budget.
-        warmup: share of it in which the rates rise from 0.
+        seconds: time budget in seconds.
+        warmup: fraction of the budget in which the rates rise from 0.
 
     Raises:
         InputError: if ``seconds`` or ``warmup`` is out of range.
@@ -82,16 +82,16 @@ class WallClockSchedule(_RateSchedule):
         self.seconds = seconds
         self.warmup = warmup
         check_ranges(self)
-        self._before = 0.0  # seconds spent by the runs that this one resumes
+        self._before = 0.0  # spent before the run was resumed, in seconds
         self._start: float | None = None
 
     @property
     def elapsed(self) -> float:
-        """Seconds spent so far, those before an interruption included."""
+        """Seconds spent so far, including those before the run was resumed."""
         return self._before + (monotonic() - self._start if self._start is not None else 0.0)
 
     def on_train_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        """Note the rates, and start the clock."""
+        """Record the learning rates, and start the clock."""
         super().on_train_start(trainer, pl_module)
         self._start = monotonic()
         self._stop_when_spent(trainer)
@@ -106,7 +106,7 @@ class WallClockSchedule(_RateSchedule):
         self._stop_when_spent(trainer)
 
     def _stop_when_spent(self, trainer: Trainer) -> None:
-        # Clocks differ between processes; if one stopped alone, the others would wait for it.
+        # Clocks differ between processes, and if one process stopped alone, the others would hang.
         spent = trainer.strategy.reduce_boolean_decision(self.elapsed >= self.seconds, all=False)
         trainer.should_stop = trainer.should_stop or spent
 
@@ -124,8 +124,8 @@ def stable_factor(step: int, warmup: int, cooldown: tuple[int, int] | None = Non
     """Return the factor of a learning rate: a linear warm-up, then 1, then a cool-down by 1 - sqrt(t).
 
     Args:
-        step: batches so far, 0 or more.
-        warmup: batches over which the factor rises from 0 to 1.
+        step: number of batches so far.
+        warmup: number of batches over which the factor rises from 0 to 1.
         cooldown: first batch and number of batches of the cool-down; None keeps the factor at 1.
 
     References:
@@ -143,15 +143,16 @@ def stable_factor(step: int, warmup: int, cooldown: tuple[int, int] | None = Non
 
 
 class StableSchedule(_RateSchedule):
-    """Keep learning rates constant after a warm-up, so that a run can continue at any time.
+    """Keeps learning rates constant after a warm-up, so that a run can be continued at any time.
 
-    To release weights, resume a copy of the checkpoint with ``cooldown``: the rates then fall by 1 - sqrt(t)
-    from that point, and training stops. The checkpoint before the cool-down continues the constant rate.
-    Set ``max_epochs`` to -1, or large enough not to end the run first.
+    To release weights, resume from a copy of the checkpoint with ``cooldown``. The rates then fall by 1 -
+    sqrt(t) from that point, and training stops at the end. The original checkpoint can still be continued
+    at the constant rate. Set ``max_epochs`` to -1, or large enough not to end the run first.
 
     Args:
-        warmup: batches over which the rates rise from 0.
-        cooldown: batches of the cool-down that begins with this run; None trains at a constant rate.
+        warmup: number of batches over which the rates rise from 0.
+        cooldown: number of batches of a cool-down that begins with this run; None trains at a constant
+            rate.
 
     Raises:
         InputError: if ``warmup`` is negative or ``cooldown`` is not positive.
@@ -185,10 +186,10 @@ class StableSchedule(_RateSchedule):
         return self._cooldown_start, self.cooldown
 
     def state_dict(self) -> dict[str, Any]:
-        """Return the unscaled rates, and where a cool-down started."""
+        """Return the unscaled rates, and the first batch of a cool-down."""
         return {"rates": self._rates, "cooldown_start": self._cooldown_start}
 
     def load_state_dict(self, state_dict: dict[str, Any]) -> None:
-        """Continue the schedule of the run that is resumed."""
+        """Continue the schedule of the resumed run."""
         self._rates = state_dict["rates"]
         self._cooldown_start = state_dict["cooldown_start"]

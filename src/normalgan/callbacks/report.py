@@ -1,4 +1,4 @@
-"""TestReport: the table, gallery and figures of `normalgan test`."""
+"""TestReport: the table, gallery and metrics of `normalgan test`."""
 
 import hashlib
 import json
@@ -28,25 +28,25 @@ __all__ = ["TestReport"]
 
 
 class TestReport(Callback):
-    """Measures two baselines that see no sketch, prints the table and draws the gallery.
+    """Measures two baselines that ignore the sketch, prints the table and draws the gallery.
 
-    The baselines are always in the table, because they give the figures a scale: the constant normal
-    (0, 0, 1) and, pixel by pixel, the mean of the training split. Writes ``metrics.json`` and
-    ``gallery.png`` into the folder ``test`` of the run, in a folder named by the checkpoint: ``test/last``.
-    ``metrics.json`` says under ``run`` what was measured: checkpoint and its SHA-256, seeds, commit, version.
+    The baselines put the metrics into perspective. They are the constant normal (0, 0, 1) and the
+    per-pixel mean of the training split. ``metrics.json`` and ``gallery.png`` are written to a subfolder
+    of the run named after the checkpoint, such as ``test/last``. In ``metrics.json``, ``run`` describes
+    the measured model: checkpoint and its SHA-256, seeds, commit, version.
 
     Attributes:
-        checkpoint: the file that was measured, if it is not the trainer's ``ckpt_path``.
+        checkpoint: the measured file, if it is not the trainer's ``ckpt_path``.
 
     Args:
-        samples: rows of the gallery, spread over the test split.
+        samples: number of gallery rows, spread over the test split.
         metrics: extra metrics for the table.
 
     Raises:
         InputError: if two metrics have the same name.
     """
 
-    __test__ = False  # pytest takes a class of this name for a test otherwise
+    __test__ = False  # otherwise pytest collects a class of this name as a test
     _baselines: StageMetrics
     _further: StageMetrics
     _mean_map: Tensor
@@ -73,7 +73,7 @@ class TestReport(Callback):
         self._baselines = StageMetrics("test", baselines, with_presence=True).to(pl_module.device)
         rows = (*baselines, "hints", "unhinted", "no_hints")
         self._further = StageMetrics("test", rows, self.metrics).to(pl_module.device)
-        # Fewer than there are, if fewer batches are asked for; with several processes, one process's share.
+        # The number of tested samples, which limit_test_batches and several processes reduce.
         samples, share = len(data.test_dataset), int(trainer.num_test_batches[0]) * data.batch_size
         self._total = min(samples, share * trainer.world_size)
         self._shown = set(spread(min(-(-samples // trainer.world_size), share), self.samples))
@@ -88,7 +88,7 @@ class TestReport(Callback):
         batch_idx: int,
         dataloader_idx: int = 0,
     ) -> None:
-        """Measure the baselines on the batch, and keep the rows of the gallery."""
+        """Update the metrics of the baselines, and keep gallery rows of the batch."""
         if not isinstance(pl_module, NormalGAN):
             raise TypeError(f"TestReport measures a NormalGAN, not a {type(pl_module).__name__}.")
         target, mask = batch["normal"], batch["mask"]
@@ -107,12 +107,12 @@ class TestReport(Callback):
             self._rows += [batch_row(batch, i, hints, preds, self._of_pairs) for i in here]
 
     def on_test_epoch_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        """Log the baselines beside the generator."""
+        """Log the metrics of the baselines next to those of the generator."""
         figures = self._baselines.pop() | self._further.pop()
-        pl_module.log_dict(figures, sync_dist=True)  # equal on all processes, as in NormalGAN
+        pl_module.log_dict(figures, sync_dist=True)  # already reduced, so equal on all processes
 
     def on_test_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        """Print the table; write the figures and the gallery."""
+        """Print the table, and write the metrics and the gallery."""
         if not trainer.is_global_zero:
             return
         results: dict[str, dict[str, float]] = {}
@@ -129,7 +129,7 @@ class TestReport(Callback):
         print(printable(f"Picture: {(folder / 'gallery.png').resolve()}"))
 
     def _measured(self, trainer: Trainer, pl_module: LightningModule) -> dict[str, Any]:
-        """Return the description of the measured run as plain values for JSON."""
+        """Return a description of the measured run as plain values for JSON."""
         given = self.checkpoint or trainer.ckpt_path
         path = Path(given) if given is not None and Path(given).is_file() else None
         data = getattr(trainer, "datamodule", None)
@@ -144,7 +144,7 @@ class TestReport(Callback):
 
 
 def _folder(root: Path, measured: dict[str, Any]) -> Path:
-    """Return the checkpoint's folder, or a new one if that holds another checkpoint's figures."""
+    """Return the checkpoint's folder, or a new one if it already holds the metrics of another checkpoint."""
     if measured["checkpoint"] is None:
         return root
     folder = root / Path(measured["checkpoint"]).stem
@@ -157,7 +157,7 @@ def _folder(root: Path, measured: dict[str, Any]) -> Path:
 
 
 def _json(measured: dict[str, Any], results: dict[str, dict[str, float]]) -> bytes:
-    """Return the run's description and the figures as JSON, with null for nan."""
+    """Return the description of the run and the metrics as JSON, with null for nan."""
     figures = {
         row: {name: None if isnan(value) else value for name, value in sorted(values.items())}
         for row, values in sorted(results.items())

@@ -1,4 +1,4 @@
-"""StartFrom: a run that starts with the weights of another one."""
+"""StartFrom: initialise a run with the weights of another run."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -20,17 +20,17 @@ __all__ = ["StartFrom"]
 
 
 class StartFrom(Callback):
-    """Gives a new run the generator's weights of another run; the optimisers begin again.
+    """Initialises a new run with the generator's weights of another run, but not with its optimisers.
 
-    A resumed run keeps its own weights. Use this to continue training with other learning rates; a resumed
-    checkpoint determines them.
+    A resumed run keeps its own weights. Use this callback to continue training with other learning rates,
+    because resuming restores the old ones.
 
     Args:
         weights: safetensors, an exported ONNX file, a checkpoint, or ``shipped`` for the package's own
-            weights; its generator is of the same class and settings as the run's.
-        grow: whether the weights are of a smaller network, with half the resolution, fewer channels or fewer
-            blocks; see `normalgan.models.growth`.
-        discriminator: whether to take the discriminator's weights too, from a checkpoint.
+            weights. The generator must have the same class and settings as that of the run.
+        grow: whether the weights belong to a smaller network, with half the resolution, fewer channels or
+            fewer blocks; see `normalgan.models.growth`.
+        discriminator: whether to load the discriminator's weights too, from a checkpoint.
 
     Raises:
         InputError: if both ``grow`` and ``discriminator`` are given.
@@ -45,22 +45,22 @@ class StartFrom(Callback):
         self._resumed = False
 
     def state_dict(self) -> dict[str, Any]:
-        """Return a mark that the run has started, for its checkpoints."""
+        """Return a marker for checkpoints that the run has already started."""
         return {"begun": True}
 
     def load_state_dict(self, state_dict: dict[str, Any]) -> None:
-        """Note that the run is resumed."""
+        """Remember that the run was resumed."""
         self._resumed = bool(state_dict["begun"])
 
     def on_fit_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        """Load the weights, if the run is new.
+        """Load the weights if the run is new.
 
         Raises:
-            InputError: if the file cannot be used, or its generator differs.
+            InputError: if the file cannot be used, or its generator differs from that of the run.
         """
         if self._resumed:
             return
-        if is_address(self.weights):  # a configuration does not decide what is fetched
+        if is_address(self.weights):  # a configuration file must not trigger downloads
             raise InputError(f"StartFrom takes a file, not the address {self.weights}; fetch it first.")
         path = find_model(self.weights)
         if self.grow:

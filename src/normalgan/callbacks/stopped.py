@@ -1,4 +1,4 @@
-"""StoppedCheckpoint: the checkpoint of a run that is stopped within an epoch."""
+"""StoppedCheckpoint: saves a checkpoint when a run is stopped within an epoch."""
 
 import os
 import signal
@@ -19,18 +19,18 @@ __all__ = ["StoppedCheckpoint", "requeue_job"]
 
 
 class StoppedCheckpoint(Callback):
-    """Saves ``stopped.ckpt`` where a job is preempted (SIGTERM) or a loss is no longer finite.
+    """Saves ``stopped.ckpt`` when a job is preempted (SIGTERM) or a loss is no longer finite.
 
-    ``last.ckpt`` stays the one of the last whole epoch; a run resumed from it ends as if it had never
-    stopped. After SIGTERM a run can also resume from ``stopped.ckpt``: it loses no training, but may end with
-    different weights. After a loss that is not finite its weights are sound, but batch norm's running
-    statistics have seen the batch: use it to look for the cause.
+    ``last.ckpt`` still holds the last complete epoch, and a run resumed from it ends with the same weights
+    as an uninterrupted run. After SIGTERM, resuming from ``stopped.ckpt`` loses no training, but may end
+    with different weights. After a non-finite loss, the weights in it are sound, but batch norm's running
+    statistics include the bad batch, so use it only to look for the cause.
 
-    With several processes, Lightning answers SIGTERM by a message to the others from within the handler. In
-    the middle of another exchange this makes all processes wait for one another. Here the handler only sets a
-    flag, and the processes agree before each batch.
+    With several processes, Lightning's SIGTERM handler itself sends a message to the others. In the middle
+    of another collective operation, this deadlocks all processes. Here the handler only sets a flag, and
+    the processes check it together before each batch.
 
-    Under SLURM, SIGUSR1 (``sbatch --signal=SIGUSR1@120``) does the same, and requeues the job.
+    Under SLURM, SIGUSR1 (``sbatch --signal=SIGUSR1@120``) does the same and requeues the job.
     """
 
     def __init__(self) -> None:
@@ -38,12 +38,12 @@ class StoppedCheckpoint(Callback):
         self._requeue = False
 
     def on_train_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        """Replace Lightning's handler, which restores the earlier one when training ends."""
+        """Replace Lightning's signal handler; Lightning restores the original handler when training ends."""
         if current_thread() is not main_thread():
             return
         if trainer.world_size > 1:
             signal.signal(signal.SIGTERM, self._note)
-        if SLURMEnvironment.detect() and hasattr(signal, "SIGUSR1"):  # Windows has none
+        if SLURMEnvironment.detect() and hasattr(signal, "SIGUSR1"):  # Windows has no SIGUSR1
             signal.signal(signal.SIGUSR1, self._note)
 
     def _note(self, number: int, *_: object) -> None:
@@ -53,7 +53,7 @@ class StoppedCheckpoint(Callback):
     def on_train_batch_start(
         self, trainer: Trainer, pl_module: LightningModule, batch: Any, batch_idx: int
     ) -> None:
-        """Stop all processes if one was asked to."""
+        """Stop all processes if one of them received a signal."""
         self._agree(trainer)
 
     def on_validation_batch_start(
@@ -64,7 +64,7 @@ class StoppedCheckpoint(Callback):
         batch_idx: int,
         dataloader_idx: int = 0,
     ) -> None:
-        """Stop all processes if one was asked to; all validate equally many batches."""
+        """Stop all processes if one received a signal; all of them validate the same number of batches."""
         if trainer.state.fn == TrainerFn.FITTING and not trainer.sanity_checking:
             self._agree(trainer)
 
@@ -76,10 +76,10 @@ class StoppedCheckpoint(Callback):
             raise SIGTERMException
 
     def on_exception(self, trainer: Trainer, pl_module: LightningModule, exception: BaseException) -> None:
-        """Save the checkpoint and say where."""
+        """Save the checkpoint and print its path."""
         if not isinstance(exception, SIGTERMException | LossError):
             return
-        if trainer.sanity_checking or trainer.fast_dev_run:  # type: ignore[attr-defined]  # set from outside
+        if trainer.sanity_checking or trainer.fast_dev_run:  # type: ignore[attr-defined]  # set by the signal handler
             return
         path = stopped_checkpoint(trainer.default_root_dir)
         trainer.save_checkpoint(path)

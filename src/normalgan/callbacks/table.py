@@ -1,4 +1,4 @@
-"""The table of `normalgan test`: a row for each metric, a column for each method."""
+"""The table of `normalgan test`, with one row per metric and one column per method."""
 
 from collections.abc import Mapping, Sequence
 from io import StringIO
@@ -14,7 +14,7 @@ from normalgan.metrics.base import unit_of
 __all__ = ["FIGURES", "HEADINGS", "NOTE", "Results", "results_table"]
 
 Results = Mapping[str, Mapping[str, float]]
-"""Figures by what was measured and by their own name, such as ``results["hints"]["angular_mean"]``."""
+"""Metrics by column and by name, such as ``results["hints"]["angular_mean"]``."""
 
 HEADINGS = {
     "constant": "constant",
@@ -49,9 +49,9 @@ def results_table(results: Results, title: str, more: Sequence[MapMetric] = ()) 
     """Return the table of results as text of at most 80 columns.
 
     Args:
-        results: any of the columns; those missing are left out. All figures of each.
-        title: one line above.
-        more: metrics whose figures follow ours.
+        results: columns by name, each with all metrics; missing columns are left out.
+        title: title line above the table.
+        more: extra metrics, listed after the built-in ones.
 
     >>> print(results_table({"hints": dict.fromkeys(FIGURES, 0.25)}, "Two samples").split("L1")[1].split()[0])
     0.250
@@ -72,7 +72,7 @@ def results_table(results: Results, title: str, more: Sequence[MapMetric] = ()) 
 
 
 def _written(value: float, unit: str) -> str:
-    if isnan(value):  # nothing was measured, as when every pixel is hinted
+    if isnan(value):  # nothing was measured, for example because every pixel is hinted
         return "–"
     if unit == "%":
         return f"{value:.1%}"

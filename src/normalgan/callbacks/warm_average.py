@@ -15,15 +15,15 @@ __all__ = ["WarmAverage"]
 
 
 class WarmAverage(WeightAveraging):
-    """Measures and saves an exponential moving average of the weights in their place.
+    """Validates and saves an exponential moving average of the weights instead of the weights themselves.
 
-    With a constant decay the untrained weights stay in the average for hundreds of steps, which harms short
-    runs. Here the decay after n steps is ``min(decay, (1 + n) / (10 + n))``, so that the average covers about
-    the last ninth of the run until ``decay`` is reached (as TensorFlow's ``ExponentialMovingAverage`` does
-    with ``num_updates``).
+    With a constant decay, the untrained weights stay in the average for hundreds of steps, which harms
+    short runs. Here the decay after n steps is ``min(decay, (1 + n) / (10 + n))``, so that the average
+    covers about the last ninth of the run until ``decay`` is reached (like TensorFlow's
+    ``ExponentialMovingAverage`` with ``num_updates``).
 
-    The average is on the device of the weights. Batch norm's running statistics are averaged too; before a
-    measurement or a checkpoint, also over the processes.
+    The average is kept on the device of the weights. Batch norm's running statistics are averaged too, and
+    before validation or saving also across processes.
 
     Args:
         decay: final decay, in [0, 1).
@@ -36,7 +36,7 @@ class WarmAverage(WeightAveraging):
         self.decay = decay
         check_ranges(self)
         super().__init__()
-        self._steps = 0  # as the average's own count, which lies on the device
+        self._steps = 0  # mirrors the average's own counter, which is on the device
         self._pairs: tuple[list[Tensor], list[Tensor]] = ([], [])
         self._counts: list[tuple[Tensor, Tensor]] = []
 
@@ -60,24 +60,24 @@ class WarmAverage(WeightAveraging):
     def on_train_batch_end(
         self, trainer: Trainer, pl_module: LightningModule, outputs: Any, batch: Any, batch_idx: int
     ) -> None:
-        """Update the average after a step; no value leaves the device."""
+        """Update the average after a step without a transfer from the device."""
         if trainer.global_step <= self._latest_update_step:
             return
         share = min(self.decay, (1 + self._steps) / (10 + self._steps)) if self._steps else 0.0
         get_ema_multi_avg_fn(share)(*self._pairs, None)
-        for kept, current in self._counts:  # such as a count of batches
+        for kept, current in self._counts:  # such as a counter of batches
             kept.copy_(current)
         self._steps += 1
         self._average().n_averaged += 1
         self._latest_update_step = trainer.global_step
 
     def on_validation_epoch_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        """Replace the weights by the average, the same in every process."""
+        """Swap in the average, synchronised across processes."""
         self._share_statistics(trainer)
         super().on_validation_epoch_start(trainer, pl_module)
 
     def on_train_epoch_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        """Make the average the same in every process for the checkpoint, should there be no validation."""
+        """Synchronise the average across processes for the checkpoint, in case there was no validation."""
         self._share_statistics(trainer)
 
     def _share_statistics(self, trainer: Trainer) -> None:

@@ -1,4 +1,4 @@
-"""MeshDataModule: from meshes, animals or pairs to batches, and from drawings to be predicted."""
+"""MeshDataModule: batches of samples from meshes, animals or pairs, and of drawings to predict."""
 
 import hashlib
 import json
@@ -47,48 +47,49 @@ from normalgan.vectors import unit_vectors
 __all__ = ["MeshDataModule"]
 
 _MEAN_OF = 1024
-"""Samples of an endless split that its mean is taken over; at each pixel its error is about 1/32."""
+"""Number of samples for the mean map of an endless split, with an error of about 1/32 at each pixel."""
 _SHORT = 40
-"""Characters of a changed setting that a warning shows; of a longer one it only gives the name."""
+"""Maximum length of a changed setting in a warning; for longer ones, only the name is shown."""
 _PER_SHARD = 32
 _PAIRS_PER_SHARD = 8
-"""Small, because reading one pair makes its whole shard."""
+"""Samples per shard of pairs; small, because reading one pair creates its whole shard."""
 
 
 class MeshDataModule(LightningDataModule):
-    """Makes or reads sketches, normal maps and masks, and serves them and drawings to predict in batches.
+    """Serves batches of sketches, normal maps and masks, rendered or read, and of drawings to predict.
 
-    Settings that researchers change from run to run are separate parameters, as in other data modules; the
-    rest is grouped.
+    Settings that researchers often change are separate parameters, as in other data modules. The others
+    are grouped.
 
     Args:
-        meshes: a folder, a glob or a list of mesh files (.off .obj .ply .stl .glb .gltf); None uses the
-            embedded procedural animals, or the source.
-        groups: groups of meshes with their own reading, poses and split, besides ``meshes`` or instead.
-        source: where samples come from, such as `Pairs` on disk, instead of meshes and animals.
-        reading: how ``meshes`` are read, and how many variants are made of each.
+        meshes: folder, glob or list of mesh files (.off .obj .ply .stl .glb .gltf); None uses the embedded
+            procedural animals, or the source.
+        groups: groups of meshes with their own reading, poses and split, in addition to ``meshes`` or
+            instead of them.
+        source: data source, such as `Pairs` on disk, instead of meshes and animals.
+        reading: how ``meshes`` are read, and the number of variants of each mesh.
         animals: embedded animals, instead of meshes or in addition to them.
-        split: which meshes are for training, validation and testing.
-        views: where the objects are looked at from.
-        renderer: renders a mesh to maps.
-        lines: the style of the sketches.
-        hand: how a person would draw these lines; None draws the exact ones.
+        split: assignment of meshes to training, validation and testing.
+        views: distribution of camera views.
+        renderer: renderer of the meshes.
+        lines: line style of the sketches.
+        hand: model of a person's drawing hand; None draws exact lines.
         medium: pen, paper and scanner; None draws clean ink on white paper.
         size: side of the pictures in pixels.
-        train_views: views of each training mesh; on the fly, of each epoch.
-        val_views: views of each validation mesh.
-        test_views: views of each test mesh.
-        on_the_fly: render training samples in ``workers`` during training, with new views every epoch, and
-            store none; otherwise they are rendered once and stored, as validation and test samples always
-            are.
-        cache: folder or URL where rendered samples are kept.
-        storage: memory, disk and processes that this machine spends on samples.
-        batch_size: samples in a batch.
-        workers: processes that load samples, or render them on the fly; 0 does it in this one: enough for
-            samples that fit in memory.
-        augmentation: random changes of training samples; None for none.
+        train_views: number of views per training mesh; on the fly, per epoch.
+        val_views: number of views per validation mesh.
+        test_views: number of views per test mesh.
+        on_the_fly: whether to render training samples in ``workers`` during training, with new views every
+            epoch and without storing them. Otherwise, they are rendered once and stored, as validation and
+            test samples always are.
+        cache: folder or URL where rendered samples are stored.
+        storage: memory, disk and processes of this machine for samples.
+        batch_size: number of samples in a batch.
+        workers: number of processes that load samples, or render them on the fly. 0 uses only the main
+            process, which is enough for samples that fit in memory.
+        augmentation: random changes of training samples; None for no changes.
         seed: seed of the animals, the views, the order of training samples and the augmentation.
-        prediction: drawings, for predict.
+        prediction: drawings for ``predict``.
     """
 
     def __init__(
@@ -149,7 +150,7 @@ class MeshDataModule(LightningDataModule):
         check_ranges(self)
 
     def _check_source(self) -> None:
-        """Raise `InputError` if two settings say where the samples come from."""
+        """Raise `InputError` if two settings specify the source of the samples."""
         meshes, groups, source, extra = self.meshes, self.groups, self.source, self.animals.extra
         if extra and meshes is None and not groups:
             raise InputError(
@@ -168,19 +169,19 @@ class MeshDataModule(LightningDataModule):
                 "pairs, which are read once and kept; leave it out."
             )
 
-    # --- what there is --------------------------------------------------------------------------------
+    # --- sources --------------------------------------------------------------------------------
 
     @property
     def of_pairs(self) -> bool:
-        """Whether the samples are pairs on disk: each is named after its files and has one view."""
+        """Whether the samples are pairs on disk, which are named after their files and have a single view."""
         return isinstance(self.source, PairSource)
 
     @cached_property
     def sources(self) -> dict[str, Sequence[Loadable]]:
-        """What each split holds: meshes, or the pairs of a source.
+        """The meshes, or the pairs of a source, by split.
 
         Raises:
-            InputError: if a mesh, a pair, the split or the orientation cannot be used.
+            InputError: if a mesh, a pair, the split or the orientation is invalid.
         """
         how = (self.split.fractions, self.split.seed, self.split.file)
         settings = SplitSettings(*how, data_seed=self.seed, variation=self.reading.variation)
@@ -200,7 +201,7 @@ class MeshDataModule(LightningDataModule):
         return sources
 
     def _meshes(self, settings: SplitSettings) -> dict[str, Sequence[Loadable]]:
-        """Return the default source: meshes, groups of them, or the embedded animals."""
+        """Return the items of the default source: meshes, groups of meshes, or embedded animals."""
         kinds = [group.split(settings) for group in self.groups]
         reading, animals = self.reading, self.animals
         if self.meshes is not None:
@@ -219,7 +220,7 @@ class MeshDataModule(LightningDataModule):
 
     @property
     def kept(self) -> dict[str, Sequence[Loadable]]:
-        """The splits that are stored: all, or all but the training split if it is rendered on the fly."""
+        """The splits that are stored: all of them, except the training split if it is rendered on the fly."""
         return {
             name: part for name, part in self.sources.items() if not (self.on_the_fly and name == "train")
         }
@@ -227,16 +228,16 @@ class MeshDataModule(LightningDataModule):
     # --- from meshes to samples -----------------------------------------------------------------------
 
     def prepare_data(self) -> None:
-        """Render the stored samples that are not in the cache yet."""
+        """Render all stored samples that are not in the cache yet."""
         if self.trainer is None or not self.trainer.predicting:
             self.render(thorough=False)
 
     def render(self, cluster: str | None = None, thorough: bool = True) -> None:
-        """Render as `prepare_data` does.
+        """Render the samples, like `prepare_data`.
 
         Args:
-            cluster: a Dask cluster to render on instead of this machine.
-            thorough: whether to also check every byte in a remote store, and to retry failed meshes.
+            cluster: Dask cluster to render on instead of this machine.
+            thorough: whether to check every byte in a remote store too, and to retry failed meshes.
         """
         views_by_split(self.views_per_mesh, self.sources)  # raises errors before training starts
         if any(self.kept.values()):
@@ -254,9 +255,10 @@ class MeshDataModule(LightningDataModule):
             leave_out(self.sources["train"], reasons, "train", self.recipe.noun)
 
     def _later(self) -> list[str]:
-        """Return the splits whose samples are made when they are first read.
+        """Return the splits with samples that are created on first read.
 
-        In training this applies to pairs, so that it begins at once. A split that is measured is made first.
+        For pairs, these are all splits except the one that is measured, so training begins immediately.
+        For meshes, there are none.
         """
         stage = self.trainer.state.fn if self.trainer is not None else None
         measured = {TrainerFn.FITTING: "", TrainerFn.VALIDATING: "val", TrainerFn.TESTING: "test"}
@@ -268,7 +270,7 @@ class MeshDataModule(LightningDataModule):
         """Read the drawings, or record the training data; splits are opened on first use.
 
         Raises:
-            InputError: if there are no drawings to predict, or one cannot be used.
+            InputError: if there are no drawings to predict, or one of them is invalid.
         """
         if stage == "fit":
             self._training_data = self._describe_training_data()
@@ -280,11 +282,11 @@ class MeshDataModule(LightningDataModule):
                 )
             files = find_files(asked.sketches, hints=asked.hints, mask=asked.mask)
             model = self.trainer.lightning_module if self.trainer is not None else None
-            widths = getattr(model, "line_widths", USUAL_WIDTHS)  # another author's module does not have it
+            widths = getattr(model, "line_widths", USUAL_WIDTHS)  # a third-party model may lack it
             self._drawings = SketchDataset(files, self.recipe.size, asked.map_size, widths)
 
     def _describe_training_data(self) -> dict[str, Any]:
-        """Return all that decides which training samples come when, by setting, as plain values for JSON."""
+        """Return all settings that determine the sequence of training samples, as plain values for JSON."""
         recipe = self.recipe.describe()
         meshes = json.dumps(fingerprints({"train": self.sources["train"]}))
         version = recipe.pop("rendering_version")
@@ -302,7 +304,7 @@ class MeshDataModule(LightningDataModule):
         return plain
 
     def state_dict(self) -> dict[str, Any]:
-        """Return the settings that the training samples depend on, for a checkpoint."""
+        """Return the settings that determine the training samples, for a checkpoint."""
         return {"training_data": self._training_data} if self._training_data else {}
 
     def load_state_dict(self, state_dict: dict[str, Any]) -> None:
@@ -310,13 +312,14 @@ class MeshDataModule(LightningDataModule):
         before = state_dict.get("training_data")
         if self._training_data and before and (changed := _changes(before, self._training_data)):
             warnings.warn(
-                f"the checkpoint was trained with other data, and goes on with what is given now: {changed}.",
+                "the checkpoint was trained with other data; training continues with the current settings: "
+                f"{changed}.",
                 stacklevel=2,
             )
 
     @cached_property
     def train_dataset(self) -> SampleDataset | StreamDataset:
-        """Samples of the training meshes; on the fly, indices are those of the first epoch."""
+        """Samples of the training meshes; if rendered on the fly, the indices refer to the first epoch."""
         if not self.on_the_fly:
             return self._open("train")
         sources = self.sources["train"]
@@ -344,8 +347,8 @@ class MeshDataModule(LightningDataModule):
                     "pass --data.source.resplit true to split all pairs by data.split.fractions"
                 )
             raise InputError(f"the split {split} is empty, but it is needed; {remedy}.")
-        # An unusable training pair keeps its place, whenever it is found, so that a resumed run, which
-        # knows it from the start, has the same order.
+        # An unusable training pair keeps its index, so the order is the same in a resumed run, which knows
+        # it from the start.
         later = {*self._later(), *(["train"] if self.of_pairs else [])}
         stores = open_samples(self.cache, self.kept, self.views_per_mesh, self.recipe, later=later)
         substitute = self.of_pairs and split == "train"
@@ -368,19 +371,19 @@ class MeshDataModule(LightningDataModule):
     def predict_dataloader(self) -> DataLoader[SketchSample]:
         """Return the drawings in order."""
         dataset = self.drawings
-        # By name, because Lightning rebuilds the loader from its arguments when predicting.
+        # As keyword arguments, because Lightning rebuilds the loader from them when predicting.
         return DataLoader(dataset, batch_size=self.batch_size)
 
     def _loaders(self) -> Loaders:
         replicas, rank = (self.trainer.world_size, self.trainer.global_rank) if self.trainer else (1, 0)
-        # A trainer at work has its batches decoded by `on_after_batch_transfer`.
+        # With a running trainer, `on_after_batch_transfer` decodes the batches.
         at_work = self.trainer is not None and self.trainer.state.status == TrainerStatus.RUNNING
         return Loaders(self.batch_size, self.workers, replicas, rank, decoded=not at_work)
 
     def on_after_batch_transfer(self, batch: Batch, dataloader_idx: int) -> Batch:
         """Decode batches on their device, and augment training batches there.
 
-        Drawings to predict are decoded already.
+        Drawings to predict are already decoded.
         """
         trainer = self.trainer
         if "normal" in batch:
@@ -391,12 +394,14 @@ class MeshDataModule(LightningDataModule):
         seed = derive_seed("augment", self.seed, step, trainer.global_rank)
         return augmented(self.augmentation, batch, seed)
 
-    # --- what others ask ------------------------------------------------------------------------------
+    # --- for models and callbacks
+    # ------------------------------------------------------------------------------
 
     def mean_normal_map(self) -> Tensor:
-        """Return the mean of the training maps, (3, H, W) of unit length, 0 where no object ever is.
+        """Return the mean of the training maps (3, H, W), unit vectors, or 0 where there is never an object.
 
-        On the fly it is taken over views of the first epoch: all of them, or 1024 spread evenly.
+        If training samples are rendered on the fly, it is the mean over up to 1024 evenly spaced views of
+        the first epoch.
         """
         dataset = self.train_dataset
         count = len(dataset)
@@ -415,7 +420,7 @@ class MeshDataModule(LightningDataModule):
 
 
 def _changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> str:
-    """Return the settings that have changed; empty if nothing.
+    """Return the changed settings as text, or "" if there are none.
 
     >>> before = {"data.batch_size": 8, "data.meshes": "0f" * 32, "data.size": 64}
     >>> _changes(before, {"data.batch_size": 4, "data.meshes": "1e" * 32, "data.size": 64})

@@ -1,4 +1,4 @@
-"""SampleDataset: the samples of one split as tensors, of the stored types uint8, float16 and bool."""
+"""SampleDataset: the samples of one split as tensors of the stored types uint8, float16 and bool."""
 
 from typing import Any
 
@@ -17,21 +17,21 @@ __all__ = ["SampleDataset", "bytes_per_sample"]
 
 
 class SampleDataset(Dataset[Item]):
-    """Samples of one split, from memory if they fit, otherwise from the store one by one.
+    """Samples of one split, read from memory if they fit, otherwise one by one from the store.
 
-    DataLoader workers, forked or spawned, share the samples in memory; each opens the store itself. While a
-    split is unfinished, each process keeps the samples that it has read.
+    DataLoader workers, forked or spawned, share the samples in memory, and each opens the store itself. As
+    long as a split is unfinished, each process keeps the samples that it has read.
 
     Args:
-        store: where they lie.
-        memory: bytes that may be used to hold the split; a sample of 256 pixels a side takes 0.5 MB.
+        store: store of the samples.
+        memory: maximum memory for the split in bytes; a 256-pixel sample takes 0.5 MB.
         processes: number of processes that read an unfinished split in parallel and share the memory.
-        substitute: whether the next sample replaces one that could not be made. Such a sample
-            otherwise has an empty mask, which changes no metric.
+        substitute: whether a sample that could not be created is replaced by the next one. Otherwise, such
+            a sample has an empty mask, which does not affect metrics.
 
     Raises:
-        InputError: if it is held in memory and a shard is damaged, or is unfinished in a store that makes
-            none. Otherwise reading raises it.
+        InputError: if the split is held in memory and a shard is damaged, or is unfinished and cannot be
+            created. For other splits, the error is raised on reading.
     """
 
     def __init__(
@@ -53,18 +53,18 @@ class SampleDataset(Dataset[Item]):
             self._held = _read_all(store)
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_recent": {}}  # without what it has read: a worker starts empty
+        return {**self.__dict__, "_recent": {}}  # without the samples read so far, so a worker starts empty
 
     @property
     def distant(self) -> bool:
-        """Whether samples come from another machine."""
+        """Whether the samples are read from another machine."""
         return self._held is None and not self.store.local
 
     def __len__(self) -> int:
         return len(self.store)
 
     def __getitem__(self, index: int) -> Item:
-        index = range(len(self))[index]  # as a list: from the end if negative, IndexError if beyond
+        index = range(len(self))[index]  # like a list, with negative indices and IndexError
         for step in range(len(self)):
             place = (index + step) % len(self)
             item = self._kept(place)
@@ -93,7 +93,7 @@ class SampleDataset(Dataset[Item]):
 
 
 def bytes_per_sample(size: int, hints: bool = False) -> int:
-    """Return the memory that one sample of ``size`` pixels a side takes.
+    """Return the memory of a sample with ``size`` pixels per side.
 
     >>> bytes_per_sample(256)
     524288
@@ -103,7 +103,7 @@ def bytes_per_sample(size: int, hints: bool = False) -> int:
 
 
 def _read_all(store: ShardedSamples) -> dict[str, Tensor]:
-    """Return the arrays of a split as tensors, which processes share when they are handed over."""
+    """Return the arrays of a split as tensors in shared memory."""
     size, count = store.layout.size, len(store)
     held: dict[str, NDArray[Any]] = {
         name: np.empty((count, size, size, *ARRAYS[name][1]), ARRAYS[name][0])

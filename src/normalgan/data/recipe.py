@@ -1,4 +1,4 @@
-"""The two interfaces of a data set: sources that can be loaded, and a recipe that makes samples of them."""
+"""The two interfaces of a data set: loadable sources, and a recipe that turns them into samples."""
 
 from typing import Any, Protocol, runtime_checkable
 
@@ -10,33 +10,34 @@ __all__ = ["Loadable", "SampleRecipe", "fingerprint"]
 
 @runtime_checkable
 class Loadable(Protocol):
-    """A source of samples, such as a mesh or a pair; cheap to keep and to send to a worker."""
+    """A source of samples, such as a mesh or a pair, that is cheap to keep and to send to a worker."""
 
     @property
     def name(self) -> str:
-        """Its name, unique in the data set."""
+        """Name of the source, unique in the data set."""
 
     def fingerprint(self) -> str:
-        """Return a hash of everything that `load` depends on: bytes of files, settings, a version.
+        """Return a hash of everything that `load` depends on: file contents, settings, a version.
 
         Raises:
-            InputError: if it cannot be computed.
+            InputError: if the hash cannot be computed.
         """
 
     def load(self) -> Any:
-        """Return the object that the recipe makes samples of, such as a `Mesh` or a `Pair`.
+        """Return the object for the recipe, such as a `Mesh` or a `Pair`.
 
         Raises:
-            InputError: if it cannot be used; the message says why, and it is left out with a warning.
+            InputError: if the source cannot be used. It is then left out, with a warning that shows the
+                message.
         """
 
 
 class SampleRecipe(Protocol):
-    """How to make samples of loaded objects; samples do not depend on the order in which they are made."""
+    """Recipe that turns loaded objects into samples, which must not depend on the order of creation."""
 
     @property
     def noun(self) -> str:
-        """The word for a source in messages: ``mesh`` or ``pair``."""
+        """Word for a source in messages: ``mesh`` or ``pair``."""
 
     @property
     def size(self) -> int:
@@ -44,27 +45,27 @@ class SampleRecipe(Protocol):
 
     @property
     def hints(self) -> bool:
-        """Whether its samples bring hints."""
+        """Whether the samples have hints."""
 
     def check(self) -> None:
         """Raise `InputError` if this machine lacks a requirement of the recipe."""
 
     def render(self, loaded: Any, index: int, /) -> Sample:
-        """Return sample number ``index`` of a mesh or pair; it does not depend on the other samples.
+        """Return the sample of a mesh or pair at an index; it must not depend on other samples.
 
         Raises:
-            InputError: if it cannot be made.
+            InputError: if the sample cannot be created.
         """
 
     def describe(self) -> dict[str, Any]:
         """Return all settings that the samples depend on, as plain values for JSON.
 
-        ``rendering_version`` among them is the version of the code that makes them.
+        They include ``rendering_version``, the version of the code that creates samples.
         """
 
 
 def fingerprint(source: Loadable) -> str:
-    """Return the fingerprint of a source; an unreadable one has one too, and fails on loading."""
+    """Return the fingerprint of a source, even of an unreadable one, which fails later on loading."""
     try:
         return source.fingerprint()
     except InputError as error:

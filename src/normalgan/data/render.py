@@ -1,4 +1,4 @@
-"""Render a data set once, in parallel, on one machine or many; an interrupted rendering continues."""
+"""Render a data set once, in parallel, on one or many machines, with support for resuming."""
 
 import hashlib
 import json
@@ -31,7 +31,7 @@ from normalgan.rendering.samples import RENDERING_VERSION
 __all__ = ["Sources", "find_unusable", "leave_out", "open_samples", "render_samples"]
 
 Sources = Mapping[str, Sequence[Loadable]]
-_AT_ONCE = 64  # shards that a task checks, a few seconds of reading
+_AT_ONCE = 64  # shards checked per task, a few seconds of reading
 
 
 def render_samples(
@@ -46,7 +46,7 @@ def render_samples(
     per_shard: int = 32,
     later: Collection[str] = (),
 ) -> dict[str, ShardedSamples]:
-    """Render missing and damaged samples, and return the samples of every split.
+    """Render missing and damaged samples, and return the samples by split.
 
     >>> from normalgan.animals import Animal
     >>> from normalgan.rendering import EmbreeRenderer, Views
@@ -58,28 +58,29 @@ def render_samples(
     >>> samples.name(0), samples.read(0).normal.shape
     ('horse-0001/0', (64, 64, 3))
 
-    The bytes do not depend on the machine or on interruptions. A mesh that cannot be used or rendered is left
-    out with a warning that says why. A damaged shard is named in a warning.
+    The bytes do not depend on the machine or on interruptions. A mesh that cannot be used or rendered is
+    left out with a warning that gives the reason. Damaged shards are reported in a warning.
 
     Args:
-        cache: folder of all data sets, a path or a URL; this data set is the subfolder named by its key.
-        sources: the meshes by split.
-        views_per_mesh: samples to render of each mesh, one number or one a split.
-        recipe: how.
-        workers: processes to render in, 0 for this one alone.
-        progress: whether to show progress bars on the error stream.
-        cluster: a Dask cluster to render on instead; see `Cluster`.
+        cache: folder of all data sets, a path or a URL; this data set goes to a subfolder named by its
+            key.
+        sources: meshes by split.
+        views_per_mesh: number of samples per mesh, either one number or one per split.
+        recipe: recipe of the samples.
+        workers: number of rendering processes; 0 to use only this process.
+        progress: whether to show progress bars on stderr.
+        cluster: Dask cluster to render on instead; see `Cluster`.
         thorough: whether to check every byte in a remote store too, not only that all objects exist, and to
             retry meshes that could not be rendered.
-        per_shard: samples to a shard, if the data set is new: 32 suit reading in any order, more suit a store
-            that counts objects.
-        later: splits whose samples are made when they are first read; see `open_samples`. Only the first
-            usable shard of each is made now, so that a split without a usable sample is refused at once.
+        per_shard: number of samples per shard, for a new data set. 32 is good for reading in any order;
+            use more for a store that limits the number of objects.
+        later: splits with samples that are created on first read; see `open_samples`. Only the first
+            usable shard of each is created now, to refuse a split without usable samples immediately.
 
     Raises:
-        InputError: if the request makes no sense, a split has no mesh that can be used, the renderer does
-            not run here, the folder cannot be written to, the cluster cannot be reached or is of another
-            version, or workers die whatever they render. Finished shards are kept.
+        InputError: if the arguments are invalid, a split has no usable mesh, the renderer does not run
+            here, the folder is not writable, the cluster cannot be reached or has other versions, or
+            workers die regardless of the mesh. Finished shards are kept.
     """
     if per_shard < 1:
         raise InputError(f"a shard needs at least 1 sample, not {per_shard}.")
@@ -87,7 +88,7 @@ def render_samples(
     if (workers > 0 or cluster) and folder.in_memory:
         raise InputError(f"{cache} is invisible to other processes; set workers to 0 or name another folder.")
     folder.sweep()
-    if set(views) <= set(later):  # starting processes would take longer than making the few samples
+    if set(views) <= set(later):  # starting processes would take longer than rendering the few samples
         workers = 0
     with Cluster(cluster) if cluster else Workers(workers) as pool:
         manifest = Manifest.read(folder)
@@ -121,18 +122,18 @@ def open_samples(
     recipe: SampleRecipe,
     later: Collection[str] = (),
 ) -> dict[str, ShardedSamples]:
-    """Return the samples that `render_samples` has made for the same request; writes nothing.
+    """Return the samples that `render_samples` created for the same arguments, without writing anything.
 
     Args:
-        cache: as given to `render_samples`; so are the next three.
-        sources: the meshes by split.
-        views_per_mesh: samples of each mesh.
-        recipe: how they were made.
-        later: splits whose missing and damaged samples are made when they are first read. A mesh or pair that
+        cache: folder of all data sets, as for `render_samples`.
+        sources: meshes by split.
+        views_per_mesh: number of samples per mesh.
+        recipe: recipe of the samples.
+        later: splits with missing and damaged samples that are created on first read. A mesh or pair that
             fails keeps its index there, so the order of the others does not depend on when it failed.
 
     Raises:
-        InputError: if some are missing.
+        InputError: if samples are missing.
     """
     folder, _, meshes = _locate(cache, sources, views_per_mesh, recipe)
     manifest = Manifest.read(folder)
@@ -150,7 +151,7 @@ def open_samples(
 
 
 def _make_one(store: ShardedSamples, make: MakeShard) -> None:
-    """Make shards of a split until one holds a sample."""
+    """Create shards of a split until one holds a usable sample."""
     missing, failures = set(store.missing()), store.failures()
     for number in range(store.layout.shards):
         shard = store.layout.shard(store.split, number)
@@ -175,16 +176,16 @@ def _render_all(pool: Pool, tasks: list[ShardTask], progress: bool) -> None:
 def find_unusable(cache: str, sources: Sequence[Loadable], workers: int = 0) -> dict[str, str]:
     """Return the reasons why meshes cannot be used, by name.
 
-    This needs loading, up to a second a mesh, so the result is cached as ``meshes/<key>.json`` under a hash
-    of the fingerprints, for resumed runs and for all training processes.
+    Each mesh must be loaded, which takes up to a second, so the result is cached in ``meshes/<key>.json``
+    under a hash of the fingerprints, for resumed runs and all training processes.
 
     Args:
         cache: folder or URL of all data sets.
-        sources: the meshes.
-        workers: processes to load in, 0 for this one alone.
+        sources: meshes to check.
+        workers: number of loading processes; 0 to use only this process.
 
     Raises:
-        InputError: if the cache cannot be written to, or a worker is killed.
+        InputError: if the cache is not writable, or a worker is killed.
     """
     prints = fingerprints({"": sources})[""]
     key = hashlib.sha256(json.dumps([RENDERING_VERSION, prints]).encode())
@@ -192,7 +193,7 @@ def find_unusable(cache: str, sources: Sequence[Loadable], workers: int = 0) -> 
     folder = Storage(cache) / "meshes"
     try:
         return dict(json.loads(folder.read(path) or b"")["left_out"])
-    except (ValueError, TypeError, KeyError):  # not asked yet, or damaged
+    except (ValueError, TypeError, KeyError):  # not cached yet, or damaged
         pass
     with Workers(workers) as pool:
         tasks = [MeshTask(source, seen) for source, (_, seen) in zip(sources, prints, strict=True)]
@@ -210,16 +211,16 @@ def find_unusable(cache: str, sources: Sequence[Loadable], workers: int = 0) -> 
 def leave_out(
     sources: Sequence[Loadable], reasons: Mapping[str, str], split: str, noun: str
 ) -> list[Loadable]:
-    """Return the meshes that can be used.
+    """Return the usable meshes.
 
     Args:
-        sources: the meshes.
-        reasons: why some of them cannot be used, by name.
-        split: name of their split.
-        noun: the word for a mesh in messages.
+        sources: all meshes.
+        reasons: reasons why meshes cannot be used, by name.
+        split: name of the split.
+        noun: word for a mesh in messages.
 
     Raises:
-        InputError: if none is left.
+        InputError: if there is no usable mesh.
     """
     if not sources:
         raise InputError(f"there are no {plural(noun)} for {split}; give at least one.")
@@ -232,10 +233,10 @@ def leave_out(
 def _locate(
     cache: str, sources: Sources, views_per_mesh: int | Mapping[str, int], recipe: SampleRecipe
 ) -> tuple[Storage, dict[str, int], dict[str, MeshTask]]:
-    """Return the folder of the data set, the views by split, and the meshes by name.
+    """Return the folder of the data set, the number of views by split, and the meshes by name.
 
     Raises:
-        InputError: if the request makes no sense.
+        InputError: if the arguments are invalid.
     """
     views = views_by_split(views_per_mesh, sources, recipe.noun)
     prints = fingerprints({split: sources[split] for split in views})
@@ -254,11 +255,11 @@ def _lay_out(
 ) -> Manifest:
     """Return the layout of a new data set, after loading one mesh of each split.
 
-    Loads meshes of each split until one can be used, so that a split without any is refused before hours of
-    rendering. The others are loaded when they are rendered, and fail there.
+    It loads meshes of each split until one is usable, to refuse a split without usable meshes before hours
+    of rendering. The other meshes are loaded, and may fail, when they are rendered.
 
     Raises:
-        InputError: if the renderer does not run, or no mesh of a split can be used.
+        InputError: if the renderer does not run, or a split has no usable mesh.
     """
     for _, outcome in pool.run(check_recipe, [recipe]):
         if isinstance(outcome, Killed):
@@ -282,11 +283,11 @@ def _refuse_if_none_usable(pool: Pool, tasks: Sequence[MeshTask], split: str, no
 
 
 def _pending_shards(pool: Pool, store: ShardedSamples, thorough: bool) -> list[Shard]:
-    """Return missing and damaged shards, with a warning that names the damaged ones.
+    """Return missing and damaged shards, and warn about the damaged ones.
 
     Args:
-        pool: runs the checks, if there are many machines.
-        store: the samples of a split.
+        pool: pool that runs the checks, if there are many machines.
+        store: samples of a split.
         thorough: whether to check every byte of a remote store too, and to retry failed meshes.
     """
     storage = Storage(store.url)
@@ -294,7 +295,7 @@ def _pending_shards(pool: Pool, store: ShardedSamples, thorough: bool) -> list[S
     if isinstance(pool, Cluster) and (storage.local or thorough):
         damaged = _check_side_by_side(pool, storage.address, store)
     else:
-        # A remote store keeps its own checksums, and reading all of it for each run would take hours.
+        # A remote store has its own checksums, and reading all of it for each run would take hours.
         damaged = store.verify() if storage.local or thorough else store.lost()
     damaged = sorted({*damaged, *store.unexplained()})
     if damaged:

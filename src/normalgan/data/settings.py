@@ -1,4 +1,4 @@
-"""Settings of the data module in groups: how meshes are read and split, animals, storage, prediction."""
+"""Grouped settings of the data module: reading and splitting of meshes, animals, storage, prediction."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,17 +14,18 @@ __all__ = ["EmbeddedAnimals", "MeshOptions", "MeshReading", "Prediction", "Split
 
 @dataclass(frozen=True, kw_only=True)
 class MeshOptions:
-    """How mesh files are read, and how many samples are made of each.
+    """Options for reading mesh files and for adding poses and variants.
 
     Args:
-        orientation: JSON file that says of each mesh how it is turned upright, and whether inside out.
-        crease_angle: degrees from which an edge is sharp; None shades everything smooth.
-        poses: poses that replace each rigged glTF file; 0 keeps all files at rest.
-        variants: random variants added for each training mesh or embedded animal; validation
-            and test meshes do not change.
+        orientation: JSON file with the rotation that makes each mesh upright, and whether it is inside
+            out.
+        crease_angle: angle in degrees from which an edge is sharp; None uses smooth shading everywhere.
+        poses: number of poses that replace each rigged glTF file; 0 keeps all files in their rest pose.
+        variants: number of random variants added for each training mesh or embedded animal; validation and
+            test meshes are not changed.
 
     Raises:
-        InputError: if a number is out of its range.
+        InputError: if a number is out of range.
     """
 
     orientation: str | None = None
@@ -38,10 +39,10 @@ class MeshOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class MeshReading(MeshOptions):
-    """How the meshes that are in no group are read.
+    """Options for reading the meshes that are not in a group.
 
     Args:
-        variation: how much variants, those of groups too, differ from their mesh.
+        variation: how much variants differ from their mesh, including those in groups.
     """
 
     variation: Variation = Variation()  # noqa: RUF009  # frozen
@@ -53,10 +54,11 @@ class EmbeddedAnimals:
 
     Args:
         count: number of animals, if no meshes are given.
-        extra: number of animals added to the given training meshes; validation and test meshes do not change.
-        extra_postures: share of the extra ones that sit, lie, rear, beg, bow, leap or look back, if the
-            species has such a pose.
-        species: groups (such as quadrupeds or birds) and species that they are of, in turn.
+        extra: number of animals added to the given training meshes; validation and test meshes are not
+            changed.
+        extra_postures: fraction of the extra animals that sit, lie, rear, beg, bow, leap or look back, if
+            the species has such a pose.
+        species: groups (such as quadrupeds or birds) and species to generate in turn.
     """
 
     count: PositiveInt = 24
@@ -67,7 +69,7 @@ class EmbeddedAnimals:
     def __post_init__(self) -> None:
         check_ranges(self)
         species: object = self.species
-        if isinstance(species, str):  # Python would read a lone name letter by letter
+        if isinstance(species, str):  # a single string would be read letter by letter
             raise InputError(
                 f"data.animals.species is a list of names, such as [{species!r}], not {species!r}."
             )
@@ -75,12 +77,12 @@ class EmbeddedAnimals:
 
 @dataclass(frozen=True)
 class Split:
-    """Which meshes or pairs are for training, validation and testing.
+    """Assignment of meshes or pairs to training, validation and testing.
 
     Args:
-        fractions: shares of train, val and test, used if there is no file.
+        fractions: fractions of train, val and test, used if there is no file.
         seed: seed of the random split, used if there is no file.
-        file: JSON file that lists the names of train, val and test; None splits by fractions.
+        file: JSON file that lists the names in train, val and test; None splits by fractions.
     """
 
     fractions: tuple[float, float, float] = (0.7, 0.1, 0.2)
@@ -88,14 +90,14 @@ class Split:
     file: str | None = None
 
     def deal(self, names: Sequence[str], noun: str = "mesh") -> dict[str, list[str]]:
-        """Return the names in each split: as the file lists them or, without one, by fractions.
+        """Return the names in each split, from the file or, without a file, by fractions.
 
         Args:
-            names: names of meshes, pairs or groups of pairs, each of which stays in one split.
-            noun: the word for one in messages.
+            names: names of meshes, pairs or groups of pairs, which are not divided.
+            noun: word for one of them in messages.
 
         Raises:
-            InputError: if the file or the fractions cannot be used.
+            InputError: if the file or the fractions are invalid.
         """
         if self.file is None:
             return split_by_fractions(names, self.fractions, self.seed, noun)
@@ -104,12 +106,13 @@ class Split:
 
 @dataclass(frozen=True)
 class Storage:
-    """Resources of this machine; they do not change the samples.
+    """Resources of this machine, which do not affect the samples.
 
     Args:
-        memory: bytes that a split may take in memory; larger ones are read from the cache as needed. On the
-            fly, bytes for the meshes in all workers together.
-        render_workers: processes that render stored samples in parallel; 0 renders in this one.
+        memory: maximum memory for a split in bytes; larger splits are read from the cache as needed. When
+            rendering on the fly, maximum memory for the meshes in all workers together.
+        render_workers: number of processes that render stored samples in parallel; 0 renders in the main
+            process.
     """
 
     memory: Count = 2 * 1024**3
@@ -124,12 +127,13 @@ class Prediction:
     """Drawings to predict, with their hints and masks.
 
     Args:
-        sketches: a folder, a glob or a list of drawings.
+        sketches: folder, glob or list of drawings.
         hints: hints for the drawings: a file, or a folder of ``<sketch>_hints.png`` or ``.json``.
-        mask: where the object is in the drawings: a file, a folder of ``<sketch>_mask.png``, ``outline`` to
-            fill what lines enclose, ``reader`` to let a small network vote on that, or ``model`` to leave it
-            to the model; None uses its opacity if it shows the object, else the reader.
-        map_size: longer side of the maps in pixels; None takes the drawing's, or 1024 for an SVG.
+        mask: object masks of the drawings: a file, a folder of ``<sketch>_mask.png``, ``outline`` to fill
+            the areas enclosed by lines, ``reader`` to also use a small segmentation network, or ``model``
+            to use the generator's own segmentation. None uses the drawing's opacity if it shows the
+            object, otherwise ``reader``.
+        map_size: longer side of the maps in pixels; None uses the size of the drawing, or 1024 for an SVG.
     """
 
     sketches: str | list[str] | None = None

@@ -1,4 +1,4 @@
-"""SketchDataset: the user's drawings and hints, in the form that the generator takes."""
+"""SketchDataset: the user's drawings and hints, prepared for the generator."""
 
 from collections import OrderedDict
 from collections.abc import Sequence
@@ -20,38 +20,38 @@ from normalgan.line_widths import USUAL_WIDTHS, LineWidths
 __all__ = ["SketchDataset", "SketchSample"]
 
 _KEPT = 2**29
-"""Bytes of prepared drawings that are kept; others are prepared again when they are needed."""
+"""Maximum size of cached prepared drawings in bytes; others are prepared again when needed."""
 
 
 class SketchSample(TypedDict):
-    """One framed drawing."""
+    """A drawing framed for the generator."""
 
     sketch: Tensor
     """(1, size, size) ink in [0, 1]."""
     hints: Tensor
-    """(4, size, size) normals at the hints and where they are; all zero without hints."""
+    """(4, size, size): hint normals and hint mask; zero without hints."""
     name: str
-    """File name of the drawing, without suffix."""
+    """File name of the drawing without extension."""
 
 
 class SketchDataset(Dataset[SketchSample]):
     """Drawings prepared for the generator.
 
-    All are read at the start, so that a bad one is reported early. If there are several, unusable ones are
-    left out: `unusable` gives the reason for each.
+    All drawings are read at the start, so that invalid ones are reported early. If there are several,
+    unusable ones are left out, and `unusable` holds the reasons.
 
     Args:
-        files: the drawings with their hints and masks, as `inference.jobs.plan.find_files` finds them.
+        files: drawings with their hints and masks, as found by `inference.jobs.plan.find_files`.
         size: side of the generator's pictures.
-        longest: longer side of the maps in pixels; None takes the drawing's.
-        line_widths: widths of lines that the generator sees as they were drawn, in its pixels.
+        longest: longer side of the maps in pixels; None uses the size of the drawing.
+        line_widths: minimum and maximum width of lines that are not redrawn, in the generator's pixels.
 
     Raises:
         InputError: if no drawing can be used with its hints and its mask.
     """
 
     unusable: list[InputError]
-    """The errors of the drawings that are left out."""
+    """The errors of the drawings that were left out."""
 
     def __init__(
         self,
@@ -79,7 +79,7 @@ class SketchDataset(Dataset[SketchSample]):
             raise InputError(f"none of the {len(files)} sketches can be used; the first: {self.unusable[0]}")
 
     def prepared(self, name: str) -> Prepared:
-        """Return the drawing of this name, prepared for the generator."""
+        """Return the drawing with a name, prepared for the generator."""
         with self._lock:
             if name in self._kept:
                 self._kept.move_to_end(name)

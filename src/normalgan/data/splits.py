@@ -1,4 +1,4 @@
-"""Splits: which meshes are for training, validation and testing; by mesh, never by view."""
+"""Splits of meshes, not of views, into training, validation and testing."""
 
 import warnings
 from collections import Counter
@@ -14,9 +14,9 @@ from normalgan.files.shipped_configs import find_beside
 __all__ = ["SPLITS", "none_usable", "plural", "split_by_file", "split_by_fractions"]
 
 SPLITS = ("train", "val", "test")
-"""The names of the splits, in the order in which fractions are given."""
+"""The names of the splits, in the order of the fractions."""
 _FEW = 5
-"""Names that a message lists at most."""
+"""Maximum number of names in a message."""
 
 _Names = dict[str, list[str]]
 
@@ -26,21 +26,21 @@ def split_by_fractions(
 ) -> _Names:
     """Split meshes randomly in given proportions; names keep their order within a split.
 
-    The counts are the fractions of the whole by largest remainder, but every fraction above 0 gets at
-    least one mesh. The split depends on the set of names and the seed, not on their order.
+    Counts are rounded by the largest remainder method, but each fraction above 0 gets at least one mesh.
+    The split depends on the set of names and the seed, not on the order of names.
 
     Args:
-        names: the meshes.
-        fractions: shares of training, validation and testing, summing to 1.
-        seed: a different seed gives a different split.
-        noun: the word for one in messages.
+        names: names of the meshes.
+        fractions: fractions of training, validation and testing, which sum to 1.
+        seed: random seed.
+        noun: word for a mesh in messages.
 
     Returns:
-        the names of each of ``train``, ``val`` and ``test``; an empty list where the fraction is 0.
+        The names in ``train``, ``val`` and ``test``; an empty list where the fraction is 0.
 
     Raises:
-        InputError: if two meshes share a name, the fractions are not shares of 1, or there are fewer
-            meshes than fractions above 0.
+        InputError: if two meshes have the same name, the fractions are invalid, or there are fewer meshes
+            than fractions above 0.
 
     Example:
         >>> {k: len(v) for k, v in split_by_fractions("abcdefghij", (0.8, 0.1, 0.1)).items()}
@@ -70,15 +70,15 @@ def split_by_fractions(
 def split_by_file(path: Path, names: Sequence[str], noun: str = "mesh") -> _Names:
     """Return the split in a JSON file: ``{"train": ["381", …], "val": […], "test": […]}``.
 
-    Meshes the file does not name are left out, with a warning.
+    Meshes that are not in the file are left out with a warning.
 
     Args:
-        path: the file, or one of the configurations of the package, such as ``configs/fourleg/split.json``.
-        names: the meshes there are.
-        noun: the word for one in messages.
+        path: path of the file, or of a shipped one, such as ``configs/fourleg/split.json``.
+        names: names of the available meshes.
+        noun: word for a mesh in messages.
 
     Raises:
-        InputError: if the file cannot be read as such, names a mesh that is not there, or names a mesh twice.
+        InputError: if the file is invalid, names a missing mesh, or names a mesh twice.
     """
     _refuse_twins(names, noun)
     split = _read(find_beside(str(path)))
@@ -110,7 +110,7 @@ def _read(path: Path) -> _Names:
 
 
 def _apportion(total: int, fractions: Sequence[float]) -> list[int]:
-    """Return whole counts summing to ``total``, at least 1 where the fraction is above 0."""
+    """Return integer counts that sum to ``total``, at least 1 where the fraction is above 0."""
     counts = [int(total * share + 1e-9) for share in fractions]
     remainders = [total * share - count for share, count in zip(fractions, counts, strict=True)]
     for i in sorted(range(len(counts)), key=lambda i: -remainders[i])[: total - sum(counts)]:
@@ -123,7 +123,7 @@ def _apportion(total: int, fractions: Sequence[float]) -> list[int]:
 
 
 def plural(noun: str) -> str:
-    """Return a noun in the plural.
+    """Return the plural of a noun.
 
     >>> plural("mesh"), plural("pair")
     ('meshes', 'pairs')
@@ -132,7 +132,7 @@ def plural(noun: str) -> str:
 
 
 def none_usable(count: int, noun: str, split: str, reason: str) -> InputError:
-    """Return the error for a split of ``count`` meshes or pairs, none of which can be used.
+    """Return the error for a split where none of ``count`` meshes or pairs is usable.
 
     >>> str(none_usable(1, "mesh", "val", "a.ply is empty."))
     'the only mesh for val cannot be used: a.ply is empty.'

@@ -1,7 +1,8 @@
-"""Surface marks that carry no form: filled areas, decals, hatching for shade.
+"""Surface marks that do not depict form: filled areas, decals, hatching for shade.
 
-All are drawn on single sketches with numpy and OpenCV: ink (H, W) in [0, 1], ink 1; normals (H, W, 3), x
-right, y up, z to the viewer; a mask (H, W), True on the object. Lengths are in pixels of a sketch of 256.
+All marks are drawn on single sketches with NumPy and OpenCV: ink (H, W) in [0, 1], ink 1; normals (H, W,
+3), x right, y up, z to the viewer; a mask (H, W), True on the object. Lengths are in pixels of a 256-pixel
+sketch.
 """
 
 import string
@@ -20,7 +21,7 @@ __all__ = ["mark_surfaces"]
 _Rng = np.random.Generator
 
 _PAPER = 0.35
-"""Pixels with less ink are paper, which lines bound."""
+"""Pixels with less ink count as paper."""
 
 
 def mark_surfaces(
@@ -30,10 +31,10 @@ def mark_surfaces(
 
     Args:
         sketch: (N, 1, H, W) in [0, 1], ink 1, on any device.
-        normal: (N, 3, H, W) of the object.
+        normal: (N, 3, H, W), normals of the object.
         mask: (N, 1, H, W), 1 on the object.
         seed: seed of all randomness.
-        fills: probability that areas of a sketch are filled black.
+        fills: probability that areas are filled black.
         decals: probability of a decal.
         hatching: probability that the side away from a light is hatched.
     """
@@ -47,7 +48,7 @@ def mark_surfaces(
         normals = np.ascontiguousarray(normal[index].detach().cpu().float().numpy().transpose(1, 2, 0))
         inside = mask[index, 0].cpu().numpy() > 0.5
         if inside.sum() < 64:
-            continue  # too small to draw on
+            continue  # the object is too small to draw on
         for draw, wanted in zip((_add_decal, _add_hatching, _fill_areas), chosen, strict=True):
             if wanted:
                 ink = draw(ink, normals, inside, rng)
@@ -56,10 +57,10 @@ def mark_surfaces(
 
 
 def _fill_areas(ink: Floats, normals: Floats, mask: BoolMask, rng: _Rng) -> Floats:
-    """Return a sketch with some areas filled black, in which lines are white or gone.
+    """Return a sketch with some areas filled black, with white or hidden lines inside.
 
-    Most often one to four areas that lines enclose are filled, as for hair or a tyre; sometimes a patch of
-    the surface, or the whole object, as a silhouette with white details.
+    Usually, one to four areas enclosed by lines are filled, like hair or a tyre. Sometimes a patch of the
+    surface is filled, or the whole object, like a silhouette with white details.
     """
     kind = rng.random()
     if kind < 0.6:
@@ -68,7 +69,7 @@ def _fill_areas(ink: Floats, normals: Floats, mask: BoolMask, rng: _Rng) -> Floa
         area = _patch(mask, rng)
     else:
         area = mask
-    # The anti-aliased rim of the lines about the area belongs to it.
+    # Include the anti-aliased rim of the lines around the area.
     if kind < 0.6:
         area = mask & (cv2.dilate(area.astype(np.uint8), np.ones((3, 3), np.uint8)) > 0)
     white = rng.uniform(0.8, 1.0) if rng.random() < 0.7 else 0.0
@@ -78,7 +79,7 @@ def _fill_areas(ink: Floats, normals: Floats, mask: BoolMask, rng: _Rng) -> Floa
 
 
 def _enclosed(ink: Floats, mask: BoolMask, rng: _Rng) -> BoolMask:
-    """Return the union of one to four areas of the object that lines enclose, with the lines between them."""
+    """Return the union of one to four enclosed areas of the object, with the lines between them."""
     paper = (mask & (ink < _PAPER)).astype(np.uint8)
     count, areas, stats, _ = cv2.connectedComponentsWithStats(paper, connectivity=4)
     sizes = stats[1:, cv2.CC_STAT_AREA]
@@ -94,13 +95,13 @@ def _enclosed(ink: Floats, mask: BoolMask, rng: _Rng) -> BoolMask:
 
 
 def _patch(mask: BoolMask, rng: _Rng) -> BoolMask:
-    """Return a patch of the object with a smooth outline, a twentieth to a half of it."""
+    """Return a patch with a smooth outline that covers 1/20 to 1/2 of the object."""
     noise = _smooth(mask.shape, int(rng.integers(3, 8)), rng)
     return mask & (noise > np.quantile(noise[mask], 1 - rng.uniform(0.05, 0.5)))
 
 
 def _add_hatching(ink: Floats, normals: Floats, mask: BoolMask, rng: _Rng) -> Floats:
-    """Return a sketch with the side that a light does not reach hatched, crosswise where it is darkest."""
+    """Return a sketch with the unlit side hatched, and cross-hatched where it is darkest."""
     around, up = rng.uniform(0, 2 * np.pi), rng.uniform(0.1, 0.8)
     flat = np.sqrt(1 - up * up)
     light = np.array([flat * np.cos(around), flat * np.sin(around), up], np.float32)
@@ -108,7 +109,7 @@ def _add_hatching(ink: Floats, normals: Floats, mask: BoolMask, rng: _Rng) -> Fl
     level = np.quantile(shade[mask], rng.uniform(0.15, 0.5))
     angle, spacing = rng.uniform(0, np.pi), rng.uniform(3.5, 8.0)
     width, dark = rng.uniform(0.8, 1.6), rng.uniform(0.5, 1.0)
-    follow = rng.uniform(0, 12) if rng.random() < 0.4 else 0.0  # strokes that bend with the form
+    follow = rng.uniform(0, 12) if rng.random() < 0.4 else 0.0  # strokes follow the form
     strokes = _stripes(normals, mask.shape, angle, spacing, width, follow, rng) * (mask & (shade < level))
     if rng.random() < 0.4:
         crossing = _stripes(normals, mask.shape, angle + rng.uniform(0.7, 1.6), spacing, width, follow, rng)
@@ -118,26 +119,26 @@ def _add_hatching(ink: Floats, normals: Floats, mask: BoolMask, rng: _Rng) -> Fl
 
 
 def _add_decal(ink: Floats, normals: Floats, mask: BoolMask, rng: _Rng) -> Floats:
-    """Return a sketch with text, a logo, windows, spots or stripes on one side of the object."""
+    """Return a sketch with text, a logo, windows, spots or stripes on the object."""
     if rng.random() < 0.3:
         return np.asarray(np.maximum(ink, _striped_coat(normals, mask, rng)), dtype=np.float32)
-    # Of eight places the one farthest from the outline, so that most of the decal fits.
+    # The position farthest from the outline out of eight, so that most of the decal fits.
     places = np.argwhere(mask)[rng.integers(mask.sum(), size=8)]
     inset = cv2.distanceTransform(mask.astype(np.uint8), cv2.DIST_L2, 3)
     row, column = (int(at) for at in max(places, key=lambda place: float(inset[tuple(place)])))
     facing = normals[row, column]
     if facing[2] < 0.3:
-        return ink  # the surface is seen at too shallow an angle
+        return ink  # the surface is viewed at too shallow an angle
     size = float(np.sqrt(mask.sum())) * rng.uniform(0.3, 0.8)
     motif: Callable[[_Rng], Floats] = (_text, _logo, _windows, _spots)[rng.integers(4)]
-    # From the motif (x right, y down, one unit wide) onto the plane that touches the surface there.
+    # Maps the motif (x right, y down, one unit wide) to the tangent plane of the surface at that position.
     right = np.array([facing[2], 0.0, -facing[0]]) / np.hypot(facing[0], facing[2])
     over = np.cross(facing, right)
     turn = rng.uniform(-0.5, 0.5) if rng.random() < 0.5 else 0.0
     right, over = np.cos(turn) * right + np.sin(turn) * over, np.cos(turn) * over - np.sin(turn) * right
     plane = size / _MOTIF * np.array([[right[0], -over[0]], [-right[1], over[1]]])
     place = np.array([column, row]) - plane @ np.full(2, _MOTIF / 2)
-    # Blurred as it shrinks, because lines thinner than a pixel would break into dots.
+    # Blurred before downsampling, because lines thinner than a pixel would break into dots.
     shape = cv2.GaussianBlur(motif(rng), (0, 0), max(0.35 * _MOTIF / size, 0.5))
     drawn = cv2.warpAffine(shape, np.column_stack([plane, place]), mask.shape[::-1])
     drawn = np.clip(1.6 * drawn, 0, 1) * rng.uniform(0.7, 1.0)
@@ -145,7 +146,7 @@ def _add_decal(ink: Floats, normals: Floats, mask: BoolMask, rng: _Rng) -> Float
 
 
 _MOTIF = 192
-"""Side in pixels on which text, logos, windows and spots are drawn before they are laid onto a surface."""
+"""Side in pixels of text, logos, windows and spots before they are projected onto a surface."""
 
 
 def _text(rng: _Rng) -> Floats:
@@ -164,7 +165,7 @@ def _text(rng: _Rng) -> Floats:
 
 
 def _logo(rng: _Rng) -> Floats:
-    """Return a star, a polygon or a disc, filled or not, mostly in a ring or a frame."""
+    """Return a star, polygon or disc, filled or not, usually in a ring or a frame."""
     picture = np.zeros((_MOTIF, _MOTIF), np.uint8)
     middle, bold = (_MOTIF // 2, _MOTIF // 2), int(rng.integers(3, 10))
     corners = int(rng.integers(3, 8))
@@ -184,7 +185,7 @@ def _logo(rng: _Rng) -> Floats:
 
 
 def _windows(rng: _Rng) -> Floats:
-    """Return rows of panes, some filled, as of a house or a coach."""
+    """Return rows of window panes, some filled, as on a house or a bus."""
     picture = np.zeros((_MOTIF, _MOTIF), np.uint8)
     rows, columns = rng.integers(1, 5, 2)
     bold, filled, crossed = int(rng.integers(2, 6)), bool(rng.random() < 0.3), bool(rng.random() < 0.4)
@@ -211,7 +212,7 @@ def _windows(rng: _Rng) -> Floats:
 
 
 def _spots(rng: _Rng) -> Floats:
-    """Return ellipses here and there, filled or not."""
+    """Return scattered ellipses, filled or not."""
     picture = np.zeros((_MOTIF, _MOTIF), np.uint8)
     bold = -1 if rng.random() < 0.5 else int(rng.integers(2, 6))
     for _ in range(int(rng.integers(2, 14))):
@@ -232,7 +233,7 @@ def _spots(rng: _Rng) -> Floats:
 
 
 def _striped_coat(normals: Floats, mask: BoolMask, rng: _Rng) -> Floats:
-    """Return wavy black stripes on an object or a patch of it, as on a zebra or a jersey."""
+    """Return a mask of wavy black stripes on an object or a patch of it, as on a zebra or a jersey."""
     spacing = rng.uniform(7, 24)
     black = spacing * rng.uniform(0.15, 0.6)
     where = mask if rng.random() < 0.4 else _patch(mask, rng)
@@ -253,13 +254,13 @@ def _stripes(
     """Return parallel lines (H, W), slightly wavy.
 
     Args:
-        normals: (H, W, 3) of the object.
+        normals: (H, W, 3), normals of the object.
         shape: H and W.
         angle: angle of the direction across the lines, in radians.
-        spacing: from line to line, in pixels of a sketch of 256.
-        width: width of a line, in such pixels.
-        follow: by how much lines bend with the form, in such pixels.
-        rng: draws the waves.
+        spacing: distance between lines, in pixels of a 256-pixel sketch.
+        width: width of a line in these pixels.
+        follow: displacement by which lines follow the form, in these pixels.
+        rng: random generator of the waves.
     """
     height, side = shape[:2]
     scale = side / 256
@@ -276,7 +277,7 @@ def _stripes(
 
 
 def _smooth(shape: tuple[int, ...], points: int, rng: _Rng) -> Floats:
-    """Return smooth noise (H, W) with a standard deviation of about 1, from ``points`` knots a side."""
+    """Return smooth noise (H, W) with a standard deviation of about 1 and ``points`` knots per side."""
     knots = rng.standard_normal((points, points)).astype(np.float32)
     return np.asarray(cv2.resize(knots, shape[1::-1], interpolation=cv2.INTER_CUBIC), dtype=np.float32)
 

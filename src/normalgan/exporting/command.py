@@ -1,4 +1,4 @@
-"""normalgan export: a trained model as a file that runs without this package, or as weights without code."""
+"""normalgan export: write a trained model as a file that runs without this package, or as weights."""
 
 import re
 import warnings
@@ -18,19 +18,19 @@ __all__ = ["SUFFIXES", "TOLERANCE", "build_parser", "run"]
 
 _ONNX = ".onnx"
 SUFFIXES = {_ONNX: "ONNX", ".safetensors": "safetensors", ".pt": "TorchScript", ".pt2": "torch.export"}
-"""The formats by the ending of the file to write."""
+"""The formats by file extension."""
 _HALVED = (_ONNX, ".safetensors")
 _Opset = Literal[15, 16, 17, 18, 19, 20, 21]
-"""Versions of ONNX's operators that a model can be written with; ONNX converts none of ours below 15."""
+"""Supported ONNX opset versions; ONNX cannot convert our models to versions below 15."""
 TOLERANCE = 1e-3
-"""Largest difference to torch that is accepted."""
+"""Maximum accepted difference between the exported model and torch."""
 
 
 def run(arguments: list[str]) -> int:
     """Export the model and return the exit code.
 
     Raises:
-        InputError: if an argument cannot be used.
+        InputError: if an argument is invalid.
     """
     options = build_parser().parse_args(arguments)
     target = _check(options)
@@ -49,29 +49,29 @@ def build_parser() -> LightParser:
     )
     parser.add_argument(
         "model",
-        help="a file that `normalgan fit` saved, such as last.ckpt, a .safetensors or .onnx of such a model, "
-        "or shipped for that of the package",
+        help="a checkpoint of `normalgan fit` such as last.ckpt, a .safetensors or .onnx file, "
+        "or shipped for the package's own model",
     )
     named = ", ".join(f"{suffix} ({name})" for suffix, name in SUFFIXES.items())
     parser.add_argument(
         "-o",
         "--output",
         default="model.onnx",
-        help=f"where the model goes; its ending determines the format: {named} (default %(default)s)",
+        help=f"output file; its extension determines the format: {named} (default %(default)s)",
     )
     parser.add_argument(
         "--opset",
         type=_Opset | None,
-        help="version of ONNX's operators, for older runtimes (default 18)",
+        help="ONNX opset version, lower for older runtimes (default 18)",
     )
-    parser.add_argument("--half", action="store_true", help="store the weights in 16 bits")
+    parser.add_argument("--half", action="store_true", help="store the weights as float16")
     parser.add_argument(
-        "--size", type=ModelSide | None, help="side of the pictures; by default that of its training"
+        "--size", type=ModelSide | None, help="side of the pictures in pixels; by default the training size"
     )
     parser.add_argument(
         "--licence",
         type=str | None,
-        help="licence of the weights, written into the file; by default what the model says",
+        help="licence of the weights, written into the file; by default the licence stored with the model",
     )
     return parser
 
@@ -80,8 +80,9 @@ def _export(options: Namespace, target: Path) -> str:
     """Write the model, and return the report for the user.
 
     Raises:
-        InputError: if the model cannot be used or the file not be written.
-        RunError: if the exported model and torch differ in their predictions; nothing is written then.
+        InputError: if the model cannot be used or the file cannot be written.
+        RunError: if the predictions of the exported model differ from those of torch; nothing is written
+            then.
     """
     with gc_paused():
         from normalgan.exporting.comparison import largest_difference, turn_in_degrees
@@ -91,7 +92,7 @@ def _export(options: Namespace, target: Path) -> str:
     (model, notes), form = load(options.model, options.size, options.licence), FORMATS[target.suffix.lower()]
     content = form.write(model, notes.metadata())
     if options.opset is not None:
-        from normalgan.exporting.onnx_file import lowered  # late: other formats do without the package onnx
+        from normalgan.exporting.onnx_file import lowered  # other formats do not need onnx
 
         content = lowered(content, options.opset)
     difference = largest_difference(model, form.read(content))
@@ -115,7 +116,7 @@ def _export(options: Namespace, target: Path) -> str:
 
 
 def _check(options: Namespace) -> Path:
-    """Return the file to write, or raise `InputError` if the options do not go together."""
+    """Return the file to write, or raise `InputError` if the options are incompatible."""
     suffix = Path(options.output).suffix.lower()
     if suffix not in SUFFIXES:
         raise InputError(

@@ -1,4 +1,4 @@
-"""Compare an exported model with torch, also in half precision."""
+"""Compare an exported model with torch, including in half precision."""
 
 import numpy as np
 import torch
@@ -13,11 +13,11 @@ __all__ = ["examples", "largest_difference", "predict", "turn_in_degrees"]
 
 _STROKES, _HINTS = 12, 15
 _OBJECT = 0.5
-"""Torch predicts no object where its normals are shorter."""
+"""Normals shorter than this in torch's output count as background."""
 
 
 def examples(count: int, size: int, seed: int = 0) -> tuple[Floats, Floats]:
-    """Return random scribbles (N, 1, S, S) with random hints (N, 4, S, S), the same for the same seed."""
+    """Return random scribbles (N, 1, S, S) and random hints (N, 4, S, S), determined by the seed."""
     rng = np.random.default_rng(seed)
     sketches = np.zeros((count, 1, size, size), np.float32)
     hints = np.zeros((count, 4, size, size), np.float32)
@@ -42,10 +42,10 @@ def predict(model: Deployed, sketch: Floats, hints: Floats) -> list[Floats]:
 
 
 def largest_difference(model: Deployed, run: Run) -> float:
-    """Return the largest difference of an exported model from torch, with hints and without.
+    """Return the largest difference between an exported model and torch, with and without hints.
 
-    Batches of one and of three pictures are tried, so that a model with a fixed batch size fails here. The
-    confidence has no upper bound, so its difference is relative where it is above 1.
+    Batches of one and of three pictures are tried, so a model with a fixed batch size fails here. The
+    confidence has no upper bound, so its difference is relative for values above 1.
     """
     worst = 0.0
     for count, hinted in ((1, True), (3, True), (2, False)):

@@ -1,4 +1,4 @@
-"""Deployed: a generator with the inputs and outputs that an exported model has."""
+"""Deployed: a generator with the inputs and outputs of an exported model."""
 
 from dataclasses import replace
 
@@ -16,14 +16,14 @@ __all__ = ["Deployed", "load"]
 
 
 class Deployed(nn.Module):
-    """Takes sketch and hints, returns normals and optional confidence; dropout off, statistics fixed.
+    """Maps sketch and hints to normals and optional confidence, in evaluation mode.
 
     Args:
-        generator: the network.
+        generator: generator to wrap.
         size: side of the pictures in pixels.
 
     Raises:
-        InputError: if the generator cannot predict that size.
+        InputError: if the generator cannot predict at that size.
     """
 
     def __init__(self, generator: Generator, size: int) -> None:
@@ -42,11 +42,11 @@ class Deployed(nn.Module):
         return type(self.generator).__name__
 
     def example(self, count: int) -> tuple[Tensor, Tensor]:
-        """Return inputs of the right shapes: a sketch (N, 1, S, S) and hints (N, 4, S, S)."""
+        """Return example inputs: a sketch (N, 1, S, S) and hints (N, 4, S, S)."""
         return torch.zeros(count, 1, self.size, self.size), torch.zeros(count, 4, self.size, self.size)
 
     def forward(self, sketch: Tensor, hints: Tensor) -> tuple[Tensor, ...]:
-        """Return normals (N, 3, S, S) and, if the generator has one, their confidence (N, 1, S, S)."""
+        """Return normals (N, 3, S, S) and, if the generator predicts it, their confidence (N, 1, S, S)."""
         predicted = self._predicted(sketch, hints)
         return (predicted[:, :3], predicted[:, 3:]) if len(self.outputs) > 1 else (predicted,)
 
@@ -56,15 +56,15 @@ class Deployed(nn.Module):
 
 
 def load(name: str, size: int | None = None, licence: str | None = None) -> tuple[Deployed, ModelMetadata]:
-    """Return the generator in a file and the notes on it; nothing in the file is executed.
+    """Return the generator in a file and its metadata, without executing anything from the file.
 
     Args:
-        name: name of a checkpoint, safetensors or ONNX file; ``shipped`` for the one in the package.
-        size: side of the pictures; None for the size of its training, if the model or its run records it.
-        licence: licence of the weights; None takes the file's.
+        name: path of a checkpoint, safetensors or ONNX file, or ``shipped`` for the shipped model.
+        size: side of the pictures; None for the training size, if the model or its run records it.
+        licence: licence of the weights; None keeps the one in the file.
 
     Raises:
-        InputError: if it is missing, damaged, not one of ours, or no size is known.
+        InputError: if the file is missing, damaged or of another kind, or if the size is unknown.
     """
     weights = read_model(find_model(name), size)
     notes = replace(weights.notes, size=size or weights.notes.size, licence=licence or weights.notes.licence)

@@ -1,4 +1,4 @@
-"""Export formats: writing a model as bytes, and running such bytes."""
+"""Export formats: writing a model as bytes, and running the bytes."""
 
 import json
 import logging
@@ -39,12 +39,12 @@ Run = Callable[[Floats, Floats], Sequence[Floats]]
 
 @dataclass(frozen=True)
 class Format:
-    """A way to write a model.
+    """An export format.
 
     Args:
-        write: makes the bytes from a model and its metadata.
-        read: returns a function that predicts sketches with hints, from the bytes.
-        halve: makes of the bytes those with weights in 16 bits; None where formats are not compared.
+        write: converts a model and its metadata to bytes.
+        read: converts the bytes to a function that predicts for sketches and hints.
+        halve: converts the bytes to half-precision weights; None if the format has no such option.
     """
 
     write: Callable[[Deployed, Mapping[str, str]], bytes]
@@ -53,13 +53,13 @@ class Format:
 
 
 def write_onnx(model: Deployed, notes: Mapping[str, str]) -> bytes:
-    """Return a model as ONNX with any number of pictures a batch.
+    """Return a model as ONNX with a dynamic batch size.
 
     Raises:
-        InputError: if the packages for it are missing.
+        InputError: if the packages for the export are missing.
     """
     try:
-        import onnxscript  # noqa: F401 -- torch's exporter asks for it late, and in many words
+        import onnxscript  # noqa: F401 -- torch's exporter imports it late, with a long message if it is missing
     except ImportError:
         raise InputError(
             "ONNX needs two more packages; install them with pip install 'normalgan[export]'."
@@ -68,16 +68,16 @@ def write_onnx(model: Deployed, notes: Mapping[str, str]) -> bytes:
 
     batch = {0: Dim.DYNAMIC}
     loggers = quiet_loggers("torch.onnx", "onnxscript", "onnx_ir", level=logging.ERROR)
-    with warnings.catch_warnings(action="ignore"), loggers:  # between torch and its own parts
+    with warnings.catch_warnings(action="ignore"), loggers:  # from torch's own modules
         program = torch.onnx.export(
             model,
             model.example(2),
             input_names=["sketch", "hints"],
             output_names=model.outputs,
             dynamic_shapes=(batch, batch),
-            opset_version=18,  # of 2023: what onnxruntime-web and engines have taken up
+            opset_version=18,  # of 2023, supported by onnxruntime-web
             dynamo=True,
-            optimize=False,  # it would merge batch norm into convolutions, from which no weights can be read
+            optimize=False,  # folding batch norm would make the weights unreadable
             verbose=False,
         )
     if program is None:
@@ -86,7 +86,7 @@ def write_onnx(model: Deployed, notes: Mapping[str, str]) -> bytes:
 
 
 def read_onnx(content: bytes) -> Run:
-    """Return a model run by ONNX Runtime on the CPU."""
+    """Return a function that runs the model in ONNX Runtime on the CPU."""
     import onnxruntime
 
     session = onnxruntime.InferenceSession(content, providers=["CPUExecutionProvider"])
@@ -96,16 +96,16 @@ def read_onnx(content: bytes) -> Run:
 
 
 def halve_onnx(content: bytes) -> bytes:
-    """Return a model with its weights in 16 bits."""
-    from normalgan.exporting.onnx_file import halve  # late: other formats do without the package onnx
+    """Return the model with 16-bit weights."""
+    from normalgan.exporting.onnx_file import halve  # other formats do not need the package onnx
 
     return halve(content)
 
 
 def write_torchscript(model: Deployed, notes: Mapping[str, str]) -> bytes:
-    """Return a model as TorchScript, traced, for libtorch without Python."""
+    """Return a model as traced TorchScript, for libtorch without Python."""
     file = BytesIO()
-    # torch calls it deprecated for torch.export, which old libtorch cannot read; tracing fixes the size.
+    # Deprecated in favour of torch.export, which old libtorch cannot read. Tracing fixes the size.
     with warnings.catch_warnings(action="ignore"):
         traced = torch.jit.trace(model, model.example(2), check_trace=False)
         torch.jit.save(torch.jit.freeze(traced), file, _extra_files={"notes.json": json.dumps(dict(notes))})
@@ -113,13 +113,13 @@ def write_torchscript(model: Deployed, notes: Mapping[str, str]) -> bytes:
 
 
 def read_torchscript(content: bytes) -> Run:
-    """Return a model run by TorchScript."""
+    """Return a function that runs the TorchScript model."""
     with warnings.catch_warnings(action="ignore"):
         return _tensors(torch.jit.load(BytesIO(content), map_location="cpu"))
 
 
 def write_program(model: Deployed, notes: Mapping[str, str]) -> bytes:
-    """Return a model as a program of ``torch.export``."""
+    """Return a model as a ``torch.export`` program."""
     file, batch = BytesIO(), {0: Dim.DYNAMIC}
     with warnings.catch_warnings(action="ignore"):
         program = torch.export.export(model, model.example(2), dynamic_shapes=(batch, batch))
@@ -128,27 +128,27 @@ def write_program(model: Deployed, notes: Mapping[str, str]) -> bytes:
 
 
 def read_program(content: bytes) -> Run:
-    """Return a model run by ``torch.export``."""
+    """Return a function that runs the ``torch.export`` program."""
     with warnings.catch_warnings(action="ignore"):
         return _tensors(torch.export.load(BytesIO(content)).module())
 
 
 def write_safetensors(model: Deployed, notes: Mapping[str, str]) -> bytes:
-    """Return a generator's weights, with what this package needs to build it.
+    """Return a generator's weights, with the metadata that this package needs to rebuild it.
 
     Raises:
-        InputError: if its settings are not plain enough for that.
+        InputError: if its settings are not plain values.
     """
     return Weights(ModelMetadata.parse(notes), model.generator.state_dict()).to_bytes()
 
 
 def read_safetensors(content: bytes) -> Run:
-    """Return a generator built from such a file alone."""
+    """Return a function that runs a generator rebuilt from the bytes alone."""
     weights = parse_weights(content)
     return _tensors(Deployed(weights.generator(), weights.notes.size))
 
 
-FORMATS = {  # by the ending of a file
+FORMATS = {  # by file extension
     ".onnx": Format(write_onnx, read_onnx, halve_onnx),
     ".safetensors": Format(
         write_safetensors,

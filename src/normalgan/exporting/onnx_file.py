@@ -1,4 +1,4 @@
-"""Metadata of our ONNX files, and their weights in half precision."""
+"""ONNX files: metadata, half-precision weights and opset conversion."""
 
 from collections.abc import Mapping
 
@@ -12,11 +12,11 @@ from normalgan.errors import InputError, brief
 __all__ = ["finish", "fold_constants", "halve", "lowered"]
 
 _SMALL = 64
-"""Tensors of fewer elements stay as they are: shapes, scales and the like weigh nothing."""
+"""Smaller tensors, such as shapes and scales, keep their type because they take little space."""
 
 
 def fold_constants(model: ModelProto) -> ModelProto:
-    """Return a model with constant subexpressions folded; weights keep their names."""
+    """Return a model with constant subexpressions folded; weight names are kept."""
     done = ModelProto()
     done.CopyFrom(model)
     optimizer.fold_constants(done)
@@ -25,14 +25,14 @@ def fold_constants(model: ModelProto) -> ModelProto:
 
 
 def finish(model: ModelProto, notes: Mapping[str, str]) -> bytes:
-    """Return a model as bytes, with notes as its ``metadata_props`` and without traces of this machine.
+    """Return a model as bytes, with notes in ``metadata_props`` and without traces of this machine.
 
     Raises:
-        onnx.checker.ValidationError: if it is not a valid model.
+        onnx.checker.ValidationError: if the model is invalid.
     """
     done = ModelProto()
     done.CopyFrom(model)
-    # torch leaves at every node the lines of code, with their paths, that it came from.
+    # torch stores in every node the source lines that it came from, with their paths.
     for node in done.graph.node:
         del node.metadata_props[:]
         node.doc_string = ""
@@ -49,10 +49,10 @@ def finish(model: ModelProto, notes: Mapping[str, str]) -> bytes:
 
 
 def halve(content: bytes) -> bytes:
-    """Return a model whose weights are stored as float16, while all that is computed stays float32.
+    """Return a model with weights stored as float16 and computation in float32.
 
-    A cast brings each weight back; ONNX Runtime does so once, on loading. So the file is half as large, and
-    no slower on a processor that computes only in float32.
+    A cast node converts each weight back to float32, which ONNX Runtime does once when it loads the model.
+    The file is half as large, and prediction is as fast on processors that only compute in float32.
     """
     model = onnx.load_from_string(content)
     casts: list[NodeProto] = []
@@ -76,13 +76,13 @@ def halve(content: bytes) -> bytes:
 
 
 def lowered(content: bytes, opset: int) -> bytes:
-    """Return a model in another version of ONNX's operators, for older or newer runtimes.
+    """Return a model converted to another opset version, for older or newer runtimes.
 
     Raises:
-        InputError: if ONNX's converter does not know an operator of it there.
+        InputError: if ONNX's converter does not support an operator of the model in that version.
     """
     model = onnx.load_from_string(content)
-    for node in model.graph.node:  # new with version 18, and without effect where axes are given
+    for node in model.graph.node:  # new in version 18, and without effect if axes are given
         kept = [each for each in node.attribute if each.name != "noop_with_empty_axes"]
         del node.attribute[:]
         node.attribute.extend(kept)

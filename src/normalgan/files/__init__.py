@@ -1,3 +1,3 @@
-"""Files: atomic writing, reading within limits, checks before loading."""
+"""Files: atomic writing, reading within limits, and checks before loading."""
 
 __all__ = []

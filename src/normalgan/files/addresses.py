@@ -1,4 +1,4 @@
-"""Files by address: https:// and hf://, cached on this machine after their hash is checked."""
+"""Files from https:// and hf:// addresses, cached on this machine after their hash is checked."""
 
 import hashlib
 import json
@@ -22,25 +22,25 @@ from normalgan.files.writing import write_bytes
 __all__ = ["CACHE", "Address", "Kept", "is_address", "kept_files", "local_file", "parse_address"]
 
 CACHE = "NORMALGAN_CACHE"
-"""The environment variable that names the folder of files that were fetched."""
+"""Environment variable with the folder of downloaded files."""
 _WAIT = 30
-"""Seconds to wait for a server's answer, and in which it sends at least as much as `_SLOWEST` says."""
+"""Timeout for a server's answer, and interval over which its speed is measured, in seconds."""
 _SLOWEST = 10
-"""Bytes a second of the slowest server, as in cargo, which also measures over 30 s. A timeout of the socket
-alone starts again with each byte, so that a server could hold us for ever."""
+"""Minimum speed of a server in bytes per second, as in cargo, which also measures over 30 s. A socket
+timeout restarts with each byte, so a slow server could block us forever."""
 _HASH = re.compile(r"sha256=([0-9a-fA-F]{64})")
 _HUB_FILE = "model.onnx"
-"""The file of a repository on the hub, if the address names none."""
+"""Default file of a repository on the hub."""
 _SOURCE = "source.json"
 
 
 @dataclass(frozen=True)
 class Address:
-    """A file elsewhere.
+    """Address of a file elsewhere.
 
     Args:
         text: the address as given, without the hash.
-        sha256: of the file's content, 64 lower-case digits.
+        sha256: SHA-256 hash of the file's content, as 64 lower-case hexadecimal digits.
         name: name of the file.
     """
 
@@ -51,11 +51,11 @@ class Address:
 
 @dataclass(frozen=True)
 class Kept:
-    """A file that was fetched.
+    """A downloaded file.
 
     Args:
-        path: where it is.
-        address: where it came from, with its hash.
+        path: path of the file.
+        address: address that it was downloaded from, with its hash.
     """
 
     path: Path
@@ -72,13 +72,13 @@ def is_address(name: str) -> bool:
 
 
 def parse_address(text: str) -> Address:
-    """Return an address that can be fetched.
+    """Parse the address of a file.
 
     Args:
         text: ``https://host/file#sha256=…`` or ``hf://owner/name[@revision][/file]#sha256=…``.
 
     Raises:
-        InputError: if its scheme is not supported, or it has no hash.
+        InputError: if the scheme is not supported, or the address has no hash.
 
     >>> parse_address("hf://owner/name@v1#sha256=" + 64 * "a").name
     'model.onnx'
@@ -101,11 +101,11 @@ def parse_address(text: str) -> Address:
 
 
 def local_file(name: str) -> Path:
-    """Return the path of a file; a file behind an address is fetched once and kept.
+    """Return the path of a file; a file at an address is downloaded once and cached.
 
     Raises:
-        InputError: if an address cannot be used, does not answer, or its file has another hash.
-        OSError: if the file cannot be kept.
+        InputError: if an address is invalid, does not answer, or its file has another hash.
+        OSError: if the file cannot be cached.
     """
     if not is_address(name):
         return Path(name)
@@ -125,13 +125,13 @@ def local_file(name: str) -> Path:
 
 
 def kept_files() -> Iterator[Kept]:
-    """Yield the files that were fetched."""
+    """Yield the downloaded files."""
     for source in sorted(_folder().glob(f"*/{_SOURCE}")):
         try:
             said = json.loads(source.read_text(encoding="utf-8"))
             kept = Kept(source.with_name(str(said["name"])), str(said["address"]))
         except (OSError, ValueError, KeyError, TypeError):
-            continue  # not ours, or removed meanwhile
+            continue  # not ours, or removed in the meantime
         if kept.path.is_file():
             yield kept
 
@@ -145,7 +145,7 @@ def _hash(content: bytes) -> str:
 
 
 class _Fetch(Thread):
-    """Fetches a file. A thread, because a slow server may stop anywhere, also within its headers."""
+    """Downloads a file in a thread, because a slow server may stall anywhere, even within its headers."""
 
     def __init__(self, address: Address) -> None:
         super().__init__(daemon=True)
@@ -155,7 +155,7 @@ class _Fetch(Thread):
         self._error: Exception | None = None
 
     def run(self) -> None:
-        """Read the answer."""
+        """Read the server's answer."""
         request = Request(self._address.text, headers={"User-Agent": "normalgan"})
         try:
             with urlopen(request, timeout=_WAIT) as answer:
@@ -166,11 +166,11 @@ class _Fetch(Thread):
             self._error = error
 
     def content(self) -> tuple[bytes, int]:
-        """Return the file's content, and how many bytes were promised.
+        """Return the file's content, and the number of bytes that the server announced.
 
         Raises:
             InputError: if the server is too slow.
-            Exception: what urllib raises.
+            Exception: any error of urllib.
         """
         while self.is_alive():
             before = len(self._received)
@@ -205,13 +205,13 @@ def _from_web(address: Address) -> bytes:
         raise InputError(
             f"the file at {address.text} has more than {MOST_BYTES} bytes; no model is that large."
         )
-    if len(content) < promised:  # which read tells of no answer whose length is known
+    if len(content) < promised:  # read() does not report it for answers of known length
         raise InputError(f"{address.text} stopped after {len(content)} of {promised} bytes; try again.")
     return content
 
 
 def _hub_place(address: str) -> tuple[str, str | None, str]:
-    """Return the repository, the revision and the file that an address of the hub names."""
+    """Return repository, revision and file of a hub address."""
     found = re.fullmatch(
         r"hf://(?P<repo>[\w.-]+/[\w.-]+)(?:@(?P<revision>[\w.-]+))?(?:/(?P<file>[^?]+))?",
         address,

@@ -1,4 +1,4 @@
-"""JSON files that a user gives."""
+"""JSON files given by the user."""
 
 import json
 from pathlib import Path
@@ -11,12 +11,12 @@ __all__ = ["read_json"]
 
 
 def read_json(path: Path, kind: str = "", like: str = "") -> Any:
-    """Return the value that a JSON file holds.
+    """Return the value in a JSON file.
 
     Args:
-        path: the file.
-        kind: its description in messages, such as ``the split file``.
-        like: a sentence on the expected content, for a file that is not JSON.
+        path: path of the file.
+        kind: description of the file in messages, such as ``the split file``.
+        like: sentence on the expected content, for the message if the file is not JSON.
 
     Raises:
         InputError: if the file cannot be read or is not JSON.

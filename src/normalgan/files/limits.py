@@ -1,4 +1,4 @@
-"""Limits of reading, so that no file exhausts memory or time."""
+"""Limits on reading, so that no file exhausts memory or time."""
 
 import os
 import stat
@@ -22,30 +22,30 @@ __all__ = [
 ]
 
 MOST_BYTES = 2**30
-"""Larger files are refused; the largest scans in use have a tenth of it."""
+"""Maximum file size in bytes, ten times the largest scans in use."""
 MOST_SETTINGS = 2**18
-"""Larger configurations are refused, in bytes: PyYAML takes seconds for each megabyte."""
+"""Maximum size of a configuration in bytes; PyYAML takes seconds per megabyte."""
 MOST_DEPTH = 50
-"""Deeper lists and mappings are refused; no settings need them."""
+"""Maximum nesting depth of lists and mappings, more than any settings need."""
 MOST_NODES = 100_000
-"""More values are refused, those counted again that an alias repeats; no settings need as many."""
+"""Maximum number of values, counting each expansion of an alias; more than any settings need."""
 _POINTER = b"version https://git-lfs.github.com/spec/"
-"""What a pointer of Git LFS begins with."""
+"""First bytes of a Git LFS pointer."""
 
 
 def read_bounded(path: Path, most: int = MOST_BYTES) -> bytes:
-    """Return the bytes of a file within a limit.
+    """Return the content of a file, up to a size limit.
 
     Raises:
-        InputError: if there are more than ``most``, or it is a pipe, which may never end or never begin, or
-            a device, or a pointer of Git LFS.
-        OSError: if it cannot be read.
+        InputError: if the file has more than ``most`` bytes, or is a pipe, a device or a Git LFS pointer.
+            A pipe may block forever.
+        OSError: if the file cannot be read.
     """
     with open(path, "rb", opener=_without_waiting) as file:
         status = os.fstat(file.fileno())
         if not stat.S_ISREG(status.st_mode):
             raise InputError(f"{path} is a pipe or a device; give a file.")
-        # A sparse file of terabytes costs nothing to make: its size first, then its bytes.
+        # The size is checked before reading, because a sparse file of terabytes is easily made.
         if status.st_size > most:
             raise InputError(f"{path} has more than {most} bytes; no file of its kind is that large.")
         data = file.read(status.st_size)
@@ -54,15 +54,15 @@ def read_bounded(path: Path, most: int = MOST_BYTES) -> bytes:
 
 
 def read_named(path: Path, kind: str = "", most: int = MOST_BYTES) -> bytes:
-    """Return the bytes of a file that a user named, as `read_bounded` does.
+    """Return the content of a file given by the user, as `read_bounded` does.
 
     Args:
-        path: the file.
-        kind: its description in messages, such as ``the split file``.
-        most: largest number of bytes.
+        path: path of the file.
+        kind: description of the file in messages, such as ``the split file``.
+        most: maximum number of bytes.
 
     Raises:
-        InputError: if it cannot be read.
+        InputError: if the file cannot be read.
     """
     try:
         return read_bounded(path, most)
@@ -72,14 +72,14 @@ def read_named(path: Path, kind: str = "", most: int = MOST_BYTES) -> bytes:
 
 
 def refuse_pointer(path: Path | str, data: bytes) -> None:
-    """Refuse a Git LFS pointer: a large file that was not fetched.
+    """Refuse a Git LFS pointer, which stands for a large file that was not downloaded.
 
     Args:
-        path: the file, or its name in messages.
-        data: its content, or the beginning of it.
+        path: path of the file, or its name in messages.
+        data: content of the file, or its beginning.
 
     Raises:
-        InputError: if it is a pointer of Git LFS.
+        InputError: if the file is a Git LFS pointer.
     """
     if data.startswith(_POINTER):
         raise InputError(
@@ -88,23 +88,23 @@ def refuse_pointer(path: Path | str, data: bytes) -> None:
 
 
 def _without_waiting(path: str, flags: int) -> int:
-    """Open a file without waiting for the writer of a pipe."""
+    """Open a file without blocking on a pipe that has no writer."""
     return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
 
 
 def yaml_limit_error(text: str) -> str | None:
-    r"""Return which limit a YAML text exceeds, as the end of a sentence; None if it may be loaded.
+    r"""Return the limit that a YAML text exceeds, as the end of a sentence, or None if it is safe to load.
 
-    Aliases count as if they were expanded, because ten lines can stand for billions of values.
+    Aliases count as expanded, because ten lines can stand for billions of values.
 
     Raises:
-        yaml.YAMLError: if it is not YAML.
+        yaml.YAMLError: if the text is not YAML.
 
     >>> yaml_limit_error("a: &a [1, 2]\nb: [*a, *a]")
     >>> yaml_limit_error("a: &a [*a]")
     'contains itself, at *a'
     """
-    sizes: dict[str, int] = {}  # of what each anchor names
+    sizes: dict[str, int] = {}  # of each anchor's node
     open_anchors: list[str | None] = [None]
     counts = [0]
     for event in yaml.parse(text, Loader=yaml.SafeLoader):
@@ -130,15 +130,15 @@ def yaml_limit_error(text: str) -> str | None:
 
 
 def load_yaml(text: str) -> Any:
-    """Return the value of a YAML text, loaded safely; ask `yaml_limit_error` first.
+    """Return the value of a YAML text, loaded safely; call `yaml_limit_error` first.
 
     Raises:
-        yaml.MarkedYAMLError: with the line, also for a key that a mapping has twice, and for what looks like
-            a date or a number and is none, where PyYAML raises a bare ValueError or worse.
+        yaml.MarkedYAMLError: with the line, if the text is invalid, if a mapping has a duplicate key, or
+            for an invalid date or number, where PyYAML raises a bare ValueError or worse.
 
     >>> load_yaml("a: 2026-02-30")
     Traceback (most recent call last):
-    yaml.constructor.ConstructorError: 2026-02-30 looks like a number or a date, but is none; put it in quotes
+    yaml.constructor.ConstructorError: 2026-02-30 is not a valid number or date; put it in quotes
       in "<unicode string>", line 1, column 4:
         a: 2026-02-30
            ^
@@ -152,7 +152,7 @@ class _Loader(yaml.SafeLoader):
         first: dict[str, int] = {}
         for key, _ in node.value:
             if isinstance(key, yaml.ScalarNode) and key.tag != "tag:yaml.org,2002:merge":
-                # PyYAML would take the last one and drop the others, with all that is in them.
+                # PyYAML would keep the last value of a duplicate key and silently drop the others.
                 if key.value in first:
                     problem = f"{key.value:.40} was given in line {first[key.value]} already"
                     raise yaml.constructor.ConstructorError(None, None, problem, key.start_mark)
@@ -163,5 +163,5 @@ class _Loader(yaml.SafeLoader):
         try:
             return super().construct_object(node, deep)
         except (ValueError, AttributeError) as error:
-            problem = f"{node.value:.40} looks like a number or a date, but is none; put it in quotes"
+            problem = f"{node.value:.40} is not a valid number or date; put it in quotes"
             raise yaml.constructor.ConstructorError(None, None, problem, node.start_mark) from error

@@ -1,4 +1,4 @@
-"""Shipped configurations: the files of settings that come with the package, by name."""
+"""Shipped configurations: the configuration files that come with the package, by name."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ __all__ = ["find_beside", "find_config", "shipped_folder", "shipped_names"]
 
 
 def shipped_folder() -> Path:
-    """Return the folder of the shipped configurations: in the package, or in the clone it runs from."""
+    """Return the folder of the shipped configurations, in the installed package or in the clone."""
     packed = Path(__file__).parents[1] / "configs"
     return packed if packed.is_dir() else Path(__file__).parents[3] / "configs"
 
@@ -18,10 +18,10 @@ def shipped_names() -> list[str]:
 
 
 def find_beside(given: str) -> Path:
-    """Return the path of a file that a configuration names: the user's file if it exists, else the package's.
+    """Return the path of a file named in a configuration: the user's file if it exists, else the package's.
 
     Args:
-        given: a path, such as ``configs/fourleg/split.json``, from the working directory.
+        given: path relative to the working directory, such as ``configs/fourleg/split.json``.
     """
     path = Path(given)
     shipped = shipped_folder().joinpath(*path.parts[1:])
@@ -30,10 +30,10 @@ def find_beside(given: str) -> Path:
 
 
 def find_config(given: str) -> str:
-    """Return the path of a configuration: a file if there is one of this name, else the package's own.
+    """Return the path of a configuration: the given file if it exists, else a shipped configuration.
 
     Args:
-        given: a path, or a name such as ``paper``; ``configs/paper.yaml`` works too.
+        given: path, or a name such as ``paper``; ``configs/paper.yaml`` works too.
     """
     name = Path(given).as_posix().removeprefix("configs/").removesuffix(".yaml")
     if Path(given).exists() or name not in shipped_names():

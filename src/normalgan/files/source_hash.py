@@ -1,4 +1,4 @@
-"""A hash of a third-party class's code, so that samples of an earlier version are not reused."""
+"""A hash of a third-party class's code, so that samples from an earlier version are not reused."""
 
 import ast
 import hashlib
@@ -16,11 +16,11 @@ _NOT_THEIRS = frozenset({"normalgan", *sys.stdlib_module_names})
 
 @lru_cache(maxsize=256)
 def source_hash(kind: type) -> str:
-    """Return a hash of the code of a third-party class and its bases; empty for a class of this package.
+    """Return a hash of the code of a third-party class and its bases, or "" for a class of this package.
 
-    It covers the files of the modules that define them, and the modules that these import from the same
-    package, or from the same folder if it is not site-packages. If a class is defined in the script that
-    runs, or at a prompt, only the class itself is covered.
+    It covers the files of their modules, and the modules that these import from the same package, or from
+    the same folder unless that is site-packages. For a class from the running script or an interactive
+    prompt, it covers only the class itself.
     """
     code = []
     for base in kind.__mro__:
@@ -31,13 +31,13 @@ def source_hash(kind: type) -> str:
         if module != "__main__" and file is not None and Path(file).is_file():
             code += [path.read_bytes() for path in _with_imports(module, Path(file))]
         else:
-            with suppress(OSError, TypeError):  # typed in at a prompt
+            with suppress(OSError, TypeError):  # defined at an interactive prompt
                 code.append(inspect.getsource(base).encode())
     return hashlib.sha256(b"\0".join(code)).hexdigest()[:16] if code else ""
 
 
 def _with_imports(module: str, file: Path) -> list[Path]:
-    """Return the files of a module and of all that it imports, directly or not."""
+    """Return the files of a module and of its direct and indirect imports."""
     root = file.parents[module.count(".") + (file.stem == "__init__")]
     theirs = {module.partition(".")[0]} if root.name in {"site-packages", "dist-packages"} else None
     found, waiting = {module: file}, [module]
@@ -56,12 +56,12 @@ def _with_imports(module: str, file: Path) -> list[Path]:
 
 
 def _imported(file: Path, module: str) -> set[str]:
-    """Return the modules that a file imports, and the names that it takes from them, which may be modules."""
+    """Return the modules that a file imports, and the names imported from them, which may be modules too."""
     package = module if file.stem == "__init__" else module.rpartition(".")[0]
     names: set[str] = set()
     try:
         tree = ast.parse(file.read_bytes())
-    except (SyntaxError, ValueError):  # of another version of Python, and imported in a try
+    except (SyntaxError, ValueError):  # for another version of Python, imported within a try
         return names
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):

@@ -1,4 +1,4 @@
-"""Safe loading of files by `torch.save`: data only, and no more than the file's length."""
+"""Safe loading of `torch.save` files: only plain data, and no more memory than the file's size."""
 
 import io
 import pickletools
@@ -18,12 +18,12 @@ from normalgan.files.limits import refuse_pointer
 __all__ = ["MOST_OBJECTS", "MOST_PARTS", "load_torch_file"]
 
 MOST_OBJECTS = 2**24
-"""Larger pickles are refused, in bytes: the names and shapes of ten thousand tensors have a tenth of it."""
+"""Maximum size of the pickle in bytes, ten times the names and shapes of ten thousand tensors."""
 MOST_PARTS = 100_000
-"""More parts of an archive, or values in it, than any checkpoint has."""
+"""Maximum number of parts in an archive or of values in a pickle, more than in any checkpoint."""
 
-# Those that `normalgan fit` and Lightning's callbacks put in. torch allows more under weights_only, such as
-# bytearray, with which one number asks for all memory.
+# Types saved by `normalgan fit` and Lightning's callbacks. With weights_only, torch also allows types such
+# as bytearray, where a single number can allocate all memory.
 _DATA = {
     ("collections", "OrderedDict"),
     ("torch", "Size"),
@@ -35,18 +35,18 @@ _DATA = {
 _NUMBERS = re.compile(
     r"(Float|Double|Half|BFloat16|Long|Int|Short|Char|Byte|Bool)Storage|u?int\d+|b?float\d+|bool"
 )
-_END = struct.Struct("<4s4H2LH")  # the end of a zip file
-_PLACE64 = struct.Struct("<4sLQL")  # where that of a long one is
+_END = struct.Struct("<4s4H2LH")  # end of a zip file
+_PLACE64 = struct.Struct("<4sLQL")  # locates the end record of a large zip file
 _END64 = struct.Struct("<4sQ2H2L4Q")
 
 
 def load_torch_file(path: Path) -> Any:
-    """Load a file of `torch.save`; tensors are memory-mapped.
+    """Load a `torch.save` file with memory-mapped tensors.
 
-    Nothing in it is executed, and nothing is imported or allocated before it is checked.
+    Nothing in it is executed, and nothing is imported or allocated before the checks.
 
     Raises:
-        InputError: if it is missing, damaged, or holds anything but data.
+        InputError: if the file is missing or damaged, or holds anything but data.
     """
     if path.is_dir():
         raise InputError(
@@ -66,7 +66,7 @@ def load_torch_file(path: Path) -> Any:
         raise InputError(
             f"{path} is damaged or no checkpoint: {error}; give one that `normalgan fit` saved."
         ) from None
-    except Exception as error:  # whatever torch raises on other bytes; what it says is advice for programmers
+    except Exception as error:  # torch raises anything on invalid bytes, with messages for programmers
         if wants_memory(error):
             raise RunError(f"there is too little memory to read {path}; close other programs.") from error
         raise InputError(
@@ -76,16 +76,17 @@ def load_torch_file(path: Path) -> Any:
 
 
 class _RefusedError(Exception):
-    """The reason why a file is not loaded, as part of a sentence."""
+    """Reason for not loading a file, as part of a sentence."""
 
 
 def _read_pickle(path: Path) -> bytes:
-    """Return the objects of an archive, after checking that it holds no more bytes than the file has."""
+    """Return the pickle of an archive, after checking that its parts are not larger than the file."""
     with path.open("rb") as file:
         refuse_pointer(path, file.read(64))
         directory = _directory(file)
         with zipfile.ZipFile(file) as archive:
-            # zipfile makes up for bytes before the archive, torch does not: they would read two files.
+            # zipfile allows bytes before the archive and torch does not, so they would read different
+            # content.
             if archive.start_dir != directory:
                 raise _RefusedError("it is not an archive of torch")
             parts = archive.infolist()
@@ -93,7 +94,7 @@ def _read_pickle(path: Path) -> bytes:
                 raise _RefusedError("its parts are compressed, which torch never does")
             if len(parts) > MOST_PARTS or sum(part.file_size for part in parts) > path.stat().st_size:
                 raise _RefusedError("its parts are longer than the file")
-            names = [part.filename.lower() for part in parts]  # torch finds a part by its name in any case
+            names = [part.filename.lower() for part in parts]  # torch ignores case in the names of parts
             if len(set(names)) < len(names):
                 raise _RefusedError("two of its parts have the same name")
             found = [part for part in parts if re.fullmatch(r"[^/]+/data\.pkl", part.filename)]
@@ -103,7 +104,7 @@ def _read_pickle(path: Path) -> bytes:
 
 
 def _directory(file: io.BufferedIOBase | Any) -> int:
-    """Return where the list of an archive's parts begins; its end is the very end of the file."""
+    """Return the offset of the zip directory, which must end at the end of the file."""
     length = file.seek(0, io.SEEK_END)
     file.seek(max(0, length - _END.size))
     end = file.read(_END.size)
@@ -121,32 +122,32 @@ def _directory(file: io.BufferedIOBase | Any) -> int:
 
 
 def _check_pickle(content: bytes) -> None:
-    """Check that a pickle names only the classes of plain data.
+    """Check that a pickle refers only to classes of plain data.
 
     Raises:
-        _RefusedError: with the name, if it names anything else.
+        _RefusedError: if it refers to anything else.
     """
     for operation, argument, _ in pickletools.genops(content):
         if operation.name == "GLOBAL":
             module, _, name = str(argument).partition(" ")
             if (module, name) not in _DATA and not (module == "torch" and _NUMBERS.fullmatch(name)):
                 shown = re.sub(r"[^\w.]", "?", f"{module}.{name}")[:60]
-                raise _RefusedError(f"it holds {shown}, and only numbers, texts and tensors are read")
+                raise _RefusedError(f"it holds {shown}, and only numbers, strings and tensors are read")
         elif operation.name in {"STACK_GLOBAL", "INST", "EXT1", "EXT2", "EXT4", "PERSID"}:
             raise _RefusedError("it is a pickle that torch does not write")
 
 
 def _check_tensors(content: Any, most: int) -> None:
-    """Check that tensors are not larger than the file, because a view can repeat one number."""
+    """Check that tensors are not larger than the file, because a view can repeat a single number."""
     taken = 0
     for tensor in _tensors(content):
         taken += tensor.numel() * tensor.element_size()
-        if taken > 2 * most:  # twice: weights may be tied
+        if taken > 2 * most:  # twice, because weights may be tied
             raise _RefusedError("its tensors are larger than the file")
 
 
 def _tensors(content: Any) -> Iterator[Tensor]:
-    # A value may lie in many places, so that writing it out would take forever: each is looked at once.
+    # Each object is visited once, because nested references could otherwise expand without end.
     seen, waiting = set(), [content]
     while waiting:
         value = waiting.pop()

@@ -10,16 +10,16 @@ __all__ = ["write_bytes"]
 def write_bytes(
     path: str | Path, content: bytes | memoryview, partial: Path | None = None, durable: bool = True
 ) -> None:
-    """Write a file atomically, and make its folder if missing.
+    """Write a file atomically, and create its folder if it is missing.
 
     Args:
         path: path of the file.
-        content: all of it.
-        partial: where it is written before it is renamed, on the same disk; None is beside it.
-        durable: whether to wait until it is on the disk, so that it outlives a power cut.
+        content: content of the file.
+        partial: temporary path on the same disk; None for a path next to the file.
+        durable: whether to wait until the file is on disk, so that it survives a power failure.
 
     Raises:
-        OSError: if it cannot be written; it names the file.
+        OSError: if the file cannot be written; the error has its name.
     """
     path = Path(path)
     temporary = partial or path.with_name(f".{path.name}.{os.getpid()}.tmp")
@@ -30,12 +30,12 @@ def write_bytes(
             with temporary.open("wb") as file:
                 file.write(content)
                 file.flush()
-                os.fsync(file.fileno())  # else the name may outlive a power cut, and the content not
+                os.fsync(file.fileno())  # or the name might survive a power cut without the content
         else:
             temporary.write_bytes(content)
         temporary.replace(path)
-    except OSError as error:  # a full disk does not say which file
+    except OSError as error:  # the error of a full disk does not name the file
         raise OSError(error.errno, error.strerror, str(path)) from error
     finally:
-        with suppress(OSError):  # of a read-only disk, which would be told in place of the first error
+        with suppress(OSError):  # on a read-only disk, this would mask the first error
             temporary.unlink(missing_ok=True)

@@ -1,4 +1,4 @@
-"""Hints: samplers that choose where the true normal is given (plug-ins), and hints as tensors."""
+"""Hints: samplers that choose the pixels with a known normal (plug-ins), and hints as tensors."""
 
 from normalgan.hints.base import HINT_SAMPLERS, ErrorHintSampler, HintSampler
 from normalgan.hints.curvature import CurvatureHints

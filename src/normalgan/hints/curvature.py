@@ -1,4 +1,4 @@
-"""CurvatureHints: points of mild curvature, the sampler of the paper."""
+"""CurvatureHints: points of mild curvature, as sampled in the paper."""
 
 import math
 from dataclasses import dataclass
@@ -14,44 +14,47 @@ from normalgan.ranges import Count, NonNegative, Positive, Share, check_ranges
 
 __all__ = ["CurvatureHints"]
 
-# Interpolated float32 normals of a plane differ by some 1e-7. Flat sits on the edge of two grey levels
-# (127.5), so without a dead zone such noise would hint every other pixel of a plane.
+# Interpolated float32 normals of a plane differ by about 1e-7. Flat lies on the boundary of two grey
+# levels (127.5), so without a dead zone such noise would select every other pixel of a plane.
 _FLAT = 1e-5
 
 
 @HINT_SAMPLERS.register
 @dataclass(frozen=True)
 class CurvatureHints(HintSampler):
-    """Sample points of mild concavity: two thresholds of the curvature map, exclusive or, dropout.
+    """Sample points of mild concavity by two thresholds of the curvature map, exclusive or, and dropout.
 
     After He et al., "Sketch-based Normal Map Generation with Geometric Sampling" (arXiv 2104.11554),
-    section 4: the grey curvature map is cut at 127 and at 126, the exclusive or of the two binary images
-    is kept, and each of its points is dropped with probability 0.95. The paper does not say how normals
-    become grey. The defaults are the reading that fits its text: flat is 128, concave darker, low contrast.
-    A single threshold then selects mostly the outline. The exclusive or selects level 127: mild
-    concavities, such as where a limb meets the body. A crease is several levels darker and is left out.
-    At 256 × 256, a view of the paper's FourLegs keeps 20 to 275 points (median 90), an embedded animal 8 to
-    274 (median 55); finer surfaces keep more, and a convex object keeps none. With `rounding` ``floor``,
-    flat is 127 and the rule selects everything flat, including the background if `object_only` is off.
+    section 4: the grey curvature map is thresholded at 127 and at 126, the exclusive or of the two binary
+    images is kept, and each of its points is dropped with probability 0.95. The paper does not say how
+    normals are converted to grey. The defaults follow from its text: flat is 128, concave is darker, and
+    contrast is low. A single threshold then selects mostly the outline. The exclusive or selects level
+    127: mild concavities, such as where a limb meets the body. Creases are several levels darker and are
+    not selected. At 256 × 256, a view of a FourLeg mesh of the paper gets 20 to 275 points (median 90),
+    and an embedded animal 8 to 274 (median 55). More detailed surfaces get more, and convex objects get
+    none. With `rounding` ``floor``, flat is 127, so all flat areas are selected, including the background
+    if `object_only` is off.
 
-    Only the curvature is quantised to 8 bits, never the normals.
+    The curvature is quantised to 8 bits; the normals never are.
 
     Args:
         estimator: derivative of the normals: ``central`` differences or ``sobel``.
-        signed: divergence of the normals (True), or the length of their gradient (False; set offset 0).
-        blur: standard deviation in pixels of a Gaussian on the curvature; 0 for none.
+        signed: divergence of the normals (True), or the norm of their gradient (False; set ``offset`` to
+            0).
+        blur: standard deviation of the Gaussian blur applied to the curvature, in pixels; 0 for no blur.
         normalisation: ``none``: grey = offset + gain · curvature. ``minmax``: each picture's curvature is
-            stretched over 0…255, gain is not used, and flat is not a fixed grey.
-        gain: grey per curvature of 1/pixel, where black is 0 and white 1; positive.
-        offset: grey of flat, 0…1.
-        rounding: rounding of grey · 255 to whole levels: ``round`` (0.5 becomes 128) or ``floor`` (127).
-        thresholds: the two levels, each 0…255, that cut the curvature map, in any order.
-        comparison: a level passes a threshold if ``greater`` or if ``greater_equal``.
-        object_only: keep only points on the object; off it, hints would give away the zero normal.
-        dropout: probability that a selected point is dropped, 0…1; not used with a count.
-        count: number of points to keep of each sample, chosen at random from the selected ones, instead of
-            dropout. If too few are selected, points of the nearest grey levels are added. Use it to compare
-            samplers at equal numbers of hints.
+            stretched to 0…255, so flat is not a fixed grey, and ``gain`` is ignored.
+        gain: change of grey (black 0, white 1) per 1/pixel of curvature; positive.
+        offset: grey of a flat surface, 0…1.
+        rounding: rounding of grey · 255 to integer levels: ``round`` (0.5 becomes 128) or ``floor`` (127).
+        thresholds: the two grey levels, each 0…255, in any order.
+        comparison: whether a level passes a threshold if ``greater`` or if ``greater_equal``.
+        object_only: whether to keep only points on the object; outside it, hints would reveal the zero
+            normal.
+        dropout: probability that a selected point is dropped, 0…1; ignored if ``count`` is set.
+        count: number of points to keep per sample, chosen at random from the selected ones, instead of
+            dropout. If too few are selected, points of the nearest grey levels are added. Use it to
+            compare samplers at equal numbers of hints.
     """
 
     estimator: Estimator = "central"
@@ -76,10 +79,10 @@ class CurvatureHints(HintSampler):
             )
 
     def sample(self, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
-        """Return where the hints are, (N, 1, H, W) of the normals' type; see `HintSampler.sample`.
+        """Return the hint mask, (N, 1, H, W) of the normals' type; see `HintSampler.sample`.
 
-        A sample's hints depend on its own normals and mask, its place in the batch, the shape of the batch
-        and the state of ``rng``, but not on the other samples.
+        The hints of a sample depend on its own normals and mask, its position in the batch, the batch
+        shape and the state of ``rng``, but not on the other samples.
         """
         if self.count is not None:
             return self._nearest(normal, mask, rng, self.count)
@@ -88,12 +91,12 @@ class CurvatureHints(HintSampler):
         return (selected & kept).to(normal.dtype)
 
     def _nearest(self, normal: Tensor, mask: Tensor, rng: torch.Generator, count: int) -> Tensor:
-        """Return ``count`` points of the levels nearest to the selected ones; ties are broken at random."""
+        """Return ``count`` points with levels nearest to the selected ones; ties are broken at random."""
         low, high = sorted(self.thresholds)
         first, last = (low + 1, high) if self.comparison == "greater" else (low, high - 1)
         levels = self.levels(normal)
         away = (first - levels).clamp(min=0) + (levels - last).clamp(min=0)
-        # Less than a whole level: chance decides among equals alone.
+        # Noise below one level only breaks ties.
         scores = torch.rand(levels.shape, generator=rng, device=normal.device).to(levels.dtype) - away
         if self.object_only:
             scores = scores.masked_fill(mask <= 0.5, -math.inf)
@@ -112,7 +115,7 @@ class CurvatureHints(HintSampler):
         return selected & (mask > 0.5) if self.object_only else selected
 
     def levels(self, normal: Tensor) -> Tensor:
-        """Return the 8-bit curvature map: (N, 1, H, W) whole numbers 0…255, as floats."""
+        """Return the 8-bit curvature map: (N, 1, H, W) integers 0…255, stored as floats."""
         curvature = curvature_map(normal, self.estimator, self.signed, self.blur)
         curvature = torch.where(curvature.abs() < _FLAT, torch.zeros_like(curvature), curvature)
         if self.normalisation == "none":
@@ -122,5 +125,5 @@ class CurvatureHints(HintSampler):
             flat = torch.full_like(curvature, self.offset)
             grey = torch.where(high > low, (curvature - low) / (high - low), flat)
         scaled = 255 * grey.clamp(0, 1)
-        # Half up, not half to even: both edges of a level then belong to the same side.
+        # Half up, not half to even, so that all levels are equally wide.
         return torch.floor(scaled + 0.5 if self.rounding == "round" else scaled)

@@ -1,4 +1,4 @@
-"""Drawing hints from a sampler, repeatably: for a batch as a whole, or for each sample by its name."""
+"""Reproducible drawing of hints from a sampler, either for a whole batch or for each sample by its name."""
 
 from collections.abc import Sequence
 
@@ -20,11 +20,11 @@ def draw_hints(
     """Return the hints (N, 4, H, W) that a sampler draws for a batch with a seed.
 
     Args:
-        sampler: chooses the points.
-        normal: (N, 3, H, W) true unit normals, 0 off the object.
+        sampler: sampler that chooses the points.
+        normal: (N, 3, H, W) true unit normals, 0 outside the object.
         mask: (N, 1, H, W), 1 on the object.
         seed: seed of all randomness.
-        error: (N, 1, H, W), for an `ErrorHintSampler`, of the generator's prediction without hints.
+        error: (N, 1, H, W), error of the generator's hint-free prediction, for an `ErrorHintSampler`.
 
     Raises:
         InputError: if the sampler does not return a tensor of the mask's shape. Its values are not checked
@@ -82,20 +82,21 @@ def draw_hints_by_name(
     seed: int,
     error: Tensor | None = None,
 ) -> Tensor:
-    """Return the hints (N, 4, H, W) of samples by name, independent of batch, process and device.
+    """Return the hints (N, 4, H, W) of named samples, independent of batch, process and device.
 
     Args:
-        sampler: chooses the points.
-        normal: (N, 3, H, W) true unit normals, 0 off the object.
+        sampler: sampler that chooses the points.
+        normal: (N, 3, H, W) true unit normals, 0 outside the object.
         mask: (N, 1, H, W), 1 on the object.
         names: names of the N samples.
-        seed: a different seed gives different hints.
+        seed: seed of all randomness, combined with each name.
         error: as in `draw_hints`.
 
     Raises:
-        InputError: if the sampler does not return 1 and 0 on the object, in the mask's shape.
+        InputError: if the sampler does not return a tensor of the mask's shape with 0 and 1 on the object
+            and 0 elsewhere.
     """
-    # On the CPU, whatever the device: a GPU draws other numbers from the same seed.
+    # Always on the CPU, because a GPU draws other numbers from the same seed.
     errors = [None] * len(names) if error is None else error.cpu().split(1)
     singles = zip(normal.cpu().split(1), mask.cpu().split(1), errors, names, strict=True)
     drawn = []

@@ -1,4 +1,4 @@
-"""Hints as the networks take them."""
+"""Hints in the form that the networks expect."""
 
 import torch
 from torch import Tensor
@@ -7,7 +7,7 @@ __all__ = ["hints_at"]
 
 
 def hints_at(normal: Tensor, where: Tensor) -> Tensor:
-    """Return hints of ``normal`` at the pixels ``where``.
+    """Return hints with the normals at the given pixels.
 
     Args:
         normal: (N, 3, H, W) unit normals.

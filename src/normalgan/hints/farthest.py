@@ -16,10 +16,11 @@ __all__ = ["FarthestPointHints"]
 class FarthestPointHints(HintSampler):
     """Sample ``count`` points: the first at random, each next one farthest from the previous ones.
 
-    Distances are straight lines in the picture. A smaller object is hinted at every pixel.
+    Distances are Euclidean in the picture. An object with fewer pixels than ``count`` gets a hint at each
+    pixel.
 
     Args:
-        count: points of each sample.
+        count: number of points per sample.
 
     References:
         Eldar, Lindenbaum, Porat, Zeevi 1997, "The Farthest Point Strategy for Progressive Image Sampling".
@@ -31,12 +32,12 @@ class FarthestPointHints(HintSampler):
         check_ranges(self)
 
     def sample(self, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
-        """Return where the hints are, (N, 1, H, W) of the normals' type; see `HintSampler.sample`."""
+        """Return the hint mask, (N, 1, H, W) of the normals' type; see `HintSampler.sample`."""
         number, _, height, width = normal.shape
         on_object = mask.flatten(1) > 0.5
         first = torch.rand(on_object.shape, generator=rng, device=normal.device)
         far = float(height**2 + width**2)
-        # Farther than any point can be until there is a first, at random.
+        # Larger than any possible distance; the first point is random.
         distance = torch.where(on_object, far * (1 + first), -torch.ones_like(first))
         pixels = torch.arange(height * width, device=normal.device)
         rows, columns = pixels // width, pixels % width

@@ -1,4 +1,4 @@
-"""NoHints: the sketch alone, as in pix2pix."""
+"""NoHints: no hints, only the sketch, as in pix2pix."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ __all__ = ["NoHints"]
 @HINT_SAMPLERS.register
 @dataclass(frozen=True)
 class NoHints(HintSampler):
-    """Sample no hints, as for pix2pix or a network for bare sketches.
+    """Sample no hints, for pix2pix or other networks without hints.
 
     References:
         Isola et al. 2017, "Image-to-Image Translation with Conditional Adversarial Networks".

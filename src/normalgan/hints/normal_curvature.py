@@ -14,22 +14,23 @@ Estimator = Literal["central", "sobel"]
 def curvature_map(
     normal: Tensor, estimator: Estimator = "central", signed: bool = True, blur: float = 0.0
 ) -> Tensor:
-    """Return the curvature of the surface at every pixel, in 1/pixel, at least in float32.
+    """Return the curvature of the surface at every pixel, in 1/pixel, in float32 or higher precision.
 
-    Signed, it is the divergence of the normal in the picture, ∂nx/∂x + ∂ny/∂y with x to the right and y
-    up: ridges are positive, valleys negative, flat is 0. An orthographic sphere of radius r pixels has 2/r
-    everywhere. Unsigned, it is the Frobenius norm of the normal's gradient. In a colour normal map,
-    (n + 1) / 2, the difference of the two neighbours of a pixel has the same value; tools that make a
-    "curvature map" from a normal map compute this sum of red by columns and green by rows.
+    The signed curvature is the divergence of the normal in the picture, ∂nx/∂x + ∂ny/∂y with x to the
+    right and y up: ridges are positive, valleys negative, flat is 0. An orthographic sphere of radius r
+    pixels has 2/r everywhere. The unsigned curvature is the Frobenius norm of the normal's gradient. In a
+    colour normal map, (n + 1) / 2, the difference between the two neighbours of a pixel has the same
+    value. Tools that make a "curvature map" from a normal map compute this sum: red along columns plus
+    green along rows.
 
-    Border pixels are repeated outside the picture. A normal of 0 off the object counts as facing the viewer
-    in the signed form, so a convex object has a strong negative outline.
+    Border pixels are repeated outside the picture. The zero normal outside the object counts as facing the
+    viewer in the signed form, so a convex object has a strong negative outline.
 
     Args:
         normal: (N, 3, H, W) unit normals, row 0 at the top.
-        estimator: ``central`` differences, or ``sobel``: the same, averaged across by (1, 2, 1) / 4.
-        signed: divergence (True) or the length of the gradient (False).
-        blur: standard deviation in pixels of a Gaussian applied to the curvature; 0 for none.
+        estimator: ``central`` differences, or ``sobel``, which also averages across them by (1, 2, 1) / 4.
+        signed: divergence (True) or norm of the gradient (False).
+        blur: standard deviation of the Gaussian blur applied to the curvature, in pixels; 0 for no blur.
 
     Returns:
         (N, 1, H, W) curvature.
@@ -51,19 +52,19 @@ def curvature_map(
 
 def _derivatives(image: Tensor, smooth: bool) -> tuple[Tensor, Tensor]:
     """Return the derivatives to the right and upwards, per pixel."""
-    # Slices rather than conv2d, which autocast would run in half precision.
+    # Slices instead of conv2d, which would run in half precision under autocast.
     padded = F.pad(image, (1, 1, 1, 1), mode="replicate")
     rows, columns = padded[:, :, 1:-1, :], padded[:, :, :, 1:-1]
     if smooth:
         rows = (padded[:, :, :-2] + 2 * rows + padded[:, :, 2:]) / 4
         columns = (padded[..., :-2] + 2 * columns + padded[..., 2:]) / 4
     along_x = (rows[..., 2:] - rows[..., :-2]) / 2
-    along_y = (columns[:, :, :-2] - columns[:, :, 2:]) / 2  # y is up, rows grow downward
+    along_y = (columns[:, :, :-2] - columns[:, :, 2:]) / 2  # y points up, row indices grow downwards
     return along_x, along_y
 
 
 def _gaussian(image: Tensor, sigma: float) -> Tensor:
-    """Blur each channel, to three standard deviations, continuing the border pixels."""
+    """Blur each channel with a kernel of three standard deviations, repeating the border pixels."""
     radius = max(1, round(3 * sigma))
     taps = torch.arange(-radius, radius + 1, dtype=torch.float64)
     weights = torch.exp(-0.5 * (taps / sigma) ** 2)

@@ -1,4 +1,4 @@
-"""Pins as a person sets them: one at a time, each where the last prediction is most wrong."""
+"""Pins set one at a time, as a person does: each where the last prediction is most wrong."""
 
 from collections.abc import Callable
 
@@ -12,25 +12,25 @@ from normalgan.metrics import angular_error
 __all__ = ["MOST_PINS", "pin_in_turn"]
 
 MOST_PINS = 3
-"""Most pins that are set in turn; Sofiiuk et al. make as many clicks."""
+"""Maximum number of pins added in turn, equal to the maximum number of clicks of Sofiiuk et al."""
 _REGION = 1 / 8
-"""Side of the square over which an error counts as one, in sides of the picture: about a limb's width."""
+"""Side of the averaging square for errors, as a fraction of the picture's side: about a limb's width."""
 
 
 def pin_in_turn(
     predict: Callable[[Tensor], Tensor], normal: Tensor, mask: Tensor, hints: Tensor, seed: int
 ) -> Tensor:
-    """Return hints (N, 4, H, W) with 0 to `MOST_PINS` more for each sample.
+    """Return hints (N, 4, H, W) with 0 to `MOST_PINS` additional pins for each sample.
 
-    Each pin is the true normal in the middle of the region where the prediction with all pins before it is
-    most wrong.
+    Each pin is the true normal at the centre of the region with the largest error, predicted with all
+    previous pins.
 
     Args:
-        predict: returns normals (N, 3, H, W) of any length for hints (N, 4, H, W).
-        normal: (N, 3, H, W) true unit normals, 0 off the object.
+        predict: function that returns normals (N, 3, H, W) of any length for hints (N, 4, H, W).
+        normal: (N, 3, H, W) true unit normals, 0 outside the object.
         mask: (N, 1, H, W), 1 on the object.
         hints: (N, 4, H, W) existing hints.
-        seed: seed of the numbers of pins.
+        seed: seed for the random number of pins.
 
     References:
         Sofiiuk, Petrov, Konushin 2022, "Reviving Iterative Training with Mask Guidance for Interactive
@@ -42,7 +42,7 @@ def pin_in_turn(
     on_object = mask > 0.5
     for turn in range(int(numbers.max())):
         error = torch.where(on_object, angular_error(predict(hints), normal), 0.0)
-        # The mean over a square, one axis after the other: its cost grows with the side, not with its square.
+        # The box filter is separable, so its cost grows with the side of the square, not with its area.
         rows = F.avg_pool2d(error, (2 * reach + 1, 1), stride=1, padding=(reach, 0))
         region = F.avg_pool2d(rows, (1, 2 * reach + 1), stride=1, padding=(0, reach))
         free = on_object & (hints[:, 3:] < 0.5) & (numbers > turn)

@@ -1,4 +1,4 @@
-"""UniformHints: points anywhere on the object, as in Sketch2Normal."""
+"""UniformHints: points chosen uniformly on the object, as in Sketch2Normal."""
 
 import math
 from dataclasses import dataclass
@@ -17,19 +17,19 @@ __all__ = ["UniformHints"]
 @HINT_SAMPLERS.register
 @dataclass(frozen=True)
 class UniformHints(HintSampler):
-    """Sample a random number of points, uniform on the object.
+    """Sample a random number of points, uniformly on the object.
 
     After Su et al., "Interactive Sketch-Based Normal Map Generation with Deep Neural Networks" (I3D 2018),
-    who place hints at random and do not publish how many. `CurvatureHints` keeps a different number of points
-    at each size and on each surface; to compare positions alone, give both the same number.
-    A small object with fewer pixels than points is hinted everywhere.
+    who place hints at random and do not publish their number. The number of points of `CurvatureHints`
+    varies with size and surface, so give both samplers the same number to compare positions only. An
+    object with fewer pixels than points gets a hint at each pixel.
 
     Args:
-        minimum: smallest number of hints.
-        maximum: largest number of hints.
-        numbers: distribution of the number: ``even`` (uniform) or ``log`` (log-uniform, so that few hints are
-            as likely as many).
-        none: share of samples without any hint, so that a generator learns to work without them.
+        minimum: minimum number of hints.
+        maximum: maximum number of hints.
+        numbers: distribution of the number of hints: ``even`` (uniform) or ``log`` (log-uniform, so that
+            few hints are as likely as many).
+        none: fraction of samples without hints, so that a generator learns to work without them.
     """
 
     minimum: Count = 10
@@ -50,9 +50,9 @@ class UniformHints(HintSampler):
             )
 
     def sample(self, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
-        """Return where the hints are, (N, 1, H, W) of the normals' type; see `HintSampler.sample`.
+        """Return the hint mask, (N, 1, H, W) of the normals' type; see `HintSampler.sample`.
 
-        A sample's hints depend on its own mask, its place in the batch, the shape of the batch and the
+        The hints of a sample depend on its own mask, its position in the batch, the batch shape and the
         state of ``rng``, but not on the other samples.
         """
         count = len(normal)
@@ -63,7 +63,7 @@ class UniformHints(HintSampler):
         on_object = mask.flatten(1) > 0.5
         scores = torch.rand(on_object.shape, generator=rng, device=device)
         scores = scores.masked_fill(~on_object, -1.0)
-        # A fixed number of candidates, then the drawn number of them: no value has to leave the device.
+        # Draw a fixed number of candidates and mask the surplus, so that no value has to leave the device.
         best, pixels = scores.topk(min(self.maximum, scores.shape[1]), dim=1)
         chosen = (torch.arange(best.shape[1], device=device) < numbers) & (best >= 0)
         where = torch.zeros_like(scores, dtype=normal.dtype).scatter_(1, pixels, chosen.to(normal.dtype))

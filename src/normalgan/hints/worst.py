@@ -1,4 +1,4 @@
-"""WorstErrorHints: points of the largest error, an oracle to compare other samplers with."""
+"""WorstErrorHints: points with the largest error, an oracle baseline for other samplers."""
 
 import math
 from dataclasses import dataclass
@@ -11,21 +11,21 @@ from normalgan.ranges import Count, NonNegative, check_ranges
 
 __all__ = ["WorstErrorHints"]
 
-_CROWDED = 1e4  # more than any error
+_CROWDED = 1e4  # larger than any error
 
 
 @HINT_SAMPLERS.register
 @dataclass(frozen=True)
 class WorstErrorHints(ErrorHintSampler):
-    """Sample points greedily where the generator's error without hints is largest.
+    """Sample points greedily where the generator's hint-free error is largest.
 
-    No user knows this error; the sampler is an upper bound for others. Points keep their distance, because
-    the neighbours of the worst pixel are nearly as wrong and one hint corrects them too. When no room is
-    left, the remaining points go where the error is largest.
+    Users do not know this error, so the sampler is an upper bound for others. Points keep a minimum
+    distance, because the neighbours of the worst pixel are nearly as wrong and one hint corrects them too.
+    When no more points fit, the remaining ones go where the error is largest.
 
     Args:
-        count: points of each sample.
-        spacing: smallest distance of two points, in sides of the square that has a point's share of the area.
+        count: number of points per sample.
+        spacing: minimum distance between points, in units of √(area of the object / ``count``).
     """
 
     count: Count = 15
@@ -35,12 +35,13 @@ class WorstErrorHints(ErrorHintSampler):
         check_ranges(self)
 
     def sample_by_error(self, error: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
-        """Return where the hints are, (N, 1, H, W) of the error's type; ``rng`` is not used."""
+        """Return the hint mask, (N, 1, H, W) of the error's type; ``rng`` is not used."""
         number, _, height, width = error.shape
-        on_object, flat = mask.flatten(1) > 0.5, error.flatten(1).float()  # ranks reach beyond half precision
+        on_object, flat = mask.flatten(1) > 0.5, error.flatten(1).float()  # ranks exceed float16
         shares = on_object.sum(1, keepdim=True) / max(self.count, 1)
         reach = self.spacing * shares.sqrt()
-        # Ranks: the errors, then those of what is near to a point, then what is taken or off the object.
+        # Order: errors of free pixels first, then of pixels near a chosen point, then chosen or outside
+        # pixels.
         crowded = torch.where(on_object, flat.clamp(min=0) - _CROWDED, -math.inf)
         ranks = torch.where(on_object, flat.clamp(min=0), -math.inf)
         pixels = torch.arange(height * width, device=error.device)

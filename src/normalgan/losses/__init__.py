@@ -1,4 +1,4 @@
-"""What training minimises: adversarial objectives and reconstruction losses, each a plug-in."""
+"""Losses: adversarial objectives and reconstruction losses, each a plug-in."""
 
 from normalgan.losses.adversarial import ADVERSARIAL_OBJECTIVES, AdversarialObjective, Critic, Scores
 from normalgan.losses.angular_likelihood import AngularLikelihood

@@ -1,4 +1,4 @@
-"""AdversarialObjective: the losses of discriminator and generator, given the scores."""
+"""AdversarialObjective: losses of discriminator and generator as functions of the scores."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
@@ -11,14 +11,14 @@ from normalgan.registry import Registry
 __all__ = ["ADVERSARIAL_OBJECTIVES", "AdversarialObjective", "Critic", "Scores", "mean_over_heads"]
 
 Scores = tuple[Tensor, ...]
-"""Raw scores of a discriminator, a tensor a head; see `Discriminator.forward`."""
+"""Raw scores of a discriminator, one tensor per head; see `Discriminator.forward`."""
 
 Critic = Callable[[Tensor], Scores]
-"""A discriminator with the condition already given: normals (N, 3, H, W) to scores."""
+"""A discriminator with a fixed condition: maps normals (N, 3, H, W) to scores."""
 
 
 class AdversarialObjective(ABC):
-    """Base of the adversarial objectives; every loss is to be minimised."""
+    """Base class of adversarial objectives; all losses are minimised."""
 
     @abstractmethod
     def discriminator_loss(self, real: Scores, fake: Scores) -> Tensor:
@@ -29,17 +29,17 @@ class AdversarialObjective(ABC):
         """Return the generator's adversarial loss, a scalar, for the scores of its predictions."""
 
     def penalty(self, critic: Critic, real: Tensor, fake: Tensor) -> Tensor:
-        """Return a regulariser that is added to the discriminator's loss; 0 by default.
+        """Return a regulariser to add to the discriminator's loss; 0 by default.
 
         Args:
-            critic: the discriminator under its condition.
+            critic: the discriminator with its condition fixed.
             real: true normals (N, 3, H, W).
             fake: predicted normals (N, 3, H, W), detached.
         """
         return real.new_zeros(())
 
     def after_discriminator_step(self, discriminator: nn.Module) -> None:
-        """Change the discriminator after its optimiser's step; the default does nothing."""
+        """Modify the discriminator after its optimiser's step; does nothing by default."""
 
     def check(self, discriminator: nn.Module) -> None:
         """Raise `InputError` if the objective cannot work with the discriminator."""
@@ -47,7 +47,7 @@ class AdversarialObjective(ABC):
 
 def mean_over_heads(scores: Scores) -> Tensor:
     """Return the mean score, a scalar; all heads have equal weight."""
-    return torch.stack([score.float().mean() for score in scores]).mean()  # bfloat16 would round a mean
+    return torch.stack([score.float().mean() for score in scores]).mean()  # bfloat16 would round the mean
 
 
 ADVERSARIAL_OBJECTIVES: Registry[AdversarialObjective] = Registry(

@@ -1,4 +1,4 @@
-"""AngularLikelihood: likelihood of directions given the confidence, and cross-entropy of the mask."""
+"""AngularLikelihood: likelihood of normals given a predicted confidence, plus cross-entropy of the mask."""
 
 import math
 from dataclasses import dataclass
@@ -14,14 +14,15 @@ from normalgan.ranges import NonNegative, PositiveInt, check_ranges
 
 __all__ = ["AngularLikelihood", "angular_nll", "relief_error", "smooth_angle"]
 
-_TINY = 1e-6  # of a length or its square: at a right or an opposite direction the angle has no gradient
+_TINY = 1e-6  # lower bound of a length or its square, because the angle has no gradient at 0 and 180°
 
 
 def angular_nll(angle: Tensor, confidence: Tensor) -> Tensor:
     """Return the negative log-likelihood of an angular error, up to a constant.
 
-    For the angular von Mises-Fisher distribution, with density proportional to exp(-κ θ). Its mode is sharper
-    than the plain distribution's, so it minimises the mean angle and not the squared angle.
+    The distribution is the angular von Mises-Fisher distribution, with density proportional to exp(-κ θ).
+    It has a sharper mode than the plain one, so the likelihood minimises the mean angle instead of the
+    mean squared angle.
 
     Args:
         angle: θ in radians, of any shape.
@@ -39,17 +40,17 @@ def angular_nll(angle: Tensor, confidence: Tensor) -> Tensor:
 
 
 def smooth_angle(one: Tensor, other: Tensor) -> Tensor:
-    """Return the angles in radians, (N, 1, H, W), between vectors (N, 3, H, W); their gradient is finite."""
+    """Return the angles in radians, (N, 1, H, W), between vectors (N, 3, H, W), with finite gradients."""
     across = torch.linalg.cross(one, other, dim=1).square().sum(1, keepdim=True)
     return torch.atan2((across + _TINY**2).sqrt(), (one * other).sum(1, keepdim=True))
 
 
 def relief_error(direction: Tensor, target: Tensor, mask: Tensor) -> Tensor:
-    """Return the error of mean n_z over the cells of an 8 × 8 grid, a scalar.
+    """Return the error of the mean n_z in the cells of an 8 × 8 grid, a scalar.
 
     Args:
         direction: (N, 3, H, W) unit normals.
-        target: (N, 3, H, W) true ones.
+        target: (N, 3, H, W) true unit normals.
         mask: (N, 1, H, W), 1 on the object.
     """
     off = (direction[:, 2:] - target[:, 2:]) * mask
@@ -60,24 +61,24 @@ def relief_error(direction: Tensor, target: Tensor, mask: Tensor) -> Tensor:
 @RECONSTRUCTIONS.register
 @dataclass(frozen=True)
 class AngularLikelihood(Reconstruction):
-    """Likelihood of the true directions on the object, and cross-entropy of its presence.
+    """Likelihood of the true normals on the object, plus cross-entropy of the object mask.
 
-    Needs a generator whose `Generator.predict` returns presence and confidence κ.
+    The generator's `Generator.predict` must return presence and confidence κ.
 
     Args:
         presence_weight: weight of the mask's cross-entropy, a mean over all pixels.
-        angle_weight: weight of the mean angle in radians. If positive, directions learn from the angle alone,
-            with equal weight for every pixel, and the likelihood trains only the confidence. With 0 both
-            learn from the likelihood, in which uncertain pixels count less.
-        relief_weight: weight of the error of mean n_z over parts of the object. Where a direction is
-            uncertain, the one with the smallest mean angle faces the viewer more than most possible ones;
-            this term keeps the surface from flattening.
-        stride: only one pixel of each square of this side is compared, another one at each step, because
-            neighbours are nearly equal and whole pictures are slow.
+        angle_weight: weight of the mean angle in radians. If positive, normals are trained on the angle
+            only, with equal weight for every pixel, and the likelihood trains only the confidence. If 0,
+            both are trained on the likelihood, in which uncertain pixels count less.
+        relief_weight: weight of the error of the mean n_z over parts of the object. Minimising the mean
+            angle makes uncertain normals face the viewer, and this term keeps the surface from flattening.
+        stride: side of the squares of which only one pixel is compared, a different one at each step.
+            Larger is faster, and neighbouring pixels are nearly equal.
         likelihood_weight: weight of the likelihood. With 0 and an ``angle_weight``, no confidence is learnt.
 
     Raises:
-        InputError: if a weight is negative or, in training, the generator has no presence or confidence.
+        InputError: if a weight is negative or, in training, the generator predicts no presence or
+            confidence.
     """
 
     presence_weight: NonNegative = 0.5
@@ -90,7 +91,7 @@ class AngularLikelihood(Reconstruction):
         check_ranges(self)
 
     def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> dict[str, Term]:
-        """Return likelihood, angle (if it has a weight) and presence; see `Reconstruction.terms`."""
+        """Return likelihood, angle (if its weight is positive) and presence; see `Reconstruction.terms`."""
         if preds.presence is None or preds.confidence is None:
             lacks = [name for name in ("presence", "confidence") if getattr(preds, name) is None]
             raise InputError(

@@ -13,10 +13,10 @@ __all__ = ["check_losses", "check_terms"]
 
 
 def check_losses(objective: AdversarialObjective, losses: Mapping[str, object]) -> None:
-    """Check that an objective's losses, by method name, are scalars.
+    """Check that an objective's losses, given by method name, are scalars.
 
     Raises:
-        InputError: if one is not.
+        InputError: if a loss is not a scalar.
     """
     for name, value in losses.items():
         if not isinstance(value, Tensor) or value.ndim:
@@ -30,11 +30,11 @@ def check_terms(reconstruction: Reconstruction, terms: object, alone: bool) -> N
 
     Args:
         reconstruction: the loss.
-        terms: its output, which should be `Term` by name.
-        alone: whether at least one term is needed, because there is no other loss.
+        terms: output of the loss, which should map names to `Term`.
+        alone: whether there is no other loss, so that at least one term is required.
 
     Raises:
-        InputError: otherwise, or if the generator would learn nothing from them.
+        InputError: if the output is not such a mapping, or if the terms have no gradient.
     """
     asked = "a reconstruction loss gives its terms by name, a Term of a scalar tensor and its weight each"
     if not isinstance(terms, dict) or (alone and not terms):

@@ -1,4 +1,4 @@
-"""CosineAndL2: cosine of the directions on the object, squared difference of the vectors everywhere."""
+"""CosineAndL2: cosine loss on the object plus squared distance everywhere."""
 
 from dataclasses import dataclass
 
@@ -17,12 +17,12 @@ __all__ = ["CosineAndL2"]
 class CosineAndL2(Reconstruction):
     """One minus the cosine of predicted and true normals, and their squared distance.
 
-    The cosine is averaged over the object, the distance over all pixels. Off the object the target is zero,
-    which teaches the network where the object ends.
+    The cosine is averaged over the object, the distance over all pixels. Outside the object, the target is
+    zero, which teaches the network where the object ends.
 
     Args:
         cosine_weight: weight of one minus the cosine.
-        l2_weight: weight of the squared distance, a mean over pixels and a sum over coordinates.
+        l2_weight: weight of the squared distance, summed over coordinates and averaged over pixels.
 
     Raises:
         InputError: if a weight is negative.
@@ -35,7 +35,7 @@ class CosineAndL2(Reconstruction):
         check_ranges(self)
 
     def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> dict[str, Term]:
-        """Return both parts; see `Reconstruction.terms`."""
+        """Return both terms; see `Reconstruction.terms`."""
         away = 1 - F.cosine_similarity(preds.normal, target, dim=1, eps=1e-6)[:, None]
         squared = (preds.normal - target).square().sum(1).mean()
         return {

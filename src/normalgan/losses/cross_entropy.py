@@ -12,7 +12,7 @@ __all__ = ["CrossEntropy"]
 
 
 def _cross_entropy(scores: Scores, target: float) -> Tensor:
-    full = [score.float() for score in scores]  # under autocast they may be bfloat16
+    full = [score.float() for score in scores]  # scores may be bfloat16 under autocast
     losses = [F.binary_cross_entropy_with_logits(s, torch.full_like(s, target)) for s in full]
     return torch.stack(losses).mean()
 

@@ -10,18 +10,18 @@ from normalgan.losses.angular_likelihood import smooth_angle
 __all__ = ["SHARE_MARKED", "add_distractor_strokes", "distractor_inconsistency", "mark_some"]
 
 SHARE_MARKED = 1 / 4
-"""Share of a batch that is predicted a second time, with distractor strokes."""
+"""Fraction of a batch that is predicted a second time with distractor strokes."""
 
 
 def add_distractor_strokes(sketch: Tensor, mask: Tensor, share: float) -> Tensor:
-    """Draw up to two short straight strokes on each object that carry no form, as hatching and slips do.
+    """Draw up to two short straight strokes without meaning on each object, like hatching or slips.
 
-    They are 1/30 to 1/6 of the side long and, at 256 pixels, 0.8 to 3 pixels wide.
+    The strokes are 1/30 to 1/6 of the side long and, at 256 pixels, 0.8 to 3 pixels wide.
 
     Args:
         sketch: (N, 1, H, W) in [0, 1], ink 1.
-        mask: (N, 1, H, W), 1 on the object, where their centres lie.
-        share: probability of each of the two.
+        mask: (N, 1, H, W), 1 on the object; strokes are centred there.
+        share: probability of each of the two strokes.
     """
     count, _, height, width = sketch.shape
     device = sketch.device
@@ -44,19 +44,19 @@ def add_distractor_strokes(sketch: Tensor, mask: Tensor, share: float) -> Tensor
 
 
 def mark_some(sketch: Tensor, mask: Tensor) -> Tensor:
-    """Return the first quarter of sketches (N, 1, H, W), at least one, with distractor strokes."""
+    """Return the first quarter of the sketches (N, 1, H, W), at least one, with distractor strokes added."""
     count = max(round(len(sketch) * SHARE_MARKED), 1)
     return add_distractor_strokes(sketch[:count], mask[:count], 1.0)
 
 
 def distractor_inconsistency(direction: Tensor, marked: Tensor, mask: Tensor) -> Tensor:
-    """Return the mean angle in radians by which distractor strokes turn the normals, a scalar.
+    """Return the mean angle in radians between predictions with and without distractor strokes, a scalar.
 
-    Gradients flow into both maps. When the map without strokes was detached, small networks lost form.
+    Gradients flow into both maps. With the stroke-free map detached, small networks lost form.
 
     Args:
         direction: (N, 3, H, W) predicted unit normals.
-        marked: (M, 3, H, W) predictions for the first M sketches with distractor strokes.
+        marked: (M, 3, H, W) predictions for the first M sketches after distractor strokes were added.
         mask: (N, 1, H, W), 1 on the object.
     """
     count = len(marked)

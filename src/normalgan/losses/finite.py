@@ -1,4 +1,4 @@
-"""Finite losses: a loss that is NaN or infinite stops the run before it spoils the weights."""
+"""Finite losses: a NaN or infinite loss stops the run before it corrupts the weights."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -15,22 +15,22 @@ from normalgan.errors import RunError
 __all__ = ["FEW", "LossError", "async_to_cpu", "loss_error", "not_finite", "start_finite_check"]
 
 FEW = 8
-"""More names of samples than this no one reads."""
+"""Maximum number of sample names in a message."""
 
 
 class LossError(RunError):
-    """A loss is NaN or infinite."""
+    """Error for a loss that is NaN or infinite."""
 
     def keep(self, path: Path) -> None:
-        """Add where the weights from before the step are kept."""
+        """Add the path of the weights from before the step to the message."""
         self.args = (f"{self} The weights from before this step are in {path}.",)
 
 
 def async_to_cpu(values: Tensor) -> Callable[[], list[float]]:
-    """Start copying numbers (N,) to the CPU and return a function that waits for them.
+    """Start copying values (N,) to the CPU and return a function that waits for them.
 
-    A GPU continues meanwhile with later work, such as the backward pass. ``tolist`` would wait for all work
-    in the queue and leave the GPU idle.
+    Meanwhile the GPU continues with queued work, such as the backward pass. ``tolist`` would wait for all
+    queued work and then leave the GPU idle.
     """
     if values.device.type != "cuda":
         return values.tolist
@@ -57,7 +57,7 @@ def _stream(device: int) -> torch.cuda.Stream:
 
 
 def not_finite(losses: Mapping[Any, float]) -> list[str]:
-    """Return the losses that are NaN or infinite, each with its value.
+    """Return descriptions of the losses that are NaN or infinite, with their values.
 
     >>> not_finite({"l1": 0.5, "hints": float("nan")})
     ['hints is nan']
@@ -69,10 +69,10 @@ def loss_error(bad: Sequence[str], names: Sequence[str], epoch: int, batch: int)
     """Return the error for losses that are not finite.
 
     Args:
-        bad: what `not_finite` returned; empty if only another process has such a loss.
+        bad: descriptions from `not_finite`; empty if only another process has such a loss.
         names: names of the samples in the batch.
-        epoch: counted from 0.
-        batch: number of the batch in the epoch, from 0.
+        epoch: index of the epoch, from 0.
+        batch: index of the batch in the epoch, from 0.
     """
     more = f" and {len(names) - FEW} more" if len(names) > FEW else ""
     which = ", ".join(bad) if bad else "a loss of another process is not finite"
@@ -96,12 +96,12 @@ def start_finite_check(
             hang, so the sum over all processes is checked too.
 
     Raises:
-        LossError: by the returned check, in every process, if a loss is not finite.
+        LossError: raised by the returned check, in every process, if a loss is not finite.
     """
     values = torch.stack([value.detach().float() for value in losses.values()])
     if processes > 1:
         total = values.clone()
-        torch.distributed.all_reduce(total)  # Lightning's own reduction waits for all processes first
+        torch.distributed.all_reduce(total)  # Lightning's own reduction first waits for all processes
         values = torch.cat([values, total])
     read = async_to_cpu(values)
 

@@ -9,12 +9,13 @@ __all__ = ["gradient_share"]
 
 
 def gradient_share(loss: Tensor, other: Tensor, inputs: Sequence[Tensor]) -> Tensor:
-    """Return the length of one loss's gradient divided by that of another; the graph is kept.
+    """Return the gradient norm of one loss divided by that of another; the graph is retained.
 
     Args:
-        loss: a scalar.
-        other: a scalar.
-        inputs: tensors to differentiate by, such as the weights of a network, taken as one vector.
+        loss: scalar whose gradient norm is the numerator.
+        other: scalar whose gradient norm is the denominator.
+        inputs: tensors to differentiate with respect to, such as a network's weights, treated as one
+            vector.
 
     >>> x = torch.tensor([3.0, 4.0], requires_grad=True)
     >>> float(gradient_share(x.sum(), (2 * x).sum(), [x]))

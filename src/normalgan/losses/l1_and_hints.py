@@ -16,13 +16,13 @@ __all__ = ["L1AndHints"]
 @RECONSTRUCTIONS.register
 @dataclass(frozen=True)
 class L1AndHints(Reconstruction):
-    """L1 difference to the true map, and again at the hints (He et al. 2021, equations 5 and 6).
+    """L1 loss on the whole map plus L1 loss at the hints (He et al. 2021, equations 5 and 6).
 
     Args:
         l1_weight: weight of the L1 loss (a mean over pixels and channels).
         hint_weight: weight of the hint loss (a mean over hints, a sum over channels), always on the raw map.
-        composited: take the L1 loss on the map with the truth pasted in at the hints, where it is then 0, as
-            Su et al. do. On the raw map otherwise.
+        composited: whether the L1 loss is computed after the true normals are pasted in at the hints, as
+            by Su et al., instead of on the raw map.
 
     Raises:
         InputError: if a weight is negative.
@@ -39,7 +39,7 @@ class L1AndHints(Reconstruction):
         """Return the L1 loss and the hint loss; see `Reconstruction.terms`."""
         predicted = preds.normal
         compared = torch.where(where > 0.5, target, predicted) if self.composited else predicted
-        hinted = predicted if self.hint_weight else predicted.detach()  # for the log alone, no pass backward
+        hinted = predicted if self.hint_weight else predicted.detach()  # only logged, so no backward pass
         return {
             "l1": Term(l1_loss(compared, target), self.l1_weight),
             "hint": Term(hint_loss(hinted, target, where), self.hint_weight),

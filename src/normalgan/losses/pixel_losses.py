@@ -1,4 +1,4 @@
-"""Losses that compare a predicted map with the true one, pixel by pixel."""
+"""Pixel-wise losses between a predicted and a true map."""
 
 from torch import Tensor
 
@@ -16,13 +16,13 @@ def l1_loss(preds: Tensor, target: Tensor) -> Tensor:
 
 
 def hint_loss(preds: Tensor, target: Tensor, where: Tensor) -> Tensor:
-    """Return the mean over hinted pixels of the channel sum of differences (He et al. 2021, equation 6).
+    """Return the L1 difference at hints, summed over channels, averaged over hints (He et al. 2021, eq. 6).
 
-    Apply it to the generator's own output: after the truth is pasted in at the hints it is always 0.
-    Without any hint it is 0.
+    Apply it to the raw output of the generator; after the true normals are pasted in at the hints, it is
+    always 0. It is also 0 if there are no hints.
 
     Args:
-        preds: predicted normals (N, 3, H, W), before the truth is pasted in.
+        preds: predicted normals (N, 3, H, W), before the true normals are pasted in.
         target: true normals (N, 3, H, W).
         where: (N, 1, H, W), 1 at the hints.
     """

@@ -1,4 +1,4 @@
-"""Reconstruction: the base of the generator's per-pixel losses."""
+"""Reconstruction: base class of the generator's per-pixel losses."""
 
 from abc import ABC, abstractmethod
 from typing import NamedTuple
@@ -12,25 +12,26 @@ __all__ = ["RECONSTRUCTIONS", "Reconstruction", "Term"]
 
 
 class Term(NamedTuple):
-    """A part of a loss."""
+    """A weighted term of a loss."""
 
     value: Tensor
-    """A scalar; logged as it is, as ``train/<name>``."""
+    """The unweighted scalar, logged as ``train/<name>``."""
     weight: float
-    """How much it counts."""
+    """Weight of the term in the loss."""
 
 
 class Reconstruction(ABC):
-    """Base of the losses that compare a predicted map with the true one."""
+    """Base class of losses that compare a predicted map with the true map."""
 
     @abstractmethod
     def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> dict[str, Term]:
-        """Return the parts of the loss by name; their weighted sum is minimised.
+        """Return the terms of the loss by name; their weighted sum is minimised.
 
         Args:
-            preds: the predictions of the generator, before the truth is pasted in at hints; float32.
-                ``preds.normal`` (N, 3, H, W) every generator has, presence and confidence only some.
-            target: (N, 3, H, W) true unit normals, 0 off the object.
+            preds: float32 predictions of the generator, before the true normals are pasted in at the
+                hints. All generators return ``preds.normal`` (N, 3, H, W); only some return presence and
+                confidence.
+            target: (N, 3, H, W) true unit normals, 0 outside the object.
             mask: (N, 1, H, W), 1 on the object.
             where: (N, 1, H, W), 1 at the hints.
         """

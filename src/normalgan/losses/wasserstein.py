@@ -1,4 +1,4 @@
-"""Wasserstein objectives: the critic is kept Lipschitz by weight clipping (the paper's) or by a penalty."""
+"""Wasserstein objectives, with weight clipping (as in the paper) or with a gradient penalty."""
 
 from dataclasses import dataclass
 
@@ -19,10 +19,10 @@ __all__ = ["Wasserstein", "WassersteinGradientPenalty"]
 
 
 class _DistanceObjective(AdversarialObjective):
-    """The losses of a critic that estimates the Wasserstein distance."""
+    """Losses of a critic that estimates the Wasserstein distance."""
 
     def discriminator_loss(self, real: Scores, fake: Scores) -> Tensor:
-        """Return E D(fake) - E D(real), minus the estimated Wasserstein distance."""
+        """Return E D(fake) - E D(real), the negative of the estimated Wasserstein distance."""
         return mean_over_heads(fake) - mean_over_heads(real)
 
     def generator_loss(self, fake: Scores) -> Tensor:
@@ -33,14 +33,14 @@ class _DistanceObjective(AdversarialObjective):
 @ADVERSARIAL_OBJECTIVES.register
 @dataclass(frozen=True)
 class Wasserstein(_DistanceObjective):
-    """WGAN with weight clipping, as Sketch2Normal trains and the paper follows.
+    """WGAN with weight clipping, as in Sketch2Normal and the paper.
 
-    The paper's last equation would, read as min over G, maximise L1; the signs here are those that agree
+    Taken literally as a minimum over G, the paper's last equation would maximise L1. The signs here agree
     with the code of Su et al.: L_D = E D(fake) - E D(real), L_G = -E D(fake).
 
     Args:
-        weight_clip: after each critic step every parameter, including those of norms, is clipped to
-            ±weight_clip.
+        weight_clip: absolute bound to which all parameters, including those of norms, are clipped after
+            each critic step.
 
     References:
         Arjovsky et al. 2017, "Wasserstein GAN", algorithm 1; He et al. 2021, equation 3.
@@ -84,10 +84,10 @@ class WassersteinGradientPenalty(_DistanceObjective):
             )
 
     def penalty(self, critic: Critic, real: Tensor, fake: Tensor) -> Tensor:
-        """Return λ E (‖∇D(x)‖₂ - 1)², x drawn on the lines between true and predicted maps."""
+        """Return λ E (‖∇D(x)‖₂ - 1)², with x sampled on lines between true and predicted maps."""
         share = torch.rand(len(real), 1, 1, 1, device=real.device, dtype=real.dtype)
         between = (share * real + (1 - share) * fake).requires_grad_()
-        # A score a sample (the mean over its elements and heads), summed: samples do not share gradients.
+        # The sum of one score per sample (the mean over its elements and heads) keeps gradients separate.
         score = torch.stack([head.float().flatten(1).mean(1) for head in critic(between)]).mean(0).sum()
         (gradient,) = torch.autograd.grad(score, between, create_graph=True)
         penalty: Tensor = self.gradient_penalty * (gradient.flatten(1).norm(dim=1) - 1).square().mean()

@@ -1,4 +1,4 @@
-"""How good a predicted normal map is: per-pixel errors, and metrics over data sets."""
+"""Quality of predicted normal maps: per-pixel errors, and metrics over data sets."""
 
 from normalgan.metrics.angular import (
     MeanAngularError,

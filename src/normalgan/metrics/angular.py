@@ -41,7 +41,7 @@ class MeanAngularError(NormalMapMetric):
 
 @METRICS.register
 class MeanAngularErrorPerImage(NormalMapMetric):
-    """Mean over images of each image's mean angle in degrees; small and large objects have equal weight."""
+    """Mean of the images' mean angles in degrees, so small and large objects have equal weight."""
 
     higher_is_better = False
     label = "mean over images"
@@ -69,8 +69,8 @@ class RootMeanSquareAngularError(NormalMapMetric):
 class MedianAngularError(NormalMapMetric):
     """Median angle in degrees over all pixels in the masks, to within 0.005°.
 
-    It is computed from a histogram, so memory does not grow with the number of pixels. For an even number of
-    pixels it is the mean of the middle two. A perfect map has 0.005°, the middle of the first bin.
+    It is computed from a histogram, so memory does not grow with the number of pixels. For an even number
+    of pixels, it is the mean of the middle two. A perfect map gets 0.005°, the centre of the first bin.
     """
 
     higher_is_better = False
@@ -86,12 +86,12 @@ class MedianAngularError(NormalMapMetric):
 
 @METRICS.register
 class ShareBelow(NormalMapMetric):
-    """Share, 0…1, of the pixels in the masks whose angle is strictly below a threshold.
+    """Fraction, 0…1, of the pixels in the masks with an angle strictly below a threshold.
 
     The usual thresholds are 5, 7.5, 11.25, 22.5 and 30 degrees.
 
     Args:
-        threshold: degrees, above 0 and below 180, with at most two decimals.
+        threshold: threshold in degrees, between 0 and 180, with at most two decimals.
     """
 
     higher_is_better = True
@@ -110,9 +110,9 @@ class ShareBelow(NormalMapMetric):
 
     @property
     def figure(self) -> str:
-        """Its figure, such as ``below_7_5``; without dots, with which torch modules cannot be named."""
+        """Name in results, such as ``below_7_5``; names of torch modules must not contain dots."""
         return f"below_{self.threshold:g}".replace(".", "_")
 
     def value(self) -> Tensor:
-        """Return the share."""
+        """Return the fraction."""
         return self.histogram[: self._bins].sum().float() / self.count

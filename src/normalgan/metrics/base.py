@@ -1,4 +1,4 @@
-"""MapMetric, the base of all metrics, and NormalMapMetric, the shared counts of ours."""
+"""MapMetric, the base class of all metrics, and NormalMapMetric, the shared state of the built-in ones."""
 
 import re
 from abc import ABC, abstractmethod
@@ -16,15 +16,15 @@ __all__ = ["BINS_PER_DEGREE", "FRACTION", "METRICS", "MapMetric", "NormalMapMetr
 
 BINS_PER_DEGREE = 100
 
-# Sums are whole numbers of these fractions: exact, the same in any order and on any number of processes,
-# safe when Lightning's `bf16-true` casts the module, and at home on devices without float64 (Apple's).
-# An int64 then holds 10^10 pixels even if every one is 180° off.
+# Sums are integer multiples of these fractions. They are exact, independent of the order and the number of
+# processes, safe when Lightning's `bf16-true` casts the module, and work on devices without float64
+# (Apple). An int64 is enough for 10^10 pixels even if all are 180° off.
 FRACTION = 2.0**-20
 _SQUARE_FRACTION = 2.0**-14
 
 
 def unit_of(figure: str) -> str:
-    """Return the unit of one of our figures: ``°``, ``%`` for a share from 0 to 1, or nothing.
+    """Return the unit of a built-in metric: ``°``, ``%`` for a fraction from 0 to 1, or nothing.
 
     >>> [unit_of(figure) for figure in ("angular_mean", "below_7_5", "coverage", "l1")]
     ['°', '%', '%', '']
@@ -35,19 +35,19 @@ def unit_of(figure: str) -> str:
 
 
 class MapMetric(Metric, ABC):
-    """Base of the metrics of normal maps: a torchmetrics `Metric` that is one number for a data set.
+    """Base class of metrics of normal maps: a torchmetrics `Metric` with one number per data set.
 
-    Add states with ``add_state`` and a reduction, so that several processes measure the same as one; see
-    https://lightning.ai/docs/torchmetrics/stable/pages/implement.html.
+    Add states with ``add_state`` and a reduction, so that several processes compute the same result as
+    one; see https://lightning.ai/docs/torchmetrics/stable/pages/implement.html.
 
     Attributes:
-        label: its name in tables; its `figure` if empty.
-        unit: the unit after the number in tables, such as ``°``; ``%`` shows a share from 0 to 1.
+        label: name of the metric in tables; `figure` if empty.
+        unit: unit after the number in tables, such as ``°``; ``%`` shows a fraction from 0 to 1.
     """
 
-    full_state_update = False  # an update needs its own batch alone, and processes can be merged
+    full_state_update = False  # updates depend only on their batch, and states can be merged
 
-    # A network with a metric in it is scripted.
+    # Lets a network that holds a metric be scripted.
     __jit_unused_properties__: ClassVar[list[str]] = [*Metric.__jit_unused_properties__, "figure"]
 
     label: ClassVar[str] = ""
@@ -55,33 +55,32 @@ class MapMetric(Metric, ABC):
 
     @property
     def figure(self) -> str:
-        """Its name in results: the class name in snake case, such as ``mean_angular_error``."""
+        """Name of the metric in results: the class name in snake case, such as ``mean_angular_error``."""
         return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", type(self).__name__).lower()
 
     @abstractmethod
     def update(self, preds: Tensor, target: Tensor, mask: Tensor) -> None:
-        """Count a batch.
+        """Update the state with a batch.
 
         Args:
             preds: (N, 3, H, W) predicted normals, of any length.
             target: (N, 3, H, W) true unit normals.
-            mask: (N, 1, H, W), 1 where to measure.
+            mask: (N, 1, H, W), 1 at measured pixels.
         """
 
     @abstractmethod
     def compute(self) -> Tensor:
-        """Return the metric of all batches so far, a scalar; nan where nothing was counted."""
+        """Return the metric over all batches so far, a scalar; nan if there were no pixels."""
 
 
 METRICS: Registry[MapMetric] = Registry(MapMetric, "normalgan.metrics")  # type: ignore[type-abstract]
 
 
 class NormalMapMetric(MapMetric):
-    """Base of our metrics: errors on the object, pooled over the pixels of all images.
+    """Base class of the built-in metrics: errors on the object, pooled over the pixels of all images.
 
-    A metric is nan over no pixels, and over predictions that are not finite on the object. An image without
-    a pixel in the mask is ignored.
-    Vectors count as unit vectors, whatever the length of the prediction.
+    A metric is nan if there are no pixels, or if a prediction is not finite on the object. Images without
+    pixels in the mask are ignored. Predicted vectors are scaled to unit length.
     """
 
     is_differentiable = False
@@ -108,15 +107,15 @@ class NormalMapMetric(MapMetric):
         self.add_state(name, default, dist_reduce_fx="sum")
 
     def update(self, preds: Tensor, target: Tensor, mask: Tensor) -> None:
-        """Count a batch.
+        """Update the state with a batch.
 
         Args:
             preds: (N, 3, H, W) predicted normals.
             target: (N, 3, H, W) true unit normals.
-            mask: (N, 1, H, W), 1 where to measure: the object, or that `without_hints`.
+            mask: (N, 1, H, W), 1 at measured pixels: the object, possibly `without_hints`.
 
         Raises:
-            InputError: if the shapes are not these.
+            InputError: if the shapes differ from these.
         """
         angle = angular_error(preds, target)
         if mask.shape != angle.shape:
@@ -144,7 +143,7 @@ class NormalMapMetric(MapMetric):
         self.image_angle_sum = self.image_angle_sum + whole(_by_image(angle) / pixels.clamp(min=1), FRACTION)
 
     def compute(self) -> Tensor:
-        """Return the metric of all batches so far, a float32 scalar; nan as the class says."""
+        """Return the metric over all batches so far, a float32 scalar; nan as described for the class."""
         nothing = (self.count == 0) | (self.invalid > 0)
         return torch.where(nothing, torch.nan, self.value())
 
@@ -153,15 +152,15 @@ class NormalMapMetric(MapMetric):
         """Return the metric; called only if there are pixels and all are finite."""
 
     def mean(self, total: Tensor) -> Tensor:
-        """Return a sum of the state, in fractions, as a mean over pixels."""
+        """Return the mean over pixels for a sum of the state, which is counted in fractions."""
         return total.float() * FRACTION / self.count
 
     def mean_square_angle(self) -> Tensor:
-        """Return the mean over the pixels of the squared angle, in degrees²."""
+        """Return the mean squared angle over the pixels, in degrees²."""
         return self.angle_square_sum.float() * _SQUARE_FRACTION / self.count
 
     def mean_image_angle(self) -> Tensor:
-        """Return the mean over the images of their mean angle, in degrees."""
+        """Return the mean of the images' mean angles, in degrees."""
         return self.image_angle_sum.float() * FRACTION / self.image_count
 
 
@@ -171,5 +170,5 @@ def _by_image(errors: Tensor) -> Tensor:
 
 
 def whole(sums: Tensor, fraction: float) -> Tensor:
-    """Return the sum over the images, (N, ...), each rounded to a multiple of the fraction, in fractions."""
+    """Return the sum over images, (N, ...), in integer multiples of the fraction; each image is rounded."""
     return (sums / fraction).round().long().sum(0)

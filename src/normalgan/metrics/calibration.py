@@ -1,4 +1,4 @@
-"""Calibration: whether a generator's confidence says how large its errors are."""
+"""Calibration: how well a generator's confidence predicts its errors."""
 
 import math
 from dataclasses import dataclass, field
@@ -9,15 +9,15 @@ from torch import Tensor
 __all__ = ["BIN", "Calibration", "expected_angle"]
 
 BIN = 2.0
-"""Degrees of predicted error that share a bin of the curve."""
+"""Width of a bin of the curve, in degrees of predicted error."""
 _BINS = math.ceil(90 / BIN)
 
 
 def expected_angle(confidence: Tensor) -> Tensor:
-    """Return the mean angular error in degrees that a confidence κ promises, 0…90.
+    """Return the expected angular error in degrees, 0…90, for a confidence κ.
 
-    The mean of the angular von Mises-Fisher distribution, whose density on the sphere falls by exp(-κ θ):
-    2κ / (κ² + 1) + π / (1 + exp(κπ)).
+    This is the mean of the angular von Mises-Fisher distribution, with density proportional to exp(-κ θ)
+    on the sphere: 2κ / (κ² + 1) + π / (1 + exp(κπ)).
 
     Args:
         confidence: κ of any shape, 0 or more.
@@ -36,21 +36,21 @@ def expected_angle(confidence: Tensor) -> Tensor:
 
 @dataclass
 class Calibration:
-    """Counts predicted and observed errors of pixels, in bins of the predicted one.
+    """Predicted and observed errors of pixels, in bins of the predicted error.
 
     Args:
-        sums: (bins, 3): pixels, sum of the predicted and sum of the observed errors in degrees.
+        sums: (bins, 3): number of pixels, sum of predicted errors and sum of observed errors, in degrees.
     """
 
     sums: Tensor = field(default_factory=lambda: torch.zeros(_BINS, 3, dtype=torch.float64))
 
     def update(self, predicted: Tensor, observed: Tensor, mask: Tensor) -> None:
-        """Count pixels.
+        """Add pixels.
 
         Args:
-            predicted: (N, 1, H, W) degrees, 0…90.
-            observed: (N, 1, H, W) degrees.
-            mask: (N, 1, H, W), 1 where pixels count.
+            predicted: (N, 1, H, W) predicted errors in degrees, 0…90.
+            observed: (N, 1, H, W) observed errors in degrees.
+            mask: (N, 1, H, W), 1 at counted pixels.
         """
         inside = mask > 0.5
         predicted, observed = predicted[inside].double().cpu(), observed[inside].double().cpu()
@@ -59,7 +59,7 @@ class Calibration:
         self.sums = self.sums.index_add(0, bins, values)
 
     def curve(self) -> list[dict[str, float]]:
-        """Return ``pixels`` and mean ``predicted`` and ``observed`` degrees of each bin that is not empty."""
+        """Return ``pixels`` and the mean ``predicted`` and ``observed`` degrees of each non-empty bin."""
         return [
             {"pixels": int(count), "predicted": float(said / count), "observed": float(seen / count)}
             for count, said, seen in self.sums
@@ -67,9 +67,9 @@ class Calibration:
         ]
 
     def error(self) -> float:
-        """Return the expected calibration error: the mean over pixels of their bin's |observed - predicted|.
+        """Return the expected calibration error in degrees, or nan if there are no pixels.
 
-        Degrees; nan if there are no pixels.
+        It is the mean over pixels of the |observed - predicted| of their bins.
         """
         count, said, seen = self.sums.unbind(1)
         return float((seen - said).abs().sum() / count.sum()) if count.sum() else math.nan

@@ -1,4 +1,4 @@
-"""All metrics of normal maps, with shared state."""
+"""Collections of all metrics of normal maps, with shared state."""
 
 from collections.abc import Sequence
 from itertools import chain
@@ -20,22 +20,22 @@ from normalgan.metrics.relief import RELIEF
 __all__ = ["FIGURES", "PRESENCE", "THRESHOLDS", "check_names", "normal_map_metrics"]
 
 THRESHOLDS = (5.0, 7.5, 11.25, 22.5, 30.0)
-"""Degrees of the usual shares: Bae and Davison, DSINE, CVPR 2024, and before it Fouhey et al., ICCV 2013."""
+"""Usual thresholds in degrees: Bae and Davison, DSINE, CVPR 2024, and earlier Fouhey et al., ICCV 2013."""
 
 
 FIGURES = (
     *("angular_mean", "angular_median", "angular_rmse", "angular_mean_per_image"),
     *("below_5", "below_7_5", "below_11_25", "below_22_5", "below_30", "l1", "l2"),
 )
-"""The names of the figures that are always measured."""
+"""Names of the metrics that are always computed."""
 
 
 PRESENCE = ("mask_iou", "coverage")
-"""The names of the figures that say where an object is predicted; tests and benchmarks have them."""
+"""Names of the metrics of the predicted object mask, which tests and benchmarks add."""
 
 
 def check_names(more: Sequence[MapMetric]) -> None:
-    """Raise `InputError` if two metrics have the same name, among the extra ones or with ours."""
+    """Raise `InputError` if two extra metrics, or an extra and a built-in one, have the same name."""
     seen = {*FIGURES, *PRESENCE, *RELIEF}
     for metric in more:
         if metric.figure in seen:
@@ -50,16 +50,17 @@ def normal_map_metrics(
     more: Sequence[MapMetric] = (),
     own: Sequence[Sequence[MapMetric]] = (),
 ) -> MetricCollection:
-    """Return the metrics of normal maps, sharing one state: `update` works once for all of them.
+    """Return the metrics of normal maps, with one shared state that `update` computes only once.
 
     Their names are ``angular_mean``, ``angular_median``, ``angular_rmse``, ``angular_mean_per_image``,
     ``below_5``, ``below_7_5``, ``below_11_25``, ``below_22_5``, ``below_30``, ``l1`` and ``l2``. Call
-    ``update(preds, target, mask)``, then ``compute()``; calling the collection itself counts once for each.
+    ``update(preds, target, mask)``, then ``compute()``. Calling the collection itself updates each metric
+    separately.
 
     Args:
-        prefix: put before each name, such as ``val/``.
-        own: groups of further metrics of this package, each of which share one state.
-        more: additional metrics, copied and named by their `figure`.
+        prefix: prefix of each name, such as ``val/``.
+        own: additional groups of built-in metrics; the metrics of a group share one state.
+        more: extra metrics, which are copied and named by their `figure`.
 
     Raises:
         InputError: if two metrics have the same name.
@@ -85,5 +86,5 @@ def normal_map_metrics(
     check_names(more)
     groups = [known, *([metric.figure for metric in group] for group in (*own, *([each] for each in more)))]
     metrics |= {metric.figure: metric.clone() for metric in (*chain(*own), *more)}
-    # Groups given, not found out: torchmetrics would update each metric once to compare their states.
+    # Explicit groups, because torchmetrics would otherwise update each metric once to compare states.
     return MetricCollection(metrics, prefix=prefix or None, compute_groups=groups)  # type: ignore[arg-type]

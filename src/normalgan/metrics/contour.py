@@ -1,4 +1,4 @@
-"""The distance of pixels from the object's contour."""
+"""Distance of pixels from the object's contour."""
 
 import cv2
 import numpy as np
@@ -11,10 +11,10 @@ __all__ = ["distance_from_contour"]
 
 
 def distance_from_contour(mask: Tensor) -> Tensor:
-    """Return the distance of each pixel from the contour, in pixels; 0 off the object.
+    """Return the distance of each pixel from the contour, in pixels; 0 outside the object.
 
-    The contour runs half-way between a pixel of the object and its neighbour off it, so that the outermost
-    pixels lie at 0.5. Where the picture's border cuts the object there is no contour.
+    The contour runs halfway between object pixels and background pixels, so the outermost object pixels
+    have a distance of 0.5. There is no contour where the picture's border cuts the object.
 
     Args:
         mask: (N, 1, H, W), 1 on the object.

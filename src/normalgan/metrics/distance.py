@@ -9,7 +9,7 @@ __all__ = ["MeanL1", "MeanL2"]
 
 @METRICS.register
 class MeanL1(NormalMapMetric):
-    """Mean over all pixels in the masks of Σ|Δ| over the three coordinates, on [-1, 1]."""
+    """Mean L1 distance Σ|Δ| over the three coordinates in [-1, 1], over all pixels in the masks."""
 
     higher_is_better = False
 
@@ -20,7 +20,7 @@ class MeanL1(NormalMapMetric):
 
 @METRICS.register
 class MeanL2(NormalMapMetric):
-    """Mean over all pixels in the masks of the length ‖Δ‖₂ of the difference, on [-1, 1]."""
+    """Mean L2 distance ‖Δ‖₂ between vectors in [-1, 1], over all pixels in the masks."""
 
     higher_is_better = False
 

@@ -1,4 +1,4 @@
-"""How far a predicted normal is from the true one, pixel by pixel."""
+"""Per-pixel distances between predicted and true normals."""
 
 import torch
 from torch import Tensor
@@ -18,8 +18,8 @@ __all__ = [
 def angular_error(preds: Tensor, target: Tensor) -> Tensor:
     """Return the angle between two maps of vectors in degrees, 0…180.
 
-    Computed as atan2(|p × t|, p · t): acos of the dot product is up to 0.028° off near 0° in float32. The
-    vectors need not be of unit length. A zero vector counts as 90° from every other, as with
+    It is computed as atan2(|p × t|, p · t), because acos of the dot product is up to 0.028° off near 0° in
+    float32. The vectors may have any length. A zero vector has an angle of 90° to any other, as with
     cosine similarity (Bae and Davison, DSINE, CVPR 2024).
 
     Args:
@@ -27,10 +27,10 @@ def angular_error(preds: Tensor, target: Tensor) -> Tensor:
         target: (N, 3, H, W) true normals.
 
     Returns:
-        (N, 1, H, W) degrees, in float32 or, if an input is, float64.
+        (N, 1, H, W) degrees, in float64 if an input is float64, otherwise in float32.
 
     Raises:
-        InputError: if the shapes are not these.
+        InputError: if the shapes differ from these.
 
     Example:
         >>> up, right = torch.eye(3)[1].view(1, 3, 1, 1), torch.eye(3)[0].view(1, 3, 1, 1)
@@ -48,8 +48,8 @@ def angular_error(preds: Tensor, target: Tensor) -> Tensor:
 def l1_distance(preds: Tensor, target: Tensor) -> Tensor:
     """Return the sum over the three coordinates of the absolute differences.
 
-    This is ‖preds - target‖₁ of equation 5 of He et al. (arXiv 2104.11554) at a pixel, on [-1, 1]: their
-    published figures are too large for a mean over coordinates or a difference of colours in [0, 1].
+    This is ‖preds - target‖₁ in equation 5 of He et al. (arXiv 2104.11554) at a pixel, with coordinates in
+    [-1, 1]. Their published values are too large for a mean over coordinates or for colours in [0, 1].
 
     Args:
         preds: (N, 3, H, W) predicted normals.
@@ -59,7 +59,7 @@ def l1_distance(preds: Tensor, target: Tensor) -> Tensor:
         (N, 1, H, W), 0…2√3 for unit vectors.
 
     Raises:
-        InputError: if the shapes are not these.
+        InputError: if the shapes differ from these.
 
     Example:
         >>> l1_distance(torch.ones(1, 3, 1, 1), torch.zeros(1, 3, 1, 1)).item()
@@ -70,7 +70,7 @@ def l1_distance(preds: Tensor, target: Tensor) -> Tensor:
 
 
 def l2_distance(preds: Tensor, target: Tensor) -> Tensor:
-    """Return the length of the difference of two vectors, ‖preds - target‖₂.
+    """Return the Euclidean distance ‖preds - target‖₂.
 
     Args:
         preds: (N, 3, H, W) predicted normals.
@@ -80,7 +80,7 @@ def l2_distance(preds: Tensor, target: Tensor) -> Tensor:
         (N, 1, H, W), 0…2 for unit vectors: twice the sine of half the angle.
 
     Raises:
-        InputError: if the shapes are not these.
+        InputError: if the shapes differ from these.
 
     Example:
         >>> l2_distance(torch.tensor([3.0, 4.0, 0.0]).view(1, 3, 1, 1), torch.zeros(1, 3, 1, 1)).item()
@@ -91,7 +91,7 @@ def l2_distance(preds: Tensor, target: Tensor) -> Tensor:
 
 
 def without_hints(mask: Tensor, where: Tensor) -> Tensor:
-    """Return the mask without the hinted pixels, whose normals were given.
+    """Return the mask without the hinted pixels, where the normals were given.
 
     Args:
         mask: (N, 1, H, W), 1 on the object.
@@ -108,7 +108,7 @@ def without_hints(mask: Tensor, where: Tensor) -> Tensor:
 
 
 def _checked(preds: Tensor, target: Tensor) -> tuple[Tensor, Tensor]:
-    """Return both in one floating type, at least float32."""
+    """Return both maps in a common floating-point type, at least float32."""
     if preds.ndim != 4 or preds.shape[1] != 3 or preds.shape != target.shape:
         raise InputError(
             f"preds has the shape {tuple(preds.shape)} and target {tuple(target.shape)}; "

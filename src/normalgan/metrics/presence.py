@@ -8,16 +8,16 @@ from normalgan.metrics.base import MapMetric
 __all__ = ["PRESENT", "Coverage", "MaskIoU", "presence"]
 
 PRESENT = 0.5
-"""A predicted vector longer than this says that there is an object."""
+"""Predicted vectors longer than this count as object."""
 
 
 def presence(vectors: Tensor) -> Tensor:
-    """Return the object that vectors (N, 3, H, W) predict, (N, 1, H, W) of bool."""
+    """Return the object mask (N, 1, H, W), a bool tensor, predicted by vectors (N, 3, H, W)."""
     return vectors.square().sum(1, keepdim=True).sqrt() > PRESENT
 
 
 class _PresenceMetric(MapMetric):
-    """Base of the two: counts over all pixels of the pictures; a mask is ignored."""
+    """Base class of metrics of the predicted mask, over all pixels; ``mask`` itself is ignored."""
 
     is_differentiable = False
 
@@ -30,12 +30,12 @@ class _PresenceMetric(MapMetric):
             self.add_state(name, torch.zeros((), dtype=torch.int64), dist_reduce_fx="sum")
 
     def compute(self) -> Tensor:
-        """Return the share, or NaN if there was nothing to count."""
+        """Return the fraction, or nan if there was nothing to count."""
         return self.both.float() / self.total
 
 
 class MaskIoU(_PresenceMetric):
-    """Intersection over union of the predicted and the true object; 1 is best."""
+    """Intersection over union of the predicted and the true object mask; 1 is best."""
 
     label = "mask IoU"
 
@@ -45,9 +45,9 @@ class MaskIoU(_PresenceMetric):
         return "mask_iou"
 
     def update(self, preds: Tensor, target: Tensor, mask: Tensor) -> None:
-        """Count a batch; where the target is zero there is no object, and ``mask`` is ignored.
+        """Update the state with a batch; the target is zero outside the object, and ``mask`` is ignored.
 
-        A picture without an object does not count: such pictures pad the shares of a data set.
+        Pictures without an object are skipped, because they only pad a process's part of a data set.
         """
         there = presence(target)
         predicted = presence(preds) & there.flatten(1).any(1)[:, None, None, None]
@@ -56,7 +56,7 @@ class MaskIoU(_PresenceMetric):
 
 
 class Coverage(_PresenceMetric):
-    """Share of the true object at which an object is predicted."""
+    """Fraction of the true object's pixels where an object is predicted."""
 
     label = "coverage"
     unit = "%"

@@ -1,4 +1,4 @@
-"""Relief: whether normals turn away from the viewer as much as true ones, by distance from the contour."""
+"""Relief: how flat predicted normals are compared with true ones, by distance from the contour."""
 
 import math
 from abc import abstractmethod
@@ -25,16 +25,17 @@ __all__ = [
 ]
 
 _SIDE = 170
-"""The side of a picture in the units in which distances from the contour are given."""
+"""Side of a picture in the unit of distances from the contour."""
 _RIM_WIDTH, _DEEP_FROM = 1, 10
-"""In these units: up to the first from the contour is the rim, farther than the second is deep inside."""
+"""Limits in these units: the rim is nearer to the contour than the first, the interior farther than the
+second."""
 EDGES = (0, 1, 2, 3, 4, 6, 8, 10, 16, 24, math.inf)
-"""Edges of the bins of distance, in 170ths of the picture; a bin has its lower edge."""
+"""Edges of the distance bins, in 170ths of the picture's side; the lower edge is inclusive."""
 
 _ALL, _RIM, _DEEP, _BINS = 0, 1, 2, 3
-"""The zones of an object; the bins of distance come last."""
+"""The zones of an object; the distance bins come last."""
 _PIXELS, _ANGLE, _NZ = 0, 1, 2
-"""The values that are summed over each zone."""
+"""Names of the values that are summed over each zone."""
 _MEANS = {
     "nz_bias": (_ALL, _NZ),
     "nz_bias_rim": (_RIM, _NZ),
@@ -42,7 +43,7 @@ _MEANS = {
     "angular_deep": (_DEEP, _ANGLE),
 }
 RELIEF = (*_MEANS, "gradient_ratio")
-"""The names of the figures of relief; benchmarks have them."""
+"""Names of the relief metrics, which benchmarks add."""
 
 
 def depth_difference(preds: Tensor, target: Tensor) -> Tensor:
@@ -61,13 +62,13 @@ def depth_difference(preds: Tensor, target: Tensor) -> Tensor:
 
 
 def total_variation(normals: Tensor, mask: Tensor) -> Tensor:
-    """Return how much normals change from pixel to pixel, summed over the pairs of neighbours, (N,).
+    """Return the total variation of normals, summed over the pairs of neighbouring pixels, (N,).
 
-    A blurred map changes less than the truth, a noisy one more.
+    It is lower than the truth for a blurred map and higher for a noisy map.
 
     Args:
-        normals: (N, 3, H, W), scaled to unit length first.
-        mask: (N, 1, H, W), 1 where pixels count; pairs with a pixel off it are left out.
+        normals: (N, 3, H, W), which are scaled to unit length first.
+        mask: (N, 1, H, W), 1 at counted pixels; pairs with a pixel outside the mask are ignored.
 
     Example:
         >>> normals = torch.eye(3)[[0, 0, 1]].T.reshape(1, 3, 1, 3)  # right, right, up
@@ -86,10 +87,11 @@ def total_variation(normals: Tensor, mask: Tensor) -> Tensor:
 
 
 class ReliefMetric(MapMetric):
-    """Base of the metrics of relief, which share their counts: sums over zones of the object.
+    """Base class of the relief metrics, which share their state: sums over zones of the object.
 
-    The zones are all of the object, its rim (the outer 1/170 of the picture along the contour, at least the
-    outermost pixels), what is farther than 10/170 from the contour, and the bins of distance of `EDGES`.
+    The zones are the whole object, the rim (within 1/170 of the picture's side from the contour, at least
+    the outermost pixels), the interior (farther than 10/170 from the contour), and the distance bins of
+    `EDGES`.
     """
 
     is_differentiable = False
@@ -105,7 +107,7 @@ class ReliefMetric(MapMetric):
             self.add_state(name, torch.zeros(shape, dtype=torch.int64), dist_reduce_fx="sum")
 
     def update(self, preds: Tensor, target: Tensor, mask: Tensor) -> None:
-        """Count a batch; where the target is zero there is no object."""
+        """Update the state with a batch; the target is zero outside the object."""
         inside = mask > 0.5
         values = torch.cat([inside, angular_error(preds, target), depth_difference(preds, target)], dim=1)
         finite = values.isfinite().all(1, keepdim=True)
@@ -124,15 +126,15 @@ class ReliefMetric(MapMetric):
         self.variation = self.variation + whole(varied, FRACTION)
 
     def compute(self) -> Tensor:
-        """Return the metric of all batches so far; nan over no pixels, or if predictions were not finite."""
+        """Return the metric over all batches so far; nan without pixels or for non-finite predictions."""
         return torch.where(self.invalid > 0, torch.nan, self.value())
 
     @abstractmethod
     def value(self) -> Tensor:
-        """Return the metric of the finite predictions."""
+        """Return the metric, given that all predictions are finite."""
 
     def profile(self) -> list[dict[str, float]]:
-        """Return error and n_z bias of each bin of distance with a pixel, in 170ths of the picture."""
+        """Return error and n_z bias of each non-empty distance bin, in 170ths of the picture's side."""
         pixels, angle, nz = (self.zones[_BINS:].double() * FRACTION).T.tolist()
         return [
             {
@@ -148,11 +150,12 @@ class ReliefMetric(MapMetric):
 
 
 class ZoneMean(ReliefMetric):
-    """Mean over a zone.
+    """Mean of a value over a zone.
 
     Args:
-        figure: ``nz_bias``, the mean n_z predicted - true (above 0 is too flat); ``nz_bias_rim``, the same at
-            the rim; ``angular_rim`` and ``angular_deep``, the mean errors at the rim and deep inside.
+        figure: ``nz_bias``, the mean of predicted minus true n_z (above 0 is too flat); ``nz_bias_rim``,
+            the same at the rim; ``angular_rim`` and ``angular_deep``, the mean angular errors at the rim
+            and deep inside.
     """
 
     def __init__(self, figure: str, **kwargs: Any) -> None:
@@ -171,7 +174,7 @@ class ZoneMean(ReliefMetric):
 
 
 class GradientRatio(ReliefMetric):
-    """Change of predicted normals from pixel to pixel, in proportion to true ones; below 1 is too smooth."""
+    """Ratio of the total variation of predicted normals to that of true ones; below 1 is too smooth."""
 
     def value(self) -> Tensor:
         """Return the ratio."""
@@ -180,5 +183,5 @@ class GradientRatio(ReliefMetric):
 
 
 def relief_metrics() -> list[MapMetric]:
-    """Return all metrics of relief, which can share one state."""
+    """Return all relief metrics, which can share one state."""
     return [*map(ZoneMean, _MEANS), GradientRatio()]

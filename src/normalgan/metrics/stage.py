@@ -1,4 +1,4 @@
-"""StageMetrics: all metrics of a stage, such as validation, for each of its measurements."""
+"""StageMetrics: all metrics of a stage, such as validation, for each of its rows."""
 
 from collections.abc import Sequence
 from typing import cast
@@ -16,13 +16,13 @@ __all__ = ["StageMetrics"]
 
 
 class StageMetrics(nn.Module):
-    """The collections of one stage, such as validation with hints and without.
+    """The metric collections of one stage, such as validation with and without hints.
 
     Args:
-        stage: first part of every figure's name.
-        rows: names of the rows; the figures are named ``<stage>/<row>/<figure>``.
-        only: metrics to use instead of this package's; None uses ours.
-        with_presence: whether to add mask IoU and coverage to this package's metrics.
+        stage: first part of each metric's name.
+        rows: names of the rows; metrics are named ``<stage>/<row>/<figure>``.
+        only: metrics to use instead of the built-in ones; None for the built-in ones.
+        with_presence: whether to add mask IoU and coverage to the built-in metrics.
 
     Raises:
         InputError: if two of these metrics have the same name.
@@ -52,21 +52,21 @@ class StageMetrics(nn.Module):
         )
 
     def update(self, row: str, preds: Tensor, target: Tensor, mask: Tensor) -> None:
-        """Count one batch in one of the rows; see `angular_error` for the shapes.
+        """Update the metrics of a row with a batch.
 
         Args:
             row: name of the row.
             preds: (N, 3, H, W) predicted normals, of any length.
             target: (N, 3, H, W) true unit normals.
-            mask: (N, 1, H, W), 1 where pixels count.
+            mask: (N, 1, H, W), 1 at measured pixels.
         """
         cast(MetricCollection, self.rows[row]).update(preds, target, mask)
 
     def pop(self) -> dict[str, Tensor]:
-        """Return all figures, reduced over processes, and reset.
+        """Return all metrics by name, reduced across processes, and reset them.
 
         Raises:
-            InputError: if a metric returns anything but one number.
+            InputError: if a metric returns anything but a single number.
         """
         figures: dict[str, Tensor] = {}
         for row, module in self.rows.items():

@@ -1,4 +1,4 @@
-"""Generator and Discriminator: the bases of the networks."""
+"""Generator and Discriminator: base classes of the networks."""
 
 import inspect
 from abc import ABC, abstractmethod
@@ -33,10 +33,10 @@ class Network(nn.Module, ABC):
     """Base of all networks; stores constructor arguments for checkpoints."""
 
     built_with: dict[str, Any]
-    """The arguments it was built with, defaults among them, by name."""
+    """The constructor arguments by name, including defaults."""
 
     def __new__(cls, *args: Any, **kwargs: Any) -> Self:
-        """Note the arguments, before a subclass sees them."""
+        """Record the arguments before a subclass changes them."""
         network = super().__new__(cls)
         try:
             given = inspect.signature(cls.__init__).bind_partial(network, *args, **kwargs)
@@ -49,31 +49,31 @@ class Network(nn.Module, ABC):
 
 
 class Generator(Network):
-    """Base of the networks that predict a normal map.
+    """Base class of networks that predict a normal map.
 
-    An argument named ``size`` of its constructor receives the setting ``data.size``. It may use torch's
-    global random numbers, because each training step seeds them.
+    A constructor argument named ``size`` receives the setting ``data.size``. A generator may use torch's
+    global random state, because each training step seeds it.
     """
 
     @abstractmethod
     def forward(self, condition: Tensor) -> Tensor:
-        """Return normals (N, 3, H, W) in [-1, 1], of any length; a short vector means background.
+        """Return normals (N, 3, H, W) in [-1, 1], of any length; short vectors mean background.
 
-        An optional fourth channel is the confidence κ > 0 in their direction.
+        An optional fourth channel is the confidence κ > 0 of the direction.
 
         Args:
-            condition: (N, 4, H, W), the sketch in [-1, 1] (ink -1) with hint normals pasted in, then the
-                mask of the hints.
+            condition: (N, 4, H, W): the sketch in [-1, 1] (ink -1) with hint normals pasted in, then the
+                hint mask.
         """
 
     def predict(self, condition: Tensor) -> Predictions:
-        """Return the predictions for the losses in training; by default the output of `forward`, in float32.
+        """Return the predictions for the training losses; by default the output of `forward` in float32.
 
-        Override it in a generator that predicts presence as a logit, which losses such as
-        `AngularLikelihood` need. Its `forward` returns ``self.predict(condition).channels()``.
+        Override this in a generator that predicts presence as a logit, which losses such as
+        `AngularLikelihood` need. `forward` should then return ``self.predict(condition).channels()``.
 
         Args:
-            condition: (N, 4, H, W) as `forward` takes it.
+            condition: (N, 4, H, W), as for `forward`.
 
         Raises:
             InputError: if `forward` calls `predict` and the class does not override it.
@@ -88,22 +88,22 @@ class Generator(Network):
         finally:
             del self.__dict__["_predicts"]
         check_generated(self, output, condition)
-        output = output.float()  # under autocast it may be bfloat16
-        if output.shape[1] == 3:  # to cut three of three channels out takes a copy on the way back
+        output = output.float()  # may be bfloat16 under autocast
+        if output.shape[1] == 3:  # slicing three of three channels would cost a copy in the backward pass
             return Predictions(output)
         return Predictions(output[:, :3], confidence=output[:, 3:])
 
 
 def check_generated(generator: nn.Module, predicted: object, condition: Tensor) -> None:
-    """Check that a generator returned normals of the sketches' size, with or without confidence.
+    """Check that a generator returned normals of the size of the sketches, with or without confidence.
 
     Args:
-        generator: the generator.
-        predicted: its output; (N, 3, H, W) or (N, 4, H, W) is right.
-        condition: (N, 4, H, W), its input.
+        generator: generator to check.
+        predicted: output of the generator, which should be (N, 3, H, W) or (N, 4, H, W).
+        condition: (N, 4, H, W), input of the generator.
 
     Raises:
-        InputError: otherwise.
+        InputError: if ``predicted`` is anything else.
     """
     count, _, height, width = condition.shape
     if not isinstance(predicted, Tensor) or predicted.ndim != 4 or len(predicted) != count:
@@ -125,7 +125,7 @@ def check_predictions(generator: nn.Module, preds: object, condition: Tensor) ->
     """Check that the losses accept the output of a generator's ``predict``.
 
     Raises:
-        InputError: if it did not, or if the output has no gradient while gradients are enabled.
+        InputError: if they do not, or if the output has no gradient while gradients are enabled.
     """
     count, _, height, width = condition.shape
     name = f"{class_name(generator)}.predict"
@@ -145,17 +145,17 @@ def check_predictions(generator: nn.Module, preds: object, condition: Tensor) ->
 
 
 class Discriminator(Network):
-    """Base of the discriminators, which tell predicted maps from true ones (critics in WGANs)."""
+    """Base class of discriminators, which distinguish predicted from true maps (critics in WGANs)."""
 
     @abstractmethod
     def forward(self, condition: Tensor, normal: Tensor) -> tuple[Tensor, ...]:
-        """Return a tuple of raw scores, a tensor of any shape (N, ...) a head; high means true.
+        """Return a tuple of raw scores, one tensor of any shape (N, ...) per head; high scores mean true.
 
         All heads have equal weight.
 
         Args:
-            condition: (N, 4, H, W) as the generator sees it.
-            normal: (N, 3, H, W) true or predicted.
+            condition: (N, 4, H, W), input of the generator.
+            normal: (N, 3, H, W) true or predicted normals.
         """
 
 
@@ -163,15 +163,15 @@ def check_scores(discriminator: nn.Module, scores: object, condition: Tensor) ->
     """Return a discriminator's scores after checking them.
 
     Args:
-        discriminator: the discriminator.
-        scores: its output; a tuple or a list of tensors (N, …) is right.
-        condition: (N, 4, H, W), its input.
+        discriminator: discriminator to check.
+        scores: output of the discriminator, which should be a tuple or list of tensors (N, …).
+        condition: (N, 4, H, W), input of the discriminator.
 
     Raises:
-        InputError: otherwise.
+        InputError: if ``scores`` is anything else.
     """
     asked = f"a discriminator gives a tuple of scores, a tensor ({len(condition)}, …) a head"
-    # A bare tensor is iterable too; its samples would be taken for heads.
+    # A bare tensor is iterable too, so its samples would be mistaken for heads.
     if not isinstance(scores, tuple | list) or not scores:
         raise refused(discriminator, scores, asked)
     for each in scores:

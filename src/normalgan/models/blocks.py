@@ -1,4 +1,4 @@
-"""Layers that several networks share: convolutions by kernel size, norms by name, initial weights."""
+"""Layers shared by several networks: convolutions by kernel size, norms by name, initial weights."""
 
 from typing import Literal
 
@@ -10,20 +10,20 @@ Norm = Literal["batch", "instance", "none"]
 
 
 def down(inputs: int, outputs: int, kernel: int, bias: bool, stride: int = 2) -> nn.Conv2d:
-    """Return a convolution that halves the sides; with stride 1 an even kernel shortens them by one."""
+    """Return a convolution that halves the sides; with stride 1, an even kernel reduces them by one."""
     return nn.Conv2d(inputs, outputs, kernel, stride, padding=(kernel - 1) // 2, bias=bias)
 
 
 def up(inputs: int, outputs: int, kernel: int, bias: bool) -> nn.ConvTranspose2d:
     """Return a transposed convolution that doubles the sides."""
-    # An odd kernel leaves the larger side open by one pixel: 2n - 1 or 2n both map to n.
+    # With an odd kernel, the output size is ambiguous, because 2n - 1 and 2n both map to n.
     return nn.ConvTranspose2d(
         inputs, outputs, kernel, 2, padding=(kernel - 1) // 2, output_padding=kernel % 2, bias=bias
     )
 
 
 def norm_layer(norm: Norm, channels: int) -> nn.Module:
-    """Return a norm over ``channels``, affine as in pix2pix and Sketch2Normal."""
+    """Return a norm layer, affine as in pix2pix and Sketch2Normal."""
     match norm:
         case "batch":
             return nn.BatchNorm2d(channels)

@@ -1,4 +1,4 @@
-"""torch.compile for a generator in training: the names of its weights stay as they are."""
+"""torch.compile for a generator in training, without renaming its weights."""
 
 from collections.abc import Callable
 from typing import Literal, cast
@@ -14,10 +14,10 @@ __all__ = ["check_compile", "compiled_predict"]
 
 
 def check_compile(compile: bool | str) -> bool | str:  # the name of the setting
-    """Return the setting, if torch has such a backend.
+    """Return the setting after checking that torch has such a backend.
 
     Raises:
-        InputError: if it has none.
+        InputError: if torch has no such backend.
     """
     if isinstance(compile, str):
         known = torch.compiler.list_backends(exclude_tags=())
@@ -33,11 +33,12 @@ def check_compile(compile: bool | str) -> bool | str:  # the name of the setting
 def compiled_predict(generator: Generator, backend: Literal[True] | str) -> Callable[[Tensor], Predictions]:
     """Return the generator's ``predict``, compiled.
 
-    A function is compiled, not the module: a compiled module renames its weights in checkpoints.
+    The function is compiled instead of the module, because a compiled module renames its weights in
+    checkpoints.
 
     Args:
-        generator: predicts.
-        backend: name of one of torch's; True for the default.
+        generator: generator to compile.
+        backend: name of a torch.compile backend; True for the default.
     """
     name = backend if isinstance(backend, str) else "inductor"
     return cast("Callable[[Tensor], Predictions]", torch.compile(generator.predict, backend=name))

@@ -1,4 +1,4 @@
-"""The input of the networks, from a sketch and its hints."""
+"""The input of the networks, made from sketch and hints."""
 
 import torch
 from torch import Tensor
@@ -9,12 +9,12 @@ __all__ = ["make_condition", "paste_hints"]
 def make_condition(sketch: Tensor, hints: Tensor) -> Tensor:
     """Return the input of the networks, (N, 4, H, W).
 
-    The sketch becomes three channels in [-1, 1], paper 1 and ink -1. Hint normals replace it at the hints.
-    The hint mask is the fourth channel.
+    The sketch becomes three channels in [-1, 1], with paper 1 and ink -1. At the hints, it is replaced by
+    the hint normals. The hint mask is the fourth channel.
 
     Args:
         sketch: (N, 1, H, W) in [0, 1], ink 1.
-        hints: (N, 4, H, W), normals at the hints and where they are.
+        hints: (N, 4, H, W): hint normals and hint mask.
 
     References:
         Su et al. 2018, Fig. 2; He et al. 2021, 3.2 ("a four-dimensional input").

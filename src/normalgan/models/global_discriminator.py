@@ -1,4 +1,4 @@
-"""GlobalDiscriminator: Sketch2Normal's critic, one score a picture."""
+"""GlobalDiscriminator: Sketch2Normal's critic, with one score per picture."""
 
 import torch
 from torch import Tensor, nn
@@ -18,7 +18,7 @@ class GlobalDiscriminator(Discriminator):
     Args:
         size: side of the pictures, a multiple of 8. Linked to the size of the data on the command line.
         width: channels of the first layer.
-        norm: batch, instance or none; a gradient penalty forbids batch.
+        norm: batch, instance or none; must not be batch with a gradient penalty.
 
     References:
         Su et al. 2018, "Interactive Sketch-Based Normal Map Generation with Deep Neural Networks".
@@ -39,10 +39,10 @@ class GlobalDiscriminator(Discriminator):
         self.apply(init_weights)
 
     def forward(self, condition: Tensor, normal: Tensor) -> tuple[Tensor, ...]:
-        """Return one score a picture, (N, 1).
+        """Return one score per picture, (N, 1).
 
         Raises:
-            InputError: if the pictures are not of the size it was built for.
+            InputError: if the pictures do not have the size that the network was built for.
         """
         if normal.shape[-2:] != (self.size, self.size):
             raise InputError(

@@ -1,4 +1,4 @@
-"""Growth: a larger generator that starts with the weights of a smaller one."""
+"""Growth: initialise a larger generator with the weights of a smaller one."""
 
 from typing import cast
 
@@ -13,20 +13,20 @@ __all__ = ["grow"]
 
 @torch.no_grad()
 def grow(small: ResidualUNetGenerator, large: ResidualUNetGenerator) -> None:
-    """Give a larger generator the weights of a smaller one, in place.
+    """Copy the weights of a smaller generator into a larger one, in place.
 
-    At the same resolution the larger one then predicts exactly what the smaller one does. At twice the
-    resolution, without hints, it predicts for a drawing enlarged twice what the smaller one predicts for the
-    drawing, each pixel repeated. New channels start at random, and the weights that read them start at zero,
-    so that they change nothing at first. New blocks add nothing at first.
+    At the same resolution, the larger generator then makes exactly the same predictions. At twice the
+    resolution and without hints, its prediction for a drawing enlarged 2× is the smaller generator's
+    prediction for the original with each pixel repeated. New channels start at random, but the weights
+    that read them start at zero, so they change nothing at first. New blocks start as the identity.
 
     Args:
-        small: the trained generator.
-        large: generator with the same patch side or twice that, in its detail layers too; the same number of
-            levels, each at least as wide and with at least as many blocks; the same norm.
+        small: trained generator.
+        large: generator with the same patch and detail sides or twice those, the same norm and the same
+            number of levels. Each level has at least as many channels and blocks.
 
     Raises:
-        InputError: if the two do not fit.
+        InputError: if the two generators are not compatible.
 
     References:
         Chen, Goodfellow, Shlens 2016, "Net2Net: Accelerating Learning via Knowledge Transfer".
@@ -52,7 +52,7 @@ def grow(small: ResidualUNetGenerator, large: ResidualUNetGenerator) -> None:
                 nn.init.zeros_(parameter)
     for up, wider in zip(small.ups, large.ups, strict=True):
         _put(up, wider)
-    # Behind the features of a level, of which there are more now, come four channels of hints.
+    # Four hint channels follow the features of a level, which now has more features.
     for level, (few, many) in enumerate(zip(_widths(small)[:-1], _widths(large)[:-1], strict=True)):
         _put(small.downs[level], large.downs[level], columns=_places([few, 4], [many, 4]))
         _put(small.merges[level], large.merges[level], columns=_places([few, few, 4], [many, many, 4]))
@@ -65,14 +65,14 @@ def _put(
     bias: Tensor | None = None,
     columns: Tensor | None = None,
 ) -> None:
-    """Copy a layer into the first outputs of a larger one, which then read only the first inputs.
+    """Copy a layer into the first outputs of a larger layer, which then read only the first inputs.
 
     Args:
         small: a convolution or a batch norm.
-        large: a larger layer of the same kind.
-        weight: in place of that of ``small``.
-        bias: in place of that of ``small``.
-        columns: the inputs of ``large`` that correspond to those of ``small``.
+        large: a larger layer of the same type.
+        weight: weights to use instead of those of ``small``.
+        bias: bias to use instead of that of ``small``.
+        columns: indices of the inputs of ``large`` that correspond to those of ``small``.
     """
     if isinstance(small, nn.BatchNorm2d):
         for name, value in small.state_dict().items():
@@ -81,7 +81,7 @@ def _put(
         return
     convolution, larger = cast(nn.Conv2d, small), cast(nn.Conv2d, large)
     source, target = (convolution.weight if weight is None else weight), larger.weight.detach()
-    if isinstance(small, nn.ConvTranspose2d):  # its weights are kept the other way round
+    if isinstance(small, nn.ConvTranspose2d):  # its weights have inputs and outputs swapped
         source, target = source.transpose(0, 1), target.transpose(0, 1)
     target[: len(source)] = 0
     target[: len(source), torch.arange(source.shape[1]) if columns is None else columns] = source
@@ -106,7 +106,7 @@ def _enlarged(squares: Tensor, axis: int, scale: int) -> Tensor:
 
 
 def _places(counts: list[int], room: list[int]) -> Tensor:
-    """Return the indices of several runs of channels, each at the start of its slot."""
+    """Return the indices of groups of channels, each at the start of a larger slot."""
     starts = torch.tensor([0, *room]).cumsum(0)
     return torch.cat([start + torch.arange(count) for start, count in zip(starts, counts, strict=False)])
 
@@ -120,7 +120,7 @@ def _count(blocks: nn.Module) -> int:
 
 
 def _widths(network: ResidualUNetGenerator) -> list[int]:
-    """Return the channels of each level."""
+    """Return the number of channels of each level."""
     ups = [cast(nn.ConvTranspose2d, up) for up in network.ups]
     return [*(up.out_channels for up in ups), ups[-1].in_channels]
 

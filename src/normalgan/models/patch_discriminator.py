@@ -1,4 +1,4 @@
-"""PatchDiscriminator: pix2pix's PatchGAN."""
+"""PatchDiscriminator: the PatchGAN of pix2pix."""
 
 import torch
 from torch import Tensor, nn
@@ -12,13 +12,13 @@ __all__ = ["PatchDiscriminator"]
 
 @DISCRIMINATORS.register
 class PatchDiscriminator(Discriminator):
-    """PatchGAN: scores overlapping patches, of 70 × 70 pixels with three layers.
+    """PatchGAN: scores overlapping patches, 70 × 70 pixels with three layers.
 
     Args:
         width: channels of the first layer.
-        layers: strided layers; 1, 2, 3, 4, 5 see patches of 16, 34, 70, 142, 286 pixels.
-        norm: batch, instance or none; a gradient penalty forbids batch.
-        see_mask: show it the mask of the hints as a seventh channel.
+        layers: number of strided layers; 1, 2, 3, 4, 5 layers see patches of 16, 34, 70, 142, 286 pixels.
+        norm: batch, instance or none; must not be batch with a gradient penalty.
+        see_mask: whether the hint mask is a seventh input channel.
 
     References:
         Isola et al. 2017, "Image-to-Image Translation with Conditional Adversarial Networks", 6.1.2.
@@ -47,5 +47,5 @@ class PatchDiscriminator(Discriminator):
         self.apply(init_weights)
 
     def forward(self, condition: Tensor, normal: Tensor) -> tuple[Tensor, ...]:
-        """Return one score a patch, (N, 1, h, w); 30 × 30 patches at 256 pixels."""
+        """Return one score per patch, (N, 1, h, w); 30 × 30 patches at 256 pixels."""
         return (self.body(torch.cat([condition[:, : self.condition_channels], normal], dim=1)),)

@@ -1,4 +1,4 @@
-"""The running statistics of batch norm, where several processes train side by side."""
+"""Synchronisation of batch norm's running statistics across training processes."""
 
 from typing import Any, Protocol
 
@@ -11,18 +11,18 @@ class Processes(Protocol):
     """Averages tensors over the training processes, as a Lightning strategy does."""
 
     def reduce(self, tensor: Tensor, *, reduce_op: str) -> Any:
-        """Return the mean of a tensor over the processes."""
+        """Return the mean of a tensor across the processes."""
 
 
 def average_statistics(module: nn.Module, processes: Processes) -> None:
-    """Average the buffers of a module over the processes, so that all have the same network.
+    """Average the buffers of a module across processes, so that all processes have the same network.
 
-    DistributedDataParallel broadcasts buffers before each step, but never under manual optimisation, for
-    which Lightning switches require_backward_grad_sync off around the forward pass.
+    DistributedDataParallel broadcasts buffers before each step, except under manual optimisation, where
+    Lightning disables require_backward_grad_sync around the forward pass.
 
     Args:
-        module: holds the buffers.
-        processes: takes the means.
+        module: module with the buffers.
+        processes: the training processes.
     """
     for buffer in module.buffers():
         if buffer.is_floating_point():

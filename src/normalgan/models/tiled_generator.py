@@ -1,4 +1,4 @@
-"""TiledGenerator: like DeepNormals; predicts window by window, each seen at three scales."""
+"""TiledGenerator: predicts window by window at three scales, like DeepNormals."""
 
 from itertools import pairwise
 
@@ -15,29 +15,30 @@ from normalgan.ranges import PositiveInt, check_ranges
 __all__ = ["SCALES", "TiledGenerator"]
 
 SCALES = (1, 2, 4)
-"""Widths of what the channels show, in windows."""
+"""Widths of the areas shown by the input channels, in window widths."""
 
 
 @GENERATORS.register
 class TiledGenerator(Generator):
     """A residual encoder and decoder over overlapping windows of a sketch, each at three scales.
 
-    After DeepNormals. It ignores hints. Windows overlap by half and are blended with weights that favour
-    their centres, so that no seams show. A window sees four times its own width, at any size of the picture.
+    This follows DeepNormals and ignores hints. Windows overlap by half and are blended with higher weights
+    at their centres to avoid visible seams. The network sees four times the width of a window, at any
+    picture size.
 
     Args:
-        window: side of the windows in pixels, a multiple of 16; the picture's sides are multiples of half
-            of it.
+        window: side of the windows in pixels, a multiple of 16. The sides of a picture must be multiples
+            of half the window.
         widths: channels of each level of the network, from the finest to the coarsest.
-        blocks: residual blocks of each level, down and again up.
-        norm: norm of the residual blocks; batch norm takes its statistics over all windows of a batch.
+        blocks: residual blocks per level, in the encoder and again in the decoder.
+        norm: norm of the residual blocks; batch norm computes its statistics over all windows of a batch.
 
     Raises:
-        InputError: if a setting cannot be used.
+        InputError: if a setting is invalid.
 
     References:
         Hudon, Grogan, Pagés, Smolić 2018, "Deep Normal Estimation for Automatic Shading of Hand-Drawn
-        Characters", ECCV Workshops. What differs here is in docs/method.md.
+        Characters", ECCV Workshops. The differences are listed in docs/method.md.
     """
 
     def __init__(
@@ -78,13 +79,13 @@ class TiledGenerator(Generator):
                 f"this generator needs sides that are multiples of {self.step}, "
                 f"not {height} × {width} pixels."
             )
-        # Ink 1 on paper 0, like the padding; at a hint the condition has no sketch, so it counts as paper.
+        # Ink 1, paper 0 like the padding. At hints, the condition holds no sketch, so they count as paper.
         ink = (1 - condition[:, :1]) / 2 * (1 - condition[:, 3:])
         predicted = self._predict(self._windows(ink))
         return self._join(torch.tanh(predicted.to(condition.dtype)), height, width)
 
     def _windows(self, ink: Tensor) -> Tensor:
-        """Return the windows of a batch, (N · T, scales, window, window), all scales with one centre."""
+        """Return the windows of a batch, (N · T, scales, window, window), centred alike at all scales."""
         parts = []
         for scale in SCALES:
             shrunk = F.avg_pool2d(ink, scale) if scale > 1 else ink

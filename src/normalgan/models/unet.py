@@ -1,4 +1,4 @@
-"""U-Net: the paper's generator and discriminator, and the network that both use."""
+"""U-Nets: the paper's generator and discriminator, and the network that both share."""
 
 from typing import Annotated
 
@@ -19,16 +19,18 @@ _Depth = Annotated[int, Range(2)]
 class UNetGenerator(Generator):
     """The paper's generator: a U-Net of 16 layers at 256 pixels, with tanh.
 
-    Its noise z is dropout, as in pix2pix: on in training, off in prediction unless ``noise_at_test`` is set.
+    The noise z is dropout, as in pix2pix. It is off in prediction unless ``noise_at_test`` is set.
 
     Args:
-        size: side of the pictures; sets the depth. Linked to the size of the data on the command line.
+        size: side of the pictures, which determines the default depth. Linked to the size of the data on
+            the command line.
         width: channels of the first layer.
-        depth: number of layers down, and of layers up; None goes down to a single pixel (8 at 256).
-        kernel: side of the convolutions: 4 in pix2pix, 5 in Sketch2Normal.
-        norm: batch, instance or none. With one picture a batch, batch and instance are the same in training.
+        depth: number of encoder layers and of decoder layers; None goes down to a single pixel (8 layers
+            at 256).
+        kernel: kernel size of the convolutions: 4 in pix2pix, 5 in Sketch2Normal.
+        norm: batch, instance or none. With a batch size of 1, batch and instance are the same in training.
         bias: whether layers before a norm have a bias too, as in Sketch2Normal.
-        dropout: its probability in the innermost decoder layers.
+        dropout: dropout probability in the innermost decoder layers.
 
     References:
         He et al. 2021, "Sketch-based Normal Map Generation with Geometric Sampling", 3.2;
@@ -67,18 +69,20 @@ class UNetGenerator(Generator):
 
 @DISCRIMINATORS.register
 class UNetDiscriminator(Discriminator):
-    """The paper's discriminator: "the same architecture and depth as the generator", a score a pixel.
+    """The paper's discriminator: "the same architecture and depth as the generator", one score per pixel.
 
     Its input has 6 channels, as in Sketch2Normal: the sketch with hint normals pasted in, and the map.
 
     Args:
-        size: side of the pictures; sets the depth. Linked to the size of the data on the command line.
+        size: side of the pictures, which determines the default depth. Linked to the size of the data on
+            the command line.
         width: channels of the first layer.
-        depth: number of layers down, and of layers up; None goes down to a single pixel (8 at 256).
-        kernel: side of the convolutions.
-        norm: batch, instance or none; a gradient penalty forbids batch.
-        encoder_head: add one score of the whole picture, taken at the innermost layer.
-        see_mask: show it the mask of the hints as a seventh channel.
+        depth: number of encoder layers and of decoder layers; None goes down to a single pixel (8 layers
+            at 256).
+        kernel: kernel size of the convolutions.
+        norm: batch, instance or none; must not be batch with a gradient penalty.
+        encoder_head: whether to add a score for the whole picture from the innermost layer.
+        see_mask: whether the hint mask is a seventh input channel.
 
     References:
         He et al. 2021, "Sketch-based Normal Map Generation with Geometric Sampling", 3.2;
@@ -115,12 +119,12 @@ class UNetDiscriminator(Discriminator):
         scores, innermost = self.unet(torch.cat([condition[:, : self.condition_channels], normal], dim=1))
         if self.encoder_head is None:
             return (scores,)
-        # Sum pooling after an activation, as Schönfeld et al. have it.
+        # Sum pooling after an activation, as in Schönfeld et al.
         return scores, self.encoder_head(torch.relu(innermost).sum(dim=(2, 3)))
 
 
 def full_depth(size: int) -> int:
-    """Return how often a picture of ``size`` pixels can be halved until one is left.
+    """Return the number of halvings from ``size`` pixels to a single pixel.
 
     Raises:
         InputError: if ``size`` is not a power of two.
@@ -138,19 +142,19 @@ def full_depth(size: int) -> int:
 class UNet(nn.Module):
     """Encoder and decoder of ``depth`` strided convolutions each, with a skip from layer i to layer n - i.
 
-    Channels double from ``width`` to 8 × ``width`` and mirror back. There is no norm in the outermost
-    layers, nor in the innermost, although the paper says "each layer": over the single pixel that is left
-    there a norm subtracts the value from itself.
+    Channels double from ``width`` to 8 × ``width`` in the encoder, and the decoder mirrors it. The
+    outermost and the innermost layers have no norm, although the paper says "each layer": over the
+    innermost single pixel, a norm would subtract the value from itself.
 
     Args:
-        inputs: channels that come in.
-        outputs: channels that go out, without activation.
+        inputs: number of input channels.
+        outputs: number of output channels, which have no activation.
         width: channels of the first layer; 64 in the published networks.
-        depth: layers of the encoder, and again of the decoder; sides must be multiples of 2 ** depth.
-        kernel: side of the convolutions: 4 in pix2pix, 5 in Sketch2Normal.
-        norm: the normalisation after each convolution.
+        depth: number of encoder layers and of decoder layers; sides must be multiples of 2 ** depth.
+        kernel: kernel size of the convolutions: 4 in pix2pix, 5 in Sketch2Normal.
+        norm: normalisation after each convolution.
         bias: whether layers before a norm have a bias too, as in Sketch2Normal.
-        dropout: its probability in the innermost decoder layers, three at most, of the full width.
+        dropout: dropout probability in up to three innermost decoder layers of full width.
 
     References:
         Isola et al. 2017, "Image-to-Image Translation with Conditional Adversarial Networks", 6.1.1.
@@ -182,7 +186,7 @@ class UNet(nn.Module):
             self.encoder.append(nn.Sequential(*layers))
         self.decoder = nn.ModuleList()
         for step, i in enumerate(reversed(range(depth))):
-            before = self.widths[i] * (2 if step else 1)  # all but the innermost take the skip as well
+            before = self.widths[i] * (2 if step else 1)  # all but the innermost also read a skip
             after = self.widths[i - 1] if i else outputs
             layers = [nn.ReLU(), up(before, after, kernel, bias or i == 0)]
             if i:

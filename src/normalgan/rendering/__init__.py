@@ -1,4 +1,4 @@
-"""From meshes to normal maps and sketches; numpy only, no torch."""
+"""Rendering of meshes to normal maps and sketches; does not need torch."""
 
 from normalgan.rendering.cameras import Camera, Views
 from normalgan.rendering.maps import Maps

@@ -1,4 +1,4 @@
-"""Cameras: their position around the object, how the object fills the frame, and the projection to it."""
+"""Cameras: position around the object, framing, and projection."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -15,12 +15,13 @@ __all__ = ["Camera", "Views", "framed", "look_at_origin", "project", "towards_ey
 
 @dataclass(frozen=True)
 class Camera:
-    """A pinhole or orthographic camera with a square frame, looking down its own -z axis.
+    """A perspective or orthographic camera with a square frame, looking along its own -z axis.
 
     Args:
-        rotation: (3, 3) world to camera; its rows are the camera's x (right), y (up) and z (to the viewer).
+        rotation: (3, 3) world to camera; the rows are the camera's x (right), y (up) and z (to the
+            viewer).
         translation: (3,) world to camera: ``p_camera = rotation @ p_world + translation``.
-        perspective: whether lines meet in the eye (True) or run parallel to z (False).
+        perspective: whether the projection is perspective (True) or orthographic (False).
         window: (left, right, bottom, top) of the frame: in camera units if orthographic, on the plane
             z = -1 if perspective. It need not be centred on the axis.
         near: distance to the near plane, positive.
@@ -44,8 +45,8 @@ class Camera:
     def projection_matrix(self) -> Doubles:
         """Return the (4, 4) matrix from camera to OpenGL clip space, for column vectors.
 
-        The matrices of ``glFrustum`` and ``glOrtho`` (OpenGL 2.1 specification, section 2.11.2), the
-        window of the former given on the plane z = -1 instead of the near plane.
+        These are the matrices of ``glFrustum`` and ``glOrtho`` (OpenGL 2.1 specification, section 2.11.2),
+        but with the window of the former on the plane z = -1 instead of the near plane.
         """
         left, right, bottom, top = self.window
         width, height, length = right - left, top - bottom, self.far - self.near
@@ -66,17 +67,17 @@ class Camera:
     def rays(
         self, size: int, rows: slice = slice(None), columns: slice = slice(None)
     ) -> tuple[Doubles, Doubles]:
-        """Return where the line of sight of every pixel's centre starts and where it goes.
+        """Return the rays through the pixel centres.
 
         Args:
             size: H and W of the picture.
-            rows: the rows of it whose rays are returned.
-            columns: the columns, likewise.
+            rows: rows of the picture to return rays for.
+            columns: columns of the picture to return rays for.
 
         Returns:
-            origins: (H, W, 3) world positions on the camera plane, row 0 the top of the picture.
-            directions: (H, W, 3) world vectors that advance the depth by one, so that the ``t`` of
-                ``origin + t * direction`` is what `Maps` calls depth.
+            origins: (H, W, 3) world positions on the camera plane, with row 0 at the top of the picture.
+            directions: (H, W, 3) world vectors that increase the depth by one, so that ``t`` in ``origin +
+                t * direction`` is the depth of `Maps`.
         """
         left, right, bottom, top = self.window
         steps = (np.arange(size) + 0.5) / size
@@ -93,9 +94,9 @@ def look_at_origin(azimuth: float, elevation: float, roll: float) -> Doubles:
     """Return the (3, 3) rotation, world to camera, of a camera that looks at the origin.
 
     Args:
-        azimuth: degrees from +Z towards +X; at 0 the viewer stands at +Z and has +X on the right.
-        elevation: degrees above the horizon, +Y being up.
-        roll: degrees by which the picture is turned counter-clockwise.
+        azimuth: degrees from +Z towards +X; at 0, the viewer is at +Z and sees +X on the right.
+        elevation: degrees above the horizon; +Y is up.
+        roll: counter-clockwise rotation of the picture in degrees.
 
     Example:
         >>> (look_at_origin(90, 0, 0) @ [1, 0, 0]).round(6) + 0.0  # from +X, +X points at the viewer
@@ -110,16 +111,16 @@ def look_at_origin(azimuth: float, elevation: float, roll: float) -> Doubles:
 
 @dataclass(frozen=True)
 class Views:
-    """Random views of an object: uniform in ranges, always filling the frame.
+    """Random views of an object that fills the frame, with uniform distributions.
 
     Args:
-        azimuth: range in degrees of the viewer's turn about +Y; 0 is at +Z, with +X on the right.
-        elevation: range in degrees of the viewer's height above the horizon.
-        roll: range in degrees by which the picture is tilted, counter-clockwise positive.
-        perspective: share of perspective views, from 0 (all orthographic) to 1.
-        field_of_view: range in degrees of the angle under which the eye of a perspective view sees the
-            object's bounding sphere; the smaller, the farther the eye.
-        margin: part of the frame's side left free on each side of the object, from 0 to below 0.5.
+        azimuth: range of the viewer's azimuth about +Y in degrees; 0 is at +Z, with +X on the right.
+        elevation: range of the viewer's elevation above the horizon in degrees.
+        roll: range of the roll of the picture in degrees, counter-clockwise positive.
+        perspective: fraction of perspective views, from 0 (all orthographic) to 1.
+        field_of_view: range of the angle of the object's bounding sphere in a perspective view, in
+            degrees. A smaller angle means a more distant camera.
+        margin: margin on each side of the object, as a fraction of the frame's side, from 0 to below 0.5.
     """
 
     azimuth: Annotated[tuple[float, float], Range(-360, 360)] = (0.0, 360.0)
@@ -133,8 +134,8 @@ class Views:
         check_ranges(self)
 
     def camera(self, mesh: Mesh, rng: np.random.Generator) -> Camera:
-        """Draw a random camera that shows all of ``mesh``, centred, with ``margin`` on each side."""
-        # Always five draws, so that a setting does not shift the draws of the others.
+        """Return a random camera that shows the whole mesh, centred, with ``margin`` on each side."""
+        # Always five draws, so that one setting does not affect the draws of the others.
         azimuth, elevation, roll = (rng.uniform(*r) for r in (self.azimuth, self.elevation, self.roll))
         perspective = bool(rng.random() < self.perspective)
         field_of_view = rng.uniform(*self.field_of_view)
@@ -145,14 +146,14 @@ class Views:
 def framed(
     vertices: NDArray[np.floating], rotation: Doubles, field_of_view: float | None, margin: float
 ) -> Camera:
-    """Return the camera of the given direction whose frame the projected vertices just fill.
+    """Return the camera with a given rotation and a frame that just contains the projected vertices.
 
     Args:
-        vertices: (V, 3) world positions about the origin.
+        vertices: (V, 3) world positions around the origin.
         rotation: (3, 3) world to camera.
         field_of_view: angle in degrees of the bounding sphere in a perspective view; None for
             an orthographic one.
-        margin: part of the frame's side left free on each side.
+        margin: margin on each side, as a fraction of the frame's side.
     """
     turned = vertices.astype(np.float64) @ rotation.T
     radius = float(np.linalg.norm(turned, axis=1).max())
@@ -161,7 +162,7 @@ def framed(
     seen = turned[:, :2] / (distance - turned[:, 2:]) if perspective else turned[:, :2]
     low, high = seen.min(axis=0), seen.max(axis=0)
     unit = radius / distance if perspective else radius
-    # A line seen end on has no extent: the frame then shows a hundredth of the object around it.
+    # A line viewed end-on has no extent, so the frame spans at least a hundredth of the object.
     side = max(float((high - low).max()), 0.01 * unit) / (1 - 2 * margin)
     (x, y), half = (low + high) / 2, side / 2
     window = (float(x - half), float(x + half), float(y - half), float(y + half))
@@ -171,9 +172,10 @@ def framed(
 
 
 def project(camera: Camera, points: Doubles, size: int) -> tuple[Doubles, Doubles]:
-    """Return where points (N, 3) lie in a sketch of ``size`` pixels, (N, 2), and their depths (N,).
+    """Return the positions (N, 2) of points (N, 3) in a sketch of ``size`` pixels, and their depths (N,).
 
-    Right and down in pixels as in `Stroke`; depth as in `Maps`. All points must lie in front of the eye.
+    Positions are in pixels, right and down, as in `Stroke`, and depths as in `Maps`. All points must be in
+    front of the camera.
 
     >>> from normalgan.rendering.cameras import framed, look_at_origin
     >>> camera = framed(np.eye(3), look_at_origin(0, 0, 0), None, 0.0)
@@ -191,7 +193,7 @@ def project(camera: Camera, points: Doubles, size: int) -> tuple[Doubles, Double
 
 
 def towards_eye(camera: Camera, points: Doubles) -> Doubles:
-    """Return the unit vectors (N, 3) from points (N, 3) to the eye; all the same in an orthographic view."""
+    """Return the unit vectors (N, 3) from points (N, 3) to the viewer, all the same if orthographic."""
     if not camera.perspective:
         return np.broadcast_to(camera.rotation[2], points.shape)
     away = -camera.translation @ camera.rotation - points

@@ -1,4 +1,4 @@
-"""Read the triangles of a mesh file: polygons are triangulated, scenes flattened, nothing is repaired."""
+"""Reading of triangles from mesh files: polygons are triangulated, scenes flattened, nothing is repaired."""
 
 import warnings
 from collections.abc import Iterator
@@ -20,16 +20,16 @@ __all__ = ["SUFFIXES", "read_triangles"]
 _Triangles = tuple[Doubles, Indices]
 
 _POLYGONS = {".off": read_off, ".obj": read_obj, ".ply": read_ply}
-"""Readers of the formats whose faces may have more than three corners."""
+"""Readers for formats with polygonal faces."""
 SUFFIXES = (*_POLYGONS, ".stl", ".glb", ".gltf")
-"""The suffixes of the formats that can be read, in lower case."""
+"""The file extensions of supported formats, in lower case."""
 
 
 def read_triangles(path: Path) -> _Triangles:
     """Return the vertices (V, 3) and faces (F, 3) of all meshes in a file, in the file's world axes.
 
     Raises:
-        InputError: if the file cannot be read, has no triangle, or has a coordinate that is not finite.
+        InputError: if the file cannot be read, has no triangles, or has non-finite coordinates.
     """
     parts = _parts(path)
     if not any(len(faces) for _, faces in parts):
@@ -58,20 +58,20 @@ def _parts(path: Path) -> list[_Triangles]:
                 return [(polygons.vertices, polygons.triangles())]
             if suffix == ".stl":
                 return _stl(path)
-            from normalgan.rendering.gltf.scene import read_surfaces  # late: scipy takes half a second
+            from normalgan.rendering.gltf.scene import read_surfaces  # importing scipy takes half a second
 
             return read_surfaces(path)
     except InputError:
         raise
-    except Exception as error:  # whatever a parser raises on a broken file
-        # Only messages for people: an IndexError describes the parser, not the file.
+    except Exception as error:  # a parser may raise anything on a damaged file
+        # Only messages for users; an IndexError describes the parser, not the file.
         said = f"it is damaged, or not of the kind {suffix}"
         said = brief(error) if isinstance(error, BrokenMeshError) else said
         raise InputError(f"{path} cannot be read as a mesh: {said}.") from error
 
 
 def _stl(path: Path) -> list[_Triangles]:
-    import trimesh  # takes a second, only when a mesh is read
+    import trimesh  # takes a second to import, only needed to read meshes
 
     mesh = trimesh.load_mesh(BytesIO(mesh_bytes(path)), file_type="stl", process=False)
     return [(np.asarray(mesh.vertices, np.float64), np.asarray(mesh.faces, np.int64).reshape(-1, 3))]

@@ -1,4 +1,4 @@
-"""What a renderer returns, and its check: the normal, depth and mask of every pixel."""
+"""Maps: the normal, depth and mask of each pixel, returned by renderers, and a check of them."""
 
 from dataclasses import dataclass
 
@@ -15,10 +15,10 @@ class Maps:
     """The visible surface, sampled at pixel centres; row 0 is the top of the picture.
 
     Args:
-        normal: (H, W, 3) unit normals in camera space (x right, y up, z to the viewer); 0 off the object.
-        depth: (H, W) distance from the camera plane along its axis, in units of the mesh; inf off the
+        normal: (H, W, 3) unit normals in camera space (x right, y up, z to the viewer); 0 outside the
             object.
-        mask: (H, W) True on the object.
+        depth: (H, W) distance from the camera plane along its axis, in mesh units; inf outside the object.
+        mask: (H, W), True on the object.
     """
 
     normal: Floats
@@ -27,10 +27,10 @@ class Maps:
 
 
 def check_maps(renderer: object, maps: object, size: int) -> Maps:
-    """Return a renderer's maps after checking that they have ``size`` pixels a side.
+    """Return a renderer's maps after checking their types and their side ``size``.
 
     Raises:
-        InputError: otherwise.
+        InputError: if the maps are invalid.
     """
     name = type(renderer).__name__
     if not isinstance(maps, Maps):

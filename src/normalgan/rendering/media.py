@@ -1,4 +1,4 @@
-"""Medium: effects of pen, paper and scanner on a drawing."""
+"""Medium: the effects of pen, paper and scanner on a drawing."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -14,22 +14,22 @@ __all__ = ["Medium", "bleed", "on_paper", "pencil", "scanned"]
 
 @dataclass(frozen=True)
 class Medium:
-    """Pen, paper and scanner: effects on the pixels of a drawing, after its strokes are drawn.
+    """Effects of pen, paper and scanner on the pixels of a drawing, after the strokes are drawn.
 
-    Every drawing gets a random share, from 0 to 1, of each effect.
+    Each effect has a random amount per drawing, from 0 to 1 times its setting.
 
     Args:
-        strength: range of the factor that a drawing's effects share; at 0 the drawing stays as it is.
-        pencil: share of drawings in pencil; the others are in ink.
-        grain: how much of a pencil line the tooth of the paper leaves white, at most.
-        lightness: how much lighter than ink a pencil line is, at most.
-        bleed: how far ink runs at most, as a fraction of the frame's side.
-        tint: how dark the paper is at most, 1 being black.
-        shadow: largest difference in lightness between two sides of the paper.
-        noise: standard deviation of the scanner's noise, at most.
+        strength: range of the common factor of a drawing's effects; 0 leaves the drawing unchanged.
+        pencil: fraction of drawings in pencil; the others are in ink.
+        grain: maximum fraction of a pencil line that the texture of the paper leaves white.
+        lightness: maximum difference in lightness between pencil and ink.
+        bleed: maximum spread of ink, as a fraction of the frame's side.
+        tint: maximum darkness of the paper, where 1 is black.
+        shadow: maximum difference in lightness between two sides of the paper.
+        noise: maximum standard deviation of the scanner's noise.
 
     Raises:
-        InputError: if a setting is not from 0 to 1, or the range of strengths is upside down.
+        InputError: if a setting is not from 0 to 1, or the range of strengths is reversed.
     """
 
     strength: Annotated[tuple[float, float], Range(0, 1)] = (0.0, 1.0)
@@ -45,11 +45,11 @@ class Medium:
         check_ranges(self)
 
     def apply(self, ink: Floats, rng: np.random.Generator) -> Floats:
-        """Return the darkness of the finished picture, (H, W) in [0, 1], from its ink.
+        """Return the darkness of the finished picture, (H, W) in [0, 1], for its ink.
 
         Args:
             ink: (H, W) in [0, 1], square.
-            rng: which tool and paper, and their grain.
+            rng: source of randomness for tool, paper and grain.
         """
         strength = rng.uniform(*self.strength)
         if strength == 0:
@@ -63,15 +63,15 @@ class Medium:
         return scanned(on_paper(ink, tint * self.tint, shadow * self.shadow, rng), noise * self.noise, rng)
 
 
-_TOOTH = 0.7  # pixels; finer than the line, like the grain in a scan of a whole drawing
+_TOOTH = 0.7  # in pixels; finer than a line, like the grain in a scan of a whole drawing
 
 
 def bleed(ink: Floats, sigma: float) -> Floats:
-    """Return ink that has bled ``sigma`` pixels into the paper; its total is kept.
+    """Return the ink after it has bled ``sigma`` pixels into the paper; the total amount is preserved.
 
     Args:
         ink: (H, W) in [0, 1].
-        sigma: standard deviation in pixels; 0 leaves the ink as it is.
+        sigma: standard deviation in pixels; 0 leaves the ink unchanged.
     """
     if sigma <= 0:
         return ink
@@ -79,14 +79,14 @@ def bleed(ink: Floats, sigma: float) -> Floats:
 
 
 def pencil(ink: Floats, grain: float, rng: np.random.Generator) -> Floats:
-    """Return the ink as graphite: where the paper is low it stays white, the more the lighter the touch.
+    """Return the ink as graphite, which leaves low points of the paper white, especially in light strokes.
 
     Args:
         ink: (H, W) in [0, 1].
-        grain: from 0 for smooth paper to 1, where the lightest touch marks only the highest points.
-        rng: the paper.
+        grain: from 0 for smooth paper to 1, where the lightest stroke marks only the highest points.
+        rng: source of randomness for the paper.
     """
-    depth = _smooth_noise(ink.shape, _TOOTH, rng)  # standard normal: the depth of the paper
+    depth = _smooth_noise(ink.shape, _TOOTH, rng)  # depth of the paper, standard normal
     reach = 0.5 + 0.25 * depth
     graphite: Floats = ink * np.clip(1 - grain * np.clip(reach, 0, 1) * (1.5 - ink), 0, 1)
     return graphite.astype(np.float32)
@@ -96,21 +96,21 @@ def _smooth_noise(shape: tuple[int, ...], sigma: float, rng: np.random.Generator
     """Return noise of standard deviation 1 that is correlated over ``sigma`` pixels."""
     noise = rng.standard_normal(shape, dtype=np.float32)
     noise = np.asarray(cv2.GaussianBlur(noise, (0, 0), sigma, borderType=cv2.BORDER_REFLECT), np.float32)
-    # Blurred white noise keeps 1 / (4 π σ²) of its variance, but less with a small kernel, so it is measured.
+    # Blurred white noise has a variance of 1 / (4 π σ²), but less for a small kernel, so it is measured.
     result: Floats = noise / max(float(noise.std()), 1e-6)
     return result
 
 
 def on_paper(ink: Floats, tint: float, shadow: float, rng: np.random.Generator) -> Floats:
-    """Return the darkness of a drawing on paper that is not white and not evenly lit.
+    """Return the darkness of a drawing on tinted, unevenly lit paper.
 
-    Paper and ink act as filters of light, so their lightnesses multiply.
+    Paper and ink filter light, so their lightnesses are multiplied.
 
     Args:
         ink: (H, W) in [0, 1].
-        tint: darkness of the paper, 0 white.
-        shadow: how much darker than its brightest corner the paper is in the darkest.
-        rng: where the light comes from, and how sharply it falls off.
+        tint: darkness of the paper, where 0 is white.
+        shadow: difference in darkness between the darkest and the brightest corner.
+        rng: source of randomness for the direction and falloff of the light.
     """
     height, width = ink.shape
     angle, steepness = rng.uniform(0, 2 * np.pi), rng.uniform(1, 8)
@@ -125,12 +125,12 @@ def on_paper(ink: Floats, tint: float, shadow: float, rng: np.random.Generator) 
 
 
 def scanned(darkness: Floats, noise: float, rng: np.random.Generator) -> Floats:
-    """Return the drawing with the noise of a sensor.
+    """Return the drawing with sensor noise.
 
     Args:
         darkness: (H, W) in [0, 1].
-        noise: standard deviation.
-        rng: the noise.
+        noise: standard deviation of the noise.
+        rng: source of randomness.
     """
     noisy: Floats = darkness + np.float32(noise) * rng.standard_normal(darkness.shape, dtype=np.float32)
     return np.clip(noisy, 0, 1)

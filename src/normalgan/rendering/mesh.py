@@ -1,4 +1,4 @@
-"""Mesh, the input of the renderers, MeshSource, which loads one, and the check of what it loads."""
+"""Mesh, the input of renderers, MeshSource, which loads a mesh, and a check of the loaded mesh."""
 
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -14,12 +14,12 @@ __all__ = ["Mesh", "MeshSource", "check_mesh"]
 
 @dataclass(frozen=True)
 class Mesh:
-    """A triangle mesh ready to render: centred, of unit radius, y up, its normals outward.
+    """A triangle mesh ready to render: centred, with unit radius, y up and outward normals.
 
     Args:
-        name: its name (file name without suffix); enters seeds and messages.
-        vertices: (V, 3) positions; the bounding sphere about the origin has radius 1.
-        faces: (F, 3) vertex indices, counter-clockwise seen from outside.
+        name: name of the mesh (file name without extension), used for seeds and messages.
+        vertices: (V, 3) positions; the bounding sphere around the origin has radius 1.
+        faces: (F, 3) vertex indices, counter-clockwise when viewed from outside.
         normals: (V, 3) unit vertex normals.
     """
 
@@ -30,11 +30,11 @@ class Mesh:
 
 
 class MeshSource(Protocol):
-    """A source of one mesh, cheap to keep and to send to a worker process."""
+    """A source of a mesh, which is cheap to keep and to send to a worker process."""
 
     @property
     def name(self) -> str:
-        """Its name: a file name without suffix, or a species with its number."""
+        """Name of the mesh: a file name without extension, or a species with a number."""
 
     def fingerprint(self) -> str:
         """Return a hash of everything that `load` depends on: file bytes, orientation, parameters."""
@@ -43,7 +43,7 @@ class MeshSource(Protocol):
         """Return the mesh.
 
         Raises:
-            InputError: if it cannot be used; the message names it and says why.
+            InputError: if the mesh cannot be used; the message contains its name and the reason.
         """
 
 
@@ -51,7 +51,7 @@ def check_mesh(loaded: object) -> Mesh:
     """Return a data source's mesh after checking it.
 
     Raises:
-        InputError: otherwise.
+        InputError: if the mesh is invalid.
     """
     if not isinstance(loaded, Mesh):
         raise InputError(

@@ -1,4 +1,4 @@
-"""The bytes of mesh files: limited in size, and read once for both fingerprint and mesh."""
+"""Contents of mesh files, limited in size and read once for both fingerprint and mesh."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,9 +15,10 @@ _kept: ContextVar[dict[Path, bytes] | None] = ContextVar("bytes of mesh files", 
 
 @contextmanager
 def read_once() -> Iterator[None]:
-    """Inside this context, keep the bytes of each mesh file after the first read.
+    """Keep the bytes of each mesh file after the first read within the context.
 
-    A file may be replaced at any moment; inside the context, fingerprint and mesh come from the same bytes.
+    A file may be replaced at any time, but within the context, fingerprint and mesh come from the same
+    bytes.
     """
     token = _kept.set({})
     try:
@@ -30,7 +31,7 @@ def mesh_bytes(path: Path) -> bytes:
     """Return the bytes of a mesh file, or of a file that it refers to.
 
     Raises:
-        InputError: if it cannot be read, is larger than `MOST_BYTES`, or is a pipe or a device.
+        InputError: if the file cannot be read, is larger than `MOST_BYTES`, or is a pipe or a device.
     """
     kept = _kept.get()
     if kept is not None and path in kept:

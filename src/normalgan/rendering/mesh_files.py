@@ -1,4 +1,4 @@
-"""MeshFile: a mesh in a file; how to find mesh files by folder, pattern or list, and how they are turned."""
+"""MeshFile: a mesh in a file; finding mesh files by folder, glob or list, and their orientations."""
 
 import hashlib
 import json
@@ -24,7 +24,7 @@ from normalgan.rendering.repair import shade, weld, wind
 __all__ = ["MeshFile", "find_meshes", "place", "read_orientations"]
 
 _LOADER_VERSIONS = {".obj": 3, ".off": 2}
-"""Part of a fingerprint, 1 if not named: raise one when `MeshFile.load` returns another mesh than before."""
+"""Versions in fingerprints, 1 by default; increase one if `MeshFile.load` returns different meshes."""
 
 
 _Rotation = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
@@ -35,10 +35,10 @@ class MeshFile:
     """A mesh in a file, a `MeshSource`.
 
     Args:
-        path: a file in one of the formats of `SUFFIXES`.
-        rotation: 3 rows of 3 numbers R, x' = R x, after which +Y is up; None leaves it unchanged.
-        inside_out: whether the file's faces are wound clockwise seen from outside; None finds out.
-        crease_angle: edges sharper than this, in degrees, stay hard; None smooths all.
+        path: path of a file in one of the formats of `SUFFIXES`.
+        rotation: 3 × 3 matrix R, x' = R x, that makes +Y point up; None for no rotation.
+        inside_out: whether the faces are wound clockwise when viewed from outside; None to detect it.
+        crease_angle: angle in degrees above which edges stay sharp; None smooths all edges.
     """
 
     path: str
@@ -47,18 +47,18 @@ class MeshFile:
     crease_angle: Annotated[float, Range(0, 180)] | None = None
 
     def __post_init__(self) -> None:
-        """Refuse a matrix that is not a rotation, and an angle that is out of range."""
+        """Refuse a matrix that is not a rotation, or an angle that is out of range."""
         check_ranges(self)
         if self.rotation is not None:
             object.__setattr__(self, "rotation", _checked_rotation(self.path, self.rotation))
 
     @property
     def name(self) -> str:
-        """The file's name without its suffix."""
+        """The file name without extension."""
         return Path(self.path).stem
 
     def fingerprint(self) -> str:
-        """Return a hash of the file's bytes, of those it refers to, and of the settings.
+        """Return a hash of the file's bytes, of the files that it refers to, and of the settings.
 
         Raises:
             InputError: if the file cannot be read.
@@ -71,10 +71,10 @@ class MeshFile:
         return digest.hexdigest()
 
     def load(self) -> Mesh:
-        """Return the mesh: welded, outward, turned, centred on its bounding box, its farthest vertex at 1.
+        """Return the mesh, welded, wound outwards, rotated, centred on its bounding box, with radius 1.
 
         Raises:
-            InputError: if the file cannot be read or holds no surface; the message says why.
+            InputError: if the file cannot be read or contains no surface; the message gives the reason.
         """
         return place(self.name, self, *read_triangles(Path(self.path)))[0]
 
@@ -88,21 +88,22 @@ def place(
 ) -> tuple[Mesh, Doubles]:
     """Return the mesh of a file's triangles, and the (4, 4) matrix from it to the file's world axes.
 
-    The file's settings hold. The mesh is moved and scaled so that its box is centred on the origin and its
-    farthest vertex 1 away.
+    The settings of the file are applied. The mesh is moved and scaled so that its bounding box is centred
+    on the origin and its farthest vertex has a distance of 1.
 
     Args:
         name: name of the mesh.
         file: source of the triangles, with its settings.
         vertices: (V, 3) positions, in the file's world axes.
         faces: (F, 3) vertex indices.
-        about: (K, 3) points whose box and distance count in place of the mesh's own, such as those of all
-            moments of an animation; in the axes of ``vertices``.
+        about: (K, 3) points that determine centre and scale instead of the mesh's own vertices, such as
+            those of all frames of an animation, in the axes of ``vertices``.
 
     Raises:
-        InputError: if no face has an area.
+        InputError: if no face has a nonzero area.
     """
-    # By a power of two, which is exact: squares of huge or tiny lengths would overflow or underflow.
+    # Scaled by a power of two, which is exact, because squares of huge or tiny lengths would over- or
+    # underflow.
     _, exponent = np.frexp(np.abs(vertices[np.unique(faces)]).max(initial=0))
     about = None if about is None else np.ldexp(about, -exponent)
     vertices, faces = weld(np.ldexp(vertices, -exponent), faces)
@@ -127,16 +128,16 @@ def place(
 def find_meshes(
     source: str | list[str], orientation: str | None = None, crease_angle: float | None = None
 ) -> list[MeshFile]:
-    """Return the mesh files that a setting names, sorted by name.
+    """Return the mesh files given by a setting, sorted by name.
 
     Args:
-        source: a folder (its own files, not those of its subfolders), a file, a pattern such as
-            ``meshes/**/*.ply``, or a list of these.
-        orientation: a file for `read_orientations`; meshes that it does not name are not turned.
+        source: folder (without its subfolders), file, glob such as ``meshes/**/*.ply``, or a list of
+            these.
+        orientation: file for `read_orientations`; meshes that are not in it are not rotated.
         crease_angle: see `MeshFile`.
 
     Raises:
-        InputError: if nothing is found, two files have the same name, or the orientation file is bad.
+        InputError: if nothing is found, two files have the same name, or the orientation file is invalid.
     """
     sources = [source] if isinstance(source, str) else source
     paths = sorted({path for one in sources for path in _paths(one)}, key=lambda path: (path.stem, path))
@@ -153,12 +154,12 @@ def find_meshes(
 
 
 def _paths(source: str) -> list[Path]:
-    """Return the mesh files of one folder, file or pattern."""
+    """Return the mesh files of one folder, file or glob."""
     place = Path(source).expanduser()
     if place.is_file():
         return [place]
     where = place.iterdir() if place.is_dir() else map(Path, glob(str(place), recursive=True))
-    # On disks of other systems macOS writes a file ._NAME beside each file.
+    # On foreign file systems, macOS writes a file ._NAME next to each file.
     found = [
         path
         for path in where
@@ -181,10 +182,10 @@ class _Orientation(NamedTuple):
 def read_orientations(path: str) -> dict[str, _Orientation]:
     """Return the orientations of a JSON file ``{"name": {"rotation": 3×3, "inside_out": bool}}``.
 
-    Either entry may be missing: the mesh then keeps the rotation of its file, or its outside is detected.
+    Either entry may be missing. The mesh is then not rotated, or its outside is detected.
 
     Raises:
-        InputError: if the file cannot be read, is not of that form, or a matrix is not a rotation.
+        InputError: if the file cannot be read or has another form, or a matrix is not a rotation.
     """
     table = read_json(find_beside(path), "the orientation file")
     if not isinstance(table, dict):
@@ -206,14 +207,14 @@ def _orientation(where: str, entry: Any) -> _Orientation:
 
 
 def _checked_rotation(where: str, rows: Any) -> _Rotation:
-    """Return the rotation nearest to a matrix that is one up to rounding.
+    """Return the rotation nearest to a matrix that is a rotation except for rounding.
 
     Args:
         where: name of the mesh or folder, for the message.
         rows: 3 rows of 3 numbers.
 
     Raises:
-        InputError: if they are not, or if they mirror, scale or shear.
+        InputError: if ``rows`` is not a 3 × 3 matrix, or the matrix mirrors, scales or shears.
 
     Example:
         >>> _checked_rotation("example", [[0, -1, 0], [1, 0, 0], [0, 0, 1]])[0]
@@ -225,7 +226,7 @@ def _checked_rotation(where: str, rows: Any) -> _Rotation:
         matrix = np.empty(0)
     if matrix.shape != (3, 3) or not np.isfinite(matrix).all():
         raise InputError(f"{where}: 'rotation' must be 3 rows of 3 numbers, x' = R x.")
-    # Files round to a few digits; a larger error than a thousandth is not rounding.
+    # Files round to a few digits; an error above a thousandth is not due to rounding.
     if np.abs(matrix @ matrix.T - np.eye(3)).max() > 1e-3 or np.linalg.det(matrix) < 0:
         raise InputError(
             f"{where}: 'rotation' is not a rotation; its rows must be orthonormal, its determinant 1."

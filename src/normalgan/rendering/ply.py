@@ -1,4 +1,4 @@
-"""Read PLY files (Stanford), as text and binary; polygons are not cut into triangles."""
+"""Reading of PLY files (Stanford), text and binary, without triangulating polygons."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -19,14 +19,14 @@ _TYPES = {
 }
 _ORDERS = {"binary_little_endian": "<", "binary_big_endian": ">", "ascii": ""}
 _FACES = ("vertex_indices", "vertex_index")
-"""Names of the list of a face's corners."""
+"""Names of the property that lists a face's corners."""
 
 
 def read_ply(data: bytes) -> Polygons:
-    """Return the faces of a PLY, as text or binary.
+    """Return the faces of a text or binary PLY.
 
     Raises:
-        BrokenMeshError: if it violates the format.
+        BrokenMeshError: if the data violate the format.
 
     References:
         Turk 1994, "The PLY polygon file format".
@@ -57,7 +57,7 @@ class _Property:
     name: str
     kind: str
     length: str | None = None
-    """The type of a list's length; None of a single value."""
+    """The dtype of a list's length; None for a single value."""
 
 
 def _header(text: str) -> tuple[str | None, list[tuple[str, int, list[_Property]]]]:
@@ -83,7 +83,7 @@ def _header(text: str) -> tuple[str | None, list[tuple[str, int, list[_Property]
 
 
 def _corner_list(properties: Sequence[_Property]) -> int:
-    """Return which of the properties of a face lists its corners."""
+    """Return the index of the face property that lists the corners."""
     lists = [number for number, each in enumerate(properties) if each.length is not None]
     named = [number for number in lists if properties[number].name in _FACES]
     if not (named or len(lists) == 1):
@@ -92,7 +92,7 @@ def _corner_list(properties: Sequence[_Property]) -> int:
 
 
 def _places(properties: Sequence[_Property]) -> list[int]:
-    """Return which properties of a vertex are x, y and z."""
+    """Return the indices of the vertex properties x, y and z."""
     names = [each.name if each.length is None else "" for each in properties]
     if not {"x", "y", "z"} <= {*names}:
         raise BrokenMeshError("its vertices have no x, y and z")
@@ -100,14 +100,14 @@ def _places(properties: Sequence[_Property]) -> list[int]:
 
 
 class _Text:
-    """The body of a PLY as text: an element a line."""
+    """The body of a text PLY, with one element per line."""
 
     def __init__(self, body: bytes) -> None:
         self._lines = [line for line in body.decode("ascii", "replace").splitlines() if line.strip()]
         self._at = 0
 
     def skip(self, count: int, properties: Sequence[_Property]) -> None:
-        """Skip elements; those without a property have no line."""
+        """Skip elements; elements without properties have no line."""
         self._at += count if properties else 0
 
     def table(self, count: int, properties: Sequence[_Property]) -> Doubles:
@@ -119,7 +119,7 @@ class _Text:
         return parse_points([[row[place] for place in places] for row in rows])
 
     def lists(self, count: int, properties: Sequence[_Property]) -> tuple[Indices, Indices]:
-        """Return the corners of faces, and how many each has."""
+        """Return the corners of faces, and the number of corners of each face."""
         wanted, faces = _corner_list(properties), []
         for row in self._rows(count, len(properties)):
             at = 0
@@ -171,15 +171,15 @@ class _Binary:
         return np.stack([np.asarray(columns[each][0], np.float64) for each in _places(properties)], axis=-1)
 
     def lists(self, count: int, properties: Sequence[_Property]) -> tuple[Indices, Indices]:
-        """Return the corners of faces, and how many each has."""
+        """Return the corners of faces, and the number of corners of each face."""
         corners, sizes = self._read(count, properties)[_corner_list(properties)]
         return np.asarray(corners, np.int64), sizes
 
     def _read(self, count: int, properties: Sequence[_Property]) -> list[tuple[NDArray[Any], Indices]]:
-        """Return for each property its values, and how many each element has of it."""
+        """Return, for each property, its values and their number per element."""
         if not count:
             return [(np.zeros(0), np.zeros(0, np.int64)) for _ in properties]
-        if self._at + count > len(self._body):  # each has a byte at least; before its memory is taken
+        if self._at + count > len(self._body):  # each has at least one byte
             raise BrokenMeshError(f"it declares {count} elements in fewer bytes (is it truncated?)")
         lengths = self._lengths(properties, self._at)
         dtype = self._dtype(properties, lengths)
@@ -199,7 +199,7 @@ class _Binary:
         return self._walk(count, properties)
 
     def _walk(self, count: int, properties: Sequence[_Property]) -> list[tuple[NDArray[Any], Indices]]:
-        """Read elements one by one, because their lists have several lengths."""
+        """Read elements one by one, because their lists differ in length."""
         sizes = np.ones((len(properties), count), np.int64)
         values: list[list[NDArray[Any]]] = [[] for _ in properties]
         for row in range(count):
@@ -213,7 +213,7 @@ class _Binary:
         return [(np.concatenate(each), own) for each, own in zip(values, sizes, strict=True)]
 
     def _lengths(self, properties: Sequence[_Property], at: int) -> list[int]:
-        """Return how many values the element that begins at a byte has of each property."""
+        """Return the number of values per property of the element at a byte offset."""
         lengths = []
         for each in properties:
             length = 1

@@ -1,7 +1,7 @@
-"""Polygons: faces with any number of corners, read from OBJ and OFF files and cut into triangles.
+"""Polygons: faces with any number of corners, read from OBJ and OFF files and triangulated.
 
-trimesh's readers of OBJ, OFF and PLY always cut a face into a fan, which covers too much if the face is
-concave, and refuse a binary PLY whose faces differ in their number of corners.
+trimesh's readers of OBJ, OFF and PLY always triangulate faces as fans, which is wrong for concave faces.
+They also refuse a binary PLY with faces that differ in their number of corners.
 """
 
 import re
@@ -24,23 +24,23 @@ __all__ = [
 ]
 
 _MOST_CORNERS = 2**14
-"""More corners of a concave face are refused: cutting one takes up to the square of their number."""
+"""Maximum number of corners of a concave face, because triangulation takes quadratic time."""
 _STRAIGHT = 1e-4
-"""Sine of an angle by which a corner may turn inwards without making its face concave: rounding."""
+"""Sine of the tolerance angle for a concave corner, which allows for rounding."""
 
 
 class BrokenMeshError(ValueError):
-    """A mesh file that violates its format; its text goes after the file's name and a colon."""
+    """Error for a mesh file that violates its format; the message follows the file's name and a colon."""
 
 
 @dataclass(frozen=True)
 class Polygons:
-    """Faces of any number of corners.
+    """Faces with any number of corners.
 
     Args:
         vertices: (V, 3) positions.
-        corners: (C,) vertex indices of all faces, one face after the other.
-        sizes: (F,) corners of each face.
+        corners: (C,) concatenated vertex indices of all faces.
+        sizes: (F,) number of corners of each face.
     """
 
     vertices: Doubles
@@ -48,20 +48,19 @@ class Polygons:
     sizes: Indices
 
     def triangles(self) -> Indices:
-        """Return the faces as triangles (T, 3) with the same winding; faces of 2 corners have none.
+        """Return the faces as triangles (T, 3) with the same winding; faces of 2 corners are dropped.
 
-        Convex faces become fans. Concave ones are cut by ear clipping.
+        Convex faces become fans. Concave faces are triangulated by ear clipping.
 
         Raises:
-            BrokenMeshError: if a face refers to a vertex that is not there, or a concave one has too many
-                corners.
+            BrokenMeshError: if a face refers to a missing vertex, or a concave face has too many corners.
 
         References:
             Held 2001, "FIST: Fast industrial-strength triangulation of polygons", Algorithmica 30; the
             library is mapbox-earcut.
 
         Example:
-            An arrow is cut at its inward corner, number 0:
+            An arrow is split at its inward corner, index 0:
 
             >>> arrow = np.array([[0, 0, 0], [4, -4, 0], [0, 4, 0], [-4, -4, 0]], float)
             >>> faces = Polygons(arrow, np.array([1, 2, 3, 0]), np.array([4])).triangles()
@@ -80,14 +79,14 @@ class Polygons:
         for number in self._concave(starts):
             own = self.corners[starts[number] : starts[number] + self.sizes[number]]
             cut = own[_cut(self.vertices[own])]
-            if len(cut):  # no normal if the face is only a line
+            if len(cut):  # a degenerate face has no normal
                 place = slice(firsts[number], firsts[number] + counts[number])
                 faces[place][: len(cut)] = cut
                 kept[place][len(cut) :] = False
         return np.asarray(faces[kept])
 
     def _concave(self, starts: Indices) -> Indices:
-        """Return the numbers of the faces of more than three corners that are concave."""
+        """Return the indices of concave faces with more than three corners."""
         large = np.flatnonzero(self.sizes > 3)
         if not len(large):
             return large
@@ -96,7 +95,7 @@ class Polygons:
         first = np.cumsum(sizes) - sizes
         position = np.arange(len(own)) - first[own]
         where = starts[large][own]
-        with np.errstate(invalid="ignore", over="ignore"):  # not a number: refused later
+        with np.errstate(invalid="ignore", over="ignore"):  # nan is refused later
             here = self.vertices[self.corners[where + position]]
             there = self.vertices[self.corners[where + (position + 1) % sizes[own]]]
             origin = self.vertices[self.corners[where]]
@@ -114,7 +113,7 @@ def _length(vectors: Doubles) -> Doubles:
 
 
 def _cut(points: Doubles) -> Indices:
-    """Return the triangles (T, 3) of a polygon (C, 3), as indices of its corners, with its winding."""
+    """Return the triangles (T, 3) of a polygon (C, 3) as indices of its corners, with the same winding."""
     if len(points) > _MOST_CORNERS:
         raise BrokenMeshError(f"a concave face has {len(points)} corners; up to {_MOST_CORNERS} can be read")
     import mapbox_earcut
@@ -130,7 +129,7 @@ def _cut(points: Doubles) -> Indices:
 
 
 def _flattened(points: Doubles) -> Doubles:
-    """Return a polygon (C, 3) seen from its front, (C, 2), counter-clockwise (Newell's normal)."""
+    """Return a polygon (C, 3) as viewed from its front, (C, 2), counter-clockwise (Newell's normal)."""
     points = points - points[0]
     size = np.abs(points).max()
     points = points / (size if size > 0 else 1.0)
@@ -142,7 +141,7 @@ def _flattened(points: Doubles) -> Doubles:
 
 
 def polygons_of(vertices: Doubles, faces: Sequence[Sequence[int]]) -> Polygons:
-    """Return faces that are given as lists of corners."""
+    """Return polygons for faces that are given as lists of corners."""
     sizes = np.fromiter(map(len, faces), np.int64, len(faces))
     try:
         corners = np.fromiter(chain.from_iterable(faces), np.int64, int(sizes.sum()))
@@ -170,7 +169,7 @@ def _is_point(row: Sequence[str]) -> bool:
 
 
 def decode_text(data: bytes) -> str:
-    """Return the text of a file: ASCII, or Unicode that a mark at its start tells; lines end in a newline."""
+    """Return the text of a file, ASCII or Unicode with a byte order mark, with newline line endings."""
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         text = data.decode("utf-16", "replace")
     else:
@@ -179,10 +178,10 @@ def decode_text(data: bytes) -> str:
 
 
 def read_obj(data: bytes) -> Polygons:
-    """Return the faces of an OBJ; curves, points and lines are passed over.
+    """Return the faces of an OBJ; curves, points and lines are ignored.
 
     Raises:
-        BrokenMeshError: if a vertex or a face of it cannot be read.
+        BrokenMeshError: if a vertex or a face cannot be read.
     """
     vertices: list[list[str]] = []
     faces: list[list[int]] = []
@@ -196,7 +195,7 @@ def read_obj(data: bytes) -> Polygons:
 
 
 def _corner(word: str, count: int, line: str) -> int:
-    """Return the index of a corner; a negative one counts back from the last vertex so far."""
+    """Return the vertex index of a corner; negative numbers count back from the last vertex so far."""
     try:
         number = int(word.partition("/")[0])
     except ValueError:
@@ -209,10 +208,10 @@ def _corner(word: str, count: int, line: str) -> int:
 
 
 def read_off(data: bytes) -> Polygons:
-    """Return the faces of an OFF, also of one with colours or normals (COFF, NOFF).
+    """Return the faces of an OFF, COFF (with colours) or NOFF (with normals).
 
     Raises:
-        BrokenMeshError: if it violates the format.
+        BrokenMeshError: if the data violate the format.
 
     References:
         Geomview manual, "OFF files".
@@ -238,7 +237,7 @@ def read_off(data: bytes) -> Polygons:
 
 
 def _face(words: Sequence[str]) -> list[int]:
-    """Return the corners of a line of an OFF: how many they are, these, and an optional colour."""
+    """Return the corners in a face line of an OFF: their number, the corners and an optional colour."""
     try:
         count = int(words[0])
         if 0 <= count < len(words):

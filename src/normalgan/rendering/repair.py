@@ -1,4 +1,4 @@
-"""Repair triangles: weld, remove degenerate ones, wind consistently outward; then compute normals."""
+"""Repair of triangles: welding, removing degenerate ones, consistent winding, and vertex normals."""
 
 import numpy as np
 
@@ -8,13 +8,13 @@ from normalgan.graphs import connected
 __all__ = ["bodies", "face_vectors", "shade", "weld", "wind"]
 
 _GRID = 2**20
-"""Vertices in one cell of a grid of this many cells a side are one vertex: a millionth of the size."""
+"""Number of grid cells per side for welding vertices, so the tolerance is a millionth of the size."""
 
 
 def weld(vertices: Doubles, faces: Indices) -> tuple[Doubles, Indices]:
-    """Merge vertices in the same place, drop faces without area and second copies, and unused vertices.
+    """Merge coincident vertices, and drop faces without area, duplicate faces and unused vertices.
 
-    Seams that a file keeps for textures or hard edges would break up smooth normals; two copies of a face
+    Seams in a file for textures or hard edges would interrupt smooth normals, and two copies of a face
     with opposite windings would cancel them.
 
     Args:
@@ -25,7 +25,7 @@ def weld(vertices: Doubles, faces: Indices) -> tuple[Doubles, Indices]:
     low, size = used.min(axis=0), float(np.ptp(used, axis=0).max())
     if size == 0:
         return vertices[:0], faces[:0]
-    # 21 bits for each axis: one integer for each cell sorts faster than three.
+    # 21 bits per axis, because one integer per cell sorts faster than three.
     cells = np.rint(np.clip((vertices - low) / size, 0, 1) * _GRID).astype(np.int64) @ [1 << 42, 1 << 21, 1]
     _, first, cell = np.unique(cells, return_index=True, return_inverse=True)
     vertices, faces = vertices[first], cell[faces]
@@ -41,24 +41,24 @@ def weld(vertices: Doubles, faces: Indices) -> tuple[Doubles, Indices]:
 
 
 def face_vectors(vertices: Doubles, faces: Indices) -> Doubles:
-    """Return the face normals (F, 3); their length is twice the area."""
+    """Return the face normals (F, 3) with a length of twice the area."""
     a, b, c = (vertices[faces[:, i]] for i in range(3))
     return np.cross(b - a, c - a)
 
 
 def wind(vertices: Doubles, faces: Indices, inside_out: bool | None) -> Indices:
-    """Return the faces with consistent winding within each body, counter-clockwise seen from outside.
+    """Return the faces with consistent winding in each body, counter-clockwise when viewed from outside.
 
     Args:
         vertices: (V, 3) positions.
         faces: (F, 3) vertex indices, welded.
-        inside_out: whether most of the file is wound clockwise; None to find out for each body, from the
-            sign of its volume about its own centroid, which for an open body stands for the volume that
-            it would have with its holes closed towards the centroid.
+        inside_out: whether most faces in the file are wound clockwise. None detects it for each body from
+            the sign of its volume relative to its own centroid, as if holes were closed towards the
+            centroid.
     """
     body, turn = bodies(faces)
     area = np.linalg.norm(face_vectors(vertices, faces), axis=1)
-    # The side with more area keeps the winding it has in the file.
+    # The side with more area keeps its winding in the file.
     turned_area, whole = (np.bincount(body, area * part) for part in (turn, 1.0))
     turn = turn ^ (turned_area > whole / 2)[body]
     faces = np.where(turn[:, None], faces[:, ::-1], faces)
@@ -69,7 +69,7 @@ def wind(vertices: Doubles, faces: Indices, inside_out: bool | None) -> Indices:
 
 
 def _volumes(vertices: Doubles, faces: Indices, body: Indices, area: Doubles) -> Doubles:
-    """Return the signed volume of each body between its faces and its centroid."""
+    """Return the signed volume between the faces and the centroid of each body."""
     middle = vertices[faces].mean(axis=1)
     sums = np.stack([np.bincount(body, area * middle[:, i]) for i in range(3)], axis=-1)
     centroid = sums / np.bincount(body, area)[:, None]
@@ -78,16 +78,16 @@ def _volumes(vertices: Doubles, faces: Indices, body: Indices, area: Doubles) ->
 
 
 def shade(vertices: Doubles, faces: Indices, crease_angle: float | None) -> tuple[Doubles, Indices, Doubles]:
-    """Return vertices, faces and unit vertex normals, vertices doubled along hard edges.
+    """Return vertices, faces and unit vertex normals, with duplicate vertices along sharp edges.
 
-    A normal is the mean of the adjoining faces' normals, weighted by their angles at the vertex (Thürmer
-    and Wüthrich, Journal of Graphics Tools 3(1), 1998): it does not depend on how faces are cut up.
+    A normal is the mean of the adjacent faces' normals, weighted by their angles at the vertex (Thürmer
+    and Wüthrich, Journal of Graphics Tools 3(1), 1998), so it does not depend on the triangulation.
 
     Args:
         vertices: (V, 3) positions.
         faces: (F, 3) vertex indices, welded, with consistent winding.
-        crease_angle: edges with a larger angle between their faces' normals, in degrees, stay hard; None
-            smooths all.
+        crease_angle: angle between the faces' normals, in degrees, above which an edge stays sharp; None
+            smooths all edges.
     """
     flat = face_vectors(vertices, faces)
     flat /= np.linalg.norm(flat, axis=1, keepdims=True)
@@ -101,7 +101,7 @@ def shade(vertices: Doubles, faces: Indices, crease_angle: float | None) -> tupl
     pulls = (angles[:, :, None] * flat[:, None, :]).reshape(-1, 3)
     normals = np.stack([np.bincount(corners, pulls[:, i], len(vertices)) for i in range(3)], axis=-1)
     length = np.linalg.norm(normals, axis=1)
-    # Where they cancel (two sheets back to back), the normal of any face will do.
+    # Where normals cancel (two sheets back to back), the normal of any face will do.
     lost = length < 1e-6
     stand_in = np.zeros_like(normals)
     stand_in[corners] = np.repeat(flat, 3, axis=0)
@@ -110,7 +110,7 @@ def shade(vertices: Doubles, faces: Indices, crease_angle: float | None) -> tupl
 
 
 def _corner_angles(vertices: Doubles, faces: Indices) -> Doubles:
-    """Return the (F, 3) angles of the triangles at their corners, in radians."""
+    """Return the corner angles (F, 3) of the triangles in radians."""
     points = vertices[faces]
     to_next, to_last = np.roll(points, -1, axis=1) - points, np.roll(points, 1, axis=1) - points
     across = np.linalg.norm(np.cross(to_next, to_last), axis=-1)
@@ -118,7 +118,7 @@ def _corner_angles(vertices: Doubles, faces: Indices) -> Doubles:
 
 
 def _neighbours(faces: Indices) -> tuple[Indices, Indices, BoolMask]:
-    """Return the pairs of faces that share an edge with each other and with no third face.
+    """Return the pairs of faces that share an edge that belongs to no third face.
 
     Args:
         faces: (F, 3) vertex indices.
@@ -126,14 +126,14 @@ def _neighbours(faces: Indices) -> tuple[Indices, Indices, BoolMask]:
     Returns:
         first: (E,) indices of faces.
         second: (E,) indices of their neighbours.
-        alike: (E,) whether their windings agree: they run along their edge in opposite directions.
+        alike: (E,) whether their windings agree, so that they traverse the edge in opposite directions.
     """
     first, second, start, end = _shared_edges(faces)
     return first // 3, second // 3, start == end
 
 
 def _shared_edges(faces: Indices) -> tuple[Indices, Indices, Indices, Indices]:
-    """Return (E,) half-edges ``3 * face + side``, their partners, the start of one, the end of the other."""
+    """Return (E,) half-edges ``3 * face + side``, their partners, their starts, and their partners' ends."""
     starts, ends = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     keys = np.minimum(starts, ends) * (int(faces.max()) + 1) + np.maximum(starts, ends)
     order = np.argsort(keys, kind="stable")
@@ -146,9 +146,10 @@ def _shared_edges(faces: Indices) -> tuple[Indices, Indices, Indices, Indices]:
 def bodies(faces: Indices) -> tuple[Indices, BoolMask]:
     """Return each face's body (F,), and which faces (F,) to flip for a consistent winding.
 
-    A graph holds every face twice, unchanged and flipped. Neighbours with the same winding are linked copy to
-    copy, others crosswise. An orientable body then splits into two mirrored components, and either is a
-    consistent winding. Another (a Möbius strip) stays one component, and is not changed.
+    In a graph with two nodes per face, one unchanged and one flipped, neighbours with the same winding are
+    linked unchanged to unchanged and flipped to flipped, and others crosswise. An orientable body then
+    forms two mirrored components, each of which is a consistent winding. A non-orientable body (a Möbius
+    strip) forms one component and is not changed.
     """
     first, second, alike = _neighbours(faces)
     count = len(faces)
@@ -156,25 +157,25 @@ def bodies(faces: Indices) -> tuple[Indices, BoolMask]:
     other = np.where(alike, 0, count)
     copies = np.r_[first, first + count], np.r_[second + other, second + count - other]
     label = connected(2 * count, np.column_stack(copies)).reshape(2, count)
-    # The first face of a body stays; faces whose flipped copy is connected to it are flipped.
+    # The first face of a body is kept, and faces with a flipped node connected to it are flipped.
     _, leaders = np.unique(body, return_index=True)
     chosen = label[0, leaders][body]
     return body, (label[0] != chosen) & (label[1] == chosen)
 
 
 def _seams(faces: Indices, soft: BoolMask) -> tuple[Indices, Indices]:
-    """Split vertices whose faces no soft edge connects.
+    """Split vertices between faces that are not connected by soft edges.
 
     Args:
         faces: (F, 3) vertex indices.
-        soft: (E,) for each pair of `_neighbours`, whether normals run smoothly across their edge.
+        soft: (E,) for each pair of `_neighbours`, whether normals are smooth across the edge.
 
     Returns:
-        origin: (V',) the old vertex of each new one.
-        faces: (F, 3) indices of new vertices.
+        origin: (V',) index of the old vertex for each new vertex.
+        faces: (F, 3) indices of the new vertices.
     """
     first, second, start, end = _shared_edges(faces)
-    # The corners at the start and end of the first half-edge; its partner may run either way.
+    # The corners at the start and end of the first half-edge; its partner may have either direction.
     after_first, after_second = _next_corner(first), _next_corner(second)
     opposite = start == end
     at_start = np.where(opposite, after_second, second)

@@ -1,4 +1,4 @@
-"""Samples: a sketch and its true normal map, made by a repeatable recipe."""
+"""Samples: sketches with true normal maps, created by a reproducible recipe."""
 
 import dataclasses
 import hashlib
@@ -29,19 +29,19 @@ from normalgan.rendering.view import View
 __all__ = ["RENDERING_VERSION", "Recipe", "Sample", "draw_ink", "draw_strokes", "no_lines", "sample_rng"]
 
 RENDERING_VERSION = 2
-"""Raise it when a change to the code changes what a recipe renders: stored samples are then made again."""
+"""Version of the rendering. Increase it if a code change affects samples, so that they are created again."""
 
 
 @dataclass(frozen=True)
 class Sample:
-    """One stored view of one mesh; row 0 is the top of the picture.
+    """A stored view of a mesh; row 0 is the top of the picture.
 
     Args:
         sketch: (H, W) ink, from 0 (paper) to 255.
-        normal: (H, W, 3) unit normals in camera space (x right, y up, z to the viewer), 0 off the object;
-            half precision turns them by less than 0.05°.
-        mask: (H, W) True on the object.
-        hints: (H, W, 4) normals at the sample's own hints, then 1 where they are; None without hints.
+        normal: (H, W, 3) unit normals in camera space (x right, y up, z to the viewer), 0 outside the
+            object. Half precision changes them by less than 0.05°.
+        mask: (H, W), True on the object.
+        hints: (H, W, 4): normals of the sample's own hints and hint mask; None without hints.
     """
 
     sketch: NDArray[np.uint8]
@@ -52,15 +52,15 @@ class Sample:
 
 @dataclass(frozen=True)
 class Recipe:
-    """How to make samples of a mesh; a recipe makes equal samples in any order, on any machine.
+    """Recipe for samples of a mesh; it creates the same samples in any order and on any machine.
 
     Args:
-        views: where the object is looked at from.
-        renderer: renders normals from a mesh and a camera.
-        lines: the style in which the sketch is drawn.
+        views: distribution of camera views.
+        renderer: renderer of the maps.
+        lines: line style of the sketch.
         size: side of the pictures in pixels.
-        seed: a different seed gives different views.
-        hand: who draws it; None keeps the exact lines.
+        seed: seed of the views and of all other randomness.
+        hand: model of a person's drawing hand; None draws exact lines.
         medium: pen, paper and scanner; None draws clean ink on white paper.
 
     Raises:
@@ -86,10 +86,10 @@ class Recipe:
         self.renderer.check()
 
     def render(self, mesh: Mesh, index: int) -> Sample:
-        """Return view number ``index`` of ``mesh``; it depends on no other view.
+        """Return the view of a mesh at an index; it does not depend on other views.
 
         Raises:
-            InputError: if it is not a mesh, or the style draws no lines of it.
+            InputError: if ``mesh`` is not a mesh, or the style finds no lines in the view.
         """
         mesh = check_mesh(mesh)
         rng = partial(sample_rng, self.seed, mesh.name, index)
@@ -105,10 +105,10 @@ class Recipe:
         )
 
     def describe(self) -> dict[str, Any]:
-        """Return all that the samples depend on besides the mesh, as plain values for JSON.
+        """Return everything except the mesh that the samples depend on, as plain values for JSON.
 
         Raises:
-            TypeError: if a plug-in is not a dataclass of plain values, so that its settings cannot be saved.
+            TypeError: if a plug-in is not a dataclass of plain values, so its settings cannot be saved.
         """
         return {**_plain(self), "rendering_version": RENDERING_VERSION}
 
@@ -119,13 +119,13 @@ def draw_strokes(
     """Return the strokes of a drawing and its maps, both changed by the hand.
 
     Args:
-        view: what is drawn.
-        lines: in which style.
-        hand: who draws; None keeps the exact lines.
-        rng: the source of randomness of a step, ``lines`` or ``hand``.
+        view: view to draw.
+        lines: line style.
+        hand: model of a drawing hand; None draws exact lines.
+        rng: function that returns the random generator of a step, ``lines`` or ``hand``.
 
     Returns:
-        There are no strokes if the style finds none in the view.
+        The strokes, possibly none, and the maps.
     """
     strokes = list(check_strokes(lines, lines.trace(view, rng("lines")), view.size))
     maps = view.maps()
@@ -133,7 +133,7 @@ def draw_strokes(
 
 
 def no_lines(lines: LineDrawing, seen: str, size: int) -> InputError:
-    """Return the error for a view in which a style draws no strokes: a blank sheet is not a drawing."""
+    """Return the error for a view where a style finds no strokes, because a blank sheet is not a drawing."""
     return InputError(
         f"{type(lines).__name__} finds no lines in {seen}: there it is thinner than a pixel of {size}, "
         "or every line is shorter than the style allows."
@@ -148,17 +148,17 @@ def draw_ink(
     Args:
         strokes: strokes of the drawing.
         size: H and W.
-        medium: pen, paper and scanner; None is clean ink.
-        rng: the source of randomness of a step, ``medium``.
+        medium: pen, paper and scanner; None draws clean ink.
+        rng: function that returns the random generator of a step, ``medium``.
     """
     ink = rasterise(strokes, size)
     return ink if medium is None else medium.apply(ink, rng("medium"))
 
 
 def sample_rng(seed: int, name: str, index: int, step: str) -> np.random.Generator:
-    """Return the source of randomness of one step for one view of one mesh, the same in every process.
+    """Return the random generator of one step for one view of a mesh, the same in all processes.
 
-    Each step has its own generator, so that no step shifts another's random numbers.
+    Each step has its own generator, so steps do not affect each other's random numbers.
 
     Args:
         seed: seed of the recipe.
@@ -171,13 +171,13 @@ def sample_rng(seed: int, name: str, index: int, step: str) -> np.random.Generat
         >>> bool(a.random() == b.random() != sample_rng(0, "horse", 3, "lines").random())
         True
     """
-    # Not Python's hash(), whose salt differs from process to process.
+    # Python's hash() would differ between processes, because it is salted.
     digest = hashlib.sha256(json.dumps([seed, name, index, step]).encode()).digest()
     return np.random.default_rng(int.from_bytes(digest, "big"))
 
 
 def _plain(value: Any) -> Any:
-    """Return dataclasses as dicts with their class name, sequences as lists, plain values as they are."""
+    """Return dataclasses as dicts with their class name, sequences as lists, and plain values unchanged."""
     if value is None or isinstance(value, (bool, int, float, str)):
         return value
     if isinstance(value, (list, tuple)):
@@ -186,7 +186,7 @@ def _plain(value: Any) -> Any:
         return {str(key): _plain(item) for key, item in value.items()}
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         fields = {field.name: _plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
-        code = source_hash(type(value))  # without it, an edited plug-in would get its old samples
+        code = source_hash(type(value))  # otherwise an edited plug-in would reuse its old samples
         return {"class": type(value).__name__, **({"code": code} if code else {}), **fields}
     raise TypeError(
         f"{type(value).__name__} is not a dataclass of plain values: samples made by it cannot be told apart."

@@ -1,4 +1,4 @@
-"""View: an object, a camera, and the maps at any size that a line style needs."""
+"""View: an object and a camera, with maps at any size that a line style needs."""
 
 from normalgan.rendering.cameras import Camera
 from normalgan.rendering.maps import Maps, check_maps
@@ -9,12 +9,12 @@ __all__ = ["View"]
 
 
 class View:
-    """An object seen by one camera.
+    """An object viewed by a camera.
 
     Args:
-        mesh: the object.
-        camera: the camera.
-        renderer: renders its maps.
+        mesh: mesh of the object.
+        camera: camera of the view.
+        renderer: renderer of the maps.
         size: side of the sketch and of the normal map in pixels.
     """
 
@@ -26,7 +26,7 @@ class View:
         self._maps: dict[int, Maps] = {}
 
     def maps(self, scale: int = 1) -> Maps:
-        """Return the maps with ``scale`` times as many pixels a side as the sketch; each is rendered once."""
+        """Return the maps at ``scale`` times the sketch's size; each size is rendered only once."""
         if scale not in self._maps:
             size = scale * self.size
             rendered = self.renderer.render(self.mesh, self.camera, size)

@@ -1,7 +1,7 @@
-"""Conformance checks for authors of plug-ins; each failure is one sentence.
+"""Conformance checks for authors of plug-ins; each failure is reported in one sentence.
 
-``check(plugin)`` runs all checks of the plug-in's kind; ``checks(HintSampler)`` lists the checks of a kind
-for ``pytest.mark.parametrize``.
+``check(plugin)`` runs all checks on a plug-in. ``checks(HintSampler)`` returns the checks for one base
+class, for ``pytest.mark.parametrize``.
 """
 
 from normalgan.testing.conformance import Check, ConformanceError

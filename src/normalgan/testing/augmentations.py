@@ -26,16 +26,18 @@ _SIZE = 64
 
 
 def augmentation_checks() -> list[Check[BatchAugmentation]]:
-    """Return the checks of an augmentation, each with a name, for ``pytest.mark.parametrize``."""
+    """Return the named checks of an augmentation, for ``pytest.mark.parametrize``."""
     return [
         Check("a whole batch", _whole, "it must return an augmented copy of the batch"),
         Check("values in their ranges", _ranges, "ink is 0 to 1, a mask 0 or 1, a normal of length 1 on it"),
         Check(
-            "vectors turned with their pixels", _turned, "normals and hints must be moved and turned alike"
+            "vectors rotated with their pixels",
+            _turned,
+            "normals and hints must be moved and rotated together",
         ),
         *seed_checks(lambda augmentation, seed: _tensors(augmentation(_given(), seed)), "seed"),
         untouched_check(lambda augmentation, given: augmentation(given, 3), _given),
-        Check("settings for a record", _described, "describe must return plain values for JSON"),
+        Check("settings for records", _described, "describe must return plain values for JSON"),
         device_check(
             lambda augmentation, device: _tensors(augmentation(move_data_to_device(_given(), device), 4))
         ),
@@ -43,7 +45,7 @@ def augmentation_checks() -> list[Check[BatchAugmentation]]:
 
 
 def _given() -> Batch:
-    """Return four samples with a hint at every fourth pixel of the object, and names."""
+    """Return four named samples with a hint at every fourth pixel of the object."""
     made = batch(4, _SIZE)
     where = torch.zeros_like(made["mask"])
     where[..., ::4, ::4] = 1
@@ -72,10 +74,10 @@ def _ranges(augmentation: BatchAugmentation) -> None:
         did = f"returned ink from {float(sketch.min()):.3g} to {float(sketch.max()):.3g}"
         demand(inside, augmentation, did, "ink is 0 to 1")
         binary = bool(((mask == 0) | (mask == 1)).all())
-        demand(binary, augmentation, "returned a mask with values between 0 and 1", "a pixel is on or off")
+        demand(binary, augmentation, "returned a mask with values between 0 and 1", "mask values are 0 or 1")
         off = float((normal.norm(dim=1, keepdim=True) - mask).abs().max())
-        did = f"returned normals whose length is {off:.3g} off what it must be"
-        demand(off < 0.01, augmentation, did, "it is 1 on the mask and 0 off it")
+        did = f"returned normals with a length that is {off:.3g} off"
+        demand(off < 0.01, augmentation, did, "the length must be 1 on the mask and 0 elsewhere")
 
 
 def _turned(augmentation: BatchAugmentation) -> None:
@@ -84,12 +86,12 @@ def _turned(augmentation: BatchAugmentation) -> None:
         there = (got["hints"][:, 3:] > 0.5) & (got["mask"] > 0.5)
         cosine = (got["hints"][:, :3] * got["normal"]).sum(1, keepdim=True)[there]
         if not len(cosine):
-            continue  # all were moved out of the picture
+            continue  # all objects were moved out of the picture
         degrees = torch.rad2deg(torch.acos(cosine.clamp(-1, 1)))
         off = float(degrees.median())
         did = f"left hints {off:.1f}° from the normals where they lie"
-        demand(off < 10, augmentation, did, "pixels and vectors of both must be moved and turned alike")
-        # Along the outline vectors point outward, whichever way the picture was turned.
+        demand(off < 10, augmentation, did, "their pixels and vectors must be moved and rotated together")
+        # Normals along the outline point outwards, however the picture was rotated.
         soft = torch.nn.functional.avg_pool2d(got["mask"], 7, 1, 3)
         across = torch.stack(torch.gradient(soft[:, 0], dim=(2, 1)), dim=1) * torch.tensor([-1.0, 1.0]).view(
             1, 2, 1, 1
@@ -98,9 +100,7 @@ def _turned(augmentation: BatchAugmentation) -> None:
         out = (across * got["normal"][:, :2]).sum(1, keepdim=True)[rim]
         share = float((out > 0).float().mean()) if len(out) else 1.0
         did = f"left {1 - share:.0%} of the normals along the outline pointing inward"
-        demand(
-            share > 0.8, augmentation, did, "a picture that is turned or mirrored has vectors that are too"
-        )
+        demand(share > 0.8, augmentation, did, "vectors must be rotated or mirrored with the picture")
 
 
 def _described(augmentation: BatchAugmentation) -> None:

@@ -1,4 +1,4 @@
-"""Checks as objects with a name; a failure is one sentence."""
+"""Checks as named objects; each failure is reported in one sentence."""
 
 import inspect
 import pickle
@@ -31,7 +31,7 @@ T = TypeVar("T")
 
 
 class ConformanceError(AssertionError):
-    """A plug-in breaks the contract of its kind; the message is one sentence."""
+    """Error for a plug-in that breaks the contract of its base class; the message is one sentence."""
 
 
 @dataclass(frozen=True)
@@ -39,9 +39,9 @@ class Check(Generic[T]):
     """One check of a plug-in; call it with the plug-in.
 
     Args:
-        name: the subject of the check, in a few words; the id of the test in pytest.
-        ask: raises `ConformanceError` if the plug-in breaks the contract.
-        contract: what a plug-in must do, for the message if it raises an exception.
+        name: subject of the check in a few words, used as the test id in pytest.
+        ask: function that raises `ConformanceError` if the plug-in breaks the contract.
+        contract: requirement on the plug-in, for the message if it raises an exception.
     """
 
     name: str
@@ -65,7 +65,7 @@ class Check(Generic[T]):
             self.ask(plugin)
         except ConformanceError:
             raise
-        except FOREIGN_ERRORS as error:  # whatever somebody else's class may raise
+        except FOREIGN_ERRORS as error:  # a third-party class may raise anything
             raise ConformanceError(
                 f"{class_name(plugin)} raised {type(error).__name__} ({brief(error).rstrip('.')}) when asked "
                 f"for {self.name}; {self.contract}."
@@ -73,10 +73,10 @@ class Check(Generic[T]):
 
 
 def demand(fulfilled: object, plugin: object, did: str, asked: str) -> None:
-    """Raise `ConformanceError` unless a condition holds.
+    """Check a condition.
 
     Raises:
-        ConformanceError: ``<Class> <did>; <asked>.`` if not.
+        ConformanceError: with the message ``<Class> <did>; <asked>.`` if the condition is false.
     """
     if not fulfilled:
         raise ConformanceError(f"{class_name(plugin)} {did}; {asked}.")
@@ -84,10 +84,10 @@ def demand(fulfilled: object, plugin: object, did: str, asked: str) -> None:
 
 @contextmanager
 def held_to_contract() -> Iterator[None]:
-    """Turn the errors of run-time checks into failures of the kit.
+    """Convert the errors of run-time checks to conformance errors.
 
     Raises:
-        ConformanceError: with the message of that check.
+        ConformanceError: with the message of the run-time check.
     """
     try:
         yield
@@ -96,7 +96,7 @@ def held_to_contract() -> Iterator[None]:
 
 
 def promised(method: Callable[..., object]) -> str:
-    """Return the promise in the docstring of a base's method, as a part of a sentence.
+    """Return the first docstring line of a base class's method, as part of a sentence.
 
     >>> from normalgan.hints import HintSampler
     >>> promised(HintSampler.sample)
@@ -108,13 +108,13 @@ def promised(method: Callable[..., object]) -> str:
 
 @contextmanager
 def global_randomness_untouched(plugin: object) -> Iterator[None]:
-    """Demand that the global random states of Python, numpy and torch do not change.
+    """Check that the global random states of Python, NumPy and torch do not change.
 
     Raises:
-        ConformanceError: if one of them was drawn from or set.
+        ConformanceError: if code in the block drew from or seeded one of them.
     """
     kept = random.getstate(), np.random.get_state(), torch.get_rng_state()  # noqa: NPY002
-    # States that nobody has seen: one that is seeded with a number of the plug-in's own then differs.
+    # From unpredictable states, so that seeding in the plug-in always changes them.
     random.seed()
     np.random.seed()  # noqa: NPY002
     torch.seed()
@@ -131,7 +131,7 @@ def global_randomness_untouched(plugin: object) -> Iterator[None]:
             state == before[library],
             plugin,
             f"drew from or seeded {library}'s global random state",
-            "all randomness must come from the generator that is handed in, so that a resumed run repeats",
+            "all randomness must come from the given generator, so that a resumed run is reproducible",
         )
 
 
@@ -143,32 +143,32 @@ def _global_states() -> dict[str, bytes]:
 
 
 def seed_checks(run: Callable[[T, int], Sequence[Any]], source: str) -> list[Check[T]]:
-    """Return the checks that the seed alone decides on what a plug-in returns.
+    """Return the checks that the output of a plug-in depends only on the seed.
 
     Args:
-        run: runs the plug-in with a seed, and returns tensors or arrays.
-        source: where its random numbers must come from, such as ``rng``.
+        run: function that runs the plug-in with a seed and returns tensors or arrays.
+        source: required source of random numbers, such as ``rng``.
     """
 
     def repeats(plugin: T) -> None:
         first = run(plugin, 4)
-        torch.rand(3)  # another global state
+        torch.rand(3)  # a different global random state
         np.random.rand(3)  # noqa: NPY002
         again = run(plugin, 4)
         same = len(first) == len(again) and all(
             np.array_equal(np.asarray(one), np.asarray(other))
             for one, other in zip(first, again, strict=True)
         )
-        asked = f"all randomness must come from {source}, so that a resumed run repeats"
-        demand(same, plugin, "returned something else under the same seed", asked)
+        asked = f"all randomness must come from {source}, so that a resumed run is reproducible"
+        demand(same, plugin, "returned another output for the same seed", asked)
 
     def leaves_global(plugin: T) -> None:
         with global_randomness_untouched(plugin):
             run(plugin, 0)
 
     return [
-        Check("the same under a seed", repeats, f"{source} alone may decide"),
-        Check("global randomness left alone", leaves_global, f"all randomness comes from {source}"),
+        Check("the same output for the same seed", repeats, f"the output may depend only on {source}"),
+        Check("no use of global randomness", leaves_global, f"all randomness comes from {source}"),
     ]
 
 
@@ -176,18 +176,18 @@ def untouched_check(run: Callable[[T, Any], object], given: Callable[[], Any]) -
     """Return the check that a plug-in does not change its arguments.
 
     Args:
-        run: runs the plug-in.
-        given: makes what it is run on: tensors, or a batch.
+        run: function that runs the plug-in.
+        given: function that creates the arguments: tensors or a batch.
     """
 
     def leaves(plugin: T) -> None:
-        # Made twice, as what `given` makes is always the same.
+        # Created twice, because `given` always creates the same arguments.
         arguments, kept = given(), given()
         run(plugin, arguments)
         same = all(map(torch.equal, _tensors(arguments), _tensors(kept)))
         demand(same, plugin, "changed the tensors it was given", "they belong to the caller; copy them")
 
-    return Check("arguments left as they are", leaves, "they belong to the caller")
+    return Check("unchanged arguments", leaves, "they belong to the caller")
 
 
 def _tensors(given: Mapping[str, Any] | Sequence[Any]) -> list[torch.Tensor]:
@@ -196,19 +196,19 @@ def _tensors(given: Mapping[str, Any] | Sequence[Any]) -> list[torch.Tensor]:
 
 
 def device_check(run: Callable[[T, torch.device], Sequence[torch.Tensor]]) -> Check[T]:
-    """Return the check that a plug-in works on every device there is.
+    """Return the check that a plug-in works on all available devices.
 
     Args:
-        run: runs the plug-in with inputs on a device, and returns its outputs.
+        run: function that runs the plug-in with inputs on a device and returns its outputs.
     """
 
     def stays(plugin: T) -> None:
         for device in device_list():
             for output in run(plugin, device):
-                did = f"returned something on {output.device} for inputs on {device}"
+                did = f"returned a tensor on {output.device} for inputs on {device}"
                 demand(output.device == device, plugin, did, "it must stay on the device of its input")
 
-    return Check("every device there is", stays, "tensors must be made on the device of the input")
+    return Check("all available devices", stays, "tensors must be created on the device of the input")
 
 
 def device_list() -> list[torch.device]:

@@ -16,14 +16,14 @@ __all__ = ["data_source_checks"]
 
 
 def data_source_checks() -> list[Check[DataSource]]:
-    """Return the checks of a data source, each with a name, for ``pytest.mark.parametrize``."""
+    """Return the named checks of a data source, for ``pytest.mark.parametrize``."""
     return [
         *settings_checks(DataSource),  # type: ignore[type-abstract]
         frozen_check(),
-        Check("splits by name", _splits, "split must return what is in train, val and test"),
-        Check("a name for each", _names, "every thing needs a name of its own, in one split"),
-        Check("the same when asked again", _repeats, "names and fingerprints must not depend on the moment"),
-        Check("things for worker processes", _handed, "what is returned must survive pickle"),
+        Check("splits by name", _splits, "split must return the items of train, val and test"),
+        Check("unique names", _names, "each item needs a unique name and belongs to one split"),
+        Check("the same when called again", _repeats, "names and fingerprints must not change between calls"),
+        Check("items for worker processes", _handed, "items must survive pickling"),
         Check("meshes or pairs", _loaded, "load must return a Mesh, or a Pair of a PairSource"),
     ]
 
@@ -42,31 +42,39 @@ def _splits(source: DataSource) -> None:
     did = f"has a split {strange[0] if strange else ''}"
     demand(not strange, source, did, f"they are {', '.join(SPLITS)}")
     demand(
-        found.get("train"), source, "has nothing to train on", "settings.deal(names) gives each split a share"
+        found.get("train"),
+        source,
+        "has nothing to train on",
+        "settings.deal(names) assigns names to all splits",
     )
 
 
 def _names(source: DataSource) -> None:
     counts = Counter(thing.name for part in _split(source).values() for thing in part)
     twice = [name for name, count in counts.items() if count > 1]
-    did = f"has two things named {twice[0] if twice else ''}"
-    demand(not twice, source, did, "each needs a name of its own, in one split")
+    did = f"has two items named {twice[0] if twice else ''}"
+    demand(not twice, source, did, "each item needs a unique name and belongs to one split")
 
 
 def _repeats(source: DataSource) -> None:
     one, other = ([(t.name, t.fingerprint()) for t in _firsts(source)] for _ in range(2))
-    demand(one == other, source, "has other names or fingerprints when asked again", "the cache goes by them")
+    demand(
+        one == other, source, "has other names or fingerprints when called again", "the cache relies on them"
+    )
     prints = [seen for _, seen in one]
     demand(
-        len(set(prints)) == len(prints), source, "has two things of one fingerprint", "they tell things apart"
+        len(set(prints)) == len(prints),
+        source,
+        "has two items with the same fingerprint",
+        "fingerprints must distinguish items",
     )
 
 
 def _handed(source: DataSource) -> None:
     for thing in _firsts(source):
-        again = pickle.loads(pickle.dumps(thing))  # of what was just pickled here
+        again = pickle.loads(pickle.dumps(thing))  # pickled by ourselves just now
         same = (again.name, again.fingerprint()) == (thing.name, thing.fingerprint())
-        demand(same, source, f"has {thing.name}, which is another one after pickle", "workers load it")
+        demand(same, source, f"has {thing.name}, which changes when pickled", "workers load the pickled item")
 
 
 def _loaded(source: DataSource) -> None:

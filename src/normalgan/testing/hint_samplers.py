@@ -23,15 +23,15 @@ _WHERE = promised(HintSampler.sample)
 
 
 def hint_sampler_checks() -> list[Check[HintSampler]]:
-    """Return the checks of a hint sampler, each with a name, for ``pytest.mark.parametrize``."""
+    """Return the named checks of a hint sampler, for ``pytest.mark.parametrize``."""
     return [
         *settings_checks(HintSampler),  # type: ignore[type-abstract]
         Check("shape and type", _shape, _WHERE),
         Check("hints on the object", _on_object, _WHERE),
         Check("pictures without an object", _empty, "a picture without an object gets no hints"),
-        Check("batches of other sizes", _sizes, "every size of picture and batch must do"),
+        Check("batches of other sizes", _sizes, "all sizes of pictures and batches must work"),
         *seed_checks(lambda sampler, seed: [_sample(sampler, *pictures(2), seed)], "rng"),
-        Check("samples apart from one another", _independent, "a sample must not depend on its neighbours"),
+        Check("independent samples", _independent, "a sample must not depend on its neighbours"),
         untouched_check(lambda sampler, given: _sample(sampler, *given), lambda: pictures(2)),
         device_check(_on_device),
     ]
@@ -49,7 +49,7 @@ def _shape(sampler: HintSampler) -> None:
     normal, mask = pictures(2)
     where = _sample(sampler, normal, mask)
     did = f"returned {where.dtype} for normals of {normal.dtype}"
-    demand(where.dtype == normal.dtype, sampler, did, "it must return the type of the normals")
+    demand(where.dtype == normal.dtype, sampler, did, "it must return the dtype of the normals")
 
 
 def _on_object(sampler: HintSampler) -> None:
@@ -65,7 +65,7 @@ def _empty(sampler: HintSampler) -> None:
     normal[1], mask[1] = 0, 0
     given = int(_sample(sampler, normal, mask)[1].sum())
     did = f"gave {given} hints to a picture without an object"
-    demand(given == 0, sampler, did, "it must give none, and raise nothing")
+    demand(given == 0, sampler, did, "it must return no hints and raise no error")
 
 
 def _sizes(sampler: HintSampler) -> None:
@@ -80,8 +80,8 @@ def _independent(sampler: HintSampler) -> None:
     for seed in range(5):
         one = _sample(sampler, normal, mask, seed)
         other = _sample(sampler, other_normal, other_mask, seed)
-        did = "changed the hints of a sample when another one of the batch was changed"
-        asked = "a sample must not depend on its neighbours; give each a number or a generator of its own"
+        did = "changed the hints of a sample when another sample of the batch was changed"
+        asked = "a sample must not depend on its neighbours; use separate random numbers for each sample"
         demand(torch.equal(one[1:], other[1:]), sampler, did, asked)
 
 

@@ -1,4 +1,4 @@
-"""The checks of each kind of plug-in: one more kind is one more line here."""
+"""The checks for each kind of plug-in."""
 
 from collections.abc import Callable
 from typing import Any
@@ -38,20 +38,20 @@ KINDS: dict[type, Callable[..., list[Check[Any]]]] = {
     Reconstruction: reconstruction_checks,
     Renderer: renderer_checks,
 }
-"""What lists the checks of a kind, by the base of its classes."""
+"""Functions that return the checks, by the base class of the plug-ins."""
 
 _NETWORKS = (Generator, Discriminator)
 
 
 def checks(kind: type, size: int = 64) -> list[Check[Any]]:
-    """Return the checks of a kind, each with a name, for ``pytest.mark.parametrize``.
+    """Return the named checks for one kind of plug-in, for ``pytest.mark.parametrize``.
 
     Args:
-        kind: the base of its classes, such as `HintSampler`, or a class derived from it.
-        size: side in pixels of the inputs of generators and discriminators.
+        kind: base class of the plug-ins, such as `HintSampler`, or a class derived from it.
+        size: side of the inputs of generators and discriminators, in pixels.
 
     Raises:
-        ConformanceError: if it is not a kind of plug-in.
+        ConformanceError: if ``kind`` is not such a class.
     """
     for base, listed in KINDS.items():
         if issubclass(kind, base):
@@ -61,14 +61,14 @@ def checks(kind: type, size: int = 64) -> list[Check[Any]]:
 
 
 def check(plugin: object, size: int = 64) -> None:
-    """Run all checks of its kind on a plug-in. The mode of a network and torch's random state may change.
+    """Run all checks on a plug-in. The mode of a network and torch's random state may change.
 
     Args:
-        plugin: with the settings it is to be checked with; small networks save time.
-        size: side in pixels of the inputs of generators and discriminators.
+        plugin: plug-in with the settings to check; small networks save time.
+        size: side of the inputs of generators and discriminators, in pixels.
 
     Raises:
-        ConformanceError: at the first fault, in one sentence.
+        ConformanceError: for the first failed check, in one sentence.
     """
     for each in checks(plugin if isinstance(plugin, type) else type(plugin), size):
         each(plugin)

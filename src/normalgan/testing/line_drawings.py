@@ -30,22 +30,22 @@ __all__ = ["line_drawing_checks"]
 
 _STROKES = promised(LineDrawing.trace)
 _SIZE = 96
-_SLACK = 2.0  # pixels that a line may go beyond the frame: what lies outside is cut off
+_SLACK = 2.0  # pixels that a line may extend beyond the frame, where it is clipped
 
 
 def line_drawing_checks() -> list[Check[LineDrawing]]:
-    """Return the checks of a line style, each with a name, for ``pytest.mark.parametrize``."""
+    """Return the named checks of a line style, for ``pytest.mark.parametrize``."""
     return [
         *settings_checks(LineDrawing),  # type: ignore[type-abstract]
         frozen_check(),
         Check("strokes", _strokes, _STROKES),
-        Check("strokes within the picture", _within, _STROKES),
-        Check("pens that draw", _pens, _STROKES),
-        Check("ink about an animal", _ink, _STROKES),
-        Check("views of other sizes and cameras", _views, "every size and camera must do"),
-        Check("an empty view", _empty, "a view that shows nothing gets no strokes"),
+        Check("strokes inside the picture", _within, _STROKES),
+        Check("visible pens", _pens, _STROKES),
+        Check("ink on the object", _ink, _STROKES),
+        Check("views of other sizes and cameras", _views, "all sizes and cameras must work"),
+        Check("an empty view", _empty, "an empty view must give no strokes"),
         *seed_checks(_parts, "rng"),
-        Check("the view left as it is", _untouched, "the maps of the view belong to all styles"),
+        Check("an unchanged view", _untouched, "all styles share the maps of the view"),
     ]
 
 
@@ -73,28 +73,28 @@ def _within(style: LineDrawing) -> None:
         reach = _SLACK + float(stroke.width.max())
         low, high = float(stroke.points.min()), float(stroke.points.max())
         did = f"traced a stroke from {low:.0f} to {high:.0f} pixels in a sketch of {_SIZE}"
-        asked = "points are in pixels of the sketch, view.size a side, x to the right and y down"
+        asked = "points are in pixels, from 0 to view.size, with x to the right and y down"
         demand(-reach <= low and high <= _SIZE + reach, style, did, asked)
 
 
 def _pens(style: LineDrawing) -> None:
     for stroke in _trace(style, _view()):
         demand(
-            stroke.width.min() > 0, style, "traced a stroke of width 0 or less", "a pen has a width above 0"
+            stroke.width.min() > 0, style, "traced a stroke of width 0 or less", "a pen must be wider than 0"
         )
         good = bool(((stroke.darkness >= 0) & (stroke.darkness <= 1)).all())
         did = f"traced a stroke of darkness {stroke.darkness.min():.2g} to {stroke.darkness.max():.2g}"
-        demand(good, style, did, "darkness lies from 0, paper, to 1")
+        demand(good, style, did, "darkness must be between 0 (paper) and 1")
 
 
 def _ink(style: LineDrawing) -> None:
     view = _view()
     ink = rasterise(_trace(style, view), _SIZE)
-    demand(ink.max() > 0.1, style, "drew nothing of an animal", "every object must leave some ink")
-    # Lines belong to the object: its mask, widened by a few pixels, holds nearly all of them.
+    demand(ink.max() > 0.1, style, "drew nothing of an animal", "each object must give some ink")
+    # Nearly all lines must be within the object's mask, dilated by a few pixels.
     share = float(ink[around(view.maps().mask, 4)].sum() / ink.sum())
     asked = "lines must lie on the object; y grows downwards in strokes"
-    demand(share > 0.95, style, f"put {1 - share:.0%} of its ink beside the animal", asked)
+    demand(share > 0.95, style, f"put {1 - share:.0%} of its ink outside the animal", asked)
 
 
 def _views(style: LineDrawing) -> None:
@@ -106,7 +106,7 @@ def _empty(style: LineDrawing) -> None:
     mesh = _animal()
     strokes = _trace(style, View(mesh, away(mesh), EmbreeRenderer(), _SIZE))
     ink = float(rasterise(strokes, _SIZE).sum())
-    demand(ink == 0, style, "drew something in a view that shows nothing", "it must draw nothing there")
+    demand(ink == 0, style, "drew something in an empty view", "it must draw nothing there")
 
 
 def _parts(style: LineDrawing, seed: int) -> list[NDArray[Any]]:
@@ -123,4 +123,4 @@ def _untouched(style: LineDrawing) -> None:
             np.array_equal(getattr(view.maps(scale), name), getattr(before, name))
             for name in ("normal", "depth", "mask")
         )
-        demand(same, style, "changed the maps of the view", "they belong to all styles; copy them")
+        demand(same, style, "changed the maps of the view", "all styles share them, so copy them")

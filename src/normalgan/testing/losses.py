@@ -1,4 +1,4 @@
-"""Checks of what training minimises: adversarial objectives and reconstruction losses."""
+"""Checks of losses: adversarial objectives and reconstruction losses."""
 
 import copy
 
@@ -15,27 +15,35 @@ from normalgan.testing.settings import settings_checks
 
 __all__ = ["objective_checks", "reconstruction_checks"]
 
-_LOSSES = "both losses must be scalars made of scores, a tensor a head"
+_LOSSES = "both losses must be scalars computed from scores, one tensor per head"
 _TERMS = promised(Reconstruction.terms)
 _TAKEN = {"adversarial", "discriminator"}
-"""Terms that training logs itself."""
+"""Names of terms that training itself logs."""
 
 
 def objective_checks() -> list[Check[AdversarialObjective]]:
     """Return the checks of an adversarial objective, for ``pytest.mark.parametrize``."""
     return [
         *settings_checks(AdversarialObjective),  # type: ignore[type-abstract]
-        Check("losses that are numbers", _losses, _LOSSES),
-        Check("losses to be minimised", _directions, "high scores mean true, and losses are minimised"),
-        Check("heads that count equally", _heads, _LOSSES),
-        Check("a penalty that is a number", _penalty, "penalty must return a scalar"),
-        Check("a step after the step", _after_step, "after_discriminator_step must take any discriminator"),
-        Check("refusing with a sentence", _refusal, "check may raise InputError and nothing else"),
+        Check("scalar losses", _losses, _LOSSES),
+        Check(
+            "losses that decrease in the right direction",
+            _directions,
+            "high scores mean true, and losses are minimised",
+        ),
+        Check("equal weight of heads", _heads, _LOSSES),
+        Check("scalar penalty", _penalty, "penalty must return a scalar"),
+        Check(
+            "the hook after the discriminator's step",
+            _after_step,
+            "after_discriminator_step must accept any discriminator",
+        ),
+        Check("one-sentence errors", _refusal, "check may raise only InputError"),
     ]
 
 
 class _Critic(nn.Module):
-    """A minimal critic of two heads: scores of patches, and one of the picture."""
+    """A minimal critic with two heads: scores of patches, and one score of the picture."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -68,13 +76,13 @@ def _demand_scalar(objective: AdversarialObjective, name: str, loss: Tensor) -> 
 
 
 def _directions(objective: AdversarialObjective) -> None:
-    # At a score of a half: a square about 0 or 1 has a slope there, and so has a hinge.
+    # At a score of 0.5, where squared losses around 0 or 1 and hinge losses all have a slope.
     fake, true, predicted = _scores(2), _scores(2), _scores(2)
     slope = _slope(objective.generator_loss(fake), fake)
-    asked = "the generator wants its maps to be taken for true, and high scores mean true"
+    asked = "high scores mean true, so the generator must raise the scores of its maps"
     demand(slope < 0, objective, "does not lower generator_loss as scores rise", asked)
     loss = objective.discriminator_loss(true, predicted)
-    asked = "the discriminator wants high scores of true maps and low ones of predicted maps"
+    asked = "the discriminator must raise the scores of true maps and lower those of predicted maps"
     demand(
         _slope(loss, true) < 0,
         objective,
@@ -99,8 +107,8 @@ def _heads(objective: AdversarialObjective) -> None:
     patches, single = torch.autograd.grad(objective.generator_loss(fake), fake, allow_unused=True)
     shares = [0.0 if grad is None else float(grad.sum()) for grad in (patches, single)]
     equal = abs(shares[0] - shares[1]) <= 1e-3 * max(map(abs, shares))
-    did = f"weighs a head of 16 scores and a head of one as {shares[0]:.3g} to {shares[1]:.3g}"
-    demand(equal, objective, did, "heads count equally, whatever their number of elements")
+    did = f"weights a head of 16 scores and a head of one score as {shares[0]:.3g} to {shares[1]:.3g}"
+    demand(equal, objective, did, "heads must have equal weight, whatever their number of scores")
 
 
 def _penalty(objective: AdversarialObjective) -> None:
@@ -112,8 +120,10 @@ def _penalty(objective: AdversarialObjective) -> None:
         torch.manual_seed(1)
         penalties.append(objective.penalty(critic, real, fake))
         _demand_scalar(objective, "penalty", penalties[-1])
-    asked = "draw random numbers by torch alone, so that a resumed run repeats"
-    demand(penalties[0] == penalties[1], objective, "returned two penalties under one seed of torch", asked)
+    asked = "draw random numbers only from torch, so that a resumed run is reproducible"
+    demand(
+        penalties[0] == penalties[1], objective, "returned different penalties for the same torch seed", asked
+    )
     if penalties[0].requires_grad:
         torch.autograd.grad(penalties[0], list(critic.parameters()), allow_unused=True)
     else:
@@ -127,10 +137,8 @@ def _after_step(objective: AdversarialObjective) -> None:
     objective.after_discriminator_step(critic)
     for name, tensor in critic.state_dict().items():
         good = tensor.shape == before[name].shape and bool(tensor.isfinite().all())
-        asked = (
-            "after_discriminator_step may change weights, but not their shapes, and each must stay a number"
-        )
-        demand(good, objective, f"spoilt {name} of the discriminator", asked)
+        asked = "after_discriminator_step must keep the shapes of weights, and finite values"
+        demand(good, objective, f"corrupted {name} of the discriminator", asked)
 
 
 def _refusal(objective: AdversarialObjective) -> None:
@@ -148,10 +156,18 @@ def reconstruction_checks() -> list[Check[Reconstruction]]:
     """Return the checks of a reconstruction loss, for ``pytest.mark.parametrize``."""
     return [
         *settings_checks(Reconstruction),  # type: ignore[type-abstract]
-        Check("terms that are numbers", _terms, _TERMS),
-        Check("a loss least at the truth", _least_at_truth, _TERMS),
-        Check("a finite gradient", _gradient, "its gradient must be finite, at the truth and at zero too"),
-        Check("pictures without an object or hints", _empty, "nothing to compare must make a finite loss"),
+        Check("scalar terms", _terms, _TERMS),
+        Check("a minimum at the true normals", _least_at_truth, _TERMS),
+        Check(
+            "a finite gradient",
+            _gradient,
+            "its gradient must be finite, even at the true normals and at zero",
+        ),
+        Check(
+            "pictures without an object or hints",
+            _empty,
+            "the loss must be finite even if there is nothing to compare",
+        ),
         untouched_check(lambda loss, given: _compare(loss, given[0] / 2, *given), lambda: pictures(2)),
     ]
 
@@ -159,13 +175,13 @@ def reconstruction_checks() -> list[Check[Reconstruction]]:
 def _compare(
     reconstruction: Reconstruction, normals: Tensor, target: Tensor, mask: Tensor
 ) -> tuple[Tensor, Tensor, dict[str, Term]]:
-    """Return the weighted loss, the directions that it was given (a leaf), and the terms."""
+    """Return the weighted loss, the directions (a leaf tensor) that it was computed from, and the terms."""
     where = torch.zeros_like(mask)
     where[..., ::5, ::5] = 1
     directions, terms = normals.detach().requires_grad_(), None
     try:
         terms = reconstruction.terms(Predictions(directions), target, mask, where * mask)
-    except InputError:  # it wants a presence and a confidence
+    except InputError:  # the loss needs presence and confidence
         length = normals.norm(dim=1, keepdim=True)
         directions = (normals / length.clamp(min=1e-6)).detach().requires_grad_()
         logits = torch.logit(length.clamp(1e-6, 1 - 1e-6))
@@ -185,7 +201,7 @@ def _terms(reconstruction: Reconstruction) -> None:
                 name not in _TAKEN,
                 reconstruction,
                 f"has a term named {name}",
-                "training logs one itself; rename it",
+                "training itself logs a term of this name; rename yours",
             )
             finite = bool(term.value.isfinite())
             demand(
@@ -195,7 +211,10 @@ def _terms(reconstruction: Reconstruction) -> None:
                 "it must be finite",
             )
             demand(
-                term.weight >= 0, reconstruction, f"weighs {name} by {term.weight}", "weights are 0 or more"
+                term.weight >= 0,
+                reconstruction,
+                f"gives {name} the weight {term.weight}",
+                "weights must be 0 or more",
             )
 
 
@@ -210,23 +229,23 @@ def _least_at_truth(reconstruction: Reconstruction) -> None:
         demand(
             true < false,
             reconstruction,
-            f"is {true.item():.3g} for the truth and {false.item():.3g} for {did}",
-            "the loss is minimised, so it must be less for the truth",
+            f"is {true.item():.3g} for the true normals and {false.item():.3g} for {did}",
+            "the loss is minimised, so it must be smaller for the true normals",
         )
 
 
 def _gradient(reconstruction: Reconstruction) -> None:
     target, mask = pictures(2)
     for place, normals in (
-        ("at the truth", target),
+        ("at the true normals", target),
         ("where nothing is predicted", 0 * target),
         ("halfway", target / 2),
     ):
         loss, directions, _ = _compare(reconstruction, normals, target, mask)
         (grad,) = torch.autograd.grad(loss, directions)
         finite = bool(grad.isfinite().all())
-        asked = "one infinite value spoils all weights"
-        demand(finite, reconstruction, f"has a gradient that is infinite or no number {place}", asked)
+        asked = "a single infinite value would corrupt all weights"
+        demand(finite, reconstruction, f"has a gradient that is infinite or nan {place}", asked)
     demand(grad.any(), reconstruction, "teaches the normals nothing", "its gradient must reach them")
 
 
@@ -234,4 +253,4 @@ def _empty(reconstruction: Reconstruction) -> None:
     target, mask = (torch.zeros_like(part) for part in pictures(2))
     loss, _, _ = _compare(reconstruction, target, target, mask)
     did = f"is {loss.item()} for pictures without an object or a hint"
-    demand(loss.isfinite(), reconstruction, did, "it must be finite; mind a mean of nothing")
+    demand(loss.isfinite(), reconstruction, did, "it must be finite; avoid a mean over no pixels")

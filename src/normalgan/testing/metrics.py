@@ -11,22 +11,22 @@ __all__ = ["metric_checks"]
 
 
 def metric_checks() -> list[Check[MapMetric]]:
-    """Return the checks of a metric, each with a name, for ``pytest.mark.parametrize``."""
+    """Return the named checks of a metric, for ``pytest.mark.parametrize``."""
     return [
-        Check("a name of its own", _named, "figure must be a name without dots"),
+        Check("a unique name", _named, "figure must be a name without dots"),
         Check("one number", _scalar, "compute must return one finite number"),
-        Check("a mask without a pixel", _empty, "a picture without an object changes nothing"),
-        Check("pixels off the mask left out", _masked, "only pixels where mask is 1 count"),
-        Check("batches of any size", _batches, "the batches that samples come in must not matter"),
+        Check("an empty mask", _empty, "a picture without an object must not change the result"),
+        Check("no pixels outside the mask", _masked, "only pixels where mask is 1 may count"),
+        Check("batches of any size", _batches, "the result must not depend on the batches"),
         Check("several processes", _processes, "states must be added with a dist_reduce_fx"),
-        Check("reset", _reset, "after reset it must start from nothing"),
+        Check("reset", _reset, "reset must clear all states"),
         untouched_check(_value, _samples),
-        Check("every device there is", _devices, "states must be added by add_state"),
+        Check("all available devices", _devices, "states must be added by add_state"),
     ]
 
 
 def _samples(count: int = 3) -> tuple[Tensor, Tensor, Tensor]:
-    """Return predicted normals that are somewhat off, the true ones, and masks."""
+    """Return slightly wrong predicted normals, the true normals, and masks."""
     target, mask = pictures(count)
     tilt = torch.tensor([0.3, -0.2, 0.1]).view(1, 3, 1, 1) * torch.arange(1, count + 1).view(-1, 1, 1, 1)
     return (target + tilt) * mask, target, mask
@@ -52,7 +52,7 @@ def _named(metric: MapMetric) -> None:
         name and name.replace("_", "").isalnum(),
         metric,
         f"has the figure {name!r}",
-        "it names a column and a torch module, so it has letters, digits and _ alone",
+        "it names a column and a torch module, so it may have only letters, digits and _",
     )
 
 
@@ -62,7 +62,7 @@ def _scalar(metric: MapMetric) -> None:
         value.numel() == 1 and bool(value.isfinite().all()),
         metric,
         f"computed {value.tolist()}",
-        "it must compute one finite number of pictures with objects",
+        "it must return one finite number for pictures with objects",
     )
 
 
@@ -70,8 +70,13 @@ def _empty(metric: MapMetric) -> None:
     preds, target, mask = _samples(1)
     nothing = (preds * 0, target * 0, mask * 0)
     one, other = _value(metric, _samples()), _value(metric, _samples(), nothing)
-    _same(metric, one, other, "once a picture without an object was counted too")
-    demand(_value(metric, nothing).numel() == 1, metric, "computed no number of nothing", "nan stands for it")
+    _same(metric, one, other, "after a picture without an object was added")
+    demand(
+        _value(metric, nothing).numel() == 1,
+        metric,
+        "did not return a number for an empty mask",
+        "return nan",
+    )
 
 
 def _masked(metric: MapMetric) -> None:
@@ -80,13 +85,13 @@ def _masked(metric: MapMetric) -> None:
     half[..., : mask.shape[-1] // 2] = 0
     other = preds + (1 - half) * 0.7
     one, two = _value(metric, (preds, target, half)), _value(metric, (other, target, half))
-    _same(metric, one, two, "after the prediction off the mask was changed")
+    _same(metric, one, two, "after the prediction outside the mask was changed")
 
 
 def _batches(metric: MapMetric) -> None:
     whole = _samples(4)
     parts = [tuple(part[i : i + n] for part in whole) for i, n in ((0, 1), (1, 3))]
-    _same(metric, _value(metric, whole), _value(metric, *parts), "of the same samples in other batches")  # type: ignore[arg-type]
+    _same(metric, _value(metric, whole), _value(metric, *parts), "for the same samples in other batches")  # type: ignore[arg-type]
 
 
 def _processes(metric: MapMetric) -> None:
@@ -97,7 +102,7 @@ def _processes(metric: MapMetric) -> None:
     one.update(*(part[:1] for part in whole))
     other.update(*(part[1:] for part in whole))
     one.merge_state(other)
-    _same(metric, _value(metric, whole), one.compute(), "when two processes measured a part each")
+    _same(metric, _value(metric, whole), one.compute(), "when two processes each measured a part")
 
 
 def _reset(metric: MapMetric) -> None:
@@ -105,7 +110,7 @@ def _reset(metric: MapMetric) -> None:
     fresh.update(*_samples(2))
     fresh.reset()
     fresh.update(*_samples())
-    _same(metric, _value(metric, _samples()), fresh.compute(), "after it was reset")
+    _same(metric, _value(metric, _samples()), fresh.compute(), "after reset")
 
 
 def _devices(metric: MapMetric) -> None:

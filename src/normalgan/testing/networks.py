@@ -25,10 +25,10 @@ __all__ = ["discriminator_checks", "generator_checks"]
 
 N = TypeVar("N", bound=nn.Module)
 _Answer = Callable[[N, Tensor, Tensor], tuple[Tensor, ...]]
-"""Runs a network on a condition (N, 4, H, W) and normals (N, 3, H, W), and checks the form of its output."""
+"""Function that runs a network on a condition (N, 4, H, W) and normals (N, 3, H, W) and checks its output."""
 
 _PREDICTED = "predict must return Predictions whose channels() are what forward returns, in float32"
-_CLOSE = 1e-4  # of answers in float32 that are the same but for the order of additions
+_CLOSE = 1e-4  # for float32 outputs that differ only in the order of additions
 
 
 def generator_checks(size: int = 64) -> list[Check[Generator]]:
@@ -58,22 +58,22 @@ def _predict(generator: Generator, condition: Tensor) -> Tensor:
 def _shape_of_map(generator: Generator, size: int) -> None:
     predicted = _predict(generator.eval(), _given(2, size)[0])
     did = f"returned {predicted.dtype} for a condition of torch.float32"
-    demand(predicted.dtype == torch.float32, generator, did, "it must keep the type")
+    demand(predicted.dtype == torch.float32, generator, did, "it must keep the dtype")
 
 
 @torch.no_grad()
 def _range(generator: Generator, size: int) -> None:
-    for scale in (1.0, 100.0):  # the second drives it to its limits
+    for scale in (1.0, 100.0):  # extreme values, to saturate the network
         predicted = _predict(generator.eval(), scale * _given(2, size)[0])
         normals, confidence = predicted[:, :3], predicted[:, 3:]
         demand(
             predicted.isfinite().all(),
             generator,
             "predicted values that are not finite",
-            "its answer must be finite",
+            "its output must be finite",
         )
         largest = float(normals.abs().max())
-        asked = "each component must lie in [-1, 1], as by tanh"
+        asked = "each component must be in [-1, 1], for example by tanh"
         demand(largest <= 1 + 1e-5, generator, f"predicted a component of {largest:.3g}", asked)
         positive = bool((confidence > 0).all())
         demand(
@@ -89,12 +89,12 @@ def _predictions(generator: Generator, size: int) -> None:
         check_predictions(generator, preds, condition)
     channels, predicted = preds.channels(), _predict(generator, condition)
     same = channels.shape == predicted.shape and torch.allclose(channels, predicted, atol=1e-5)
-    asked = "what is trained and what is predicted must be the same; override both or forward alone"
-    demand(same, generator, "predicts otherwise than forward returns", asked)
+    asked = "training and prediction must agree; override both, or only forward"
+    demand(same, generator, "returns different values from predict and from forward", asked)
 
 
 def _bfloat16(generator: Generator, size: int) -> None:
-    """Demand predictions in float32 and gradients under mixed precision, as on a GPU."""
+    """Check that predictions are float32 and gradients are finite under mixed precision, as on a GPU."""
     generator.train()
     generator.zero_grad()
     with torch.autocast("cpu", torch.bfloat16):
@@ -102,12 +102,12 @@ def _bfloat16(generator: Generator, size: int) -> None:
     for name, part in preds._asdict().items():
         if part is not None:
             did = f"predicts {name} in {part.dtype} under mixed precision"
-            demand(part.dtype == torch.float32, generator, did, "what losses take must be torch.float32")
+            demand(part.dtype == torch.float32, generator, did, "the input of losses must be torch.float32")
     torch.stack([part.square().mean() for part in preds if part is not None]).sum().backward()
     grads = [p.grad for p in generator.parameters() if p.grad is not None]
     moves = any(bool(grad.any()) for grad in grads) and all(bool(grad.isfinite().all()) for grad in grads)
     did = "has no finite gradient under mixed precision"
-    demand(moves, generator, did, "it must be trainable in bfloat16; mind what saturates")
+    demand(moves, generator, did, "it must be trainable in bfloat16; check for saturating functions")
     generator.zero_grad()
 
 
@@ -132,29 +132,29 @@ def _shape_of_scores(discriminator: Discriminator, size: int) -> None:
     condition, normal = _given(2, size)
     for score in _score(discriminator.eval(), condition, normal):
         did = f"returned scores of {score.dtype} for normals of torch.float32"
-        demand(score.dtype == torch.float32, discriminator, did, "it must keep the type")
+        demand(score.dtype == torch.float32, discriminator, did, "it must keep the dtype")
         demand(
             score.isfinite().all(), discriminator, "gave a score that is not finite", "scores must be finite"
         )
 
 
 def _network_checks(size: int, answer: _Answer[N], sees_normals: bool, contract: str) -> list[Check[N]]:
-    """Return the checks that generators and discriminators share.
+    """Return the checks shared by generators and discriminators.
 
     Args:
-        size: side in pixels of its inputs.
-        answer: runs the network and checks the form of its output.
+        size: side of the inputs in pixels.
+        answer: function that runs the network and checks its output.
         sees_normals: whether the normals are an input.
-        contract: what ``forward`` is to do.
+        contract: requirement on ``forward``.
     """
     return [
-        Check("batches of any number", lambda n: _batches(n, size, answer), contract),
+        Check("batches of any size", lambda n: _batches(n, size, answer), contract),
         Check("learning", lambda n: _learning(n, size, answer), "gradients must flow"),
-        Check("looking at its input", lambda n: _looking(n, size, answer, sees_normals), contract),
+        Check("dependence on the input", lambda n: _looking(n, size, answer, sees_normals), contract),
         Check("repeating itself", lambda n: _repeating(n, size, answer), contract),
         Check("pictures apart", lambda n: _independence(n, size, answer), contract),
         untouched_check(lambda n, tensors: answer(n.eval(), *tensors), lambda: _given(2, size)),
-        Check("a state that can be loaded", lambda n: _state(n, size, answer), "load_state_dict must do"),
+        Check("a state that can be loaded", lambda n: _state(n, size, answer), "load_state_dict must work"),
         device_check(lambda n, device: _on_device(n, size, answer, device)),
     ]
 
@@ -170,7 +170,7 @@ def _given(count: int, size: int) -> tuple[Tensor, Tensor]:
 
 
 def _batches(network: N, size: int, answer: _Answer[N]) -> None:
-    """Run it on one picture and on three, in training and in evaluation."""
+    """Run the network on one and on three pictures, in training and in evaluation mode."""
     for count in (1, 3):
         for training in (True, False):
             answer(network.train(training), *_given(count, size))
@@ -185,32 +185,32 @@ def _learning(network: N, size: int, answer: _Answer[N]) -> None:
     loss.backward()
     learning = {name: p for name, p in network.named_parameters() if p.requires_grad}
     idle = [name for name, parameter in learning.items() if parameter.grad is None]
-    asked = "every parameter must take part in the answer, or have requires_grad off"
+    asked = "each parameter must affect the output, or have requires_grad=False"
     demand(not idle, network, f"gives no gradient to {', '.join(idle[:3])}", asked)
     grads = [p.grad for p in learning.values() if p.grad is not None]
     finite = all(bool(grad.isfinite().all()) for grad in grads)
-    demand(finite, network, "has a gradient that is infinite or no number", "gradients must be finite")
+    demand(finite, network, "has a gradient that is infinite or nan", "gradients must be finite")
     moves = any(bool(grad.any()) for grad in grads)
-    demand(moves, network, "has gradients of zero alone", "a loss of its answer must reach its parameters")
+    demand(moves, network, "has only zero gradients", "a loss on its output must reach its parameters")
     network.zero_grad()
 
 
 def _looking(network: N, size: int, answer: _Answer[N], sees_normals: bool) -> None:
-    """Demand that the output depends on every input."""
+    """Check that the output depends on each input."""
     network.eval()
     condition, normal = (part.requires_grad_() for part in _given(2, size))
     total = torch.stack([part.float().square().mean() for part in answer(network, condition, normal)]).sum()
-    demand(total.requires_grad, network, "answers without a gradient", "it must be differentiable")
+    demand(total.requires_grad, network, "returns an output without a gradient", "it must be differentiable")
     inputs = {"the condition": condition} | ({"the normals": normal} if sees_normals else {})
     grads = torch.autograd.grad(total, list(inputs.values()), allow_unused=True)
     for (name, _), grad in zip(inputs.items(), grads, strict=True):
         looked = grad is not None and bool(grad.any())
-        demand(looked, network, f"does not look at {name}", "its answer must depend on all it is given")
+        demand(looked, network, f"ignores {name}", "its output must depend on all inputs")
 
 
 @torch.no_grad()
 def _repeating(network: N, size: int, answer: _Answer[N]) -> None:
-    """Demand the same output for the same input: always in evaluation, under one seed in training."""
+    """Check that equal inputs give equal outputs, in training under the same seed."""
     for training in (False, True):
         network.train(training)
         answers = []
@@ -219,25 +219,25 @@ def _repeating(network: N, size: int, answer: _Answer[N]) -> None:
                 torch.manual_seed(3)
             answers.append(answer(copy.deepcopy(network), *_given(2, size)))
         same = all(torch.equal(one, other) for one, other in zip(*answers, strict=True))
-        when = "in training under one seed of torch" if training else "in evaluation"
-        asked = "draw random numbers by torch alone, and none in evaluation, so that a resumed run repeats"
-        demand(same, network, f"answers twice the same differently {when}", asked)
+        when = "in training for the same torch seed" if training else "in evaluation"
+        asked = "draw random numbers only from torch, and none in evaluation mode, for reproducible runs"
+        demand(same, network, f"returns different outputs for the same input {when}", asked)
 
 
 @torch.no_grad()
 def _independence(network: N, size: int, answer: _Answer[N]) -> None:
-    """Check that in evaluation an output does not depend on other pictures of the batch."""
+    """Check that in evaluation mode an output does not depend on the other pictures of the batch."""
     network.eval()
     condition, normal = _given(3, size)
     whole = answer(network, condition, normal)
     single = answer(network, condition[1:2], normal[1:2])
     for one, other in zip(whole, single, strict=True):
         apart = float((one[1:2] - other).abs().max() / other.abs().max().clamp(min=1))
-        asked = "in evaluation a picture must not depend on the others of its batch"
+        asked = "in evaluation mode, a picture must not depend on the others of its batch"
         demand(
             apart < _CLOSE,
             network,
-            f"answers {apart:.2g} otherwise to a picture in a batch than alone",
+            f"differs by {apart:.2g} between a picture in a batch and the same picture alone",
             asked,
         )
 
@@ -258,8 +258,8 @@ def _state(network: N, size: int, answer: _Answer[N]) -> None:
         fresh.load_state_dict(trained.state_dict())
         before, after = (answer(each.eval(), *_given(1, size)) for each in (trained, fresh))
     same = all(torch.equal(one, two) for one, two in zip(before, after, strict=True))
-    asked = "keep what it has learnt in parameters and persistent buffers"
-    demand(same, network, "answers otherwise after its state_dict was loaded", asked)
+    asked = "keep all learnt values in parameters and persistent buffers"
+    demand(same, network, "gives another output after its state_dict was loaded", asked)
 
 
 @torch.no_grad()

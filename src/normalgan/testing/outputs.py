@@ -14,15 +14,15 @@ _SIZE = 48
 
 
 def output_checks() -> list[Check[Output]]:
-    """Return the checks of an output, each with a name, for ``pytest.mark.parametrize``."""
+    """Return the named checks of an output, for ``pytest.mark.parametrize``."""
     return [
         *settings_checks(Output),  # type: ignore[type-abstract]
         frozen_check(),
-        Check("settings with defaults", _by_default, "it must be made without arguments"),
-        Check("files with the endings it names", _endings, "encode must return bytes for each of endings"),
-        Check("the same bytes for the same map", _repeatable, "nothing else may decide"),
-        Check("a map without an object", _empty, "such a map must give files, or an InputError"),
-        Check("the map left as it is", _untouched, "the map belongs to the caller"),
+        Check("settings with defaults", _by_default, "it must be constructible without arguments"),
+        Check("files with its endings", _endings, "encode must return bytes for each entry of endings"),
+        Check("the same bytes for the same map", _repeatable, "the output may depend on nothing else"),
+        Check("a map without an object", _empty, "such a map must give files or an InputError"),
+        Check("an unchanged map", _untouched, "the map belongs to the caller"),
     ]
 
 
@@ -38,25 +38,25 @@ def _ball(radius: float = 16.0) -> NormalMap:
 
 
 def _by_default(output: Output) -> None:
-    demand(type(output)().endings, output, "names no endings by default", "each file needs one")
+    demand(type(output)().endings, output, "has no endings by default", "each file needs an ending")
 
 
 def _endings(output: Output) -> None:
     files = output.encode(_ball())
-    did = f"returned files that end in {', '.join(files)}, and names {', '.join(output.endings)}"
+    did = f"returned files that end in {', '.join(files)}, but its endings are {', '.join(output.endings)}"
     demand(tuple(files) == output.endings, output, did, "both must be the same, in the same order")
     plain = all(ending.startswith("_") and "." in ending and "/" not in ending for ending in files)
-    demand(plain, output, f"names the endings {', '.join(files)}", "they are like _height.png")
+    demand(plain, output, f"has the endings {', '.join(files)}", "endings look like _height.png")
     other = [ending for ending, content in files.items() if not isinstance(content, bytes) or not content]
-    demand(not other, output, f"returned no bytes for {', '.join(other)}", "a file has content")
+    demand(not other, output, f"returned no bytes for {', '.join(other)}", "a file must have content")
 
 
 def _repeatable(output: Output) -> None:
     demand(
         output.encode(_ball()) == output.encode(_ball()),
         output,
-        "returned other bytes for the same map",
-        "files are compared between runs",
+        "returned different bytes for the same map",
+        "files must be reproducible",
     )
 
 

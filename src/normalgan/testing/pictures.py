@@ -1,4 +1,4 @@
-"""Test pictures of the checks: wavy ellipsoids at different places and sizes, with exact maps."""
+"""Test pictures for the checks: dented ellipsoids at different positions and sizes, with exact maps."""
 
 import torch
 from torch import Tensor
@@ -9,9 +9,9 @@ __all__ = ["batch", "pictures"]
 
 
 def pictures(count: int, height: int = 32, width: int = 32) -> tuple[Tensor, Tensor]:
-    """Return normals (N, 3, H, W), 0 off the object, and masks (N, 1, H, W) of objects; no two are alike.
+    """Return normals (N, 3, H, W), 0 outside the object, and masks (N, 1, H, W) of N different objects.
 
-    Each is the upper half of an ellipsoid with a dent, so that it has convex and concave places.
+    Each object is the upper half of an ellipsoid with a dent, so it has convex and concave regions.
     """
     y, x = torch.meshgrid(_centres(height).flip(0), _centres(width), indexing="ij")
     normals, masks = [], []
@@ -29,7 +29,7 @@ def pictures(count: int, height: int = 32, width: int = 32) -> tuple[Tensor, Ten
 
 
 def batch(count: int, size: int) -> Batch:
-    """Return a batch of such objects, their outlines as sketches."""
+    """Return a batch of such objects, with their outlines as sketches."""
     normal, mask = pictures(count, size, size)
     inside = -torch.nn.functional.max_pool2d(-mask, 3, 1, 1)
     return {"sketch": mask - inside, "normal": normal, "mask": mask}

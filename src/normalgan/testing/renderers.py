@@ -24,25 +24,25 @@ __all__ = ["renderer_checks"]
 _MAPS = promised(Renderer.render)
 _SIZE = 96
 _VIEWS = {"orthographic": None, "perspective": 40.0}
-"""Fields of view in degrees."""
+"""Tested fields of view in degrees."""
 
 
 def renderer_checks() -> list[Check[Renderer]]:
-    """Return the checks of a renderer, each with a name, for ``pytest.mark.parametrize``."""
+    """Return the named checks of a renderer, for ``pytest.mark.parametrize``."""
     return [
         *settings_checks(Renderer),  # type: ignore[type-abstract]
         frozen_check(),
         Check("running here", lambda r: r.check(), "check must pass where the renderer can be used"),
         Check("shapes and types", _shapes, _MAPS),
         Check("unit normals on the object", _unit, _MAPS),
-        Check("nothing off the object", _background, _MAPS),
+        Check("nothing outside the object", _background, _MAPS),
         Check("the mask of an ellipsoid", _mask, _MAPS),
         Check("the normals of an ellipsoid", _normals, _MAPS),
         Check("the depth of an ellipsoid", _depth, _MAPS),
         Check("the inside of an open shell", _inside, _MAPS),
-        Check("an empty view", _empty, "a frame without the object must give maps of nothing"),
+        Check("an empty view", _empty, "a frame without the object must give empty maps"),
         Check("the same maps again", _repeats, _MAPS),
-        Check("global randomness left alone", _no_global, "it must not draw random numbers"),
+        Check("no use of global randomness", _no_global, "it must not draw random numbers"),
     ]
 
 
@@ -64,26 +64,29 @@ def _unit(renderer: Renderer) -> None:
     demand(
         maps.mask.any(),
         renderer,
-        "sees nothing of an ellipsoid in the frame",
-        "its mask is True on the object",
+        "renders nothing of an ellipsoid in the frame",
+        "the mask must be True on the object",
     )
     length = np.linalg.norm(maps.normal[maps.mask], axis=-1)
     off = float(np.abs(length - 1).max())
-    asked = "normals on the object are unit vectors, never blended with the background"
-    demand(off < 1e-3, renderer, f"rendered a normal whose length is {off:.2g} off from 1", asked)
+    asked = "normals on the object must be unit vectors, not blended with the background"
+    demand(off < 1e-3, renderer, f"rendered a normal with a length that is {off:.2g} off", asked)
 
 
 def _background(renderer: Renderer) -> None:
     maps = _render(renderer, ellipsoid(), camera(ellipsoid()))
     demand(
-        not maps.normal[~maps.mask].any(), renderer, "rendered normals off the object", "there they are zero"
+        not maps.normal[~maps.mask].any(),
+        renderer,
+        "rendered normals outside the object",
+        "they must be zero there",
     )
     good = bool(np.isposinf(maps.depth[~maps.mask]).all())
-    demand(good, renderer, "has a finite depth off the object", "there it is infinite")
+    demand(good, renderer, "has a finite depth outside the object", "it must be infinite there")
 
 
 def _ellipsoids(renderer: Renderer) -> Iterator[tuple[str, Maps, Maps]]:
-    """Yield the maps of an ellipsoid under each projection, rendered and exact."""
+    """Yield the name of each projection, with the rendered and the exact maps of an ellipsoid."""
     for projection, field_of_view in _VIEWS.items():
         seen_by = camera(ellipsoid(), field_of_view)
         yield projection, _render(renderer, ellipsoid(), seen_by), exact_ellipsoid(RADII, seen_by, _SIZE)
@@ -92,8 +95,8 @@ def _ellipsoids(renderer: Renderer) -> Iterator[tuple[str, Maps, Maps]]:
 def _mask(renderer: Renderer) -> None:
     for projection, maps, true in _ellipsoids(renderer):
         share = int((maps.mask & true.mask).sum()) / max(int((maps.mask | true.mask).sum()), 1)
-        did = f"shares {share:.0%} of the mask with the true {projection} one of an ellipsoid"
-        asked = "the object must be where the camera's window shows it, one sample at each pixel's centre"
+        did = f"has an IoU of {share:.0%} with the true {projection} mask of an ellipsoid"
+        asked = "the object must be where the camera's window shows it, sampled at pixel centres"
         demand(share > 0.98, renderer, did, asked)
 
 
@@ -121,26 +124,29 @@ def _inside(renderer: Renderer) -> None:
         maps = _render(renderer, bowl(), seen_by)
         sight = seen_by.rays(_SIZE)[1] @ seen_by.rotation.T
         away_share = float(((maps.normal * sight).sum(-1)[maps.mask] > 0.05).mean())
-        did = f"turned {away_share:.0%} of the normals of an open shell away from the viewer"
-        asked = "a surface seen from behind gets the normal that faces the viewer"
+        did = f"has {away_share:.0%} of the normals of an open shell facing away from the viewer"
+        asked = "a surface seen from behind must have normals that face the viewer"
         demand(away_share < 0.02, renderer, did, asked)
 
 
 def _empty(renderer: Renderer) -> None:
     maps = _render(renderer, ellipsoid(), away(ellipsoid()))
     nothing = not maps.mask.any() and not maps.normal.any()
-    demand(
-        nothing, renderer, "rendered something in a frame without the object", "the maps of nothing are empty"
-    )
+    demand(nothing, renderer, "rendered something in a frame without the object", "the maps must be empty")
 
 
 def _repeats(renderer: Renderer) -> None:
-    # Other meshes between, and a size that changes: something may be kept from render to render.
+    # Other meshes and sizes in between, because a renderer may keep state between calls.
     first = _render(renderer, ellipsoid(), camera(ellipsoid()))
     _render(renderer, bowl(), camera(bowl()), 40)
     again = _render(renderer, ellipsoid(), camera(ellipsoid()))
     same = all(np.array_equal(getattr(first, n), getattr(again, n)) for n in ("normal", "depth", "mask"))
-    demand(same, renderer, "rendered the same twice differently", "samples are kept by their settings alone")
+    demand(
+        same,
+        renderer,
+        "rendered the same view twice with different results",
+        "samples are cached by their settings only",
+    )
 
 
 def _no_global(renderer: Renderer) -> None:

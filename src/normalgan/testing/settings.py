@@ -21,33 +21,35 @@ T = TypeVar("T")
 
 
 def settings_checks(base: type[T]) -> list[Check[T]]:
-    """Return the checks of the settings of a plug-in of any kind.
+    """Return the checks of the settings of a plug-in.
 
     Args:
-        base: the abstract base of its kind.
+        base: abstract base class of the plug-in.
     """
 
     def command_line(plugin: T) -> None:
         _read_from_the_command_line(plugin, base)
 
-    # Networks go into checkpoints as their state_dict, which is asked of them, and parametrised ones, such as
-    # those with torch's spectral norm, cannot be pickled.
+    # Networks need not be pickled, because checkpoints hold their state_dict. Parametrised networks, such
+    # as those with torch's spectral norm, cannot be pickled.
     pickled: Check[T] = Check(
-        "being handed to another process", _pickled, "it must survive pickle, as all it opens is lazy"
+        "pickling for another process", _pickled, "it must survive pickling, so open resources lazily"
     )
     return [
         Check("an importable class", _importable, "a class must be defined at the top of a module"),
         Check("a documented class", _documented, "its docstring must be readable, in Google style"),
         Check("settings on the command line", command_line, "settings must be plain values with types"),
         Check(
-            "settings in a checkpoint", _in_a_checkpoint, "settings must be numbers, texts, lists and such"
+            "settings in a checkpoint",
+            _in_a_checkpoint,
+            "settings must be numbers, strings, lists and the like",
         ),
         *([] if issubclass(base, nn.Module) else [pickled]),
     ]
 
 
 def frozen_check() -> Check[Any]:
-    """Return the check of plug-ins whose settings enter the key under which samples are stored."""
+    """Return the check for plug-ins with settings that are part of the cache key of samples."""
     return Check("a frozen dataclass", _frozen, "it must be a dataclass with frozen=True")
 
 
@@ -57,7 +59,7 @@ def _frozen(plugin: object) -> None:
         params is not None and params.frozen,
         plugin,
         "is not a frozen dataclass",
-        "its fields are its settings, and enter the key under which samples are stored",
+        "its fields are its settings, which are part of the cache key of samples",
     )
 
 
@@ -84,9 +86,11 @@ def _documented(plugin: object) -> None:
         summary(cls),
         plugin,
         "has no docstring of its own",
-        "its first line is what --help and normalgan plugins say of it",
+        "--help and normalgan plugins show its first line",
     )
-    texts = [vars(base).get("__doc__") or "" for base in cls.__mro__]  # --help reads those of bases too
+    texts = [
+        vars(base).get("__doc__") or "" for base in cls.__mro__
+    ]  # --help also reads the docstrings of base classes
     explained = {
         each.arg_name
         for text in texts
@@ -112,7 +116,7 @@ def _read_from_the_command_line(plugin: T, base: type[T]) -> None:
         )
     needed = [n for n, p in _settings_of(cls).items() if p.default is inspect.Parameter.empty]
     if not is_dataclass(plugin) and needed:
-        return  # nobody knows with what it was built
+        return  # the constructor arguments are unknown
     parser = ArgumentParser(exit_on_error=False)
     parser.add_argument("--plugin", type=base)
     given = {"plugin": _as_config(plugin)}
@@ -121,16 +125,16 @@ def _read_from_the_command_line(plugin: T, base: type[T]) -> None:
     demand(
         again == read,
         plugin,
-        "comes back from YAML with other settings",
-        "settings must be numbers, texts, booleans, lists, tuples or null",
+        "has other settings after a round trip through YAML",
+        "settings must be numbers, strings, booleans, lists, tuples or null",
     )
     if not is_dataclass(plugin):
-        return  # a network by its defaults may be large, and has no settings to be compared
+        return  # a network with default settings may be large, and there are no settings to compare
     built = parser.instantiate(again).plugin
     demand(
         type(built) is cls and built == plugin,
         plugin,
-        "built from its own settings is another one",
+        "is not equal after being rebuilt from its own settings",
         "its fields must be its settings, unchanged",
     )
 
@@ -146,23 +150,23 @@ def _in_a_checkpoint(plugin: object) -> None:
     demand(
         loaded == _as_config(plugin),
         plugin,
-        "has settings that a checkpoint read with weights_only=True does not give back",
-        "settings must be numbers, texts, booleans, lists, tuples or null",
+        "has settings that a checkpoint loaded with weights_only=True does not restore",
+        "settings must be numbers, strings, booleans, lists, tuples or null",
     )
 
 
 def _pickled(plugin: object) -> None:
-    again = pickle.loads(pickle.dumps(plugin))  # of what was just pickled here
+    again = pickle.loads(pickle.dumps(plugin))  # pickled by ourselves just now
     demand(
         not is_dataclass(plugin) or again == plugin,
         plugin,
-        "is another one after pickle",
+        "is not equal after pickling",
         "worker processes must get the same settings",
     )
 
 
 def _settings_of(cls: type[Any]) -> dict[str, inspect.Parameter]:
-    """Return the settings of a class, as its signature has them, by name; not ``**kwargs``."""
+    """Return the parameters of a class's constructor by name, except ``**kwargs``."""
     passed_on = {inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD}
     return {
         name: each for name, each in inspect.signature(cls).parameters.items() if each.kind not in passed_on
@@ -170,7 +174,7 @@ def _settings_of(cls: type[Any]) -> dict[str, inspect.Parameter]:
 
 
 def _as_config(plugin: object) -> dict[str, Any]:
-    """Return the configuration that builds a plug-in: class_path, and init_args if known."""
+    """Return the configuration that rebuilds a plug-in: class_path, and init_args if known."""
     if not is_dataclass(plugin):
         return {"class_path": class_path(type(plugin))}
     values = {field.name: _plain(getattr(plugin, field.name)) for field in fields(plugin) if field.init}
@@ -178,7 +182,7 @@ def _as_config(plugin: object) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Return a setting as YAML holds it, with nested plug-ins as configurations."""
+    """Return a setting as plain values for YAML, with nested plug-ins as configurations."""
     if is_dataclass(value):
         return _as_config(value)
     return [_plain(item) for item in value] if isinstance(value, list) else value

@@ -1,4 +1,4 @@
-"""Solids with exact maps, and cameras around them."""
+"""Solids with exact maps, and cameras that look at them."""
 
 from functools import cache
 
@@ -12,12 +12,12 @@ from normalgan.rendering.mesh import Mesh
 __all__ = ["RADII", "away", "bowl", "camera", "ellipsoid", "exact_ellipsoid"]
 
 RADII = (1.0, 0.6, 0.4)
-"""Half the axes of the ellipsoid that renderers are checked with: another one along x, y and z."""
+"""Semi-axes of the ellipsoid for checking renderers, different along x, y and z."""
 
 
 @cache
 def ellipsoid() -> Mesh:
-    """Return an ellipsoid of 20 480 triangles, with the normals of the true surface."""
+    """Return an ellipsoid of 20,480 triangles, with exact vertex normals."""
     ball = icosphere(subdivisions=5)
     normals = np.asarray(ball.vertices) / RADII
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
@@ -27,7 +27,7 @@ def ellipsoid() -> Mesh:
 
 @cache
 def bowl() -> Mesh:
-    """Return a sphere with the cap around +Z cut off, so that its inside is visible from there."""
+    """Return a sphere without the cap around +Z, so that its inside is visible from there."""
     ball = icosphere(subdivisions=4)
     vertices = np.asarray(ball.vertices, np.float32)
     faces = ball.faces[ball.triangles_center[:, 2] < 0.5].astype(np.int32)
@@ -35,7 +35,7 @@ def bowl() -> Mesh:
 
 
 def camera(mesh: Mesh, field_of_view: float | None = None, front: bool = False) -> Camera:
-    """Return a camera that looks at a mesh from the front, or from a bit aside and above, tilted."""
+    """Return a camera that looks at a mesh from the front, or tilted from slightly above and to the side."""
     rotation = look_at_origin(0, 0, 0) if front else look_at_origin(30, 20, 10)
     return framed(mesh.vertices, rotation, field_of_view, 0.06)
 
@@ -49,7 +49,7 @@ def away(mesh: Mesh) -> Camera:
 
 
 def exact_ellipsoid(radii: tuple[float, float, float], seen_by: Camera, size: int) -> Maps:
-    """Return the maps of an ellipsoid about the origin by solving the equation of each pixel's ray."""
+    """Return the exact maps of an ellipsoid at the origin by intersecting each pixel's ray."""
     origins, directions = seen_by.rays(size)
     o, d = origins / radii, directions / radii
     a, b, c = (d * d).sum(-1), (o * d).sum(-1), (o * o).sum(-1) - 1

@@ -1,3 +1,3 @@
-"""Weights: a generator as safetensors or ONNX, read without running code; and the shipped one."""
+"""Weights: reading and writing generators as safetensors or ONNX without running code; shipped models."""
 
 __all__ = []

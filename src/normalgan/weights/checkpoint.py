@@ -1,4 +1,4 @@
-"""The model in a checkpoint: its settings are checked like any file's, and nothing is imported."""
+"""The model in a checkpoint, read with checks of all settings and without importing anything."""
 
 import sys
 from collections.abc import Iterator, Mapping
@@ -43,25 +43,25 @@ REGISTRIES: dict[str, tuple[Registry[Any], int]] = {
     "generator": (GENERATORS, LARGEST),
     "discriminator": (DISCRIMINATORS, LARGEST),
     "hint_sampler": (HINT_SAMPLERS, LARGEST),
-    "objective": (ADVERSARIAL_OBJECTIVES, ANY_NUMBER),  # weights of losses, which take no memory
+    "objective": (ADVERSARIAL_OBJECTIVES, ANY_NUMBER),  # loss weights, which do not affect memory
     "reconstruction": (RECONSTRUCTIONS, ANY_NUMBER),
 }
-"""The registry of each argument that is a class of ours, and the largest number among its settings."""
+"""Registry of each argument that takes a plug-in, and the largest number accepted in its settings."""
 OF_TORCH: dict[str, type[Any]] = {
     "generator_optimizer": Optimizer,
     "discriminator_optimizer": Optimizer,
     "lr_scheduler": LRScheduler,
 }
-"""The base of each argument that makes an object of torch."""
+"""Base class of each argument that takes a torch class."""
 DEFAULT_OPTIMIZER = "normalgan.gan._rmsprop"
 MADE_IN_PYTHON = "made_in_python"
-"""The only key of an argument whose object plain values cannot describe."""
+"""Key that marks an argument whose object cannot be described by plain values."""
 _COMPILED = "_orig_mod."
 PICTURE_SIZE = "picture_size"
-"""The entry of a checkpoint that holds the side of its pictures in pixels."""
+"""Key of a checkpoint's entry with the side of its pictures in pixels."""
 _RENAMED_SETTINGS = {"steadiness": "distractor_consistency"}
-"""Settings of checkpoints from before version 0.1.0 by their present names. Class paths need no table:
-within a package a class is found by its short name (`Registry.find`)."""
+"""New names of settings in checkpoints from before version 0.1.0, by old name. Class paths need no such
+table, because `Registry.find` finds a class of a package by its short name."""
 _VERSION = "pytorch-lightning_version"
 _PROGRESS = ("epoch", "global_step", _VERSION, "loops", "optimizer_states", "lr_schedulers")
 _PATHS = ("best_model_path", "kth_best_model_path", "last_model_path")
@@ -74,8 +74,8 @@ class Checkpoint:
     Args:
         path: path of the file.
         settings: settings of the model, as in the file.
-        tensors: weights and statistics of the model's networks by name; mapped, and read where they are used.
-        callbacks: states of callbacks by their names.
+        tensors: memory-mapped weights and statistics of the model's networks by name.
+        callbacks: states of the callbacks by name.
         progress: the run's progress and the state of its optimisers; `check_progress` says whether it can be
             resumed.
         size: side in pixels of its training images, if the file records it.
@@ -89,15 +89,15 @@ class Checkpoint:
     size: int | None = None
 
     def weights(self, size: int | None = None) -> Weights:
-        """Return the generator and the notes on it, as a file of weights has them.
+        """Return the generator with its metadata, as in a weights file.
 
         Args:
-            size: side of the pictures in pixels; None for the size of its training, if the model or its run
+            size: side of the pictures in pixels; None for the training size, if the model or its run
                 records it.
 
         Raises:
-            InputError: if no size is known, the generator cannot be built here, or the tensors are not its
-                own.
+            InputError: if the size is unknown, the generator cannot be built here, or the tensors do not
+                fit it.
         """
         size = size or self.trained_size()
         if size is None:
@@ -121,26 +121,26 @@ class Checkpoint:
             return Weights(notes, tensors)
 
     def trained_size(self) -> int | None:
-        """Return the size that the generator was built for or, if it takes any, the size of the run's data.
+        """Return the generator's fixed size or, if it accepts any size, the size of the run's data.
 
-        That is in ``config.yaml`` of the run, in the folder above.
+        The size of the data is in the run's ``config.yaml``, in the parent folder.
         """
         size = self.generator_size()
         size = self.size if size is None else size
         return _size_of_run(self.path.absolute().parent.parent / "config.yaml") if size is None else size
 
     def generator_size(self) -> int | None:
-        """Return the size that the generator was built for, None for any."""
+        """Return the size that the generator was built for, or None if it accepts any size."""
         arguments = self.settings["generator"].get("init_args") or {}
         size = arguments.get("size") if isinstance(arguments, Mapping) else None
         return size if type(size) is int else None
 
     def training_settings(self) -> dict[str, Any]:
-        """Return all settings of the model that training needs, as in a configuration.
+        """Return all settings of the model for training, as in a configuration.
 
         Raises:
-            InputError: if they name anything but registered classes, optimisers and schedules that are
-                imported already, and plain values; or if networks and tensors do not match.
+            InputError: if the settings contain anything but plain values, registered classes, and already
+                imported optimisers and schedules, or if networks and tensors do not match.
         """
         with _named(self.path):
             self._check_callbacks()
@@ -148,18 +148,18 @@ class Checkpoint:
             for name in ("generator", "discriminator"):
                 if self.settings.get(name) is not None:
                     part, tensors = _part(name, self.settings[name]), self.tensors_of(name)
-                    # Numbers that are not finite may be what someone wants to look into.
+                    # Non-finite values are accepted, because a user may want to examine them.
                     check_fit(part, tensors, REGISTRIES[name][0], finite=False)
         return settings
 
     def check_progress(self, loops: Mapping[str, Any]) -> None:
-        """Check all that a run resumes with besides the model.
+        """Check everything that a run restores besides the model.
 
         Args:
-            loops: the state of the loops of a new run, which has the form that the file's must have.
+            loops: loop state of a new run, as the expected structure.
 
         Raises:
-            InputError: if a run cannot be resumed with it.
+            InputError: if a run cannot be resumed from this checkpoint.
         """
         networks = [name for name in ("generator", "discriminator") if self.settings.get(name) is not None]
         schedules = networks if self.settings.get("lr_scheduler") is not None else []
@@ -179,7 +179,7 @@ class Checkpoint:
             )
 
     def _fits(self, network: str, state: Mapping[str, Any]) -> bool:
-        """Return whether the state of an optimiser fits a network."""
+        """Return whether an optimiser's state fits a network."""
         shapes = {tensor.shape for tensor in self.tensors_of(network).values()}
         match state:
             case {"state": dict(kept), "param_groups": [{"params": [*_]}, *_]}:
@@ -192,12 +192,12 @@ class Checkpoint:
                 return False
 
     def tensors_of(self, network: str) -> dict[str, Tensor]:
-        """Return the weights and statistics of a network by name; empty if there are none."""
+        """Return the weights and statistics of a network by name, empty if there are none."""
         prefix = f"{network}."
         return {k.removeprefix(prefix): v for k, v in self.tensors.items() if k.startswith(prefix)}
 
     def _check_callbacks(self) -> None:
-        """Check that all files that the run may delete are checkpoints in its folder."""
+        """Check that all files that a resumed run may delete are checkpoints in its folder."""
         for state in self.callbacks.values():
             if not isinstance(state, Mapping) or "best_model_path" not in state:
                 continue
@@ -209,10 +209,10 @@ class Checkpoint:
 
 
 def read_checkpoint(path: Path) -> Checkpoint:
-    """Return a checkpoint's metadata about its model; whether that can be used is for `Checkpoint` to say.
+    """Read a checkpoint; the methods of `Checkpoint` check whether its model can be used.
 
     Raises:
-        InputError: if it is missing, damaged or not one of ours.
+        InputError: if the file is missing, damaged or not a checkpoint of this package.
     """
     content = load_torch_file(path)
     if not isinstance(content, dict):
@@ -228,11 +228,11 @@ def read_checkpoint(path: Path) -> Checkpoint:
         or not isinstance(callbacks, dict)
     ):
         raise InputError(f"{path} holds no normalgan model; give one that `normalgan fit` saved.")
-    # torch.compile wraps a network, and puts this before the names of its weights.
+    # torch.compile prefixes the names of a network's weights.
     tensors = {uncompiled(name): tensor for name, tensor in tensors.items()}
     size = content.get(PICTURE_SIZE)
     size = size if type(size) is int and 1 <= size <= LARGEST else None
-    # Lightning's note on how it builds the model, which is not asked.
+    # Lightning's note on how to build the model, which is not needed.
     settings = {
         _RENAMED_SETTINGS.get(name, name): value
         for name, value in ((str(name), value) for name, value in settings.items())
@@ -243,14 +243,14 @@ def read_checkpoint(path: Path) -> Checkpoint:
 
 
 def read_model(path: Path, size: int | None = None) -> Weights:
-    """Return the weights in a file of any kind: safetensors, ONNX or a checkpoint.
+    """Return the weights in a safetensors, ONNX or checkpoint file.
 
     Args:
         path: path of the file.
-        size: side in pixels of the pictures of a checkpoint's training; None if the file records it.
+        size: side of the training pictures of a checkpoint in pixels; None if the file records it.
 
     Raises:
-        InputError: if it is missing, damaged, not one of ours, or no size is known.
+        InputError: if the file is missing, damaged or of another kind, or if the size is unknown.
     """
     return read_weights(path) if path.suffix.lower() in SUFFIXES else read_checkpoint(path).weights(size)
 
@@ -266,7 +266,7 @@ def uncompiled(name: str) -> str:
 
 @contextmanager
 def _named(path: Path) -> Iterator[None]:
-    """Name the file whose model cannot be built."""
+    """Add the file to errors about building its model."""
     try:
         yield
     except InputError as error:
@@ -288,7 +288,7 @@ def _part(name: str, value: Any) -> ClassSpec:
 def _unchecked_part(name: str, value: Any) -> ClassSpec | None:
     """Return a component that inference does not use, so that its class may be unknown here.
 
-    None if the object was made in Python from values that are not plain.
+    It returns None if the object was made in Python from values that are not plain.
     """
     registry, largest = REGISTRIES[name]
     if isinstance(value, dict) and value.keys() == {MADE_IN_PYTHON}:
@@ -298,14 +298,14 @@ def _unchecked_part(name: str, value: Any) -> ClassSpec | None:
 
 
 def _configuration(name: str, value: Any) -> Any:
-    """Return a setting of the model as a configuration names it."""
+    """Return a setting of the model as written in a configuration."""
     if name in REGISTRIES:
         optional = name == "discriminator" and value is None
         return None if optional else _as_named(value, _part(name, value).configuration(REGISTRIES[name][0]))
     if name == "line_widths":
         return list(check_line_widths(value))
     if name not in OF_TORCH:
-        if name.startswith("_"):  # Lightning's, for a model of another class
+        if name.startswith("_"):  # from Lightning, for a model of another class
             raise InputError(f"it has the setting {ascii(name)[:60]}, which no model of ours has.")
         return _number(name, value)
     if value is None or value == DEFAULT_OPTIMIZER:
@@ -323,7 +323,7 @@ def _configuration(name: str, value: Any) -> Any:
 
 
 def _as_named(value: Mapping[str, Any], found: dict[str, Any]) -> dict[str, Any]:
-    """Return a configuration with the class path that the file has, if it still leads to that class."""
+    """Return a configuration with the class path from the file, if it still leads to the same class."""
 
     def leads_to(path: str) -> object:
         module, _, name = path.rpartition(".")
@@ -342,7 +342,7 @@ def _check_named(name: str, value: Any) -> None:
 
 
 def _has_form(found: Any, form: Any) -> bool:
-    """Return whether a value has the keys of another and, in their places, numbers of 0 or more.
+    """Return whether a value has the same structure as another, with numbers of 0 or more.
 
     >>> [_has_form(found, {"ready": 0}) for found in ({"ready": 3}, {"ready": -1}, {})]
     [True, False, False]
@@ -350,13 +350,13 @@ def _has_form(found: Any, form: Any) -> bool:
     if type(found) is not type(form):
         return False
     if isinstance(form, dict):
-        same = found.keys() == form.keys() or not form  # an empty one holds what others keep there
+        same = found.keys() == form.keys() or not form  # an empty template accepts any content
         return same and all(_has_form(found[name], form[name]) for name in form)
     return bool(found >= 0)
 
 
 def _has_loops(found: Any, form: Mapping[str, Any]) -> bool:
-    """Return whether the states of loops are those of training; Lightning's versions differ in the rest."""
+    """Return whether the training loops' states are valid; others vary between versions of Lightning."""
     saved = found.get("fit_loop") if isinstance(found, dict) else None
     return (
         isinstance(saved, dict)
@@ -370,7 +370,7 @@ def _are_dicts(found: Any, count: int) -> bool:
 
 
 def _is_recent(version: Any) -> bool:
-    """Return whether the package has run with a version of Lightning."""
+    """Return whether the package supports a version of Lightning."""
     try:
         return Version(version) >= Version("2.6")
     except (InvalidVersion, TypeError):

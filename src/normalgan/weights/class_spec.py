@@ -1,4 +1,4 @@
-"""ClassSpec: a registered class with plain settings, as files from anywhere may name it."""
+"""ClassSpec: a registered class with plain settings, as it may appear in untrusted files."""
 
 import json
 import re
@@ -19,9 +19,9 @@ __all__ = ["ANY_NUMBER", "LARGEST", "ClassSpec", "is_plain"]
 T = TypeVar("T")
 
 LARGEST = 4096
-"""No width, depth or size of a network is larger; what is, was made up to take all time or memory."""
+"""Upper bound of a network's settings, such as width or size; larger values could exhaust time or memory."""
 ANY_NUMBER = 2**63
-"""Bound of settings that take no memory, such as the weight of a loss."""
+"""Upper bound of settings that do not affect memory, such as the weight of a loss."""
 
 
 @dataclass(frozen=True)
@@ -29,8 +29,8 @@ class ClassSpec:
     """A class and its settings.
 
     Args:
-        name: name of a registered class, or its dotted path; see `Registry.find`.
-        settings: its settings, by name.
+        name: name or dotted path of a registered class; see `Registry.find`.
+        settings: settings of the class by name.
     """
 
     name: str
@@ -38,14 +38,14 @@ class ClassSpec:
 
     @classmethod
     def of(cls, configuration: Any, largest: int = LARGEST) -> "ClassSpec":
-        """Return the part that a configuration names; nothing in it is looked up yet.
+        """Return the class and settings in a configuration, without looking up the class.
 
         Args:
-            configuration: with ``class_path`` and ``init_args``, as checkpoints have it.
-            largest: number that a setting may be.
+            configuration: mapping with ``class_path`` and ``init_args``, as in checkpoints.
+            largest: largest accepted number in the settings.
 
         Raises:
-            InputError: if it has other content.
+            InputError: if ``configuration`` is not such a mapping.
 
         >>> ClassSpec.of({"class_path": "normalgan.hints.UniformHints", "init_args": {"minimum": 1}})
         ClassSpec(name='normalgan.hints.UniformHints', settings={'minimum': 1})
@@ -66,7 +66,7 @@ class ClassSpec:
 
     @classmethod
     def of_object(cls, built: object) -> "ClassSpec | None":
-        """Return the arguments that an object was built with, None if they are not plain values."""
+        """Return the class and arguments of an object, or None if the arguments are not plain values."""
         if is_dataclass(built) and not isinstance(built, type):
             settings = {field.name: getattr(built, field.name) for field in fields(built) if field.init}
         elif isinstance(built, Network):
@@ -79,16 +79,16 @@ class ClassSpec:
         return cls(class_path(kind), {k: _lists(v) for k, v in settings.items()})
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the part as a configuration names it, by its own name."""
+        """Return the configuration, with the class as named here."""
         return {"class_path": self.name, "init_args": dict(self.settings)}
 
     def to_json(self) -> str:
-        """Return the part as JSON."""
+        """Return the configuration as JSON."""
         return json.dumps(self.to_dict())
 
     @classmethod
     def from_json(cls, text: str) -> "ClassSpec":
-        """Return the part that a text names; nothing in it is looked up yet.
+        """Return the class and settings in a JSON text, without looking up the class.
 
         Raises:
             InputError: if the text has other content.
@@ -101,10 +101,11 @@ class ClassSpec:
             raise InputError("what it names is not a class with settings.") from None
 
     def configuration(self, registry: Registry[Any]) -> dict[str, Any]:
-        """Return the part as a configuration names it, by the full name of the class.
+        """Return the configuration, with the full path of the class.
 
         Raises:
-            InputError: if neither the registry, plug-ins included, nor the working directory has the class.
+            InputError: if the class is neither registered (including plug-ins) nor in the working
+                directory.
         """
         known = registry.find(self.name) or find_local(self.name, registry.base)
         if known is None:
@@ -116,20 +117,20 @@ class ClassSpec:
         """Return an instance of the class.
 
         Raises:
-            InputError: if there is no such class, or it does not take these settings.
+            InputError: if there is no such class, or it does not accept these settings.
         """
         parser = ArgumentParser(exit_on_error=False)
         parser.add_argument("--part", type=registry.base)
         configuration = self.configuration(registry)
         try:
             built: T = parser.instantiate(parser.parse_object({"part": configuration})).part
-        except FOREIGN_ERRORS as error:  # a class of anybody's, given settings of anybody's
+        except FOREIGN_ERRORS as error:  # any class, with any settings, may raise anything
             raise InputError(f"{self.name} does not take its settings: {brief(error)}") from error
         return built
 
 
 def is_plain(value: Any, largest: int = LARGEST) -> bool:
-    """Return whether a setting is plain data: a dotted path might import a module.
+    """Return whether a setting is plain data; a dotted path is not, because it might import a module.
 
     >>> is_plain([0.5, "batch", None]), is_plain("os.system"), is_plain({"class_path": "a"}), is_plain(5000)
     (True, False, False, False)
@@ -138,7 +139,7 @@ def is_plain(value: Any, largest: int = LARGEST) -> bool:
     while waiting:
         item, depth = waiting.pop()
         counted += 1
-        if counted > MOST_NODES or depth > MOST_DEPTH:  # lists in a pickle can hold one another many times
+        if counted > MOST_NODES or depth > MOST_DEPTH:  # lists in a pickle can contain each other repeatedly
             return False
         if isinstance(item, list | tuple):
             waiting += [(inner, depth + 1) for inner in item]
@@ -146,12 +147,12 @@ def is_plain(value: Any, largest: int = LARGEST) -> bool:
             if not re.fullmatch(r"[\w+-]{0,100}", item):
                 return False
         elif item is not None and not (isinstance(item, int | float) and -largest <= item <= largest):
-            return False  # nor is nan
+            return False  # also excludes nan
     return True
 
 
 def _lists(value: Any) -> Any:
-    """Return tuples as lists, as YAML has them."""
+    """Return tuples as lists, as in YAML."""
     return [_lists(item) for item in value] if isinstance(value, list | tuple) else value
 
 

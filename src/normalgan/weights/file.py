@@ -1,4 +1,4 @@
-"""Weights as safetensors or in our ONNX files: tensors and notes; a stranger's file is checked before use."""
+"""Weights files: tensors and metadata as safetensors or ONNX, which are checked before use."""
 
 import json
 from collections.abc import Mapping
@@ -21,9 +21,9 @@ __all__ = ["SUFFIXES", "Weights", "parse_weights", "read_weights"]
 
 _ONNX = ".onnx"
 SUFFIXES = (".safetensors", _ONNX)
-"""Endings of files that hold weights and no state of a training."""
-_MOST_HEADER = 2**20  # of names and shapes, a hundred bytes a tensor
-_SMALL = 64  # tensors of fewer elements weigh nothing, and are kept as they are
+"""Extensions of files that hold weights without training state."""
+_MOST_HEADER = 2**20  # names and shapes take a hundred bytes per tensor
+_SMALL = 64  # smaller tensors take little space and keep their precision
 
 
 @dataclass(frozen=True)
@@ -31,8 +31,8 @@ class Weights:
     """A generator as tensors by name, with its metadata.
 
     Args:
-        notes: what it is.
-        tensors: its parameters and statistics.
+        notes: metadata of the model.
+        tensors: parameters and statistics by name.
     """
 
     notes: ModelMetadata
@@ -43,41 +43,41 @@ class Weights:
         return build_generator(self.notes.generator, self.tensors)
 
     def load_into(self, generator: Generator) -> None:
-        """Give a generator of this kind these weights, each in its own precision."""
+        """Load the weights into a generator of the same class and settings, keeping its precision."""
         generator.load_state_dict(dict(self.tensors))
 
     def halved(self) -> "Weights":
-        """Return the weights in 16 bits, clamped to their range."""
+        """Return the weights as float16, clamped to its range."""
         return Weights(self.notes, {name: _halve(tensor) for name, tensor in self.tensors.items()})
 
     def to_bytes(self) -> bytes:
-        """Return the content of a file, the same for the same weights."""
-        # Clones: tensors that share memory are refused.
+        """Return the content of a safetensors file, identical for identical weights."""
+        # Cloned, because tensors that share memory are refused.
         tensors = {
             name: tensor.clone(memory_format=torch.contiguous_format) for name, tensor in self.tensors.items()
         }
         header, numbers = _split(save(tensors, {"format": "pt"}))
-        # The library writes notes in an order that changes from call to call; these are sorted.
+        # The library writes the metadata in random order, so it is sorted here.
         header["__metadata__"] |= self.notes.metadata()
         text = json.dumps(header, sort_keys=True, separators=(",", ":")).encode()
-        text += b" " * (-len(text) % 8)  # numbers are aligned so
+        text += b" " * (-len(text) % 8)  # alignment of the tensors
         return len(text).to_bytes(8, "little") + text + numbers
 
 
 def parse_weights(content: bytes, name: str = "the file", is_onnx: bool = False) -> Weights:
-    """Return the weights in the content of a file; nothing in it is executed.
+    """Return the weights in the content of a file, without executing any of it.
 
     Args:
         content: content of the file.
-        name: name of the file, in error messages.
-        is_onnx: whether it is ONNX and not safetensors.
+        name: name of the file in error messages.
+        is_onnx: whether the file is ONNX instead of safetensors.
 
     Raises:
-        InputError: if it is damaged, or its model is not ours or cannot be built here.
+        InputError: if the file is damaged or from another program, or its model cannot be built here.
     """
     try:
         metadata, tensors = (parse_onnx if is_onnx else _parse_safetensors)(content)
-    except Exception as error:  # each library has its own classes of errors, and torch others
+    except Exception as error:  # each library raises errors of its own classes
         if wants_memory(error):
             raise RunError(f"there is too little memory to read {name}; close other programs.") from error
         raise InputError(
@@ -100,7 +100,7 @@ def read_weights(path: Path) -> Weights:
     """Return the weights in a file.
 
     Raises:
-        InputError: if it is missing, cannot be read, or `parse_weights` refuses it.
+        InputError: if the file is missing, cannot be read, or `parse_weights` refuses it.
     """
     if not path.is_file():
         raise InputError(f"there are no weights {path}; name a file that `normalgan export` wrote.")
@@ -108,16 +108,16 @@ def read_weights(path: Path) -> Weights:
 
 
 def _parse_safetensors(content: bytes) -> tuple[dict[str, str], dict[str, Tensor]]:
-    """Return the notes in a file of safetensors, and its tensors by name."""
+    """Return the metadata of a safetensors file, and its tensors by name."""
     header, _ = _split(content)
     return {str(k): str(v) for k, v in header.get("__metadata__", {}).items()}, load(content)
 
 
 def _split(content: bytes) -> tuple[dict[str, Any], bytes]:
-    """Return the header of a file and its payload.
+    """Return the header of a safetensors file and the bytes after it.
 
     Raises:
-        ValueError: if it is longer than any header of ours, or no text.
+        ValueError: if the header is too long or not text.
     """
     length = int.from_bytes(content[:8], "little")
     if length > _MOST_HEADER:

@@ -1,4 +1,4 @@
-"""Classes of the working directory that a file of weights names: imported only if they are defined there."""
+"""Classes in the working directory that a weights file names, imported only if they are defined there."""
 
 import ast
 import os
@@ -24,7 +24,7 @@ _allowed: ContextVar[bool] = ContextVar("_allowed", default=True)
 
 @contextmanager
 def no_local_classes() -> Iterator[None]:
-    """Import nothing from the working directory: only registered and imported classes are known."""
+    """Disable imports from the working directory, so that only registered and imported classes are found."""
     token = _allowed.set(False)
     try:
         yield
@@ -33,17 +33,17 @@ def no_local_classes() -> Iterator[None]:
 
 
 def find_local(name: str, base: type[T]) -> type[T] | None:
-    """Return the class that a dotted path names, from a module in the working directory, or None.
+    """Return the class with a dotted path from a module in the working directory, or None.
 
-    Python must search the working directory, as ``python -m normalgan`` lets it. A file of weights is data
-    and may come from a stranger, so a module is imported only if its text defines the class.
+    Python must search the working directory, as with ``python -m normalgan``. A weights file is data and
+    may be untrusted, so a module is imported only if its source defines the class.
 
     Args:
-        name: module and class in dots, such as ``nets.OwnGenerator``.
-        base: the class must derive from it.
+        name: dotted path of the class, such as ``nets.OwnGenerator``.
+        base: required base class.
 
     Raises:
-        InputError: if the module fails while it is imported.
+        InputError: if importing the module fails.
     """
     module, _, cls_name = name.rpartition(".")
     if not _allowed.get() or not module or not all(part.isidentifier() for part in name.split(".")):
@@ -57,7 +57,7 @@ def find_local(name: str, base: type[T]) -> type[T] | None:
         return None
     try:
         found = getattr(import_module(module), cls_name, None)
-    except FOREIGN_ERRORS as error:  # whatever a module of the user raises
+    except FOREIGN_ERRORS as error:  # the user's module may raise anything
         raise InputError(
             f"{file.name} cannot be imported: {type(error).__name__}: {brief(error)}."
         ) from error
@@ -85,7 +85,7 @@ def _defines(file: Path, name: str) -> bool:
 
 
 def _is_found_first(package: str, here: Path) -> bool:
-    """Return whether Python takes a top-level module from the working directory."""
+    """Return whether Python finds a top-level module in the working directory first."""
     try:
         spec = find_spec(package)
     except (ImportError, ValueError):

@@ -1,4 +1,4 @@
-"""Metadata of weights files and of our ONNX files."""
+"""Metadata of weights files, including our ONNX files."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -19,19 +19,20 @@ _MADE_IN_PYTHON = "its hint sampler was made in Python of more than plain values
 
 @dataclass(frozen=True)
 class ModelMetadata:
-    """All that is needed to build a model and to measure it as the checkpoint it is from.
+    """Everything needed to build a model and to test it like the original checkpoint.
 
     Args:
-        generator: the network that predicts.
-        hint_sampler: the sampler of the training; None if it cannot be described by plain values. Only
-            measuring needs it.
+        generator: class and settings of the generator.
+        hint_sampler: hint sampler of the training, needed only for testing; None if it cannot be described
+            by plain values.
         size: side of the pictures in pixels.
-        noise_at_test: whether the noise stays on when testing and predicting.
+        noise_at_test: whether the noise stays on in testing and prediction.
         seed: seed of the hints and the noise.
         licence: licence of the weights.
-        refined: whether the refiner of the package was trained for it and sharpens its maps.
-        line_widths: the thinnest and the thickest line that it was trained on, in its pixels.
-        version: the version of normalgan that wrote them.
+        refined: whether the shipped refiner was trained for this model and sharpens its maps.
+        line_widths: thinnest and thickest line of the training drawings, in pixels at the model's
+            resolution.
+        version: version of normalgan that wrote the file.
     """
 
     generator: ClassSpec
@@ -45,7 +46,7 @@ class ModelMetadata:
     version: str = __version__
 
     def metadata(self) -> dict[str, str]:
-        """Return the notes as texts by name, the form that model files hold."""
+        """Return the metadata as strings by name, as stored in model files."""
         return {
             "normalgan_version": self.version,
             "model": self.generator.name,
@@ -60,7 +61,7 @@ class ModelMetadata:
         }
 
     def build_hint_sampler(self) -> HintSampler:
-        """Return the hint sampler of its training.
+        """Return the hint sampler of the training.
 
         Raises:
             InputError: if its class is unknown here.
@@ -70,10 +71,11 @@ class ModelMetadata:
         return self.hint_sampler.build(HINT_SAMPLERS)
 
     def settings(self, measured: bool = True) -> dict[str, Any]:
-        """Return the settings of `NormalGAN` that the notes fix, as a configuration names them.
+        """Return the settings of `NormalGAN` in the metadata, as in a configuration.
 
         Args:
-            measured: whether the model is measured with the hints of its training; inference needs none.
+            measured: whether to include the hint sampler of the training, for testing; inference does not
+                need it.
 
         Raises:
             InputError: if a class is unknown here.
@@ -92,11 +94,11 @@ class ModelMetadata:
 
     @classmethod
     def parse(cls, metadata: Mapping[str, str]) -> "ModelMetadata":
-        """Return the metadata stored in a file as texts by name.
+        """Parse the metadata from a file's strings by name.
 
         Raises:
-            KeyError: if one is missing.
-            InputError: if one is invalid.
+            KeyError: if an entry is missing.
+            InputError: if an entry is invalid.
         """
         return cls(
             ClassSpec.from_json(metadata["generator"]),
@@ -105,7 +107,7 @@ class ModelMetadata:
             noise_at_test=metadata["noise_at_test"] == "true",
             seed=_number(metadata, "seed", 2**63 - 1),
             licence=metadata["licence"],
-            refined=metadata.get("refined") == "true",  # files of older versions do not say
+            refined=metadata.get("refined") == "true",  # missing in files of older versions
             line_widths=line_widths_of(metadata),
             version=metadata["normalgan_version"],
         )
@@ -114,5 +116,5 @@ class ModelMetadata:
 def _number(metadata: Mapping[str, str], name: str, most: int) -> int:
     text = metadata[name]
     if not (text.isascii() and text.isdecimal() and len(text) < 20 and int(text) <= most):
-        raise InputError(f"its {name} is {text[:40]}, no whole number from 0 to {most}.")
+        raise InputError(f"its {name} is {text[:40]}, not a whole number from 0 to {most}.")
     return int(text)

@@ -1,4 +1,4 @@
-"""Build a generator for given tensors, after checking that they fit."""
+"""Construction of a generator for given tensors, after checking that they fit."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -24,15 +24,16 @@ def check_fit(part: ClassSpec, tensors: Tensors, registry: Registry[T], finite: 
     """Check that tensors are the weights of a network, without allocating memory.
 
     Args:
-        part: the network.
-        tensors: by name.
-        registry: the registry of its kind.
-        finite: whether they must all be finite numbers.
+        part: class and settings of the network.
+        tensors: tensors by name.
+        registry: registry of the network's base class.
+        finite: whether all values must be finite.
 
     Raises:
-        InputError: if it cannot be built, or they are not its weights, or not finite.
+        InputError: if the network cannot be built, or the tensors do not fit it or are not finite.
     """
-    # Without memory, and no further than there are tensors: settings may ask for billions of layers.
+    # On the meta device and limited to the number of tensors, because settings may ask for billions of
+    # layers.
     with torch.device("meta"), _at_most(2 * len(tensors) + 16):
         wanted = part.build(registry).state_dict()
     for name in [*wanted, *tensors]:
@@ -47,7 +48,7 @@ def check_fit(part: ClassSpec, tensors: Tensors, registry: Registry[T], finite: 
 
 
 def build_generator(part: ClassSpec, tensors: Tensors) -> Generator:
-    """Return the generator with these weights, in float32, ready to predict."""
+    """Return a generator with the given weights, in float32 and evaluation mode."""
     generator = part.build(GENERATORS)
     generator.load_state_dict(dict(tensors))
     return generator.eval()

@@ -1,4 +1,4 @@
-"""The weights in an ONNX file that `normalgan export` wrote."""
+"""The weights in an ONNX file written by `normalgan export`."""
 
 import onnx
 import torch
@@ -13,9 +13,9 @@ _MEAN, _COUNT = "running_mean", "num_batches_tracked"
 
 
 def parse_onnx(content: bytes) -> tuple[dict[str, str], dict[str, Tensor]]:
-    """Return the notes in a file and the generator's tensors, named as torch names them.
+    """Return the metadata of a file and the generator's tensors by their torch names.
 
-    Batch norm counts its batches, which a graph does not use: the count is 0 here.
+    The batch counters of batch norm are not in the graph and are set to 0.
 
     Raises:
         ValueError: if tensors are in other files. For damaged files, the package onnx raises its own errors.

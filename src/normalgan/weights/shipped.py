@@ -1,4 +1,4 @@
-"""The files of weights that come with the package, and any other model by its name; no torch."""
+"""Model files: those that come with the package, and any other by path or address; does not need torch."""
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -10,28 +10,28 @@ __all__ = ["READER", "REFINER", "SHIPPED", "SHIPPED_NAME", "find_model"]
 
 _HERE = Path(__file__).parent
 SHIPPED = _HERE / "ours.onnx"
-"""The model: ONNX Runtime runs it, and torch reads its weights."""
+"""The generator, run by ONNX Runtime; torch can read its weights."""
 SHIPPED_NAME = "shipped"
-"""What it is called where a file is asked for."""
+"""Name of the shipped generator where a file is expected."""
 REFINER = _HERE / "refiner.onnx"
-"""Brings the model's maps to a drawing's own size."""
+"""The refiner, which upsamples the generator's maps to a drawing's own size."""
 READER = _HERE / "reader.onnx"
-"""Tells lines from the page, and the object from air."""
+"""The network that segments lines and object."""
 _FORMATS = (".onnx", ".safetensors", ".ckpt")
 
 
 def find_model(
     name: str | None = None, formats: Sequence[str] = _FORMATS, names: Iterable[str] = (SHIPPED_NAME,)
 ) -> Path:
-    """Return the file of a model: the one named, or the one that comes with the package.
+    """Return the file of the given model, or of the shipped one.
 
     Args:
-        name: the path or the address; None, or ``shipped``, for the package's own.
-        formats: what the file may end in, for messages.
-        names: the names that can be given in place of a file, for messages.
+        name: path or address; None or ``shipped`` for the shipped model.
+        formats: accepted file extensions, for messages.
+        names: names accepted instead of a file, for messages.
 
     Raises:
-        InputError: if there is none, or an address cannot be fetched (see `local_file`).
+        InputError: if there is no such model, or an address cannot be downloaded (see `local_file`).
     """
     if name is None or name == SHIPPED_NAME:
         if not SHIPPED.is_file():
@@ -40,7 +40,7 @@ def find_model(
             )
         return SHIPPED
     path = local_file(name)
-    # Who reads checkpoints says which file of a run's folder to name.
+    # The reader of checkpoints explains which file of a run's folder to give.
     if not path.is_file() and not (path.is_dir() and ".ckpt" in formats):
         known = list(names)
         raise InputError(

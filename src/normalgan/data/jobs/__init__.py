@@ -1,3 +1,3 @@
-"""Jobs: rendering in parallel, by processes of one machine or many."""
+"""Jobs: parallel rendering, in processes of one or many machines."""
 
 __all__ = []

@@ -1,4 +1,4 @@
-"""Cluster: processes on many machines, through a Dask scheduler, and how one is reached."""
+"""Cluster: worker processes on many machines, connected through a Dask scheduler."""
 
 import logging
 import re
@@ -32,15 +32,16 @@ _NO_WORKER_TIMEOUT = 60.0  # seconds without any worker, after which rendering e
 class Cluster(Pool):
     """The workers of a Dask cluster.
 
-    If a worker dies, the scheduler gives its tasks to others; a new worker gets its share. Each must have the
-    same versions of normalgan and of the packages that the bytes depend on, and one thread.
+    If a worker dies, the scheduler reassigns its tasks; new workers get tasks too. All workers must have
+    the same versions of normalgan and of the packages that affect the bytes of samples, and a single
+    thread.
 
-    Dask's own executor, `Client.get_executor`, does not tell a lost result from a cancelled one, nor a
-    scheduler that is gone from either, so futures of Dask are used.
+    Dask futures are used directly, because the executor of `Client.get_executor` does not distinguish a
+    lost result, a cancelled one and a lost scheduler.
 
     Args:
-        where: ``tcp://host:port`` of a scheduler; a scheduler file ``….json``; or ``local:N`` for N
-            processes of this machine.
+        where: ``tcp://host:port`` of a scheduler, a scheduler file ``….json``, or ``local:N`` for N
+            processes on this machine.
     """
 
     def __init__(self, where: str) -> None:
@@ -57,7 +58,7 @@ class Cluster(Pool):
 
         Raises:
             InputError: if the cluster cannot be reached, or a worker is unfit.
-            RunError: if no worker comes.
+            RunError: if no worker joins.
         """
         with ExitStack() as stack:
             self._client = _connect(self.where, stack)
@@ -77,19 +78,19 @@ class Cluster(Pool):
 
     @property
     def room(self) -> int:
-        """Three tasks a worker: enough to keep it busy, and few to lose when it dies."""
+        """Three tasks per worker, enough to keep it busy and few enough to lose when it dies."""
         return 3 * len(self._workers)
 
     def submit(self, function: Callable[[T], R], task: T) -> Any:
         """Submit a task."""
-        # Never used before: for a known key the scheduler gives the old result, or the old death.
+        # A new key, because for a known key the scheduler returns the old result or failure.
         key = f"normalgan-{function.__name__}-{uuid4().hex}"
         future = self._client.submit(eval, *order(function, task), key=key, pure=False)
         future.add_done_callback(self._ended.put)
         return future
 
     def wait(self, under_way: Collection[Any]) -> Collection[Any]:
-        """Wait up to a second for a task to end, and update the list of workers."""
+        """Wait up to a second for a task to finish, and update the list of workers."""
         try:
             ended = {self._ended.get(timeout=_CHECK_INTERVAL)}
         except Empty:
@@ -114,11 +115,11 @@ class Cluster(Pool):
             return self._lost_result()
         try:
             result = future.result()
-        except KilledWorker:  # the result was lost, and the task killed each worker that repeated it
+        except KilledWorker:  # the result was lost, and the task killed each worker that retried it
             return Killed()
         except CancelledError:
             return self._lost_result()
-        except OSError as cause:  # of the connection: an error of the task has the status "error"
+        except OSError as cause:  # an error of the connection; errors of the task have the status "error"
             raise self._scheduler_gone() from cause
         if isinstance(result, Unfit):
             self._refuse_unfit()
@@ -126,13 +127,13 @@ class Cluster(Pool):
         return result
 
     def cancel(self, under_way: Collection[Any]) -> None:
-        """Cancel tasks whose results are not needed."""
+        """Cancel tasks with results that are no longer needed."""
         if self._client.status == "running":
-            with suppress(OSError):  # the scheduler may have gone a moment ago
+            with suppress(OSError):  # the scheduler may just have stopped
                 self._client.cancel(list(under_way), force=True)
 
     def _lost_result(self) -> Again:
-        """Return `Again`: the result was lost with its worker, or the connection broke and was restored.
+        """Return `Again` if the result was lost with its worker, or the connection broke and was restored.
 
         Raises:
             RunError: if the connection is lost.
@@ -142,14 +143,14 @@ class Cluster(Pool):
         return Again(lost=True)
 
     def _is_connected(self) -> bool:
-        """Return whether there is a connection; Dask restores a broken one or gives up."""
+        """Return whether there is a connection, after Dask has restored a broken one or given up."""
         deadline = time.monotonic() + _TIMEOUT + _CHECK_INTERVAL
         while self._client.status == "connecting" and time.monotonic() < deadline:
             time.sleep(0.05)
         return bool(self._client.status == "running")
 
     def _refuse_unfit(self) -> bool:
-        """Update the list of workers, and refuse new ones that are unfit; return whether there were any."""
+        """Update the list of workers, refuse unfit new ones, and return whether there were any."""
         unfit = self._update_workers()
         for address, flaw in unfit.items():
             warnings.warn(f"the worker {address} has joined but cannot be used: it has {flaw}.", stacklevel=2)
@@ -159,7 +160,7 @@ class Cluster(Pool):
         return bool(unfit)
 
     def _update_workers(self) -> dict[str, str]:
-        """Update the list of workers; return the flaws of new ones, by address.
+        """Update the list of workers, and return the flaws of new ones by address.
 
         Raises:
             RunError: if the connection is lost, or there has been no worker for too long.
@@ -187,13 +188,13 @@ class Cluster(Pool):
 
 
 _TIMEOUT = 10.0
-"""Seconds in which a scheduler must answer."""
+"""Timeout for a scheduler's answer in seconds."""
 
 _FORMS = "tcp://host:port, a scheduler file (.json) or local:N"
 _LOCAL = {
-    # A mesh that kills is tried again alone, so two deaths are enough, not Dask's four.
+    # A mesh that kills its worker is retried alone, so two deaths are enough, not Dask's four.
     "distributed.scheduler.allowed-failures": 1,
-    # LocalCluster gives up a worker that is not back in time; 15 s are too few on a busy machine.
+    # LocalCluster gives up workers that do not restart in time; its 15 s are too short on a busy machine.
     "distributed.deploy.lost-worker-timeout": "10 minutes",
 }
 
@@ -202,18 +203,18 @@ def _connect(where: str, stack: ExitStack) -> Any:
     """Return a client of the cluster.
 
     Args:
-        where: as `Cluster` takes it.
-        stack: closes the client and a local cluster when it ends.
+        where: address, as for `Cluster`.
+        stack: exit stack that closes the client and a local cluster.
 
     Raises:
-        InputError: if Dask is not installed, the address has none of these forms, or no scheduler answers.
+        InputError: if Dask is not installed, the address is invalid, or no scheduler answers.
     """
     try:
         import dask.config
         from distributed import Client, LocalCluster
     except ImportError as error:
         raise InputError("a cluster needs Dask: pip install 'normalgan[cluster]'.") from error
-    # That a worker has gone is reported by us, or does not matter.
+    # Lost workers are reported by our own messages or do not matter.
     names = [name for name in logging.root.manager.loggerDict if name.partition(".")[0] == "distributed"]
     stack.enter_context(quiet_loggers(*names))
     address: Any = where

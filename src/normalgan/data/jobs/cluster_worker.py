@@ -1,4 +1,4 @@
-"""The worker's side of a cluster: check its versions, then do a task."""
+"""The worker's side of a cluster: check versions, then run a task."""
 
 import contextlib
 import pickle
@@ -18,36 +18,36 @@ __all__ = ["Unfit", "flaws", "order", "perform", "worker_versions"]
 _DO = "__import__('normalgan.data.jobs.cluster_worker', fromlist=['perform']).perform(work, ours, folder)"
 _ASK = "__import__('normalgan.data.jobs.cluster_worker', fromlist=['perform']).worker_versions()"
 _PACKAGES = ("normalgan", "numpy", "scipy", "scikit-image", "trimesh", "embreex", "zarr", "numcodecs")
-"""The packages whose versions the bytes of samples depend on."""
+"""Packages whose versions affect the bytes of samples."""
 
 
 @dataclass(frozen=True)
 class Unfit:
-    """A worker of this address refused a task, because its result would differ from other workers'."""
+    """Error of the worker at an address that refused a task, because its result would differ."""
 
     worker: str
 
 
 def order(function: Callable[[Any], Any], task: object) -> tuple[str, dict[str, Any]]:
-    """Return the arguments with which `eval` calls `perform` in a worker.
+    """Return the arguments for `eval` to call `perform` in a worker.
 
-    Nothing of normalgan is unpickled before the versions are checked. A worker without normalgan must fail in
-    the task: if unpickling the function failed, Dask would consider the worker dead.
+    Nothing of normalgan is unpickled before the versions are checked. A worker without normalgan must fail
+    within the task, because Dask considers a worker dead if unpickling the function fails.
     """
     work = pickle.dumps((function, task), protocol=5)
     return _DO, {"work": work, "ours": worker_versions(), "folder": str(Path.cwd())}
 
 
 def perform(work: bytes, ours: Mapping[str, str], folder: str) -> Any:
-    """Do a task in a worker and return its result.
+    """Run a task in a worker and return its result.
 
     Args:
-        work: function and task, pickled.
-        ours: the versions of the machine that sends the task.
-        folder: its working directory, used for relative paths if the worker has such a folder.
+        work: pickled function and task.
+        ours: versions on the machine that sends the task.
+        folder: working directory of that machine, used for relative paths if the worker has such a folder.
 
     Raises:
-        InputError: as the task does, with the worker's address.
+        InputError: as raised by the task, with the worker's address added.
     """
     from distributed import get_worker
 
@@ -63,18 +63,18 @@ def perform(work: bytes, ours: Mapping[str, str], folder: str) -> Any:
 
 
 def flaws(client: Any, threads: Mapping[str, int]) -> dict[str, str]:
-    """Return why workers are unfit, by address.
+    """Return the reasons why workers are unfit, by address.
 
     Args:
         client: client of the cluster.
-        threads: how many threads each of the workers in question has, by address.
+        threads: number of threads of each worker to check, by address.
     """
-    # `eval`, because a worker without normalgan cannot be handed a function of it.
+    # `eval`, because a worker without normalgan cannot unpickle its functions.
     responses = client.run(eval, _ASK, workers=list(threads), on_error="return") if threads else {}
     found = {}
     for address, response in responses.items():
         if isinstance(response, OSError):
-            continue  # gone already
+            continue  # already gone
         if isinstance(response, ImportError):
             found[address] = "no normalgan, or an older one"
         elif isinstance(response, Exception):
@@ -88,7 +88,7 @@ def flaws(client: Any, threads: Mapping[str, int]) -> dict[str, str]:
 
 @cache
 def worker_versions() -> dict[str, str]:
-    """Return the versions that must be equal on all machines that render a data set.
+    """Return the versions that must be the same on all machines that render a data set.
 
     >>> sorted(worker_versions())[:3]
     ['Python', 'embreex', 'normalgan']
@@ -100,7 +100,7 @@ def worker_versions() -> dict[str, str]:
 
 
 def _difference(theirs: Mapping[str, str], ours: Mapping[str, str]) -> str | None:
-    """Return how another machine differs, or None.
+    """Return how another machine's versions differ, or None if they are the same.
 
     >>> _difference({"numpy": "2.0"}, {"numpy": "2.4", "zarr": "3.1"})
     'numpy 2.0, not 2.4; no zarr, not 3.1'

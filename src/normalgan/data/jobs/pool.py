@@ -1,4 +1,4 @@
-"""Pool: runs tasks in parallel, in processes of one machine or many."""
+"""Pool: runs tasks in parallel, in processes of one or many machines."""
 
 from abc import ABC, abstractmethod
 from collections import deque
@@ -11,7 +11,7 @@ __all__ = ["Again", "Killed", "Pool"]
 T = TypeVar("T")
 R = TypeVar("R")
 
-_LOSSES = 5  # lost results of a task, after which it is considered to kill its worker
+_LOSSES = 5  # number of lost results after which a task is assumed to kill its worker
 
 
 @dataclass(frozen=True)
@@ -24,14 +24,14 @@ class Again:
     """The result of a task that must be repeated.
 
     Args:
-        lost: whether its result was lost, for which the task itself may be the cause.
+        lost: whether the result was lost, which the task itself may have caused.
     """
 
     lost: bool
 
 
 class Pool(ABC):
-    """Runs tasks in processes, and continues when one of them dies.
+    """Runs tasks in processes, and continues when a process dies.
 
     Subclasses start, query and replace the processes of this machine or of a cluster.
     """
@@ -43,11 +43,11 @@ class Pool(ABC):
 
     @abstractmethod
     def submit(self, function: Callable[[T], R], task: T) -> Any:
-        """Start a task; return its future."""
+        """Start a task and return its future."""
 
     @abstractmethod
     def wait(self, under_way: Collection[Any]) -> Collection[Any]:
-        """Return the futures that have ended, after waiting for one for a while.
+        """Wait for a while until a future is done, and return all that are done.
 
         Raises:
             RunError: if no worker is left.
@@ -55,11 +55,11 @@ class Pool(ABC):
 
     @abstractmethod
     def outcome(self, future: Any) -> Any:
-        """Return the result of an ended task, `Killed` or `Again`; raise the task's own error."""
+        """Return the result of a finished task, or `Killed` or `Again`; raise the task's own error."""
 
     @abstractmethod
     def cancel(self, under_way: Collection[Any]) -> None:
-        """Cancel tasks whose results are not needed."""
+        """Cancel tasks with results that are no longer needed."""
 
     def run(
         self,
@@ -67,19 +67,19 @@ class Pool(ABC):
         tasks: Iterable[T],
         related: Callable[[T], Collection[str]] = lambda _: (),
     ) -> Iterator[tuple[T, R | Killed]]:
-        """Yield every task with its result when it is finished, in any order.
+        """Yield each task with its result when it is finished, in any order.
 
         Args:
-            function: a module-level function, so that a worker can import it.
-            tasks: its arguments.
-            related: the names of a task, by default none. After a task is killed, tasks that share a name
-                with it are not started, but yielded as killed.
+            function: module-level function, so that a worker can import it.
+            tasks: arguments of the function.
+            related: function that returns the names of a task, by default none. After a task was killed,
+                tasks that share a name with it are not started but yielded as killed.
 
         Raises:
-            InputError: as a task does; tasks that finished before were yielded or written.
-            RunError: if no worker is left; tasks that finished before were yielded or written.
+            InputError: as raised by a task; tasks that finished earlier were yielded or written.
+            RunError: if no worker is left; tasks that finished earlier were yielded or written.
         """
-        todo = deque((task, 0) for task in tasks)  # with the number of its lost results
+        todo = deque((task, 0) for task in tasks)  # with the number of lost results
         under_way: dict[Any, tuple[T, int]] = {}
         suspicious: set[str] = set()
         try:
@@ -104,6 +104,6 @@ class Pool(ABC):
             self.cancel(under_way)
 
     def alone(self, function: Callable[[T], R], task: T) -> R | Killed:
-        """Return the result of a task that runs alone; if its worker dies, the task is the cause."""
+        """Return the result of a task that runs alone, so that the task is to blame if the worker dies."""
         ((_, outcome),) = self.run(function, [task])
         return outcome

@@ -1,4 +1,4 @@
-"""Tasks that worker processes do, without importing torch, and the loop that runs them all."""
+"""Tasks for worker processes, which do not import torch, and the loops that run them."""
 
 import socket
 import traceback
@@ -38,7 +38,7 @@ __all__ = [
 
 @dataclass(frozen=True)
 class MeshTask:
-    """A mesh to check, with its fingerprint on the machine that sends the task."""
+    """A mesh to check, with the fingerprint from the machine that sends the task."""
 
     source: Loadable
     fingerprint: str
@@ -51,9 +51,9 @@ class MeshTask:
 
 @dataclass(frozen=True)
 class ShardTask:
-    """A shard to render of the data set at a URL.
+    """A shard to render for the data set at a URL.
 
-    By name, ``sources`` has the meshes that it shows, and ``failed`` the reasons why some must not be tried.
+    ``sources`` holds its meshes by name, and ``failed`` the reasons not to try some of them.
     """
 
     url: str
@@ -64,20 +64,20 @@ class ShardTask:
 
     @property
     def meshes(self) -> tuple[str, ...]:
-        """The names of the meshes that are tried."""
+        """The names of the meshes to try."""
         return tuple(mesh for mesh in self.shard.meshes if mesh not in self.failed)
 
 
 @dataclass(frozen=True)
 class MakeShard:
-    """Makes shards in the process that reads them; a warning names each mesh or pair that fails."""
+    """Creates shards in the process that reads them, with a warning for each mesh or pair that fails."""
 
     url: str
     recipe: SampleRecipe
     sources: Mapping[str, MeshTask]
 
     def __call__(self, shard: Shard) -> None:
-        """Make a shard. Raises as `render_shard` does."""
+        """Create a shard. Raises the errors of `render_shard`."""
         for name, why in render_shard(self.task(shard)).items():
             warnings.warn(f"the {self.recipe.noun} {name} is left out: {why}", stacklevel=2)
 
@@ -87,19 +87,18 @@ class MakeShard:
         return ShardTask(self.url, shard, self.recipe, needed)
 
 
-# The mesh used last, with its name and fingerprint, as its views are rendered in a row. It belongs to the
-# process.
+# Each process caches the last mesh with its name and fingerprint, because its views are rendered in a row.
 _last: tuple[tuple[str, str], Any] | None = None
 
 
 def render_shard(task: ShardTask) -> dict[str, str]:
-    """Render and write all samples of a shard; return the reasons of meshes that failed, by name.
+    """Render and write all samples of a shard, and return the reasons for failed meshes by name.
 
-    When a mesh fails, the others of the shard are still rendered.
+    If a mesh fails, the other meshes of the shard are still rendered.
 
     Raises:
-        InputError: if this machine cannot run the renderer, read the same store and meshes as the machine
-            that sent the task, or write.
+        InputError: if this machine cannot run the renderer, cannot write, or cannot read the same store
+            and meshes as the machine that sent the task.
     """
     samples, failed, traces = _render(task)
     storage = Storage(task.url)
@@ -114,12 +113,12 @@ def render_shard(task: ShardTask) -> dict[str, str]:
 
 
 def try_mesh(task: ShardTask) -> None:
-    """Render a shard without writing, to see whether the process survives."""
+    """Render a shard without writing it, to test whether the process survives."""
     _render(task)
 
 
 def _render(task: ShardTask) -> tuple[list[Sample], dict[str, str], dict[str, str]]:
-    """Return the samples, why meshes failed, and the tracebacks of those that failed by a bug."""
+    """Return the samples, the reasons for failed meshes, and the tracebacks of bugs."""
     _see(task.url, task.shard.split)
     check_recipe(task.recipe)
     failed = dict(task.failed)
@@ -141,39 +140,39 @@ def _render(task: ShardTask) -> tuple[list[Sample], dict[str, str], dict[str, st
 
 
 def validate_source(task: MeshTask) -> str | None:
-    """Return the reason why a mesh cannot be used; None if it can.
+    """Return the reason why a mesh cannot be used, or None if it can.
 
     Raises:
-        ChangedMeshError: if it differs from the one that the task was made for.
+        ChangedMeshError: if the mesh has changed since the task was created.
     """
     try:
         _load(task)
     except ChangedMeshError:
         raise
-    except FOREIGN_ERRORS as error:  # somebody else's source may raise anything; the others can still be used
+    except FOREIGN_ERRORS as error:  # a third-party source may raise anything
         return error_text(error)
     return None
 
 
 def find_damage(task: tuple[str, str, Sequence[int]]) -> list[int]:
-    """Return which shards, given a data set's URL, a split and numbers, differ from what was written."""
+    """Return the damaged shards, given the URL of a data set, a split and shard indices."""
     url, split, numbers = task
     _see(url, split)
     return damaged(Storage(url), split, numbers)
 
 
-_checked: set[str] = set()  # recipes that this process can carry out; checking takes time
+_checked: set[str] = set()  # recipes that this process can run, cached because the check is slow
 
 
 def check_recipe(recipe: SampleRecipe) -> None:
-    """Raise `InputError` if this machine lacks a requirement of the recipe, such as a working renderer."""
+    """Raise `InputError` if this machine cannot run the recipe, for example without a working renderer."""
     if repr(recipe) not in _checked:
         recipe.check()
         _checked.add(repr(recipe))
 
 
 def error_text(error: BaseException) -> str:
-    """Return an error in one sentence; for a bug in a plug-in, with its type and line.
+    """Return an error as one sentence, with type and line for a bug in a plug-in.
 
     >>> error_text(InputError("horse has no legs.")), error_text(KeyError("legs"))
     ('horse has no legs.', "KeyError: 'legs'.")
@@ -186,13 +185,13 @@ def error_text(error: BaseException) -> str:
 
 
 class ChangedMeshError(InputError):
-    """A mesh differs from the one that the task was made for."""
+    """Error for a mesh that has changed since the task was created."""
 
 
 def _load(task: MeshTask) -> Any:
-    """Return the mesh or pair of a task after comparing the fingerprint of the loaded bytes.
+    """Return the mesh or pair of a task after checking the fingerprint of the loaded bytes.
 
-    Otherwise samples of a replaced file would be stored under the key of the old one.
+    Without the check, samples of a replaced file would be stored under the key of the old file.
     """
     global _last  # noqa: PLW0603 -- see above
     key = task.source.name, task.fingerprint
@@ -223,20 +222,20 @@ _NOBODY = (
     "every mesh kills the workers, most likely because memory runs out; finished samples are "
     "kept: give them more, and run again."
 )
-_HOPELESS = 3  # deadly meshes before anything is finished, after which the meshes are not to blame
+_HOPELESS = 3  # killing meshes before any task finishes, after which the machine is assumed at fault
 _names: Callable[[MeshTask | ShardTask], tuple[str, ...]] = attrgetter("meshes")
 
 
 def render_shards(pool: Pool, tasks: Sequence[ShardTask]) -> Iterator[tuple[ShardTask, dict[str, str]]]:
-    """Yield every task when it finishes, with the meshes that failed.
+    """Yield each task when it finishes, with the reasons for failed meshes.
 
-    A dead worker also loses other tasks, so a killed shard is only a suspect. It and the shards that share a
-    mesh with it wait until all others are done. Then its meshes are tried one at a time: the one that kills
-    its worker is left out, and the others continue.
+    A dead worker also loses unrelated tasks, so a killed shard is only a suspect. It waits, together with
+    all shards that share a mesh with it, until the others are done. Then its meshes are tried one at a
+    time. A mesh that kills its worker is left out, and the others continue.
 
     Raises:
-        RunError: if workers die with any task.
-        InputError: if the machines cannot do the work; see `render_shard`.
+        RunError: if workers die regardless of the task.
+        InputError: if the machines cannot run the tasks; see `render_shard`.
     """
     deadly: dict[str, str] = {}
     finished = 0
@@ -264,7 +263,7 @@ def render_shards(pool: Pool, tasks: Sequence[ShardTask]) -> Iterator[tuple[Shar
 
 
 def validate_sources(pool: Pool, tasks: Sequence[MeshTask]) -> Iterator[tuple[MeshTask, str | None]]:
-    """Yield every mesh and why it cannot be used, None if it can. Raises as `validate_source` does."""
+    """Yield each mesh with the reason why it is unusable, or None. Raises as `validate_source`."""
     suspects = []
     for task, outcome in pool.run(validate_source, tasks, _names):
         if isinstance(outcome, Killed):

@@ -1,4 +1,4 @@
-"""Workers: processes of this machine that end with their parent and use one core each."""
+"""Workers: local processes that end with their parent and use one core each."""
 
 import ast
 import inspect
@@ -25,8 +25,8 @@ __all__ = ["Workers", "check_main_guard", "leave_signals_to_parent", "one_thread
 T = TypeVar("T")
 R = TypeVar("R")
 
-# One thread each, because as many workers as cores would start cores² threads. 0 for llvmpipe, which
-# counts the threads it starts besides its caller's.
+# One thread each, because one worker per core would otherwise start cores² threads. llvmpipe needs 0,
+# because it does not count the caller's thread.
 _ONE_THREAD = {
     "OMP_NUM_THREADS": "1",
     "OPENCV_FOR_THREADS_NUM": "1",
@@ -40,10 +40,11 @@ _ONE_THREAD = {
 class Workers(Pool):
     """A pool of spawned processes; with a count of 0, tasks run in this process.
 
-    Spawned, not forked: a process forked after an OpenGL context was made hangs when it renders.
+    Processes are spawned, because a process that is forked after an OpenGL context was created hangs when
+    it renders.
 
     Args:
-        count: number of processes; 0 for this one alone.
+        count: number of processes; 0 to use only this one.
 
     Raises:
         InputError: if the count is negative.
@@ -53,8 +54,8 @@ class Workers(Pool):
         if count < 0:
             raise InputError(f"{count} workers were requested; use 0 (only this process) or more.")
         self.count = count
-        self._pool: ProcessPoolExecutor | None = None  # unusable after one of its processes has died
-        self._pools: dict[Any, ProcessPoolExecutor] = {}  # by the futures of their tasks
+        self._pool: ProcessPoolExecutor | None = None  # unusable after one of its processes died
+        self._pools: dict[Any, ProcessPoolExecutor] = {}  # by future
 
     def __enter__(self) -> Self:
         return self
@@ -67,11 +68,11 @@ class Workers(Pool):
 
     @property
     def room(self) -> int:
-        """The number of tasks to submit at once: two a worker keep it busy, and few are lost when it dies."""
+        """The maximum number of submitted tasks, two per worker: enough to keep it busy, and few to lose."""
         return max(2 * self.count, 1)
 
     def submit(self, function: Callable[[T], R], task: T) -> "Future[R]":
-        """Start a task; without processes, run it before this returns."""
+        """Start a task; without worker processes, run it immediately."""
         if not self.count:
             done: Future[R] = Future()
             done.set_result(function(task))
@@ -84,18 +85,18 @@ class Workers(Pool):
                     self._pool = ProcessPoolExecutor(self.count, mp_context=context, initializer=_prepare)
                 try:
                     future = self._pool.submit(function, task)
-                except BrokenProcessPool:  # a process died a moment ago
+                except BrokenProcessPool:  # a process has just died
                     self._discard(self._pool)
                 else:
                     self._pools[future] = self._pool
                     return future
 
     def wait(self, under_way: Collection[Any]) -> Collection[Any]:
-        """Wait until a task has ended."""
+        """Wait until a task is done."""
         return wait_for(under_way, return_when=FIRST_COMPLETED).done
 
     def outcome(self, future: "Future[R]") -> R | Killed:
-        """Return a result; `Killed` for every task in the pool when a worker died."""
+        """Return the result of a task; if a worker died, all tasks in the pool return `Killed`."""
         pool = self._pools.pop(future, None)
         try:
             return future.result()
@@ -105,7 +106,7 @@ class Workers(Pool):
             return Killed()
 
     def cancel(self, under_way: Collection[Any]) -> None:
-        """Cancel the tasks that no process has begun."""
+        """Cancel the tasks that no process has started."""
         for future in under_way:
             future.cancel()
             self._pools.pop(future, None)
@@ -118,9 +119,9 @@ class Workers(Pool):
 
 @contextmanager
 def one_thread_each() -> Iterator[None]:
-    """Inside this context, new processes compute in one thread."""
+    """Limit new processes to one thread within the context."""
     before = {name: os.environ.get(name) for name in _ONE_THREAD}
-    # Set here, because the libraries read it when a worker imports them, before any code of ours runs.
+    # Set in the parent, because libraries read it when a worker imports them, before our code runs.
     os.environ.update(_ONE_THREAD)
     try:
         yield
@@ -144,7 +145,7 @@ def _prepare() -> None:
 
 
 def _die_with(sentinel: int) -> None:
-    # A killed parent closes no queue, and its workers would wait on it for ever.
+    # A killed parent does not close the queue, so its workers would wait forever.
     wait([sentinel])
     os._exit(1)
 
@@ -152,17 +153,18 @@ def _die_with(sentinel: int) -> None:
 def check_main_guard() -> None:
     """Check that the calling script has the guard ``if __name__ == "__main__":``.
 
-    A spawned process imports the script again. Without the guard it starts processes in turn, and dies.
+    A spawned process imports the script again. Without the guard, it would itself start processes and
+    fail.
 
     Raises:
-        InputError: if it does not; it names the script and its line.
+        InputError: if the guard is missing; the message names the script and the line.
     """
     main = sys.modules.get("__main__")
     frame = inspect.currentframe()
     while frame is not None:
-        again = frame.f_globals.get("__name__") == "__mp_main__"  # how a spawned process imports it
+        again = frame.f_globals.get("__name__") == "__mp_main__"  # spawned
         if frame.f_code.co_name == "<module>" and (again or frame.f_globals is vars(main or sys)):
-            script = frame.f_globals.get("__file__")  # none in an interactive session, which is not imported
+            script = frame.f_globals.get("__file__")  # an interactive session has no script
             if script is not None and (again or not _is_guarded(Path(script), frame.f_lineno)):
                 raise InputError(
                     f"line {frame.f_lineno} of {script} starts processes, which import this script again; "
@@ -172,11 +174,11 @@ def check_main_guard() -> None:
 
 
 def _is_guarded(script: Path, line: int) -> bool:
-    """Return whether a line of a script lies in an ``if`` that looks at the module's name or its parent."""
+    """Return whether a line of a script is inside an ``if`` on the module's name or parent process."""
     try:
         tree = ast.parse(script.read_bytes())
     except (OSError, SyntaxError, ValueError):
-        return True  # no Python source, as in a frozen program
+        return True  # no Python source, for example in a frozen program
     for node in ast.walk(tree):
         if isinstance(node, ast.If) and node.lineno <= line <= (node.end_lineno or node.lineno):
             names = {each.id for each in ast.walk(node.test) if isinstance(each, ast.Name)}

@@ -1,3 +1,3 @@
-"""Loading: from stored or freshly rendered samples to batches, in a resumable order."""
+"""Loading: batches of stored or freshly rendered samples, in a resumable order."""
 
 __all__ = []

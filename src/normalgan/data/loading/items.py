@@ -1,4 +1,4 @@
-"""Items: one sample as tensors; torch's `default_collate` makes a batch of several."""
+"""Items: single samples as tensors, which torch's `default_collate` combines to batches."""
 
 from collections.abc import Mapping
 from typing import NotRequired, TypedDict, cast
@@ -15,10 +15,10 @@ __all__ = ["Item", "SampleError", "collate_decoded", "decode", "to_item"]
 
 
 class SampleError(InputError):
-    """A sample that cannot be read or made; one sentence, from a worker process too.
+    """Error for a sample that cannot be read or created, in one sentence even if raised in a worker process.
 
-    torch rebuilds a worker's error in the training process, from a text that starts with its origin and ends
-    with the error.
+    torch rebuilds a worker's error in the training process from a text that starts with the origin and
+    ends with the error.
     """
 
     def __init__(self, text: str) -> None:
@@ -26,24 +26,24 @@ class SampleError(InputError):
 
 
 class Item(TypedDict):
-    """One sample as it is stored; see `Batch` for the axes, and `decode` for the ranges."""
+    """A sample in the stored types; see `Batch` for the axes and `decode` for the ranges."""
 
     sketch: Tensor
-    """(1, H, W); stored as uint8, ink 255"""
+    """(1, H, W), uint8, ink 255"""
     normal: Tensor
-    """(3, H, W); stored in half precision, of about unit length"""
+    """(3, H, W), half precision, approximately unit length"""
     mask: Tensor
-    """(1, H, W); stored as bool"""
+    """(1, H, W), bool"""
     hints: NotRequired[Tensor]
-    """(4, H, W), if samples bring hints; stored in half precision"""
+    """(4, H, W), half precision; only if the samples have hints"""
     name: str
-    """Mesh and number of the view, such as ``horse-0001/17``."""
+    """Mesh and view index, such as ``horse-0001/17``."""
 
 
 def to_item(arrays: Mapping[str, Tensor], name: str) -> Item:
-    """Return the arrays of a `Sample`, by name, as an item: channels first, of the types that are stored.
+    """Return the arrays of a `Sample`, given by name, as an item with channels first and the stored types.
 
-    That is a quarter of the bytes of the network's input; see `decode`.
+    An item takes a quarter of the memory of the network's input; see `decode`.
     """
     turned = {
         key: array[None] if array.ndim == 2 else array.permute(2, 0, 1) for key, array in arrays.items()
@@ -52,10 +52,10 @@ def to_item(arrays: Mapping[str, Tensor], name: str) -> Item:
 
 
 def decode(batch: Batch) -> Batch:
-    """Decode a batch for the network, on its device; a decoded batch is returned unchanged.
+    """Decode a batch for the network, on its device; a batch that is already decoded is returned unchanged.
 
-    Ink is in [0, 1], masks are 0 or 1, and normals are rescaled to unit length on the object and are 0 off
-    it.
+    Ink is in [0, 1], masks are 0 or 1, and normals are rescaled to unit length on the object and set to 0
+    elsewhere.
     """
     sketch, normal, mask = batch["sketch"], batch["normal"], batch["mask"]
     if not sketch.is_floating_point():
@@ -72,5 +72,5 @@ def decode(batch: Batch) -> Batch:
 
 
 def collate_decoded(items: list[Item]) -> Batch:
-    """Return samples as a batch for the network."""
+    """Collate samples to a decoded batch for the network."""
     return decode(default_collate(items))

@@ -1,4 +1,4 @@
-"""Loaders: from samples to batches, in this process or in workers."""
+"""Loaders: batches of samples, loaded in this process or in workers."""
 
 import multiprocessing
 from collections.abc import Sequence
@@ -22,20 +22,20 @@ _Samples = SampleDataset | StreamDataset
 class _DeferredLoader(DataLoader[Item]):
     """A DataLoader that starts its workers when the first batch is requested.
 
-    Lightning makes the iterator of a resumed run before it sets the sampler's epoch, so that workers would
-    start with samples of the previous epoch. Rendering workers are spawned, with one thread each: a process
-    forked after an OpenGL context exists hangs when it renders, and one forked from a process with threads,
-    as torch has, may wait for a lock for ever.
+    In a resumed run, Lightning creates the iterator before it sets the sampler's epoch, so workers would
+    otherwise start with samples of the previous epoch. Rendering workers are spawned, with one thread
+    each. A process that is forked after an OpenGL context was created hangs when it renders, and one that
+    is forked from a process with threads, such as those of torch, may wait for a lock forever.
 
-    A checkpoint saved within an epoch stores the number of batches so far. A resumed run continues after
-    them.
+    A checkpoint saved within an epoch stores the number of batches so far, and a resumed run continues
+    after them.
     """
 
     _given = 0
     _skipped = 0
 
     def __iter__(self) -> Any:
-        """Yield the batches of the epoch that the sampler is set to by then."""
+        """Yield the batches of the sampler's current epoch."""
         context = self.multiprocessing_context
         if self.num_workers and (context or multiprocessing).get_start_method() != "fork":
             check_main_guard()
@@ -48,25 +48,25 @@ class _DeferredLoader(DataLoader[Item]):
                 yield batch
 
     def state_dict(self) -> dict[str, int]:
-        """Return the number of the epoch's batches so far."""
+        """Return the number of batches so far in the epoch."""
         return {"given": self._given}
 
     def load_state_dict(self, state: dict[str, int]) -> None:
-        """In the next epoch, skip the batches that the stopped run has used."""
+        """Skip the batches in the next epoch that the stopped run has already used."""
         self._skipped = self._given = max(int(state["given"]), 0)
 
 
 @dataclass(frozen=True)
 class Loaders:
-    """Makes the loaders of one of several processes that train side by side.
+    """Creates the loaders for one of several training processes.
 
     Args:
-        batch_size: samples in a batch.
-        workers: processes that load or render; 0 for none besides this one.
-        replicas: how many processes train.
-        rank: which one this is, from 0.
-        decoded: whether batches are decoded here; a trainer decodes them on its device, as stored samples
-            take a quarter of the bytes.
+        batch_size: number of samples in a batch.
+        workers: number of processes that load or render; 0 to use only this process.
+        replicas: number of training processes.
+        rank: index of this process, from 0.
+        decoded: whether batches are decoded here. A trainer decodes them on its device, because stored
+            samples take a quarter of the bytes.
     """
 
     batch_size: int
@@ -76,28 +76,28 @@ class Loaders:
     decoded: bool = True
 
     def shuffled(self, dataset: _Samples, seed: int) -> DataLoader[Item]:
-        """Return a loader of this process's share, in an order that depends only on seed and epoch."""
+        """Return a loader of this process's part, in an order that depends only on seed and epoch."""
         sampler: FreshViews | ShardOrder | DistributedSampler[Item]
         if isinstance(dataset, StreamDataset):
             sampler = FreshViews(dataset, seed, self.batch_size, self.replicas, self.rank)
         elif dataset.distant:
             sampler = ShardOrder(dataset.store, self.replicas, self.rank, seed)
         else:
-            # For a single process too: its order does not come from global state, which a resumed run
-            # does not have.
+            # Also for a single process, because the order must not depend on global state, which a resumed
+            # run does not have.
             sampler = DistributedSampler(dataset, self.replicas, self.rank, shuffle=True, seed=seed)
-        whole = len(sampler) >= self.batch_size  # a last batch of one sample would upset batch norm
+        whole = len(sampler) >= self.batch_size  # batch norm would fail on a last batch of one sample
         return self._loader(dataset, sampler, isinstance(dataset, StreamDataset), whole)
 
     def in_order(self, dataset: SampleDataset) -> DataLoader[Item]:
-        """Return a loader of this process's share, in order, for measuring."""
+        """Return a loader of this process's part in order, for validation and testing."""
         if self.replicas == 1:
             return self._loader(dataset)
         share = EqualShare(dataset, self.replicas, self.rank)
         return self._loader(share, share.in_order())
 
     def chosen(self, dataset: _Samples, indices: Sequence[int]) -> DataLoader[Item]:
-        """Return a loader of some samples, the same ones for every process."""
+        """Return a loader of the given samples, the same for all processes."""
         return self._loader(dataset, indices, isinstance(dataset, StreamDataset))
 
     def _loader(
@@ -122,16 +122,16 @@ class Loaders:
 
 
 class EqualShare(Dataset[Item]):
-    """The share of process ``rank``, from 0, in a split: every n-th sample, the same number for each process.
+    """The part of a split for process ``rank``, from 0: every n-th sample, equally many for each process.
 
-    If the samples do not divide evenly, shares are padded with a sample whose mask is empty, which changes no
-    metric, so several processes measure exactly what one does. Padding with repeated samples, as Lightning
-    does, would change metrics. With unequal shares a process would wait for ever, because the networks'
-    buffers are exchanged with every batch.
+    If the samples do not divide evenly, parts are padded with a sample with an empty mask, which does not
+    affect metrics. Several processes therefore compute exactly the metrics of a single one. Padding with
+    repeated samples, as in Lightning, would change metrics. Parts of unequal length would make a process
+    wait forever, because the networks' buffers are exchanged with every batch.
     """
 
     def __init__(self, dataset: Dataset[Item], replicas: int, rank: int) -> None:
-        self.dataset: Any = dataset  # it has a length
+        self.dataset: Any = dataset  # the dataset has a length
         self.replicas = replicas
         self.rank = rank
 
@@ -147,7 +147,7 @@ class EqualShare(Dataset[Item]):
         return {**item, "mask": torch.zeros_like(item["mask"])}
 
     def in_order(self) -> DistributedSampler[Item]:
-        """Return a sampler of this share in order, of a class that Lightning does not replace."""
+        """Return a sampler for this part in order, of a class that Lightning does not replace."""
         return DistributedSampler(self, num_replicas=1, rank=0, shuffle=False)
 
 

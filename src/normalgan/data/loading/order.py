@@ -1,4 +1,4 @@
-"""Order: the order of samples from remote shards and from meshes rendered during training."""
+"""Order of samples from remote shards and of meshes that are rendered during training."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -20,21 +20,21 @@ __all__ = [
 ]
 
 VIEWS_AT_ONCE = 16
-"""Views of a mesh that are rendered close together; afterwards it may be forgotten."""
+"""Number of views of a mesh that are rendered close together, before the mesh may leave the cache."""
 
 BATCHES_PER_CYCLE = 24
-"""Batches in a row before the first one's meshes return: a number that most numbers of workers divide."""
+"""Number of batches until the same meshes return; most numbers of workers divide it."""
 
 ABREAST = 64
-"""Shards whose samples are mixed: at 32 a shard, a batch is drawn from 2048 samples."""
+"""Number of shards shuffled together; with 32 samples per shard, batches are drawn from 2048 samples."""
 
 
 class ViewIndex(NamedTuple):
-    """A sample to render: everything that a worker must know.
+    """A sample to render, as sent to a worker.
 
     Args:
-        mesh: number of the mesh.
-        view: number of the view, which no other epoch has.
+        mesh: index of the mesh.
+        view: index of the view, unique across epochs.
     """
 
     mesh: int
@@ -44,33 +44,33 @@ class ViewIndex(NamedTuple):
 def order_of_epoch(
     meshes: int, views: int, epoch: int, seed: int, batch_size: int, replicas: int = 1
 ) -> Iterator[ViewIndex]:
-    """Yield every mesh's views ``epoch * views`` to ``(epoch + 1) * views - 1``, shuffled.
+    """Yield views ``epoch * views`` to ``(epoch + 1) * views - 1`` of each mesh, shuffled.
 
     Loading a mesh takes as long as rendering a dozen views, so its views should not be scattered over the
-    epoch; but a batch should show many meshes. So the views of each mesh are cut into groups, and the groups
-    are shuffled. A row holds one view of each of the next ``BATCHES_PER_CYCLE * replicas * batch_size``
-    groups; the next row another view of the same groups in the same order, until they are used up and the
-    next groups come. So a batch shows as many groups as it has samples, its neighbours show others, and the
-    same meshes return every ``BATCHES_PER_CYCLE`` batches. A DataLoader deals batches out to its workers in
-    rotation: if their number divides ``BATCHES_PER_CYCLE``, these batches all go to one worker, and a mesh is
-    loaded once for a whole group.
+    epoch. On the other hand, a batch should show many meshes. The views of each mesh are therefore split
+    into groups, and the groups are shuffled. A row holds one view of each of the next
+    ``BATCHES_PER_CYCLE * replicas * batch_size`` groups. The next row holds another view of the same groups
+    in the same order, and so on until the groups are used up. Each sample of a batch thus comes from a
+    different group, and the same meshes return every ``BATCHES_PER_CYCLE`` batches.
 
-    The order does not depend on the number of workers.
+    A DataLoader distributes batches to its workers in turn. If the number of workers divides
+    ``BATCHES_PER_CYCLE``, the batches with the same meshes all go to one worker, which loads a mesh once for
+    a whole group. The order itself does not depend on the number of workers.
 
     Args:
-        meshes: how many there are.
-        views: views of each mesh an epoch.
-        epoch: from 0.
-        seed: a different seed changes the order, not the samples.
-        batch_size: samples in a batch.
-        replicas: processes that train side by side, each on every n-th batch.
+        meshes: number of meshes.
+        views: number of views per mesh and epoch.
+        epoch: index of the epoch, from 0.
+        seed: random seed, which changes the order but not the samples.
+        batch_size: number of samples in a batch.
+        replicas: number of training processes, each of which trains on every n-th batch.
     """
     parts = -(-views // VIEWS_AT_ONCE)
     groups = np.random.default_rng(derive_seed("order", seed, epoch)).permutation(meshes * parts)
     abreast = BATCHES_PER_CYCLE * replicas * batch_size
     for start in range(0, len(groups), abreast):
         mesh, part = np.divmod(groups[start : start + abreast], parts)
-        # Groups with one view more come first, so that the columns stay aligned.
+        # Groups with an extra view come first, so that the columns stay aligned.
         place = np.argsort(part >= (views % parts or parts), kind="stable")
         mesh, part = mesh[place], part[place]
         for offset in range(0, views, parts):
@@ -80,7 +80,7 @@ def order_of_epoch(
 
 
 def spread(total: int, count: int) -> list[int]:
-    """Return ``count`` positions spread evenly over ``total`` samples, or all of them if there are fewer.
+    """Return ``count`` evenly spaced indices of ``total`` samples, or all indices if there are fewer.
 
     >>> spread(10, 3)
     [0, 4, 9]
@@ -93,12 +93,13 @@ def spread(total: int, count: int) -> list[int]:
 
 
 class ShardOrder(Sampler[int]):
-    """The order of an epoch for process ``rank``, from 0, of several that train side by side.
+    """The order of an epoch for process ``rank``, from 0, of several training processes.
 
-    In a fully random order a batch of 8 touches 8 shards, and a limited cache has dropped them before their
-    other samples come. So shards are shuffled and shared among the processes, and each process shuffles the
-    samples of `ABREAST` shards at a time. The order depends only on seed and epoch. All processes have
-    equally many samples; if shards do not divide evenly, some samples come twice and some not in this epoch.
+    In a fully random order, a batch of 8 samples reads 8 shards, which a limited cache drops before their
+    other samples are needed. Shards are therefore shuffled and distributed to the processes, and each
+    process shuffles the samples of `ABREAST` shards at a time. The order depends only on seed and epoch.
+    All processes get the same number of samples. If shards do not divide evenly, some samples are repeated
+    and some are left out of the epoch.
     """
 
     def __init__(self, store: ShardedSamples, replicas: int, rank: int, seed: int) -> None:
@@ -109,7 +110,7 @@ class ShardOrder(Sampler[int]):
         self.epoch = 0
 
     def set_epoch(self, epoch: int) -> None:
-        """Say which epoch is next."""
+        """Set the next epoch."""
         self.epoch = epoch
 
     def __len__(self) -> int:
@@ -122,7 +123,7 @@ class ShardOrder(Sampler[int]):
         rng = np.random.default_rng(derive_seed("within shards", self.seed, self.epoch, self.rank))
         mine = np.resize(order, -(-len(order) // self.replicas) * self.replicas)[self.rank :: self.replicas]
         left = len(self)
-        while left:  # shards differ in length, so a process with a short share repeats it
+        while left:  # shards differ in length, so a process with fewer samples repeats them
             for start in range(0, len(mine), ABREAST):
                 parts = [list(self.store.indices(int(shard))) for shard in mine[start : start + ABREAST]]
                 for index in rng.permutation(np.concatenate(parts).astype(np.int64))[:left].tolist():

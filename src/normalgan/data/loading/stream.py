@@ -1,4 +1,4 @@
-"""Samples rendered during training: nothing on disk, and new views in every epoch."""
+"""Samples rendered during training, with new views in each epoch and nothing stored on disk."""
 
 from collections import OrderedDict
 from collections.abc import Iterator, Sequence
@@ -20,15 +20,15 @@ __all__ = ["FreshViews", "MeshCache", "StreamDataset"]
 
 
 class StreamDataset(Dataset[Item]):
-    """Renders samples on request, equal to those that shards would hold for the same mesh and view.
+    """Renders samples on request, identical to stored samples of the same mesh and view.
 
-    Its only state is the cache of meshes, so that any process can render any sample at any time.
+    The only state is a cache of meshes, so any process can render any sample at any time.
 
     Args:
-        sources: the meshes, all usable.
-        views: views of each mesh an epoch.
-        recipe: how samples are made.
-        memory: bytes that the meshes kept in one process may take.
+        sources: usable meshes.
+        views: number of views per mesh and epoch.
+        recipe: recipe of the samples.
+        memory: maximum memory for cached meshes per process, in bytes.
     """
 
     def __init__(self, sources: Sequence[Loadable], views: int, recipe: SampleRecipe, memory: int) -> None:
@@ -37,14 +37,14 @@ class StreamDataset(Dataset[Item]):
         self.mesh_cache = MeshCache(sources, memory)
 
     def __len__(self) -> int:
-        """Return the number of samples of an epoch."""
+        """Return the number of samples per epoch."""
         return len(self.mesh_cache.sources) * self.views
 
     def __getitem__(self, index: int | ViewIndex) -> Item:
-        """Return the sample of a view, or by a number one of the first epoch, in the order of the shards.
+        """Return the sample of a view or, for an integer, of the first epoch in the order of the shards.
 
         Raises:
-            SampleError: if it cannot be made; the message names the mesh.
+            SampleError: if the sample cannot be created; the message names the mesh.
         """
         if not isinstance(index, ViewIndex):
             index = ViewIndex(*divmod(range(len(self))[index], self.views))
@@ -61,10 +61,10 @@ class StreamDataset(Dataset[Item]):
 
 
 class FreshViews(DistributedSampler[ViewIndex]):
-    """The views of process ``rank``, from 0, in the epoch that Lightning sets; none repeats in another epoch.
+    """The views of the current epoch for process ``rank``, from 0; no view is repeated in another epoch.
 
-    All processes get the same number of whole batches; each may leave out up to a batch of an epoch. If there
-    is not a whole batch for each, all samples are used, some of them twice.
+    All processes get the same number of full batches, and each may leave out up to one batch per epoch. If
+    there is less than a full batch for each process, all samples are used, and some are repeated.
     """
 
     def __init__(
@@ -91,11 +91,11 @@ class FreshViews(DistributedSampler[ViewIndex]):
 
 
 class MeshCache:
-    """Loads meshes, and keeps those used last; each process has its own cache.
+    """Loads meshes, and keeps the most recently used ones; each process has its own cache.
 
     Args:
-        sources: where the meshes come from.
-        limit: bytes that their arrays may take together; the one used last stays, however large it is.
+        sources: sources of the meshes.
+        limit: maximum total size of their arrays in bytes; the last mesh is always kept.
     """
 
     def __init__(self, sources: Sequence[Loadable], limit: int) -> None:
@@ -112,13 +112,13 @@ class MeshCache:
             **self.__dict__,
             "bytes": 0,
             "_meshes": OrderedDict(),
-        }  # without what it holds: a worker starts empty
+        }  # without the meshes, so a worker starts with an empty cache
 
     def take(self, number: int) -> Mesh:
-        """Return the mesh of this number.
+        """Return the mesh at an index.
 
         Raises:
-            InputError: if it cannot be used.
+            InputError: if the mesh cannot be used.
         """
         mesh = self._meshes.pop(number, None)
         if mesh is None:

@@ -1,4 +1,4 @@
-"""Data sources: groups of meshes, pairs on disk, and the base class; no torch."""
+"""Data sources: groups of meshes, pairs on disk, and their base class; does not need torch."""
 
 from normalgan.data.sources.base import DATA_SOURCES, DataSource, PairSource, SplitSettings
 from normalgan.data.sources.meshes import MeshGroup

@@ -1,4 +1,4 @@
-"""DataSource: the base of the data sources; SplitSettings: the settings that they may use."""
+"""DataSource, the base class of data sources, and SplitSettings, the settings that they may use."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
@@ -16,11 +16,11 @@ __all__ = ["DATA_SOURCES", "DataSource", "PairSource", "SplitSettings"]
 
 @dataclass(frozen=True)
 class SplitSettings(Split):
-    """How data are split, as `Split` says, and the other data settings that a source may use.
+    """Split settings, as in `Split`, and other data settings that a source may use.
 
     Args:
-        data_seed: seed of everything random in the data, such as animals.
-        variation: how far individuals that join the training meshes differ from them.
+        data_seed: seed of all randomness in the data, such as animals.
+        variation: how much random variants of training meshes differ from them.
     """
 
     data_seed: int = 0
@@ -28,11 +28,11 @@ class SplitSettings(Split):
 
 
 class DataSource(ABC):
-    """Base of the data sources, which list what to train, validate and test on.
+    """Base class of data sources, which list the items for training, validation and testing.
 
-    A source is a frozen dataclass of plain settings. It returns meshes, which are rendered as
-    the settings of the data say, or pairs, if it derives from `PairSource`. Each is loaded once, perhaps in a
-    worker process, to see whether it can be used. The samples made of it are kept in the cache.
+    A source is a frozen dataclass of plain settings. It returns meshes, which are rendered according to
+    the data settings, or pairs, if it derives from `PairSource`. Each item is loaded once, possibly in a
+    worker process, to check whether it is usable. Its samples are cached.
     """
 
     @abstractmethod
@@ -40,43 +40,42 @@ class DataSource(ABC):
         """Return the items of ``train``, ``val`` and ``test``; each has a unique name.
 
         Args:
-            settings: how to split; ``settings.deal(names)`` does it.
+            settings: split settings; ``settings.deal(names)`` splits names accordingly.
 
         Raises:
-            InputError: if something cannot be used.
+            InputError: if the input of the source is invalid.
         """
 
     def recipe(self, rendering: Recipe) -> SampleRecipe:
-        """Return how samples are made: meshes are rendered as the settings of the data say.
+        """Return the recipe of the samples; by default, meshes are rendered according to the data settings.
 
         Args:
-            rendering: what they say.
+            rendering: recipe from the data settings.
         """
         return rendering
 
     def views(self, wanted: Mapping[str, int]) -> Mapping[str, int]:
-        """Return how many samples are made of each mesh, by split.
+        """Return the number of samples per mesh, by split.
 
         Args:
-            wanted: the settings of the data.
+            wanted: numbers from the data settings.
         """
         return wanted
 
 
 class PairSource(DataSource, ABC):
-    """Base of the data sources with existing sketches and normal maps; they load a `Pair`.
+    """Base class of data sources with existing sketches and normal maps, which load a `Pair`.
 
-    Each pair becomes one sample; settings for rendering and drawing are ignored.
+    Each pair becomes one sample. Settings for rendering and drawing are ignored.
 
     Attributes:
-        hints: whether the pairs' own hints are used, in training and testing; otherwise the sampler gives
-            them.
+        hints: whether training and testing use the pairs' own hints instead of a sampler's.
     """
 
     hints: bool = False
 
     def recipe(self, rendering: Recipe) -> SampleRecipe:
-        """Return how samples are made of pairs."""
+        """Return the recipe for samples of pairs."""
         return PairRecipe(rendering.size, self.hints)
 
     def views(self, wanted: Mapping[str, int]) -> Mapping[str, int]:

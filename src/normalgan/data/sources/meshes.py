@@ -1,4 +1,4 @@
-"""Groups of mesh files: how each is read, posed, varied and split."""
+"""Groups of mesh files, each with its own reading, poses, variants and split."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -19,16 +19,16 @@ M = TypeVar("M", bound=MeshSource)
 
 @dataclass(frozen=True)
 class MeshGroup(MeshOptions):
-    """Meshes of one kind: where they are, how they are read, and how many samples are made of them.
+    """A group of mesh files with their own reading options, poses and variants.
 
-    Each group is split separately, so that every kind has its share in each split. As all training meshes get
-    equally many views, poses and variants decide how much of a kind there is.
+    Each group is split separately, so that it is represented in each split. All training meshes get the
+    same number of views, so the weight of a group depends on its poses and variants.
 
     Args:
-        meshes: a folder, a glob or a list of mesh files.
+        meshes: folder, glob or list of mesh files.
         split_file: JSON file that lists the group's train, val and test meshes; None splits by fractions.
-        postures: share of the training poses, from 0 to 1, that are postures such as sitting, lying or
-            rearing, where the skeleton is a known one; the others come from the animations.
+        postures: fraction of the training poses, from 0 to 1, that are postures such as sitting, lying or
+            rearing, for known skeletons. The other poses come from animations.
     """
 
     meshes: str | list[str]
@@ -39,12 +39,12 @@ class MeshGroup(MeshOptions):
         """Return the group's meshes by split.
 
         Raises:
-            InputError: if a mesh, the split or the orientation cannot be used.
+            InputError: if a mesh, the split or the orientation is invalid.
         """
         found = find_meshes(self.meshes, self.orientation, self.crease_angle)
         split = split_meshes(found, replace(settings, file=self.split_file))
-        # After the split, because poses and variants of a mesh are too similar to be on both sides.
-        # Validation and test keep their poses, so that figures stay comparable.
+        # After the split, because similar poses and variants of a mesh must not be on both sides.
+        # Validation and test meshes keep their poses, so that metrics stay comparable.
         posed: dict[str, list[MeshSource]] = {
             name: [*find_poses(part, self.poses, self.postures if name == "train" else 0.0)]
             for name, part in split.items()
@@ -56,7 +56,7 @@ def split_meshes(sources: Sequence[M], settings: SplitSettings) -> dict[str, lis
     """Return the meshes of each split.
 
     Raises:
-        InputError: if the split cannot be used.
+        InputError: if the split is invalid.
     """
     by_name = {source.name: source for source in sources}
     names = settings.deal([source.name for source in sources])
@@ -64,7 +64,7 @@ def split_meshes(sources: Sequence[M], settings: SplitSettings) -> dict[str, lis
 
 
 def join_variants(sources: Sequence[MeshSource], variation: Variation, variants: int) -> list[MeshSource]:
-    """Return each mesh followed by ``variants`` individuals of it that ``variation`` makes."""
+    """Return each mesh, followed by ``variants`` random variants of it."""
     return [
         one
         for source in sources

@@ -1,4 +1,4 @@
-"""Pair: a sketch and its normal map, and how they become a training sample."""
+"""Pair: a sketch and its normal map, and the recipe that turns them into a training sample."""
 
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -20,10 +20,10 @@ from normalgan.rendering.samples import Sample
 __all__ = ["PAIRS_VERSION", "Pair", "PairRecipe", "background"]
 
 PAIRS_VERSION = 2
-"""Raise it when a change to the code changes the samples that are made of pairs: they are then made again."""
+"""Version of samples of pairs. Increase it if a code change affects them, so that they are created again."""
 
 _TOLERANCE = 0.02
-"""How much the background's colour may differ in each channel, of a range of 2, as in compressed images."""
+"""Tolerance for the background's colour per channel, of a range of 2, for lossy compression."""
 _RIGHT = "axes of the camera, x right, y up, z to the viewer, stored as (n + 1) / 2"
 
 
@@ -31,14 +31,14 @@ class Pair:
     """A sketch and its normal map of the same size, pixel for pixel.
 
     Args:
-        sketch: a path, an image of Pillow or an array, as `normalgan.Predictor` takes it.
+        sketch: path, Pillow image or array, as for `normalgan.Predictor`.
         normal: (H, W, 3) floats, unit vectors in camera space: x right, y up, z to the viewer.
-        mask: (H, W), the object, in any form that `normalgan.Predictor` takes; None takes the pixels whose
-            vectors are not zero.
-        hints: normals that a designer gave, in any form that `normalgan.Predictor` takes; None for none.
+        mask: (H, W), mask of the object, in any form accepted by `normalgan.Predictor`; None uses the
+            pixels with nonzero vectors.
+        hints: normals set by a designer, in any form accepted by `normalgan.Predictor`; None for no hints.
 
     Raises:
-        InputError: if one of them cannot be used, or they are of different sizes.
+        InputError: if an argument is invalid, or the sizes differ.
     """
 
     def __init__(
@@ -55,7 +55,7 @@ class Pair:
         given = as_mask(mask, (height, width))
         if given is None:
             given = np.asarray(np.linalg.norm(normal, axis=-1) > 0.5)
-        elif given.shape != (height, width):  # a large picture is read smaller
+        elif given.shape != (height, width):  # a large picture is downsampled on reading
             given = resize(given.astype(np.float32), (height, width)) > 0.5
         if not given.any():
             raise InputError("the normal map holds no object: all its vectors are zero.")
@@ -70,13 +70,14 @@ class Pair:
 
 @dataclass(frozen=True)
 class PairRecipe:
-    """How a sample is made of a pair: the sketch is cleaned and framed as a drawing is when predicting.
+    """Recipe for a sample from a pair: the sketch is cleaned and framed like a drawing in prediction.
 
-    So a model learns from the kind of sketch that it is shown later. The normals are cropped in the same way.
+    This way, training sketches look like the input of the trained model. The normals are cropped in the
+    same way.
 
     Args:
         size: side of the pictures in pixels.
-        hints: whether the samples hold the hints of the pairs.
+        hints: whether the samples include the hints of the pairs.
 
     Raises:
         InputError: if the size is not positive.
@@ -91,13 +92,13 @@ class PairRecipe:
         check_ranges(self)
 
     def check(self) -> None:
-        """Require nothing of the machine."""
+        """Do nothing, because there are no requirements."""
 
     def render(self, pair: Pair, index: int) -> Sample:
-        """Return the sample of a pair; there is one, for any index.
+        """Return the only sample of a pair, for any index.
 
         Raises:
-            InputError: if it is not a pair, or the sketch has no line.
+            InputError: if ``pair`` is not a pair, or the sketch has no lines.
         """
         del index
         if not isinstance(pair, Pair):
@@ -124,7 +125,7 @@ class PairRecipe:
         )
 
     def describe(self) -> dict[str, Any]:
-        """Return all that the samples depend on besides the pairs, as plain values for JSON."""
+        """Return everything except the pairs that the samples depend on, as plain values for JSON."""
         return {
             "class": "PairRecipe",
             "size": self.size,
@@ -136,12 +137,12 @@ class PairRecipe:
 def background(levels: NDArray[Any]) -> BoolMask:
     """Return the background of a normal map without a mask, (H, W).
 
-    That is the area of the corners' colour that reaches the picture's edge, or all pixels of that colour if
-    it is not a normal, such as zero or black; nothing where the four corners differ: the object then fills
-    the picture.
+    The background is the area with the colour of the corners that touches the picture's border. If that
+    colour is not a normal, such as zero or black, all pixels of the colour are background. If the four
+    corners differ, there is no background.
 
     Args:
-        levels: (H, W, 3) colours or vectors, of a range of 2.
+        levels: (H, W, 3) colours or vectors, with a range of 2.
 
     Example:
         >>> levels = np.zeros((5, 5, 3), np.float32)
@@ -154,7 +155,7 @@ def background(levels: NDArray[Any]) -> BoolMask:
     if not (np.abs(corners - colour) <= _TOLERANCE).all():
         return np.zeros(levels.shape[:2], np.bool_)
     same = (np.abs(levels - colour) <= _TOLERANCE).all(-1)
-    if abs(float(np.linalg.norm(colour)) - 1) > 0.25:  # no normal: a hole has it too
+    if abs(float(np.linalg.norm(colour)) - 1) > 0.25:  # the colour is not a normal, so holes have it too
         return np.asarray(same)
     alike = same.astype(np.uint8)
     _, labels = cv2.connectedComponents(alike, connectivity=4)
@@ -179,7 +180,7 @@ def _check_normals(on: NDArray[np.floating]) -> None:
     if not np.isfinite(on).all():
         raise InputError("the normal map holds numbers that are not finite.")
     length = np.linalg.norm(on, axis=-1)
-    # What faces the viewer is (0.5, 0.5, 1) as a colour, 1.22 long.
+    # A normal that faces the viewer is (0.5, 0.5, 1) as a colour, which has a length of 1.22.
     if on.min() >= 0 and on.max() <= 1 and float(np.median(length)) > 1.05:
         raise InputError(
             "the normal map holds colours from 0 to 1, not vectors from -1 to 1; normalgan.normals.vectors "
@@ -199,7 +200,7 @@ def _check_normals(on: NDArray[np.floating]) -> None:
 
 
 def _check_hints(hints: Hints, mask: BoolMask) -> None:
-    """Raise `InputError` if a hint lies off the object, where there is no normal to learn from."""
+    """Raise `InputError` if a hint lies outside the object, where there is no normal to learn from."""
     columns, rows = np.floor(hints.points).astype(int).T
     off = np.flatnonzero(~mask[rows, columns])
     if len(off):
@@ -209,7 +210,7 @@ def _check_hints(hints: Hints, mask: BoolMask) -> None:
 
 
 def _check_green(normal: Floats, mask: BoolMask) -> None:
-    """Raise `InputError` if the vectors along the outline say that y is upside down."""
+    """Raise `InputError` if the vectors along the outline show that y is upside down."""
     x, y = _outwardness(normal, mask)
     if x > 0.4 and y < -0.4:
         raise InputError(
@@ -219,20 +220,20 @@ def _check_green(normal: Floats, mask: BoolMask) -> None:
 
 
 def _outwardness(normal: Floats, mask: BoolMask) -> tuple[float, float]:
-    """Return how far vectors along the outline of an object point outward, in x and in y: 1 all, -1 none.
+    """Return how much vectors along an object's outline point outwards in x and in y, from -1 to 1.
 
-    At an object's outline its surface always points outward. Where the picture's border cuts the object there
-    is no outline; without any outline the result is 0.
+    A surface always points outwards at its outline. There is no outline where the picture's border cuts
+    the object. Without any outline, the result is 0.
 
     Args:
         normal: (H, W, 3), y up.
-        mask: (H, W), the object.
+        mask: (H, W), mask of the object.
     """
     soft = cv2.GaussianBlur(mask.astype(np.float32), (0, 0), 2.0, borderType=cv2.BORDER_REPLICATE)
     right, down = np.gradient(soft, axis=1), np.gradient(soft, axis=0)
     rim = mask & (cv2.erode(mask.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=1) == 0)
     weight = np.hypot(right, down)[rim]
-    out = np.stack([-right[rim], down[rim]]) / np.maximum(weight, 1e-6)  # y up
+    out = np.stack([-right[rim], down[rim]]) / np.maximum(weight, 1e-6)  # y is up
     held = normal[rim][:, :2].T
     total = (out**2).sum(1)
     return tuple(float(a) for a in (out * held).sum(1) / np.maximum(total, 1.0))  # type: ignore[return-value]

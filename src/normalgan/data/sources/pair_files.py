@@ -1,4 +1,4 @@
-"""Files of pairs: finding them in a folder, by a pattern or in a CSV, and reading them."""
+"""Files of pairs: finding them in a folder, by a glob or in a CSV, and reading them."""
 
 import csv
 import hashlib
@@ -29,9 +29,9 @@ from normalgan.normals import Green, flip_green
 __all__ = ["LAYOUTS", "Direction", "PairFiles", "find_pairs", "header_size"]
 
 _NORMAL_SUFFIXES = (".png", ".exr", ".tif", ".tiff", ".webp", ".jpg", ".jpeg", ".bmp")
-"""What a normal map's file may end in, in the order in which it is looked for."""
+"""File extensions of normal maps, in search order."""
 _COLUMNS = ("sketch", "normal", "mask", "hints", "group", "split", "name")
-"""The columns of a CSV; the first two it must have."""
+"""The columns of a CSV; the first two are required."""
 
 _FOLDERS = {
     "sketch": ("sketch", "sketches"),
@@ -41,18 +41,18 @@ _FOLDERS = {
 }
 _ENDS_IN = {"normal": _NORMAL_SUFFIXES, "mask": (".png", ".webp", ".bmp"), "hints": (".png", ".json")}
 _HEADERS = ("PNG", "JPEG", "BMP", "TIFF", "GIF")
-"""Formats whose headers Pillow reads in Python alone; others are opened by the decoding process alone."""
+"""Formats with headers that Pillow reads in pure Python; others are opened only by the decoding process."""
 _ZERO = 0.05
-"""A shorter vector means that there is no object, in 8 bits too."""
+"""Shorter vectors mean background, even in 8 bits."""
 _PARTNERS = tuple(f"_{kind}" for kind in _ENDS_IN)
 Direction = Literal["AtoB", "BtoA"]
-"""Which of ``A`` and ``B``, or of left and right, is the sketch: the first letter, as pix2pix calls it."""
+"""As in pix2pix: the sketch is the first letter, of folders ``A`` and ``B`` or the left and right half."""
 LAYOUTS = (
     "a pair is a.png with a_normal.png beside it, or sketch/a.png with normal/a.png in the folder next to "
     "it, or A/a.png with B/a.png, or one picture of both, side by side, in AB; the last two also in train, "
     "val and test below these"
 )
-"""How pairs may lie on disk, for messages."""
+"""Description of the supported layouts on disk, for messages."""
 
 
 @dataclass(frozen=True)
@@ -60,15 +60,15 @@ class PairFiles:
     """A pair on disk.
 
     Args:
-        name: what it is called.
-        sketch: its sketch, of any format that is read.
-        normal: its normal map.
-        mask: where the object is; None derives it from the normal map's opacity or background.
-        hints: normals that a designer gave, PNG or JSON; None for none.
+        name: name of the pair.
+        sketch: sketch, in any supported format.
+        normal: normal map.
+        mask: object mask; None derives it from the normal map's opacity or background.
+        hints: normals set by a designer, PNG or JSON; None for no hints.
         green: direction of y in the normal map and in painted hints.
-        group: the group that it belongs to.
-        part: its split; None if it is not given.
-        direction: of one file that holds both: the sketch is on the left (``AtoB``) or on the right.
+        group: group of the pair.
+        part: split of the pair; None if it is not given.
+        direction: position of the sketch in a side-by-side file: left (``AtoB``) or right (``BtoA``).
     """
 
     name: str
@@ -87,7 +87,7 @@ class PairFiles:
         Raises:
             InputError: if a file cannot be read.
         """
-        turned = [self.direction] if self.direction != "AtoB" else []  # as before there was another
+        turned = [self.direction] if self.direction != "AtoB" else []  # the default keeps old hashes
         digest = hashlib.sha256(json.dumps([PAIRS_VERSION, self.name, self.green, *turned]).encode())
         for path in (self.sketch, self.normal, self.mask, self.hints):
             digest.update(b"none" if path is None else hashlib.sha256(read_named(path)).digest())
@@ -97,7 +97,7 @@ class PairFiles:
         """Return the pair.
 
         Raises:
-            InputError: if a file cannot be used, or the files do not match.
+            InputError: if a file is invalid, or the files do not match.
         """
         try:
             return self._loaded()
@@ -113,7 +113,7 @@ class PairFiles:
             raise
 
     def _is_exchanged(self) -> bool:
-        """Return whether the files can be used if the sketch is taken for the normal map."""
+        """Return whether the files are usable if sketch and normal map are swapped."""
         other: Direction = "BtoA" if self.direction == "AtoB" else "AtoB"
         try:
             replace(
@@ -148,12 +148,12 @@ def find_pairs(entry: str, left_out: list[str], direction: Direction = "AtoB") -
     """Yield the pairs at a folder, a file or a glob; record files without a partner.
 
     Args:
-        entry: the folder, the file or the glob.
-        left_out: gets a sentence for each file that has no partner, or cannot be halved.
-        direction: in folders of pix2pix, which is the sketch.
+        entry: folder, file or glob.
+        left_out: list that receives a sentence for each file that has no partner or cannot be halved.
+        direction: position of the sketch in pix2pix folders.
 
     Raises:
-        InputError: if there is no sketch, or a CSV cannot be used.
+        InputError: if there is no sketch, or a CSV is invalid.
     """
     path = Path(entry)
     if path.is_dir() and (known := list(_pix2pix(path, left_out, direction))):
@@ -192,10 +192,10 @@ def find_pairs(entry: str, left_out: list[str], direction: Direction = "AtoB") -
 
 
 def _pix2pix(root: Path, left_out: list[str], direction: Direction) -> Iterator[PairFiles]:
-    """Yield the pairs of a folder laid out as for pix2pix: ``A`` and ``B``, or both side by side in ``AB``.
+    """Yield the pairs of a pix2pix folder: ``A`` and ``B``, or side-by-side pictures in ``AB``.
 
-    ``train``, ``val`` and ``test`` below them are the splits. Without a folder ``AB``, a picture in
-    ``train`` that is twice as wide as high shows that these are pictures of both.
+    The subfolders ``train``, ``val`` and ``test`` are the splits. Without a folder ``AB``, pictures in
+    ``train`` that are twice as wide as high are assumed to be side-by-side pairs.
     """
     sketches, normals = (root / name for name in ("AB" if direction == "AtoB" else "BA"))
     both = root / "AB"
@@ -239,9 +239,9 @@ def _in_part(part: str | None, path: Path) -> str:
 
 
 def _is_double(path: Path) -> bool:
-    """Return whether a picture is twice as wide as high, as one of sketch and normal map is."""
+    """Return whether a picture is twice as wide as high, like a side-by-side pair."""
     size = header_size(path)
-    if size is None:  # another format
+    if size is None:  # not a known format
         try:
             height, width = read_pixels(path).pixels.shape[:2]
         except InputError:
@@ -251,7 +251,7 @@ def _is_double(path: Path) -> bool:
 
 
 def header_size(path: Path) -> tuple[int, int] | None:
-    """Return width and height from a picture's header; None if it cannot be read."""
+    """Return width and height from a picture's header, or None if it cannot be read."""
     try:
         with warnings.catch_warnings(action="ignore"), Image.open(path, formats=_HEADERS) as picture:
             return picture.size
@@ -260,7 +260,7 @@ def header_size(path: Path) -> tuple[int, int] | None:
 
 
 def _name(sketch: Path, root: Path) -> str:
-    """Return the name of a pair: the path of its sketch without the parts that mark it as one."""
+    """Return the name of a pair: the path of its sketch without the parts that mark it as a sketch."""
     try:
         folders = sketch.parent.relative_to(root).parts
     except ValueError:
@@ -270,7 +270,7 @@ def _name(sketch: Path, root: Path) -> str:
 
 
 def _partner(sketch: Path, kind: str) -> Path | None:
-    """Return a sketch's file of a kind; None if it has none."""
+    """Return a sketch's companion file of a kind, or None if there is none."""
     stem = sketch.stem.removesuffix("_sketch")
     beside = [sketch.with_name(f"{stem}_{kind}{ending}") for ending in _ENDS_IN[kind]]
     if sketch.parent.name.lower() in _FOLDERS["sketch"]:
@@ -282,7 +282,7 @@ def _partner(sketch: Path, kind: str) -> Path | None:
 
 
 def _orphans(folder: Path, inner: Path | None, sketches: Sequence[Path]) -> Iterator[Path]:
-    """Yield the normal maps of a folder that no sketch belongs to."""
+    """Yield the normal maps of a folder that have no sketch."""
     partners = {_partner(sketch, "normal") for sketch in sketches}
     where = _subfolder(folder, "normal") if inner else folder
     for path in sorted(where.iterdir()) if where else []:
@@ -301,7 +301,7 @@ def _is_partner(path: Path) -> bool:
 
 
 def _listed(path: Path, left_out: list[str]) -> Iterator[PairFiles]:
-    """Yield the pairs in a CSV, whose paths start from its folder; note those that lack a file."""
+    """Yield the pairs in a CSV, with paths relative to its folder; record pairs that lack a file."""
     right = (
         f"its first line names columns, {', '.join(_COLUMNS[:2])} and optionally {', '.join(_COLUMNS[2:])}"
     )
@@ -347,7 +347,7 @@ def _listed(path: Path, left_out: list[str]) -> Iterator[PairFiles]:
 
 
 def _object(vectors: NDArray[np.floating], alpha: NDArray[np.floating] | None) -> BoolMask:
-    """Return the object of a normal map without a mask: its opaque part, or all but its background."""
+    """Return the object of a normal map without a mask: the opaque part, or all but the background."""
     found = alpha > 0.5 if alpha is not None and float(alpha.min()) <= 0.5 else ~background(vectors)
     found = np.asarray(found & (np.linalg.norm(vectors, axis=-1) > _ZERO))
     if not found.any():

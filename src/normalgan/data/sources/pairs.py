@@ -1,4 +1,4 @@
-"""Pairs: sketches and their normal maps on disk as a source of samples."""
+"""Pairs: a data source of sketches and their normal maps on disk."""
 
 import warnings
 from collections import Counter
@@ -17,33 +17,34 @@ from normalgan.ranges import check_ranges
 __all__ = ["Pairs"]
 
 _SHOWN = 20
-"""The most files that a warning lists."""
+"""Maximum number of files that a warning lists."""
 _WITH_HEADER = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".gif"}
 
 
 @DATA_SOURCES.register
 @dataclass(frozen=True)
 class Pairs(PairSource):
-    """Sketches and their normal maps on disk, pixel on pixel; no meshes.
+    """Aligned sketches and normal maps on disk, without meshes.
 
     Args:
-        files: a folder, a glob of sketches, a CSV, or a list of these; folders of pix2pix are read as
-            they are (``A`` and ``B``, or ``AB/train`` with both side by side). The normal map of ``a.png`` is
-            ``a_normal.png`` beside it, or in a folder ``normal`` next to its folder ``sketch``; so for masks
-            and hints.
+        files: folder, glob of sketches, CSV, or a list of these. pix2pix folders are supported (``A`` and
+            ``B``, or side-by-side pictures in ``AB/train``). The normal map of ``a.png`` is
+            ``a_normal.png`` in the same folder, or is in a folder ``normal`` next to its folder
+            ``sketch``. The same holds for masks and hints.
         green: direction of the normal maps' green channel: up as in OpenGL, down as in DirectX.
-        hints: use the pairs' own hints instead of a sampler's; a pair without hints gets none.
-        group_by: the unit that stays in one split: each file, or each folder; the group of a
-            CSV counts before it.
-        direction: in folders of pix2pix, ``A`` or the left half is the sketch (AtoB), or ``B`` or the right
-            half is (BtoA).
-        resplit: split all pairs as ``data.split`` says, although their folders or their CSV give splits.
+        hints: whether to use the pairs' own hints instead of a sampler's; pairs without hints get none.
+        group_by: unit that is never divided by the split: file or folder. A group given in a CSV takes
+            precedence.
+        direction: position of the sketch in pix2pix folders: ``A`` or the left half (AtoB), or ``B`` or
+            the right half (BtoA).
+        resplit: whether to split all pairs by ``data.split`` even if their folders or their CSV give
+            splits.
 
     Raises:
-        InputError: if a setting is not one of these.
+        InputError: if a setting is invalid.
     """
 
-    files: str | list[str]  # or paths of pathlib, from Python
+    files: str | list[str]  # or pathlib paths, from Python
     green: Green = "up"
     hints: bool = False
     group_by: Literal["file", "folder"] = "file"
@@ -55,15 +56,15 @@ class Pairs(PairSource):
         object.__setattr__(self, "files", _as_texts(self.files))
 
     def split(self, settings: SplitSettings) -> Mapping[str, Sequence[PairFiles]]:
-        """Return the pairs of each split: as a CSV says, or dealt out by file or by group.
+        """Return the pairs of each split, as given by a CSV or folders, or split by file or by group.
 
         Raises:
-            InputError: if a list cannot be used, the split cannot, or no pair of a split can.
+            InputError: if a list or the split is invalid, or a split has no usable pair.
         """
         left_out: list[str] = []
         pairs = self._find(left_out)
         parts = self._parts(pairs, settings)
-        # After the split, so that a damaged file moves no other pair to another side.
+        # After the split, so that a damaged file does not move other pairs to another split.
         flaws = _flaws([pair for pair in pairs if pair.name in parts])
         split: dict[str, list[PairFiles]] = {part: [] for part in SPLITS}
         for pair in pairs:
@@ -77,7 +78,7 @@ class Pairs(PairSource):
         return split
 
     def _parts(self, pairs: Sequence[PairFiles], settings: SplitSettings) -> dict[str, str]:
-        """Return the split of each pair by name; a pair missing from a split file has none."""
+        """Return the split of each pair by name; pairs missing from a split file are left out."""
         if pairs[0].part is not None:
             if settings.file is not None:
                 raise InputError(
@@ -95,10 +96,10 @@ class Pairs(PairSource):
         return {pair.name: part_of[pair.group] for pair in pairs if pair.group in part_of}
 
     def found(self) -> list[PairFiles]:
-        """Return all pairs, in order of their names; a warning lists files without a partner.
+        """Return all pairs sorted by name, with a warning that lists files without a partner.
 
         Raises:
-            InputError: if there are none, or two have the same name.
+            InputError: if there are no pairs, or two have the same name.
         """
         left_out: list[str] = []
         pairs = self._find(left_out)
@@ -106,7 +107,7 @@ class Pairs(PairSource):
         return pairs
 
     def _find(self, left_out: list[str]) -> list[PairFiles]:
-        """Return all pairs by name; record files without a partner. Raises as `found` does."""
+        """Return all pairs sorted by name, and record files without a partner. Raises as `found`."""
         entries = [self.files] if isinstance(self.files, str) else self.files
         pairs = [
             self._with_settings(pair)
@@ -144,7 +145,7 @@ class Pairs(PairSource):
 
 
 def _warn(left_out: Sequence[str]) -> None:
-    """Warn of all that is left out, in one list."""
+    """Warn about all files that are left out, in one list."""
     if left_out:
         more = [f"and {len(left_out) - _SHOWN} more"] if len(left_out) > _SHOWN else []
         listed = "; ".join([*left_out[:_SHOWN], *more])
@@ -153,10 +154,10 @@ def _warn(left_out: Sequence[str]) -> None:
 
 
 def _flaws(pairs: Sequence[PairFiles]) -> dict[str, str]:
-    """Return why pairs cannot be used whose headers look wrong, by name.
+    """Return the reasons why pairs with suspicious headers cannot be used, by name.
 
-    Ten thousand headers are read in a second. Only pairs whose headers look wrong are decoded, to find the
-    reason; faults that only pixels show are found when a pair is first read.
+    Ten thousand headers are read in a second. Only pairs with suspicious headers are decoded, to find the
+    reason. Faults in pixels are found when a pair is first read.
     """
     found = {}
     for pair in pairs:
@@ -169,20 +170,20 @@ def _flaws(pairs: Sequence[PairFiles]) -> dict[str, str]:
 
 
 def _headers_agree(pair: PairFiles) -> bool:
-    """Return whether the headers of sketch, normal map and mask have the same size."""
+    """Return whether the headers of sketch, normal map and mask give the same size."""
     paths = [path for path in (pair.sketch, pair.normal, pair.mask) if path is not None]
     sizes = {_size(path) for path in paths if path.suffix.lower() in _WITH_HEADER}
     return len(sizes) <= 1 and None not in sizes
 
 
 def _size(path: Path) -> tuple[int, ...] | None:
-    """Return the shorter and the longer side from a picture's header; None if it cannot be read."""
+    """Return the shorter and the longer side from a picture's header, or None if it cannot be read."""
     size = header_size(path)
-    return None if size is None else tuple(sorted(size))  # it may be turned when it is read
+    return None if size is None else tuple(sorted(size))  # a picture may be rotated on reading
 
 
 def _as_texts(files: object) -> str | list[str]:
-    """Return paths as texts, as in a configuration; Python may pass `pathlib.Path`."""
+    """Return paths as strings, as in a configuration; callers from Python may pass `pathlib.Path`."""
     if isinstance(files, str | PurePath):
         return str(files)
     if isinstance(files, list | tuple) and all(isinstance(each, str | PurePath) for each in files):

@@ -1,3 +1,3 @@
-"""Store: samples in shards, on disk or behind a URL."""
+"""Store: samples in shards, on disk or at a URL."""
 
 __all__ = []

@@ -1,4 +1,4 @@
-"""Manifest: the description of a stored data set, and its key."""
+"""Manifest: the description and key of a stored data set."""
 
 import hashlib
 import json
@@ -17,7 +17,7 @@ from normalgan.errors import InputError
 __all__ = ["FORMAT_VERSION", "Manifest", "dataset_key", "fingerprints", "views_by_split"]
 
 FORMAT_VERSION = 1
-"""Raise it when samples are stored in another way: those stored before are then made again."""
+"""Version of the storage format. Increase it if the format changes, so that samples are created again."""
 
 _NAME = "dataset.json"
 _SUM = "sha256"
@@ -26,24 +26,24 @@ _KEYS = {"format", "samples", "recipe", "splits", _SUM}
 
 @dataclass(frozen=True)
 class Manifest:
-    """The description of a data set, stored as ``dataset.json`` in a form that people can read.
+    """The description of a data set, stored as human-readable ``dataset.json``.
 
-    The file has a SHA-256 of its own content, so that a flipped bit in it is found.
+    The file includes a SHA-256 hash of its own content to detect corruption.
 
     Args:
-        recipe: how the samples were made, from `Recipe.describe`.
-        splits: the layout of each split, by its name.
+        recipe: recipe of the samples, from `Recipe.describe`.
+        splits: layout of each split by name.
     """
 
     recipe: dict[str, Any]
     splits: dict[str, Layout]
 
     def stores(self, folder: Storage) -> dict[str, ShardedSamples]:
-        """Return the samples by split, to be written."""
+        """Return the stores of the samples by split, for writing."""
         return {split: ShardedSamples(folder.url, split, layout) for split, layout in self.splits.items()}
 
     def finished(self, folder: Storage, noun: str) -> tuple[dict[str, ShardedSamples], dict[str, str]]:
-        """Return the samples by split, to be read, and why a mesh could not be rendered, by name.
+        """Return the stores by split, for reading, and the reasons for failed meshes by name.
 
         Raises:
             InputError: if no mesh of a split could be rendered.
@@ -72,12 +72,12 @@ class Manifest:
 
     @staticmethod
     def damaged(folder: Storage) -> bool:
-        """Whether there is a manifest that `read` rejects."""
+        """Return whether there is a manifest that `read` rejects."""
         return folder.size(_NAME) is not None and Manifest.read(folder) is None
 
     @staticmethod
     def read(folder: Storage) -> "Manifest | None":
-        """Return the manifest in a folder; None if it is missing or damaged."""
+        """Return the manifest in a folder, or None if it is missing or damaged."""
         try:
             content = json.loads(folder.read(_NAME) or b"")
             if set(content) - _KEYS or content.pop(_SUM) != _digest(content):
@@ -96,17 +96,17 @@ def _digest(content: Mapping[str, Any]) -> str:
 
 
 def fingerprints(sources: Mapping[str, Sequence[Loadable]]) -> dict[str, list[tuple[str, str]]]:
-    """Return name and fingerprint of every mesh by split; one that cannot be read gets a fingerprint too."""
+    """Return name and fingerprint of each mesh by split, including unreadable meshes."""
     return {split: [(source.name, fingerprint(source)) for source in part] for split, part in sources.items()}
 
 
 def dataset_key(
     meshes: Mapping[str, Sequence[tuple[str, str]]], views: Mapping[str, int], recipe: SampleRecipe
 ) -> str:
-    """Return the name of the folder for such a data set: 24 hexadecimal digits.
+    """Return the folder name of a data set: 24 hexadecimal digits.
 
-    It changes with anything that the stored bytes depend on: names, fingerprints and order of the meshes,
-    views a mesh, recipe, and the versions of the rendering and of the format.
+    It depends on everything that affects the stored bytes: names, fingerprints and order of the meshes,
+    views per mesh, recipe, and the versions of rendering and format.
     """
     everything = [FORMAT_VERSION, recipe.describe(), [[s, views[s], meshes[s]] for s in meshes]]
     return hashlib.sha256(json.dumps(everything, sort_keys=True).encode()).hexdigest()[:24]
@@ -115,7 +115,7 @@ def dataset_key(
 def views_by_split(
     views_per_mesh: int | Mapping[str, int], sources: Mapping[str, Sequence[Loadable]], noun: str = "mesh"
 ) -> dict[str, int]:
-    """Return the number of views a mesh for every split that has meshes.
+    """Return the number of views per mesh for each split with meshes.
 
     Raises:
         InputError: if a number is not positive, or two meshes have the same name.

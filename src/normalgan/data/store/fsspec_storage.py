@@ -1,4 +1,4 @@
-"""Storage: a folder for samples on this disk or behind any URL that fsspec knows."""
+"""Storage: a folder for samples on a local disk or at any URL that fsspec supports."""
 
 import contextlib
 import os
@@ -19,25 +19,25 @@ __all__ = ["Storage", "options", "reason"]
 
 _PARTIAL = ".partial"
 _LONG = 3600.0
-"""Seconds; nothing takes an hour to write."""
+"""Age in seconds after which a partial file is stale; no write takes an hour."""
 _ATTEMPTS = 3
-"""Attempts of botocore at a request, the first included."""
+"""Number of botocore's attempts for a request, including the first."""
 _ROUNDS = 2
-"""Rounds of such attempts where no answer came, and again of these where an answer broke off."""
+"""Number of rounds of such attempts without an answer, and of repetitions after an interrupted answer."""
 _SECONDS = 10
-"""Seconds without a byte after which a request is given up."""
+"""Timeout of a request in seconds without a byte."""
 
 
 class Storage:
-    """Small objects under one folder, each written atomically.
+    """A folder of small objects, each written atomically.
 
-    Cheap to create and to send to another process: it keeps nothing open.
+    It keeps nothing open, so it is cheap to create and to send to another process.
 
     Args:
-        url: a path, or a URL such as ``file:///data``, ``memory://x`` or ``s3://bucket/x``.
+        url: path, or URL such as ``file:///data``, ``memory://x`` or ``s3://bucket/x``.
 
     Raises:
-        InputError: if no file system for such a URL is known or installed.
+        InputError: if there is no file system for the URL, or its package is not installed.
     """
 
     def __init__(self, url: str) -> None:
@@ -49,47 +49,47 @@ class Storage:
 
     @property
     def in_memory(self) -> bool:
-        """Whether other processes cannot see what this one writes."""
+        """Whether the folder is in memory, so other processes cannot see it."""
         return self.url.startswith("memory:")
 
     @property
     def local(self) -> bool:
-        """Whether it is a folder on a disk of this machine."""
+        """Whether the folder is on a disk of this machine."""
         return isinstance(self._files()[0], LocalFileSystem)
 
     @property
     def address(self) -> str:
-        """Its address for processes elsewhere: an absolute path, or the URL."""
+        """Address for other processes: an absolute path or the URL."""
         return self.root if self.local else self.url
 
     @property
     def root(self) -> str:
-        """The folder's path in its file system."""
+        """Path of the folder in its file system."""
         return self._files()[1]
 
     def read(self, path: str, start: int | None = None, stop: int | None = None) -> bytes | None:
-        """Return an object's bytes, or None if it is not there.
+        """Return the bytes of an object, or None if it does not exist.
 
         Args:
-            path: where it is in the folder.
-            start: first byte; negative counts from the end, None is the first.
-            stop: byte after the last one; None reads to the end.
+            path: path within the folder.
+            start: offset of the first byte, negative from the end; None for 0.
+            stop: offset after the last byte; None reads to the end.
 
         Raises:
-            InputError: if it is there but cannot be read, or the bucket or its server is not.
+            InputError: if the object exists but cannot be read, or bucket or server are missing.
         """
         files, root = self._files()
         try:
             return bytes(files.cat_file(f"{root}/{path}", start=start, end=stop))
         except (FileNotFoundError, NotADirectoryError) as error:
-            if "bucket does not exist" in str(error):  # S3 reports it as it does a missing object
+            if "bucket does not exist" in str(error):  # S3 reports a missing bucket like a missing object
                 raise InputError(f"the bucket of {self.url} does not exist; create it first.") from error
             return None
-        except Exception as error:  # a remote store's error need not be an OSError; botocore's is not
+        except Exception as error:  # errors of remote stores, such as botocore's, need not be OSErrors
             raise InputError(f"cannot read {self.url}/{path}: {reason(error)}.") from error
 
     def size(self, path: str) -> int | None:
-        """Return an object's length in bytes, or None if it is not there. Raises as `read` does."""
+        """Return the length of an object in bytes, or None if it does not exist. Raises as `read`."""
         files, root = self._files()
         try:
             return int(files.info(f"{root}/{path}")["size"])
@@ -99,10 +99,10 @@ class Storage:
             raise InputError(f"cannot read {self.url}/{path}: {reason(error)}.") from error
 
     def names(self, folder: str) -> set[str]:
-        """Return the paths of all objects below a folder, relative to it; one request for a thousand.
+        """Return the relative paths of all objects below a folder, with one request per thousand objects.
 
         Raises:
-            InputError: if they cannot be listed.
+            InputError: if the folder cannot be listed.
         """
         files, root = self._files()
         top = f"{root}/{folder}"
@@ -115,18 +115,18 @@ class Storage:
         return {path[len(top) + 1 :] for path in found}
 
     def write(self, path: str, content: bytes) -> None:
-        """Write an object: a reader sees the old bytes or the new ones, never a part.
+        """Write an object atomically: readers see either the old or the new bytes.
 
         Raises:
-            InputError: if the disk is full or is not writable.
+            InputError: if the disk is full or not writable.
         """
         files, root = self._files()
         try:
             if isinstance(files, LocalFileSystem):
-                # Not synced to disk: the checksum finds what a power cut damages.
+                # Not synced to disk, because checksums detect damage by a power cut.
                 partial = Path(root, _PARTIAL, uuid.uuid4().hex)
                 write_bytes(Path(root, path), content, partial, durable=False)
-            else:  # object stores show an object once it is complete
+            else:  # object stores expose only complete objects
                 files.pipe_file(f"{root}/{path}", content)
         except Exception as error:  # as in `read`
             raise unwritable(
@@ -136,10 +136,10 @@ class Storage:
             ) from error
 
     def delete(self, path: str) -> None:
-        """Remove an object, if it is there.
+        """Remove an object if it exists.
 
         Raises:
-            InputError: if it may not be removed.
+            InputError: if it cannot be removed.
         """
         files, root = self._files()
         try:
@@ -150,33 +150,34 @@ class Storage:
             raise InputError(f"cannot remove {self.url}/{path}: {reason(error)}.") from error
 
     def sweep(self) -> None:
-        """Remove partial files of killed processes, at least an hour old, if possible."""
+        """Try to remove partial files that killed processes left at least an hour ago."""
         files, root = self._files()
         if not isinstance(files, LocalFileSystem):
             return
-        with contextlib.suppress(OSError):  # a finished data set may lie on a read-only disk
+        with contextlib.suppress(OSError):  # a finished data set may be on a read-only disk
             for path in (Path(root) / _PARTIAL).iterdir():
                 if time.time() - path.stat().st_mtime > _LONG:
                     path.unlink(missing_ok=True)
 
     def _files(self) -> tuple[AbstractFileSystem, str]:
-        # Asked for each time, because fsspec keeps one for each process, and none may cross a fork.
+        # Not stored, because fsspec caches file systems per process and they must not be used after a
+        # fork.
         try:
             files, root = url_to_fs(self.url, **options(self.url))
         except (ValueError, ImportError) as error:
             raise InputError(f"no samples can be kept at {self.url}: {brief(error)}.") from error
         if "s3" in files.protocol:
-            # s3fs retries five times on top of botocore's retries, and five times again when reading an
-            # object: an endpoint that accepts requests but never answers would block for many minutes.
+            # s3fs retries five times on top of botocore's retries, and another five times when reading an
+            # object, so an endpoint that accepts requests but never answers would block for many minutes.
             files.retries = _ROUNDS
         return files, root
 
 
 def options(url: str) -> dict[str, Any]:
-    """Return the options of the file system behind a URL.
+    """Return the options for the file system of a URL.
 
-    Listings are not kept: other processes write there too. S3 gives up on an endpoint after seconds, not
-    after minutes, as botocore does by default; for other limits, set ``config_kwargs`` in fsspec's
+    Listings are not cached, because other processes write there too. S3 requests time out after seconds,
+    not after minutes as by default in botocore. For other limits, set ``config_kwargs`` in fsspec's
     configuration (such as FSSPEC_S3_CONFIG_KWARGS), or AWS_MAX_ATTEMPTS and AWS_RETRY_MODE.
 
     >>> options("/data"), options("file:///data")
@@ -197,7 +198,7 @@ def options(url: str) -> dict[str, Any]:
 
 
 def reason(error: BaseException) -> str:
-    """Return the reason why a file system failed, in a few words.
+    """Return a short reason why a file system failed.
 
     >>> reason(OSError(28, "No space left on device"))
     'No space left on device'

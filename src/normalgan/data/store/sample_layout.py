@@ -19,11 +19,11 @@ ARRAYS: dict[str, tuple[str, tuple[int, ...]]] = {
     "mask": ("bool", ()),
     "hints": ("float16", (4,)),
 }
-"""The arrays of a split by name: type of number, and what follows (N, H, W) in the shape."""
+"""The arrays of a split by name: dtype, and the part of the shape after (N, H, W)."""
 
 
 def array_names(hints: bool) -> list[str]:
-    """Return the names of a split's arrays, with or without hints.
+    """Return the names of the arrays of a split, with or without hints.
 
     >>> array_names(False)
     ['sketch', 'normal', 'mask']
@@ -36,12 +36,12 @@ class Shard:
     """A few dozen samples that are rendered, written and repaired together.
 
     Args:
-        split: which part of the data set it is in.
-        number: which shard of the split.
+        split: split of the shard.
+        number: index of the shard in the split.
         size: side of the pictures in pixels.
-        room: samples that a shard has room for; the last one holds fewer.
-        samples: mesh and number of the view of each sample.
-        hints: whether its samples have hints.
+        room: capacity of a shard; the last shard may hold fewer samples.
+        samples: mesh and view index of each sample.
+        hints: whether the samples have hints.
     """
 
     split: str
@@ -56,12 +56,12 @@ class Shard:
 
     @property
     def meshes(self) -> tuple[str, ...]:
-        """The names of its meshes, in order."""
+        """The names of the meshes in the shard, in order."""
         return tuple(dict.fromkeys(mesh for mesh, _ in self.samples))
 
     @property
     def marker(self) -> str:
-        """The object that marks it as finished."""
+        """Path of the object that marks the shard as finished."""
         return f"done/{self.split}/{self.number}.json"
 
 
@@ -71,9 +71,9 @@ class Layout:
 
     Args:
         meshes: names of the meshes.
-        views: samples a mesh.
+        views: number of samples per mesh.
         size: side of the pictures in pixels.
-        per_shard: samples to a shard, the unit that is rendered, written and repaired.
+        per_shard: number of samples per shard, the unit of rendering, writing and repair.
         hints: whether samples have hints.
     """
 
@@ -88,30 +88,30 @@ class Layout:
 
     @property
     def shards(self) -> int:
-        """How many shards there are."""
+        """Number of shards."""
         return -(-len(self) // self.per_shard)
 
     def indices(self, shard: int) -> range:
-        """Return the samples of a shard."""
+        """Return the indices of the samples in a shard."""
         return range(shard * self.per_shard, min((shard + 1) * self.per_shard, len(self)))
 
     def mesh_and_view(self, index: int) -> tuple[str, int]:
-        """Return the name of a sample's mesh and the number of the view of it."""
+        """Return mesh name and view index of a sample."""
         return self.meshes[index // self.views], index % self.views
 
     def shard(self, split: str, number: int) -> Shard:
-        """Return everything needed to render and write a shard."""
+        """Return the description of a shard for rendering and writing."""
         samples = tuple(map(self.mesh_and_view, self.indices(number)))
         return Shard(split, number, self.size, self.per_shard, samples, self.hints)
 
 
 def encode(shard: Shard, samples: Sequence[Sample]) -> dict[str, bytes]:
-    """Return a shard's objects by path, made in memory so that their hashes are known before writing.
+    """Return a shard's objects by path, encoded in memory so that their hashes are known before writing.
 
     Raises:
-        ValueError: if the samples are not as many or not as large as the shard says.
+        ValueError: if number or size of the samples differ from those of the shard.
     """
-    # An object depends on nothing outside its shard, so arrays of this shard alone give the same bytes.
+    # An object depends only on its shard, so arrays with only this shard give the same bytes.
     memory, arrays = _arrays_in_memory(shard.split, len(shard), shard.size, shard.room, shard.hints)
     for name, array in arrays.items():
         stack = np.stack([getattr(sample, name) for sample in samples])
@@ -153,11 +153,11 @@ def _arrays_in_memory(
             dtype=dtype,
             fill_value=0,
             compressors=[ZstdCodec(level=3), Crc32cCodec()],
-            config={"write_empty_chunks": True},  # else an all-black sample leaves no chunk to check
+            config={"write_empty_chunks": True},  # otherwise an all-black sample would have no chunk to check
         )
     return memory, arrays
 
 
 def chunk_path(split: str, name: str, shard: int) -> str:
-    """Return a shard's object as the Zarr 3 specification keys it: "default" chunk key encoding."""
+    """Return the path of a shard's object in Zarr 3's "default" chunk key encoding."""
     return "/".join([split, name, "c", str(shard), "0", "0", *("0" for _ in ARRAYS[name][1])])

@@ -1,4 +1,4 @@
-"""Shards: rendered samples in Zarr arrays, a few dozen to an object, every byte of them checked."""
+"""Shards: rendered samples in Zarr arrays, a few dozen per object, with checksums for all bytes."""
 
 import hashlib
 import json
@@ -24,25 +24,26 @@ __all__ = ["ZARR", "ShardedSamples", "damaged", "write_shard", "write_traces"]
 ZARR = "samples.zarr"
 """The folder of the arrays."""
 _FAILED = "failed"
-"""The folder that says which meshes could not be rendered, in ``failed/<split>/<shard>.json``."""
+"""The folder for the reasons of failed meshes, in ``failed/<split>/<shard>.json``."""
 
 
 class ShardedSamples:
-    """The stored samples of one split, to be written a shard at a time and read one by one.
+    """The stored samples of one split, written shard by shard and read one by one.
 
-    In the folder, ``samples.zarr/<split>/`` holds the Zarr 3 arrays ``sketch`` (N, H, W), ``normal``
-    (N, H, W, 3), ``mask`` (N, H, W) and, if samples bring any, ``hints`` (N, H, W, 4) in the sharding codec,
-    one sample to an inner chunk, each with its CRC-32C; any Zarr reader opens them.
-    ``done/<split>/<shard>.json`` holds the length and SHA-256 of a shard's objects and is written last: a
-    shard without it is unfinished. ``failed/<split>/<shard>.json`` says which meshes could not be rendered;
-    their places are blank, and they are passed over when reading.
+    In the folder, ``samples.zarr/<split>/`` holds the Zarr 3 arrays ``sketch`` (N, H, W), ``normal`` (N,
+    H, W, 3), ``mask`` (N, H, W) and, if the samples have any, ``hints`` (N, H, W, 4). They use the
+    sharding codec with one sample per inner chunk, each with a CRC-32C, so any Zarr reader can open them.
+    ``done/<split>/<shard>.json`` holds the length and SHA-256 of a shard's objects and is written last. A
+    shard without it is unfinished. ``failed/<split>/<shard>.json`` lists meshes that could not be
+    rendered. Their samples are blank and are skipped when reading.
 
     Args:
-        url: the folder of the data set.
-        split: which part of it, such as ``train``.
-        layout: what lies where.
-        left_out: names of meshes whose samples are passed over.
-        make: writes a shard that turns out to be unfinished or damaged when it is read; None raises instead.
+        url: folder of the data set.
+        split: split of the samples, such as ``train``.
+        layout: layout of the split.
+        left_out: names of meshes with samples to skip.
+        make: function that creates a shard found to be unfinished or damaged on reading; None raises an
+            error instead.
     """
 
     def __init__(
@@ -64,7 +65,7 @@ class ShardedSamples:
         return len(self._places)
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_opened": None}  # open arrays belong to the process
+        return {**self.__dict__, "_opened": None}  # each process opens its own arrays
 
     @property
     def local(self) -> bool:
@@ -73,23 +74,23 @@ class ShardedSamples:
 
     @property
     def makes(self) -> bool:
-        """Whether a shard that is missing is made when it is read."""
+        """Whether missing shards are created on reading."""
         return self._make is not None
 
     @cached_property
     def _places(self) -> Indices:
-        """The place in the layout of each sample that is not passed over."""
+        """The index in the layout of each sample that is not skipped."""
         meshes = [number for number, mesh in enumerate(self.layout.meshes) if mesh not in self.left_out]
         views = self.layout.views
         return (np.array(meshes, np.int64)[:, None] * views + np.arange(views)).ravel()
 
     def name(self, index: int) -> str:
-        """Return the name of a sample: mesh and number of the view, such as ``horse-0001/17``."""
+        """Return the name of a sample: mesh and view index, such as ``horse-0001/17``."""
         mesh, view = self.layout.mesh_and_view(int(self._places[index]))
         return f"{mesh}/{view}"
 
     def indices(self, shard: int) -> range:
-        """Return the samples that lie in a shard; there may be none."""
+        """Return the indices of the samples in a shard, possibly none."""
         places = self.layout.indices(shard)
         start, stop = np.searchsorted(self._places, [places.start, places.stop])
         return range(int(start), int(stop))
@@ -102,12 +103,12 @@ class ShardedSamples:
                 self._storage.write(f"{ZARR}/{path}", content)
 
     def missing(self) -> list[int]:
-        """Return the shards that have not been finished."""
+        """Return the indices of unfinished shards."""
         done = self._storage.names(f"done/{self.split}")
         return [s for s in range(self.layout.shards) if f"{s}.json" not in done]
 
     def lost(self) -> list[int]:
-        """Return the finished shards with a missing object, from a listing."""
+        """Return the indices of finished shards with a missing object, from a listing."""
         names = self._storage.names(f"{ZARR}/{self.split}")
         there = {f"{self.split}/{name}" for name in names}
         return [
@@ -115,14 +116,14 @@ class ShardedSamples:
         ]
 
     def verify(self) -> list[int]:
-        """Return the finished shards whose bytes differ from those that were written."""
+        """Return the indices of finished shards with changed bytes."""
         return damaged(self._storage, self.split, self.finished())
 
     def failures(self) -> dict[int, dict[str, str]]:
-        """Return why meshes could not be rendered: by shard, by name.
+        """Return the reasons for failed meshes by shard and by name.
 
         Raises:
-            InputError: if such a note is damaged.
+            InputError: if a file with these reasons is damaged.
         """
         notes = _read_failures(self._storage, self.split)
         found = {number: reasons for number, reasons in notes.items() if reasons is not None}
@@ -131,20 +132,20 @@ class ShardedSamples:
         return found
 
     def unexplained(self) -> list[int]:
-        """Return the shards whose note on failed meshes is damaged."""
+        """Return the indices of shards with a damaged file on failed meshes."""
         notes = _read_failures(self._storage, self.split)
         return [number for number, why in notes.items() if why is None and number < self.layout.shards]
 
     def finished(self) -> list[int]:
-        """Return the shards that have been finished."""
+        """Return the indices of finished shards."""
         return sorted(set(range(self.layout.shards)) - set(self.missing()))
 
     def read(self, index: int) -> Sample:
-        """Return one sample.
+        """Return a sample.
 
         Raises:
-            IndexError: if there are fewer.
-            InputError: if its shard is unfinished or damaged and cannot be rebuilt now.
+            IndexError: if there are fewer samples.
+            InputError: if the shard is unfinished or damaged and cannot be rebuilt now.
         """
         if not 0 <= index < len(self):
             raise IndexError(f"sample {index} of {len(self)}")
@@ -152,13 +153,13 @@ class ShardedSamples:
         return Sample(**self._select_or_make(place // self.layout.per_shard, place))
 
     def is_blank(self, index: int) -> bool:
-        """Whether a sample that was read is a placeholder, as its mesh could not be rendered."""
+        """Return whether a sample is a placeholder, because its mesh could not be rendered."""
         place = int(self._places[index])
         note = self._storage.read(f"{_FAILED}/{self.split}/{place // self.layout.per_shard}.json")
         return note is not None and self.layout.mesh_and_view(place)[0] in (_reasons(note) or {})
 
     def read_shard(self, shard: int) -> dict[str, NDArray[Any]]:
-        """Return the samples of a shard, stacked, by name of the array; raises as `read` does."""
+        """Return the stacked samples of a shard by array name. Raises the errors of `read`."""
         places = self.layout.indices(shard)
         stacked = self._select_or_make(shard, slice(places.start, places.stop))
         if not self.left_out:
@@ -186,7 +187,7 @@ class ShardedSamples:
             raise self._trouble(shard) from error
 
     def _trust(self, shard: int) -> None:
-        """Check once that a shard is finished and its files have their lengths."""
+        """Check once that a shard is finished and its files have the recorded lengths."""
         if shard in self._trusted:
             return
         sums = _read_sums(self._storage, self.split, shard)
@@ -201,7 +202,7 @@ class ShardedSamples:
         )
 
     def _open(self) -> dict[str, Any]:
-        if self._opened is None or self._opened[0] != os.getpid():  # a forked DataLoader worker opens its own
+        if self._opened is None or self._opened[0] != os.getpid():  # for forked DataLoader workers
             group = zarr.open_group(ObjectStore(self._storage / ZARR), path=self.split, mode="r")
             self._opened = os.getpid(), {name: group[name] for name in array_names(self.layout.hints)}
         return self._opened[1]
@@ -213,14 +214,14 @@ def write_shard(
     """Write all samples of a shard, then mark it as finished; the same samples give the same bytes.
 
     Args:
-        storage: the folder of the data set.
-        shard: number of the shard.
-        samples: a sample for each place, a blank one for a mesh that failed.
-        failed: why a mesh of the shard could not be rendered, by name.
+        storage: folder of the data set.
+        shard: shard to write.
+        samples: one sample per position, blank for failed meshes.
+        failed: reasons for failed meshes of the shard, by name.
 
     Raises:
-        ValueError: if the samples are not as many or not as large as the shard says.
-        InputError: if the disk is full or is not writable.
+        ValueError: if number or size of the samples differ from those of the shard.
+        InputError: if the disk is full or not writable.
     """
     failed = failed or {}
     if len(samples) != len(shard):
@@ -242,14 +243,14 @@ def write_shard(
 
 
 def write_traces(storage: Storage, shard: Shard, traces: Mapping[str, str]) -> str:
-    """Write the tracebacks of failed meshes, by name, and return the path within the cache."""
+    """Write the tracebacks of failed meshes, given by name, and return the path within the cache."""
     path = f"{_FAILED}/{shard.split}/{shard.number}.txt"
     storage.write(path, "\n".join(f"{name}:\n{trace}" for name, trace in traces.items()).encode())
     return f"{storage.url.rstrip('/').rpartition('/')[2]}/{path}"
 
 
 def _read_failures(storage: Storage, split: str) -> dict[int, dict[str, str] | None]:
-    """Return why meshes of a split could not be rendered: by shard, by name; None for a damaged note.
+    """Return the reasons for failed meshes of a split by shard and by name; None for a damaged file.
 
     Files of other programs, such as file managers, are ignored.
     """
@@ -269,7 +270,7 @@ def _reasons(note: bytes) -> dict[str, str] | None:
 
 
 def _read_sums(storage: Storage, split: str, number: int) -> dict[str, tuple[int, str]] | None:
-    """Return length and SHA-256 of a shard's objects by path, or None if it is not finished."""
+    """Return length and SHA-256 of a shard's objects by path, or None if the shard is unfinished."""
     try:
         found = json.loads(storage.read(f"done/{split}/{number}.json") or b"")
         sums = {path: (int(size), str(digest)) for path, (size, digest) in found.items()}
@@ -279,18 +280,18 @@ def _read_sums(storage: Storage, split: str, number: int) -> dict[str, tuple[int
 
 
 def _paths(split: str, number: int, hints: bool) -> set[str]:
-    """Return the paths of a shard's objects in the folder of the arrays."""
+    """Return the paths of a shard's objects within the folder of arrays."""
     return {chunk_path(split, name, number) for name in array_names(hints)}
 
 
 def _same_bytes(storage: Storage, sums: Mapping[str, tuple[int, str]]) -> bool:
-    """Whether all objects of a shard have their recorded bytes."""
+    """Return whether all objects of a shard match their recorded lengths and hashes."""
     found = {path: storage.read(f"{ZARR}/{path}") for path in sums}
     return all(c is not None and (len(c), _digest(c)) == sums[p] for p, c in found.items())
 
 
 def damaged(storage: Storage, split: str, numbers: Sequence[int]) -> list[int]:
-    """Return the shards whose bytes differ from those that were written."""
+    """Return the indices of the given shards with changed bytes."""
     sums = {number: _read_sums(storage, split, number) for number in numbers}
     return [number for number, known in sums.items() if known is None or not _same_bytes(storage, known)]
 

@@ -1,4 +1,4 @@
-"""ObjectStore: a folder of `Storage` as Zarr reads it."""
+"""ObjectStore: a read-only Zarr store for a `Storage` folder."""
 
 from collections.abc import AsyncIterator, Iterable
 
@@ -16,14 +16,14 @@ from normalgan.data.store.fsspec_storage import Storage
 
 __all__ = ["ObjectStore"]
 
-_METADATA = {"zarr.json", ".zarray", ".zattrs", ".zgroup", ".zmetadata"}  # Zarr asks which of them there are
+_METADATA = {"zarr.json", ".zarray", ".zattrs", ".zgroup", ".zmetadata"}  # Zarr checks which of them exist
 
 
 class ObjectStore(Store):
     """A read-only Zarr store; an unreadable object raises `InputError`, a missing chunk `ValueError`.
 
-    Zarr fills in zeros for a chunk that its store does not have, without a word. Every chunk was written, so
-    a missing one was lost, perhaps during training.
+    Zarr silently fills in zeros for a missing chunk. All chunks were written, so a missing one was lost,
+    possibly during training.
     """
 
     supports_writes = False
@@ -43,7 +43,7 @@ class ObjectStore(Store):
     async def get(
         self, key: str, prototype: BufferPrototype | None = None, byte_range: ByteRequest | None = None
     ) -> Buffer | None:
-        """Return an object or the part of it that is asked for."""
+        """Return an object or the requested part of it."""
         content = self.storage.read(key, *_limits(byte_range))
         if content is None and key.rpartition("/")[2] not in _METADATA:
             raise ValueError(f"{key} is missing")
@@ -57,19 +57,19 @@ class ObjectStore(Store):
         return [await self.get(key, prototype, byte_range) for key, byte_range in key_ranges]
 
     async def exists(self, key: str) -> bool:
-        """Whether there is such an object."""
+        """Return whether an object exists."""
         return self.storage.size(key) is not None
 
     async def set(self, key: str, value: Buffer) -> None:
-        """Refuse: shards are written whole, by `Storage.write`."""
+        """Refuse to write, because `Storage.write` writes whole shards."""
         raise NotImplementedError("an ObjectStore is only read.")
 
     async def delete(self, key: str) -> None:
-        """Refuse, as `set` does."""
+        """Refuse to delete, because the store is read-only."""
         raise NotImplementedError("an ObjectStore is only read.")
 
     def list(self) -> AsyncIterator[str]:
-        """Refuse: no reader of samples lists."""
+        """Refuse to list, because reading samples does not need it."""
         raise NotImplementedError("an ObjectStore is not listed.")
 
     def list_prefix(self, prefix: str) -> AsyncIterator[str]:

@@ -1,3 +1,3 @@
-"""glTF 2.0: its container, its numbers, its nodes, and the triangles that its scene shows."""
+"""glTF 2.0: container, accessors, nodes, and the triangles of the scene."""
 
 __all__ = []

@@ -1,4 +1,4 @@
-"""Accessors of glTF: arrays of every component type, strided and sparse."""
+"""Accessors of glTF: arrays of all component types, including strided and sparse ones."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from normalgan.rendering.gltf.container import COMPONENTS, WIDTHS, Container, ba
 __all__ = ["read_accessor"]
 
 _MOST = 2**26
-"""More elements than this are refused: an accessor may claim any number of zeros."""
+"""Maximum number of elements, because an accessor may declare any number of zeros."""
 
 _Array = NDArray[Any]
 
@@ -18,11 +18,11 @@ _Array = NDArray[Any]
 def read_accessor(container: Container, index: Any, kind: str) -> _Array:
     """Return the (count, width) numbers of an accessor of a kind such as VEC3 (glTF 2.0, section 3.6.2).
 
-    Integers that are marked as normalised come as float64 in [0, 1] or [-1, 1], others as they are stored;
-    matrices come column by column, as they are stored.
+    Normalised integers are returned as float64 in [0, 1] or [-1, 1], and others as stored. Matrices are in
+    column-major order, as stored.
 
     Raises:
-        InputError: if it holds another type, or goes beyond its buffer.
+        InputError: if the accessor has another type, or exceeds its buffer.
     """
     entry = container.item("accessors", index)
     code, held, count = entry["componentType"], entry["type"], entry["count"]
@@ -45,7 +45,7 @@ def read_accessor(container: Container, index: Any, kind: str) -> _Array:
 def _view(
     container: Container, index: Any, offset: int, dtype: np.dtype[Any], shape: tuple[int, int]
 ) -> _Array:
-    """Return the (count, width) elements that begin ``offset`` bytes into a buffer view."""
+    """Return the (count, width) elements at a byte offset in a buffer view."""
     view = container.item("bufferViews", index)
     container.item("buffers", view["buffer"])
     buffer, start = container.buffers[view["buffer"]], view.get("byteOffset", 0)
@@ -58,7 +58,7 @@ def _view(
 
 
 def _replaced(container: Container, sparse: dict[str, Any], values: _Array) -> _Array:
-    """Return the values with those replaced that a sparse accessor lists (section 3.6.2.3)."""
+    """Return the values with the replacements of a sparse accessor (section 3.6.2.3)."""
     count, places, given = sparse["count"], sparse["indices"], sparse["values"]
     where = _view(
         container,
@@ -77,7 +77,7 @@ def _replaced(container: Container, sparse: dict[str, Any], values: _Array) -> _
 
 
 def _normalised(values: _Array) -> _Array:
-    """Return normalised integers as fractions (section 3.11)."""
+    """Return normalised integers as floats (section 3.11)."""
     if values.dtype.kind == "f":
         return values
     return np.maximum(values.astype(np.float64) / np.iinfo(values.dtype).max, -1.0)

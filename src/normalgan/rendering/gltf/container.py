@@ -1,4 +1,4 @@
-"""The container of glTF 2.0: its JSON and its buffers, from a .glb, or a .gltf with its files."""
+"""The container of glTF 2.0: JSON and buffers, from a .glb, or a .gltf with its files."""
 
 import base64
 import binascii
@@ -30,23 +30,24 @@ __all__ = [
 ]
 
 COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-"""The types of a component of an accessor, as NumPy names them."""
+"""NumPy dtypes of the component types of accessors."""
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
-"""Components of an element of each type of accessor."""
+"""Number of components per element for each accessor type."""
 
 _FREE_NUMBERS = 2**22
-"""Numbers that the accessors of a file may declare whatever its size; more need their bytes in the file."""
+"""Maximum count of numbers declared by accessors regardless of the file's size; more need bytes in the
+file."""
 _FREE_VERTICES = 2**18
-"""Vertices that a scene may place whatever the file's size, those of a repeated part counted each time."""
+"""Maximum number of placed vertices regardless of file size, counting repeated parts each time."""
 _MOST_PARTS = 5_000
-"""More nodes, or more placed parts of meshes, are refused: each takes a millisecond and more."""
+"""Maximum number of nodes, or of placed parts of meshes, because each takes at least a millisecond."""
 _REPEATED = 4
-"""How often accessors may use the bytes of a file; nearly all exporters use them once."""
+"""Maximum number of times that accessors use the bytes of a file; nearly all exporters use them once."""
 
 _SUFFIXES = (".glb", ".gltf")
 _KNOWN = ("KHR_mesh_quantization", "KHR_animation_pointer", "KHR_node_visibility")
 _LOOKS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "KHR_xmp", "EXT_texture_", "EXT_lights_", "MSFT_")
-"""Required extensions that are read, and beginnings of those that alter no surface; others are refused."""
+"""Supported required extensions, and prefixes of those that do not affect surfaces; others are refused."""
 _MAGIC, _JSON, _BINARY = 0x46546C67, 0x4E4F534A, 0x004E4942
 
 
@@ -55,9 +56,9 @@ class Container:
     """The raw content of a glTF 2.0 file (Khronos Group, glTF 2.0 Specification, 2021).
 
     Args:
-        path: the file.
-        tree: its JSON.
-        buffers: the bytes of its buffers, each at least as long as declared.
+        path: path of the file.
+        tree: the file's JSON.
+        buffers: bytes of the buffers, each at least as long as declared.
     """
 
     path: Path
@@ -65,7 +66,7 @@ class Container:
     buffers: tuple[bytes, ...]
 
     def item(self, kind: str, index: Any) -> dict[str, Any]:
-        """Return entry number ``index`` of a list of the JSON, such as ``accessors``.
+        """Return the entry at an index of one of the JSON's lists, such as ``accessors``.
 
         Raises:
             InputError: if there is no such entry.
@@ -81,13 +82,13 @@ class Container:
 
 
 def bad_gltf(path: Path, reason: str) -> InputError:
-    """Return the error for a file that cannot be used."""
+    """Return the error for an unusable file."""
     return InputError(f"{path} cannot be read as a mesh: {reason}.")
 
 
 @contextmanager
 def refusing_bad_gltf(path: Path) -> Iterator[None]:
-    """Turn a violation of glTF that has no message of its own into an `InputError`."""
+    """Convert exceptions from malformed glTF data to an `InputError`."""
     try:
         yield
     except InputError:
@@ -97,7 +98,7 @@ def refusing_bad_gltf(path: Path) -> Iterator[None]:
 
 
 def has_skin(path: Path) -> bool:
-    """Return whether a file is glTF with a skin; False for a broken one."""
+    """Return whether a file is glTF with a skin; False for a damaged file."""
     if path.suffix.lower() not in _SUFFIXES:
         return False
     try:
@@ -107,12 +108,12 @@ def has_skin(path: Path) -> bool:
 
 
 def read_container(path: Path) -> Container:
-    """Return the JSON and the buffers of a glTF file, after checking that it declares no more than it holds.
+    """Return the JSON and the buffers of a glTF file, after checking its declared sizes.
 
     Raises:
-        InputError: if it cannot be read, is not glTF 2.0, needs an extension that is not supported, lacks a
-            buffer, or would fill the memory.
-        LookupError, TypeError, ValueError, AttributeError: if it is inconsistent; see `refusing_bad_gltf`.
+        InputError: if the file cannot be read, is not glTF 2.0, needs an unsupported extension, lacks a
+            buffer, or would exhaust memory. LookupError, TypeError, ValueError, AttributeError: if the
+            file is inconsistent; see `refusing_bad_gltf`.
     """
     tree, binary = _tree(path)
     for name in map(str, tree.get("extensionsRequired", [])):
@@ -137,7 +138,7 @@ def read_container(path: Path) -> Container:
 
 
 def _tree(path: Path) -> tuple[dict[str, Any], bytes | None]:
-    """Return the JSON of a .gltf or .glb, and the binary chunk of a .glb if it has one."""
+    """Return the JSON of a .gltf or .glb, and the binary chunk of a .glb if there is one."""
     data, binary = mesh_bytes(path), None
     try:
         if path.suffix.lower() == ".glb":
@@ -155,7 +156,7 @@ def _tree(path: Path) -> tuple[dict[str, Any], bytes | None]:
 
 
 def _linked(path: Path, uri: str) -> bytes:
-    """Return the bytes of a URI: embedded, or in a file next to or below the glTF file."""
+    """Return the bytes of a URI, which are embedded or in a file in the folder of the glTF file or below."""
     if uri.startswith("data:"):
         try:
             return base64.b64decode(uri.partition(",")[2], validate=True)
@@ -168,10 +169,10 @@ def _linked(path: Path, uri: str) -> bytes:
 
 
 def linked_buffers(path: Path) -> list[Path]:
-    """Return the buffer files of a .gltf that exist; none of another or a broken file, which `load` refuses.
+    """Return the existing buffer files of a .gltf; none for other or damaged files, which `load` refuses.
 
     Raises:
-        InputError: if one does not lie in the folder of the file, or is a pipe or a device.
+        InputError: if a buffer file is not in the folder of the .gltf, or is a pipe or a device.
     """
     if path.suffix.lower() != ".gltf":
         return []
@@ -184,15 +185,16 @@ def linked_buffers(path: Path) -> list[Path]:
 
 
 def _buffer_file(path: Path, uri: str) -> Path:
-    """Return the file that a URI in a glTF names.
+    """Return the file that a URI in a glTF refers to.
 
     Raises:
-        InputError: if it does not lie in the folder of the glTF, or is a pipe or a device.
+        InputError: if the file is not in the folder of the glTF, or is a pipe or a device.
     """
     name = _name_in_folder(uri)
     if name is None:
         raise InputError(f"{path} refers to {uri[:80]!r}, which does not lie in its folder.")
-    # In a URI %20 is a space; some exporters mean the digits. From a folder "a%2fb", ".." would lead out.
+    # %20 in a URI is a space, but some exporters mean it literally. From a folder "a%2fb", ".." would lead
+    # out.
     plain = path.parent / uri
     literal = "%" in uri and ".." not in Path(uri).parts and plain.is_file()
     file = plain if literal else path.parent / name
@@ -202,14 +204,14 @@ def _buffer_file(path: Path, uri: str) -> Path:
 
 
 def _name_in_folder(uri: str) -> str | None:
-    """Return the path that a URI names relative to its file's folder; None if it leads out of it.
+    """Return the path of a URI relative to its file's folder, or None if it leads out of the folder.
 
     >>> _name_in_folder("a%20b.bin"), _name_in_folder("%2e%2e/b.bin"), _name_in_folder("file:///etc/hostname")
     ('a b.bin', None, None)
     """
     try:
         parts = urlsplit(uri)
-    except ValueError:  # half an IPv6 address
+    except ValueError:  # an incomplete IPv6 address
         return None
     name = Path(os.path.normpath(unquote(parts.path)))
     outside = parts.scheme or parts.netloc or name.is_absolute() or name.parts[:1] == ("..",)
@@ -217,7 +219,7 @@ def _name_in_folder(uri: str) -> str | None:
 
 
 def _chunks(data: bytes) -> dict[int, bytes]:
-    """Return the chunks of a .glb by their type."""
+    """Return the chunks of a .glb by type."""
     magic, _, length = struct.unpack_from("<III", data)
     if magic != _MAGIC or length > len(data):
         raise ValueError("wrong header, or cut short")
@@ -231,7 +233,7 @@ def _chunks(data: bytes) -> dict[int, bytes]:
 
 
 def _check_views(path: Path, tree: dict[str, Any], held: int) -> None:
-    """Refuse views of buffers that repeat their bytes: each is copied, and each element of a short stride."""
+    """Refuse buffer views that reuse bytes too often or have overlapping elements, because all are copied."""
     views = tree.get("bufferViews", [])
     if sum(view["byteLength"] for view in views) > max(_FREE_NUMBERS, _REPEATED * held):
         raise InputError(f"{path} refers to the same bytes again and again; export it again.")
@@ -247,12 +249,12 @@ def _check_views(path: Path, tree: dict[str, Any], held: int) -> None:
 
 
 def _check_counts(path: Path, tree: dict[str, Any], held: int) -> None:
-    """Refuse counts that the file cannot hold, and parts repeated until they fill the memory."""
+    """Refuse counts that the file cannot hold, and repeated parts that would exhaust memory."""
     accessors, nodes = tree.get("accessors", []), tree.get("nodes", [])
     numbers = [entry["count"] * WIDTHS[entry["type"]] for entry in accessors]
     unbacked = sum(n for n, entry in zip(numbers, accessors, strict=True) if "bufferView" not in entry)
     if sum(numbers) > max(_FREE_NUMBERS, _REPEATED * held) or unbacked > _FREE_NUMBERS:
-        many = min(sum(numbers), 10**15)  # a number may have a thousand digits
+        many = min(sum(numbers), 10**15)  # the number may have a thousand digits
         raise InputError(f"{path} declares {many} numbers, more than a mesh file can hold.")
     placed = Counter(node["mesh"] for node in nodes if "mesh" in node)
     parts, vertices = 0, 0

@@ -1,4 +1,4 @@
-"""The scene of a glTF: the nodes that place its meshes, and the triangles that it shows."""
+"""The scene of a glTF: nodes that place meshes, and the visible triangles."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -17,15 +17,16 @@ __all__ = ["Nodes", "read_nodes", "read_primitives", "read_surfaces", "shown_nod
 
 @dataclass(frozen=True)
 class Nodes:
-    """The nodes of a scene; each moves its children.
+    """The nodes of a scene.
 
     Args:
         parents: (N,) index of each node's parent, -1 for none.
         order: (N,) all indices, parents before their children.
-        translations: (N, 3) in the parent's axes, at rest.
-        rotations: (N, 4) unit quaternions x, y, z, w, at rest.
-        scales: (N, 3), at rest.
-        matrices: the (4, 4) matrices, for column vectors, of nodes that have one instead of these three.
+        translations: (N, 3) in the parent's axes, in the rest pose.
+        rotations: (N, 4) unit quaternions x, y, z, w, in the rest pose.
+        scales: (N, 3), in the rest pose.
+        matrices: (4, 4) matrices, for column vectors, of nodes that have a matrix instead of these three,
+            by node.
     """
 
     parents: Indices
@@ -40,7 +41,7 @@ def read_nodes(container: Container) -> Nodes:
     """Return the nodes of a file.
 
     Raises:
-        InputError: if they are not a tree, or have an unusable number.
+        InputError: if the nodes are not a tree, or have an invalid number.
     """
     entries = container.tree.get("nodes", [])
     parents = np.full(len(entries), -1)
@@ -51,7 +52,7 @@ def read_nodes(container: Container) -> Nodes:
                 raise bad_gltf(container.path, f"node {child} has two parents")
             parents[child] = index
     order = [int(index) for index in np.flatnonzero(parents < 0)]
-    for index in order:  # grows while it is walked
+    for index in order:  # grows during the loop
         order += entries[index].get("children", [])
     if len(order) < len(entries):
         raise bad_gltf(container.path, "its nodes are their own ancestors")
@@ -60,7 +61,7 @@ def read_nodes(container: Container) -> Nodes:
     if (lengths < 0.5).any():
         raise bad_gltf(container.path, "a node's rotation is not a unit quaternion")
     matrices = {
-        index: np.array(entry["matrix"], dtype=np.float64).reshape(4, 4).T  # stored column by column
+        index: np.array(entry["matrix"], dtype=np.float64).reshape(4, 4).T  # stored in column-major order
         for index, entry in enumerate(entries)
         if "matrix" in entry
     }
@@ -82,7 +83,7 @@ def _rows(container: Container, name: str, default: tuple[float, ...]) -> Double
 
 
 def shown_nodes(container: Container, nodes: Nodes) -> list[int]:
-    """Return the nodes of the scene, or all if the file has none."""
+    """Return the nodes of the scene, or all nodes if the file has no scene."""
     if not container.tree.get("scenes"):
         return [int(index) for index in nodes.order]
     roots = set(container.item("scenes", container.tree.get("scene", 0)).get("nodes", []))
@@ -110,17 +111,17 @@ def world_matrices(nodes: Nodes) -> Doubles:
 
 
 def read_surfaces(path: Path) -> list[tuple[Doubles, Indices]]:
-    """Return the vertices (V, 3), in the world's axes, and faces (F, 3) of each surface that a file shows.
+    """Return the vertices (V, 3), in world axes, and faces (F, 3) of each visible surface of a file.
 
-    Skinned surfaces are at rest, placed by their node. Morph targets are left at 0.
+    Skinned surfaces are in the rest pose, placed by their node. Morph targets are ignored.
 
     Raises:
-        InputError: if the file cannot be read, or is inconsistent.
+        InputError: if the file cannot be read or is inconsistent.
     """
     with refusing_bad_gltf(path):
         container = read_container(path)
         nodes = read_nodes(container)
-        if not len(nodes.order):  # a library of meshes
+        if not len(nodes.order):  # a library of meshes without nodes
             every = range(len(container.tree.get("meshes", [])))
             return [each for index in every for each in _surfaces(container, index, np.eye(4))]
         world = world_matrices(nodes)
@@ -134,21 +135,21 @@ def read_surfaces(path: Path) -> list[tuple[Doubles, Indices]]:
 
 def _surfaces(container: Container, mesh: Any, matrix: Doubles) -> Iterator[tuple[Doubles, Indices]]:
     for _, vertices, faces in read_primitives(container, mesh):
-        with np.errstate(invalid="ignore"):  # coordinates that are not numbers are refused later
+        with np.errstate(invalid="ignore"):  # invalid coordinates are refused later
             placed = vertices @ matrix[:3, :3].T + matrix[:3, 3]
-        # A mirroring transform turns what was outside inside.
+        # A mirroring transform reverses the winding.
         yield placed, faces[:, ::-1] if np.linalg.det(matrix[:3, :3]) < 0 else faces
 
 
 _LIST, _STRIP, _FAN = 4, 5, 6
-"""Modes of primitives that are triangles (glTF 2.0, section 3.7.2.1); the others are points and lines."""
+"""Primitive modes for triangles (glTF 2.0, section 3.7.2.1); the others are points and lines."""
 
 
 def read_primitives(container: Container, mesh: Any) -> Iterator[tuple[dict[str, Any], Doubles, Indices]]:
-    """Yield the attributes, vertices (V, 3) and triangles (F, 3) of a mesh's primitives that have triangles.
+    """Yield the attributes, vertices (V, 3) and triangles (F, 3) of a mesh's triangle primitives.
 
     Raises:
-        InputError: if a face refers to a vertex that is not there, or there is no such mesh.
+        InputError: if a face refers to a missing vertex, or there is no such mesh.
     """
     for part in container.item("meshes", mesh)["primitives"]:
         mode = part.get("mode", _LIST)
@@ -170,5 +171,5 @@ def _faces(container: Container, part: dict[str, Any], mode: int, count: int) ->
     if mode == _FAN:
         return np.stack([np.broadcast_to(corners[0], a.shape), a, b], axis=-1)
     faces = np.stack([corners[:-2], a, b], axis=-1)
-    faces[1::2] = faces[1::2, [1, 0, 2]]  # every other triangle of a strip runs the other way
+    faces[1::2] = faces[1::2, [1, 0, 2]]  # every other triangle of a strip has reversed winding
     return faces

@@ -1,4 +1,4 @@
-"""Distortion: a smooth deformation of a whole drawing, and of the maps with it."""
+"""Distortion: a smooth deformation of a whole drawing together with its maps."""
 
 from dataclasses import dataclass
 
@@ -11,28 +11,28 @@ from normalgan.rendering.maps import Maps
 __all__ = ["KNOTS", "Distortion", "follow", "random_distortion"]
 
 _CELLS = 4
-"""Cells of the spline on a side of the frame: displacements vary over about half of it."""
-_AROUND = 1  # cells around the frame; beyond them the displacement is that at their border
+"""Number of spline cells along a side of the frame; displacements vary over about half a side."""
+_AROUND = 1  # number of cells around the frame, beyond which the displacement is constant
 KNOTS = _CELLS + 2 * _AROUND + 3
-"""Coefficients of the spline along each axis."""
-_SPREAD = 0.479  # of a product of two cubic B-splines with unit normal coefficients, averaged over a cell
+"""Number of spline coefficients along each axis."""
+_SPREAD = 0.479  # root mean square of a 2D cubic B-spline with standard normal coefficients
 _STEEPEST = 0.45  # of the displacement, times the least stretch of the matrix: below 1, nothing folds over
 _ROUNDS = 12  # rounds of Newton's method; fewer than four suffice where nothing folds over
-_CLOSE = 1e-4  # of the side; from this near, another round of Newton's method leaves less than 1e-7
+_CLOSE = 1e-4  # fraction of the side; below this, another Newton iteration leaves less than 1e-7
 
 
 @dataclass(frozen=True)
 class Distortion:
-    """A deformation as source positions, in fractions of the frame's side, x right and y down.
+    """A deformation given by source positions, in fractions of the frame's side, x right and y down.
 
-    The point q of the distorted drawing shows what was at ``c + matrix (r - c) + u(r)`` with c the
-    frame's centre, u a uniform cubic B-spline, and ``r = (q - shift) / zoom``.
+    Point q of the distorted drawing comes from ``c + matrix (r - c) + u(r)``, where c is the frame's
+    centre, u is a uniform cubic B-spline, and ``r = (q - shift) / zoom``.
 
     Args:
-        matrix: (2, 2) of the affine part.
-        bends: (2, `KNOTS`, `KNOTS`) coefficients of u's x and y, by row and column.
-        zoom: enlargement of the drawing after that; the object counts as larger in all three directions.
-        shift: (2,) its move after that.
+        matrix: (2, 2) matrix of the affine part.
+        bends: (2, `KNOTS`, `KNOTS`) coefficients of the x and y components of u, by row and column.
+        zoom: final scale factor of the drawing, which scales the object in all three directions.
+        shift: (2,) translation after the scaling.
     """
 
     matrix: Doubles
@@ -41,7 +41,7 @@ class Distortion:
     shift: Doubles
 
     def sources(self, points: Doubles) -> tuple[Doubles, Doubles]:
-        """Return where points (N, 2) of the distorted drawing come from, and the Jacobian there (N, 2, 2)."""
+        """Return the source positions of points (N, 2) of the distorted drawing, and Jacobians (N, 2, 2)."""
         r = (points - self.shift) / self.zoom
         (bx, sx), (by, sy) = _spline(r[:, 0]), _spline(r[:, 1])
         source = 0.5 + (r - 0.5) @ self.matrix.T
@@ -54,7 +54,7 @@ class Distortion:
         return source, (jacobian + self.matrix) / self.zoom
 
     def move(self, points: Doubles) -> Doubles:
-        """Return the new positions of points (N, 2): the inverse of `sources`, by Newton's method."""
+        """Return the distorted positions of points (N, 2), inverting `sources` by Newton's method."""
         moved = (0.5 + (points - 0.5) @ np.linalg.inv(self.matrix).T) * self.zoom + self.shift
         for _ in range(_ROUNDS):
             source, jacobian = self.sources(moved)
@@ -69,8 +69,8 @@ class Distortion:
     def grid(self, height: int, width: int) -> tuple[Doubles, Doubles]:
         """Return `sources` of all pixel centres, x and y (2, H, W), and the Jacobian (2, 2, H, W).
 
-        The zoom is left out of the Jacobian: the object moves, not only its picture. The frame's
-        side is the longer one.
+        The Jacobian excludes the zoom, because the object itself is scaled, not only its picture.
+        Fractions refer to the longer side.
         """
         side = max(height, width)
         x = ((np.arange(width) + 0.5) / side - self.shift[0]) / self.zoom
@@ -79,7 +79,7 @@ class Distortion:
         matrix, half = self.matrix, np.float64(0.5)
         place = np.empty((2, height, width))
         jacobian = np.empty((2, 2, height, width))
-        for k, part in enumerate(self.bends):  # a product of splines: rows and columns one after the other
+        for k, part in enumerate(self.bends):  # the spline is separable into rows and columns
             place[k] = (
                 half + matrix[k, 0] * (x - half) + matrix[k, 1] * (y[:, None] - half) + by @ part @ bx.T
             )
@@ -89,10 +89,10 @@ class Distortion:
 
 
 def _spline(at: Doubles) -> tuple[Doubles, Doubles]:
-    """Return the matrices (N, `KNOTS`) that take coefficients to values and to derivatives at (N,) places."""
+    """Return the matrices (N, `KNOTS`) from coefficients to values and derivatives at (N,) positions."""
     knot = at * _CELLS + _AROUND
     held = knot.clip(0, _CELLS + 2 * _AROUND)
-    off = held[:, None] + 1 - np.arange(KNOTS)  # in cells from the middle of each cubic B-spline
+    off = held[:, None] + 1 - np.arange(KNOTS)  # distance in cells from the centre of each cubic B-spline
     two, one = np.maximum(2 - np.abs(off), 0), np.maximum(1 - np.abs(off), 0)
     inside = _CELLS * (held == knot)[:, None]
     return two * two * two / 6 - one * one * one / 1.5, (2 * one * one - two * two / 2) * np.sign(
@@ -101,12 +101,12 @@ def _spline(at: Doubles) -> tuple[Doubles, Doubles]:
 
 
 def random_distortion(bend: float, proportion: float, maps: Maps, rng: np.random.Generator) -> Distortion:
-    """Return a distortion after which the object is centred and as large in the frame as it was.
+    """Return a random distortion that keeps the object's position and size in the frame.
 
     Args:
-        bend: how far points stray along each axis, as a fraction of the side (standard deviation).
-        proportion: deviation of the logarithm of the ratio of height to width; of the shear; and, halved,
-            of the turn in radians.
+        bend: standard deviation of the displacement along each axis, as a fraction of the side.
+        proportion: standard deviation of the logarithm of the aspect ratio and of the shear; half of it is
+            the standard deviation of the rotation in radians.
         maps: maps of the object.
         rng: source of randomness.
     """
@@ -123,30 +123,30 @@ def random_distortion(bend: float, proportion: float, maps: Maps, rng: np.random
 
 
 def _framed(distortion: Distortion, maps: Maps) -> Distortion:
-    """Return the distortion with the zoom and shift that keep the middle and larger side of the object."""
+    """Return the distortion with the zoom and shift that preserve the object's centre and longer side."""
     cross = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
     inner = cv2.erode(maps.mask.astype(np.uint8), cross, borderValue=0) > 0
     rows, columns = np.nonzero(maps.mask & ~inner)
     if not len(rows):
         return distortion
     before = (np.stack([columns, rows], axis=1) + 0.5) / max(maps.mask.shape)
-    every = 1 + len(rows) // 300  # some hundreds suffice for the extent
+    every = 1 + len(rows) // 300  # a few hundred points are enough for the extent
     after = distortion.move(before[(rows % every == 0) | (columns % every == 0)])
     (low, high), (left, right) = ((p.min(axis=0), p.max(axis=0)) for p in (before, after))
     zoom = float((high - low).max() / max(float((right - left).max()), 1e-9))
     return Distortion(distortion.matrix, distortion.bends, zoom, (low + high - zoom * (left + right)) / 2)
 
 
-_ALIKE = 0.5  # neighbours whose normals differ more in a component belong to different surfaces
+_ALIKE = 0.5  # neighbours with a larger difference in a normal component belong to different surfaces
 
 
 def follow(maps: Maps, distortion: Distortion) -> Maps:
-    """Return the maps of an object after distorting its picture; depths stay.
+    """Return the maps of an object after distorting its picture; depth values do not change.
 
-    If point p of the picture moves to q, then q has the height z(p), and with J = dp/dq its gradient is J^T
-    dz/dp. Therefore (nx, ny) becomes J^T (nx, ny), nz stays, and the vector is normalized. Of the four
-    pixels around a source, only those on the object and on the surface of the nearest one are interpolated,
-    so that neither the background nor a farther part blends in. The depth is that of the nearest.
+    If point p of the picture moves to q, then q has the height z(p). With J = dp/dq, its gradient is J^T
+    dz/dp. Therefore (nx, ny) becomes J^T (nx, ny), nz is unchanged, and the vector is normalised. Of the
+    four pixels around a source, only those on the same surface as the nearest pixel are interpolated, so
+    that neither the background nor a more distant part blends in. The depth is that of the nearest pixel.
     """
     place, jacobian = distortion.grid(*maps.mask.shape)
     x, y = (place * max(maps.mask.shape) - 0.5).astype(np.float32)  # pixel centres at integers
@@ -155,7 +155,7 @@ def follow(maps: Maps, distortion: Distortion) -> Maps:
     normal, depth = _sample(maps, x, y, at)
     (xx, xy), (yx, yy) = jacobian.reshape(2, 2, -1)[:, :, at].astype(np.float32)
     nx, ny, nz = normal.T
-    nx, ny = xx * nx - yx * ny, yy * ny - xy * nx  # J has y down, normals have y up
+    nx, ny = xx * nx - yx * ny, yy * ny - xy * nx  # y points down in J and up in normals
     length = np.sqrt(nx * nx + ny * ny + nz * nz)
     normals, depths = np.zeros_like(maps.normal), np.full_like(maps.depth, np.inf)
     normals.reshape(-1, 3)[at] = np.stack([nx / length, ny / length, nz / length], axis=1)
@@ -164,9 +164,9 @@ def follow(maps: Maps, distortion: Distortion) -> Maps:
 
 
 def _sample(maps: Maps, x: Floats, y: Floats, at: Indices) -> tuple[Floats, Floats]:
-    """Return normals (N, 3), not of unit length, and depths (N,) of the object.
+    """Return unnormalised normals (N, 3) and depths (N,) of the object.
 
-    They are taken where ``x`` and ``y`` (H, W) say, in pixels of the maps, at the flat indices ``at``.
+    The maps are sampled at the pixel positions ``x`` and ``y`` (H, W) for the flat indices ``at``.
     """
     height, width = maps.mask.shape
     normal: Floats = cv2.remap(maps.normal, x, y, cv2.INTER_LINEAR).reshape(-1, 3)[at].astype(np.float32)
@@ -181,7 +181,7 @@ def _sample(maps: Maps, x: Floats, y: Floats, at: Indices) -> tuple[Floats, Floa
 
 
 def _one_surface(maps: Maps) -> BoolMask:
-    """Return where a pixel and those to its right, below and between are of one surface, (H, W)."""
+    """Return where a pixel and its right, lower and lower right neighbours are on one surface, (H, W)."""
     square, corner = np.ones((2, 2), np.uint8), (0, 0)
     spread = cv2.dilate(maps.normal, square, anchor=corner) - cv2.erode(maps.normal, square, anchor=corner)
     alike = cv2.inRange(spread, (-1.0,) * 3, (_ALIKE,) * 3)
@@ -191,7 +191,7 @@ def _one_surface(maps: Maps) -> BoolMask:
 
 
 def _sort_out(maps: Maps, x: Floats, y: Floats, left: Indices, top: Indices) -> tuple[Floats, Floats]:
-    """Sample like `_sample` at places whose four pixels belong to different surfaces."""
+    """Sample like `_sample` at positions where the four pixels belong to different surfaces."""
     height, width = maps.mask.shape
     normals, depths = maps.normal.reshape(-1, 3), maps.depth.reshape(-1)
     corners, weights = [], []

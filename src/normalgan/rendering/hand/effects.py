@@ -1,7 +1,7 @@
-"""The effects of a hand on strokes: cuts, omissions, repeats, missed ends, pressure, wobble.
+"""Effects of a hand on strokes: cuts, omissions, repeats, missed ends, pressure, wobble.
 
-Points, and all lengths but a line's width, are in fractions of the frame's side; the points of a stroke lie
-`STEP` apart.
+Points, and all lengths except line widths, are in fractions of the frame's side. The points of a stroke
+are `STEP` apart.
 """
 
 from collections.abc import Sequence
@@ -36,11 +36,11 @@ __all__ = [
 
 
 STEP = 1 / 320
-"""From point to point: four to a wave of the tremor, and finer than a line is wide."""
+"""Distance between points: a quarter of the tremor's wavelength, and less than a line's width."""
 
 
 def resample(stroke: Stroke) -> Stroke:
-    """Return the stroke with points at most `STEP` apart, evenly, at least three; its ends stay.
+    """Return the stroke resampled to at least three even points, at most `STEP` apart, with the same ends.
 
     >>> resample(Stroke.even(np.array([[0.0, 0.0], [0.0, 0.0125]]), 1.0)).points[:, 1]
     array([0.      , 0.003125, 0.00625 , 0.009375, 0.0125  ])
@@ -53,7 +53,7 @@ def resample(stroke: Stroke) -> Stroke:
 
 
 def _piece(stroke: Stroke, start: int, stop: int) -> Stroke:
-    """Return the points ``start`` to ``stop`` (not included) as a stroke."""
+    """Return the points from ``start`` up to ``stop`` (exclusive) as a stroke."""
     part = slice(start, stop)
     return Stroke(stroke.points[part], stroke.width[part], stroke.darkness[part])
 
@@ -67,13 +67,13 @@ def begin_at(stroke: Stroke, index: int) -> Stroke:
     return Stroke(turn(stroke.points), turn(stroke.width), turn(stroke.darkness))
 
 
-_TURN_REACH = round(0.012 / STEP)  # points before and after one over which its turn is measured
+_TURN_REACH = round(0.012 / STEP)  # number of points on either side for measuring the turn at a point
 
 
 def turning(points: Doubles, reach: int, closed: bool = False) -> Doubles:
-    """Return how far a curve turns at each point, in radians, as seen from ``reach`` points before and after.
+    """Return the turning angle (radians) at each point of a curve, between points ``reach`` before and after.
 
-    At the ends of an open curve, and where points coincide, it is 0.
+    The angle is 0 at the ends of an open curve and where points coincide.
 
     >>> turning(np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]), 1).round(3)
     array([0.   , 1.571, 0.   ])
@@ -89,12 +89,12 @@ def turning(points: Doubles, reach: int, closed: bool = False) -> Doubles:
     return angle
 
 
-_APART = 4  # knots between strokes, so that they share none: a cubic spans four
-_NOISE_SPREAD = np.sqrt(0.479)  # of a cubic B-spline with unit normal coefficients, averaged over a cell
+_APART = 4  # knots between strokes, so that they share none, because a cubic spans four
+_NOISE_SPREAD = np.sqrt(0.479)  # root mean square of a cubic B-spline with standard normal coefficients
 
 
 def _spline_weights(at: Doubles) -> Doubles:
-    """Return the weights (N, 4) of a uniform cubic B-spline's coefficients at fractions ``at`` of a cell.
+    """Return the weights (N, 4) of a uniform cubic B-spline's coefficients at fractional positions in a cell.
 
     >>> _spline_weights(np.array([0.0])).round(3)
     array([[0.167, 0.667, 0.167, 0.   ]])
@@ -108,10 +108,11 @@ def _spline_weights(at: Doubles) -> Doubles:
 def smooth_noise(
     counts: Sequence[int], wavelength: float, channels: int, rng: np.random.Generator
 ) -> Doubles:
-    """Return noise of mean 0 and deviation 1 along strokes laid end to end, (sum of counts, channels).
+    """Return noise of mean 0 and standard deviation 1 along concatenated strokes, (sum of counts, channels).
 
-    A uniform cubic B-spline with normal coefficients, two to a wavelength: its second derivative is
-    continuous, and strokes and channels are independent. ``counts`` are the points of each stroke.
+    The noise is a uniform cubic B-spline with normal coefficients, two per wavelength. Its second
+    derivative is continuous, and strokes and channels are independent. ``counts`` holds the number of
+    points of each stroke.
     """
     sizes = np.asarray(counts)
     rate = 2 * STEP / wavelength
@@ -124,18 +125,18 @@ def smooth_noise(
     return np.asarray(sum(weights[:, k, None] * coefficients[cell + k] for k in range(4)))
 
 
-_SHORTEST_PIECE = round(0.04 / STEP)  # points; the pen is not lifted again sooner
-_ANYWHERE = 0.02  # radians²: the weight of a straight piece, so that the pen is lifted there too, seldom
-_LATER = 0.2  # an inner stroke is drawn together with outline strokes a fifth as long
-_RIM = 0.012  # strokes this near the silhouette belong to the outline
+_SHORTEST_PIECE = round(0.04 / STEP)  # minimum number of points between lifts of the pen
+_ANYWHERE = 0.02  # radians²: weight of a straight piece, so that the pen is occasionally lifted there too
+_LATER = 0.2  # an inner stroke is drawn together with outline strokes of a fifth of its length
+_RIM = 0.012  # strokes within this distance of the silhouette belong to the outline
 
 
 def cut(stroke: Stroke, cuts: float, rng: np.random.Generator) -> list[Stroke]:
-    """Cut a stroke into the pieces in which it is drawn, mostly where it turns; ``cuts`` a side's length."""
+    """Cut a stroke into pieces, mostly where it turns, with ``cuts`` expected cuts per side length."""
     count = len(stroke.points)
     weights = turning(stroke.points, _TURN_REACH, stroke.closed) ** 2 + _ANYWHERE
     chance = weights / weights.sum()
-    if stroke.closed:  # it is closed, so it begins at a corner too
+    if stroke.closed:  # a closed stroke also begins at a corner
         stroke = begin_at(stroke, int(rng.choice(count, p=chance)) % (count - 1))
         chance = turning(stroke.points, _TURN_REACH) ** 2 + _ANYWHERE
         chance /= chance.sum()
@@ -150,7 +151,7 @@ def cut(stroke: Stroke, cuts: float, rng: np.random.Generator) -> list[Stroke]:
 
 
 def inside(strokes: Sequence[Stroke], maps: Maps) -> Doubles:
-    """Return the share of each stroke that lies within the object, away from its silhouette."""
+    """Return the fraction of each stroke that is inside the object, away from the silhouette."""
     height, width = maps.mask.shape
     deep = cv2.distanceTransform(maps.mask.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
     deep = deep > max(1.5, _RIM * max(height, width))  # the outermost pixels belong to the outline
@@ -162,24 +163,25 @@ def inside(strokes: Sequence[Stroke], maps: Maps) -> Doubles:
 
 
 def in_order(strokes: Sequence[Stroke], interior: Doubles) -> tuple[list[Stroke], Doubles]:
-    """Return strokes and shares in the order of drawing: the outline first, and the longest first."""
+    """Return strokes and fractions in drawing order: outline before inner strokes, and long before short."""
     lengths = np.array([stroke.length for stroke in strokes])
     order = np.argsort(-lengths * np.where(interior > 0.5, _LATER, 1), kind="stable")
     return [strokes[index] for index in order], interior[order]
 
 
-_OUTLINE, _INSIDE = 0.05, 0.4  # strokes this long are forgotten e times less often
+_OUTLINE, _INSIDE = 0.05, 0.4  # strokes of this length are forgotten e times less often
 _GAP = 0.05  # mean length of a skipped part
-_SHORTEST = round(0.012 / STEP)  # points; shorter remains of a stroke are skipped too
+_SHORTEST = round(0.012 / STEP)  # minimum number of points of a drawn part
 
 
 def forget(
     strokes: Sequence[Stroke], interior: Doubles, chance: float, rng: np.random.Generator
 ) -> list[Stroke]:
-    """Return the strokes without some; inner and short ones are missed more often.
+    """Return the strokes after dropping some, preferably inner and short ones.
 
-    The longest always stays, so that no drawing is empty. ``chance`` is that of a very short stroke to be
-    missed, ``interior`` the share of each stroke that lies away from the silhouette.
+    The longest stroke is always kept, so that no drawing is empty. ``chance`` is the probability of
+    dropping a very short stroke, and ``interior`` is the fraction of each stroke that is away from the
+    silhouette.
     """
     if not strokes:
         return []
@@ -191,7 +193,7 @@ def forget(
 
 
 def skip_parts(stroke: Stroke, parts: float, rng: np.random.Generator) -> list[Stroke]:
-    """Return the drawn parts of a stroke after leaving out some; ``parts`` are expected a side's length."""
+    """Return the drawn parts of a stroke, with ``parts`` expected gaps per side length."""
     count = len(stroke.points)
     missing = rng.poisson(parts * (count - 1) * STEP)
     drawn = np.ones(count, bool)
@@ -206,8 +208,8 @@ def skip_parts(stroke: Stroke, parts: float, rng: np.random.Generator) -> list[S
     return [_piece(stroke, start, stop) for start, stop in left or [longest] if stop - start > 1] or [stroke]
 
 
-_LEAST = 0.4  # of the stroke: a second pass is no shorter
-_OFFSET = 0.005  # how far it lies beside the first (standard deviation)
+_LEAST = 0.4  # minimum length of a second pass, as a fraction of the stroke
+_OFFSET = 0.005  # offset from the first stroke (standard deviation)
 
 
 def second_pass(stroke: Stroke, rng: np.random.Generator) -> Stroke:
@@ -219,18 +221,18 @@ def second_pass(stroke: Stroke, rng: np.random.Generator) -> Stroke:
     return Stroke(part.points + rng.normal(0, _OFFSET, 2), part.width, part.darkness)
 
 
-_MOST = 0.25  # of the stroke; the longest error of an end
-_LOOK = 6  # points over which the direction and the bend of an end are taken
-_BEND = np.deg2rad(40)  # the most that an overshoot turns
+_MOST = 0.25  # maximum error of an end, as a fraction of the stroke
+_LOOK = 6  # number of points for estimating the direction and the bend of an end
+_BEND = np.deg2rad(40)  # maximum turn of an overshoot
 
 
 def miss_ends(stroke: Stroke, overshoot: float, gap: float, rng: np.random.Generator) -> Stroke:
-    """Return the stroke with each end lengthened or shortened, with equal chance, by an exponential length.
+    """Return the stroke with each end randomly lengthened or shortened by an exponential random length.
 
-    The means are ``overshoot`` and ``gap``.
+    The mean lengths are ``overshoot`` and ``gap``.
     """
     most = _MOST * (len(stroke.points) - 1)
-    for _ in range(2):  # the end, and then, turned round, the beginning
+    for _ in range(2):  # the end, then, after reversal, the beginning
         beyond, lengths = rng.random() < 0.5, rng.exponential([overshoot, gap]) / STEP
         change = round(min(lengths[0 if beyond else 1], most))
         if beyond and change:
@@ -242,7 +244,7 @@ def miss_ends(stroke: Stroke, overshoot: float, gap: float, rng: np.random.Gener
 
 
 def _longer(stroke: Stroke, count: int) -> Stroke:
-    """Return the stroke with ``count`` more points at its end, which continue its direction and curve."""
+    """Return the stroke with ``count`` more points at its end, which continue its direction and curvature."""
     look = min(_LOOK, (len(stroke.points) - 1) // 2)
     near, middle, far = (stroke.points[-1 - k * look] for k in range(3))
     heading, earlier = _angle(near - middle), _angle(middle - far)
@@ -261,10 +263,10 @@ def _angle(vector: Doubles) -> float:
     return float(np.arctan2(vector[1], vector[0]))
 
 
-_WAVELENGTH = 0.35  # of the pressure
-_TAPER = 0.07  # length over which the pen is set down or lifted, on a long stroke
-_START = 0.5  # the taper where the pen is set down, as a share of that where it is lifted
-_TIGHT = np.deg2rad(40)  # a turn at which the hand is slowest
+_WAVELENGTH = 0.35  # wavelength of the pressure
+_TAPER = 0.07  # length over which a long stroke tapers at its ends
+_START = 0.5  # taper where the pen is set down, relative to that where it is lifted
+_TIGHT = np.deg2rad(40)  # turning angle where the hand is slowest
 
 
 def press(
@@ -278,11 +280,12 @@ def press(
     """Return strokes whose width and darkness vary along them.
 
     Args:
-        strokes: the drawing.
-        pressure: deviation of the logarithm of the width, along strokes and among them.
-        fade: deviation of the logarithm of the darkness where pressure is low; ink is never darker than 1.
-        taper: share by which the line thins towards the end where the pen is lifted.
-        slowness: share by which the line widens in tight turns, where the hand is slow.
+        strokes: strokes of the drawing.
+        pressure: standard deviation of the logarithm of the width, along and between strokes.
+        fade: standard deviation of the logarithm of the darkness where pressure is low; ink is never
+            darker than 1.
+        taper: fraction by which a line gets thinner towards the end where the pen is lifted.
+        slowness: fraction by which a line gets wider in tight turns, where the hand is slow.
         rng: source of randomness.
     """
     counts = [len(stroke.points) for stroke in strokes]
@@ -301,7 +304,7 @@ def press(
 
 
 def _lifted(count: int, taper: float) -> Doubles:
-    """Return the factor by which a stroke of ``count`` points is narrower towards its ends."""
+    """Return the width factors of a stroke with ``count`` points, which decrease towards the ends."""
     reach = max(1.0, min(_TAPER / STEP, 0.4 * count))
     index = np.arange(count)
     start, end = (np.clip(distance / reach, 0, 1) for distance in (index, count - 1 - index))
@@ -309,11 +312,11 @@ def _lifted(count: int, taper: float) -> Doubles:
     return factor
 
 
-_WAVELENGTHS = (0.6, 0.14, 0.025)  # of drift (aim), wobble (arm) and tremor (fingers)
+_WAVELENGTHS = (0.6, 0.14, 0.025)  # wavelengths of drift (aim), wobble (arm) and tremor (fingers)
 
 
 def stray(strokes: Sequence[Stroke], amplitudes: Sequence[float], rng: np.random.Generator) -> list[Stroke]:
-    """Return strokes whose points stray smoothly, independently of one another, ends included.
+    """Return the strokes with smooth displacements, independent for each stroke and not zero at its ends.
 
     The amplitudes are the standard deviations of drift, wobble and tremor along each axis.
     """
@@ -332,20 +335,20 @@ def stray(strokes: Sequence[Stroke], amplitudes: Sequence[float], rng: np.random
 
 
 def round_off(stroke: Stroke, deviation: float) -> Stroke:
-    """Return the stroke with its detail rounded off, the ends of an open one in place, and hardly shrunk.
+    """Return the stroke with smoothed detail and hardly any shrinkage; open strokes keep their ends.
 
-    The filter is 2 G − G * G for a Gaussian G, which leaves curves wider than it nearly as they are: what
-    smoothing took away is smoothed and put back ("twicing", Tukey, Exploratory Data Analysis, 1977).
+    The filter is 2 G − G * G for a Gaussian G, which hardly changes larger curves: the part removed by
+    smoothing is smoothed and added back ("twicing", Tukey, Exploratory Data Analysis, 1977).
 
     Args:
-        stroke: with evenly spaced points.
-        deviation: deviation of the Gaussian, in points.
+        stroke: stroke with evenly spaced points.
+        deviation: standard deviation of the Gaussian, in points.
     """
     points = stroke.points
     pad = min(int(8 * deviation) + 1, len(points) - 1)
     if stroke.closed:
         before, after = points[-1 - pad : -1], points[1 : 1 + pad]
-    else:  # continued by its rotation about each end, the curve is smooth and keeps its ends
+    else:  # extended by its point reflection at each end, the curve is smooth and keeps its ends
         before, after = 2 * points[0] - points[pad:0:-1], 2 * points[-1] - points[-2 : -pad - 2 : -1]
     once: Doubles = gaussian_filter1d(np.concatenate([before, points, after]), deviation, axis=0)
     smooth = (2 * once - gaussian_filter1d(once, deviation, axis=0))[pad : pad + len(points)]

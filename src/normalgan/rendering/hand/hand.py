@@ -1,4 +1,4 @@
-"""Hand: draws the strokes of a style as a person would."""
+"""Hand: draws the strokes of a line style like a person."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
@@ -27,41 +27,41 @@ from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["Hand"]
 
-_HABITS = (0.3, 1.7)  # factor by which the effects of a drawing differ from the mean
-_Length = Annotated[float, Range(0, 0.1)]  # as a fraction of the side
-_Number = Annotated[float, Range(0, 20)]  # on the length of a side
+_HABITS = (0.3, 1.7)  # range of a drawing's factor for each effect
+_Length = Annotated[float, Range(0, 0.1)]  # fraction of the side
+_Number = Annotated[float, Range(0, 20)]  # per side length
 _Factor = Annotated[float, Range(0, 2)]
 
 
 @dataclass(frozen=True)
 class Hand:
-    """The errors that a person makes when drawing: which, how large, how often.
+    """The kinds, sizes and frequencies of a person's drawing errors.
 
-    Lengths are fractions of the frame's side, so that a drawing looks the same at every size; 0 turns an
-    effect off. A drawing's strength scales all settings, and its habits scale each by a third to five
-    thirds. Normals, depth and mask follow the distortion of the whole drawing. All other effects are errors
-    of the hand and do not change the object.
+    Lengths are fractions of the frame's side, so that a drawing looks the same at every size. 0 turns an
+    effect off. Each drawing has a random strength, which scales all settings, and random habits, which
+    scale each of them by 0.3 to 1.7. The distortion of the whole drawing also applies to normals, depth
+    and mask. All other effects are errors of the hand and do not change the object.
 
     Args:
-        strength: range from which the strength of a drawing is drawn; 0 is the exact drawing, 1 the
-            settings below.
+        strength: range of a drawing's strength; 0 is the exact drawing, 1 uses the settings below.
         distortion: distortion of the whole drawing (standard deviation).
-        proportion: how wrong the ratio of height to width is, and the shear (standard deviation).
-        cuts: how often the pen is lifted on the length of a side, at corners mostly.
-        simplification: standard deviation of the rounding off of detail.
-        missed: chance that a short stroke is left out; a long one inside seldom, of the outline hardly ever.
-        missed_parts: how many parts are not drawn on the length of a side.
-        repeats: share of strokes that are drawn a second time, next to the first.
+        proportion: error of the aspect ratio and of the shear (standard deviation).
+        cuts: number of times that the pen is lifted per side length, mostly at corners.
+        simplification: standard deviation of the Gaussian that smooths detail.
+        missed: probability of leaving out a short stroke; long inner strokes and outline strokes are left
+            out less often.
+        missed_parts: number of gaps per side length.
+        repeats: fraction of strokes that are drawn a second time, next to the first.
         drift: displacement of whole strokes (standard deviation).
-        wobble: how far it waves, by the arm (standard deviation).
-        tremor: how far it trembles, by the fingers (standard deviation).
-        overshoot: mean length of an overshoot at one end; it happens to one of two.
-        gaps: mean length of a gap at the other.
-        pressure: deviation of the logarithm of the width, along and among strokes.
-        fade: deviation of the logarithm of the darkness, which never exceeds the style's.
-        taper: share by which the width falls to where the pen is lifted.
-        slowness: share by which lines are wider in tight turns.
-        pen: range from which the factor of all widths is drawn: thin pens to thick markers.
+        wobble: slow deviation of a stroke, from the arm (standard deviation).
+        tremor: fast deviation of a stroke, from the fingers (standard deviation).
+        overshoot: mean length of an overshoot, which occurs at half of the ends.
+        gaps: mean length of a gap, which occurs at the other half of the ends.
+        pressure: standard deviation of the logarithm of the width, along and between strokes.
+        fade: standard deviation of the logarithm of the darkness, which never exceeds that of the style.
+        taper: fraction by which the width decreases towards the end where the pen is lifted.
+        slowness: fraction by which lines get wider in tight turns.
+        pen: range of a random factor for all widths, from thin pens to thick markers.
 
     Raises:
         InputError: if a setting is out of range.
@@ -87,18 +87,18 @@ class Hand:
     pen: Annotated[tuple[float, float], Range(0.1, 10)] = (0.9, 3.0)
 
     def __post_init__(self) -> None:
-        """Check the ranges of all settings."""
+        """Check that all settings are in range."""
         check_ranges(self)
 
     def draw(
         self, strokes: Sequence[Stroke], maps: Maps, rng: np.random.Generator
     ) -> tuple[list[Stroke], Maps]:
-        """Return the strokes as a person would draw them, and the maps that match.
+        """Return the strokes with a person's drawing errors, and the matching maps.
 
         Args:
-            strokes: the exact drawing, in pixels of a frame as large as the maps.
-            maps: (H, W) of the object; not changed.
-            rng: source of randomness; each effect has its own stream, so that changing one effect does not
+            strokes: exact strokes, in pixels of a frame with the size of the maps.
+            maps: (H, W) maps of the object, which are not modified.
+            rng: source of randomness. Each effect has its own stream, so changing one effect does not
                 affect the others.
         """
         own, bending, *streams = rng.spawn(9)
@@ -120,7 +120,7 @@ class Hand:
         return done, maps
 
     def _of_one_drawing(self, strength: float, rng: np.random.Generator) -> Self:
-        """Return the settings scaled by the strength and the habits of one drawing."""
+        """Return the settings scaled by the strength and the habits of a drawing."""
         names = [field.name for field in fields(self)[1:-1]]
         habits = rng.uniform(*_HABITS, len(names))
         hints = get_type_hints(Hand, include_extras=True)
@@ -135,7 +135,7 @@ class Hand:
     def _draw_strokes(
         self, strokes: Sequence[Stroke], maps: Maps, streams: Sequence[np.random.Generator]
     ) -> list[Stroke]:
-        """Return the strokes with the errors of each, in fractions of the side; ``streams`` are seven."""
+        """Return the strokes with their errors, in fractions of the side, given seven random ``streams``."""
         if not strokes or not any(getattr(self, field.name) for field in fields(self)[3:-1]):
             return list(strokes)
         cutting, missing, skipping, repeating, ending, straying, pressing = streams

@@ -1,4 +1,4 @@
-"""LineDrawing: the base of the line styles, which trace the lines of an object, and the check of these."""
+"""LineDrawing: base class of line styles, which trace the lines of an object, and a check of their output."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
@@ -14,20 +14,20 @@ __all__ = ["LINE_DRAWINGS", "LineDrawing", "check_strokes"]
 
 
 class LineDrawing(ABC):
-    """Base of the line styles.
+    """Base class of line styles.
 
-    A style is a frozen dataclass that uses NumPy only. Its fields are its settings. The cache key of rendered
-    samples covers them and the source file of the class, but not what that file imports. The hand and the ink
-    come after it.
+    A style is a frozen dataclass that does not use torch. Its fields are its settings. The cache key of
+    rendered samples covers them and the source file of the class, but not the imports of that file. Hand
+    and ink are applied afterwards.
     """
 
     @abstractmethod
     def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
-        """Return the exact lines of the drawing, each a `Stroke` in pixels, ``view.size`` a side.
+        """Return the exact lines of the drawing as strokes, in pixels of a sketch with side ``view.size``.
 
         Args:
-            view: the object and where it is seen from; ``view.maps(scale)`` are its maps.
-            rng: for random choices; the same view and generator give the same strokes.
+            view: view of the object; ``view.maps(scale)`` returns its maps.
+            rng: source of randomness; the same view and generator must give the same strokes.
         """
 
 
@@ -35,11 +35,11 @@ LINE_DRAWINGS: Registry[LineDrawing] = Registry(LineDrawing, "normalgan.line_dra
 
 
 def check_strokes(style: object, strokes: object, size: int) -> Sequence[Stroke]:
-    """Return a line style's strokes after checking them for a picture of ``size`` pixels a side.
+    """Return a line style's strokes after checking them for a picture with side ``size``.
 
     Raises:
-        InputError: otherwise. Strokes far outside are refused, not clipped, because drawing
-            costs time and memory for every pixel along a line.
+        InputError: if the strokes are invalid. Strokes far outside the picture are refused instead of
+            clipped, because drawing takes time and memory for each pixel along a line.
     """
     name = type(style).__name__
     asked, given = "a line style gives a list of Stroke", type(strokes).__name__

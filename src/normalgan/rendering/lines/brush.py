@@ -1,4 +1,4 @@
-"""Brush: strokes that swell and thin with the shading, as a brush pen's do."""
+"""Brush: strokes with a width that follows the shading, like those of a brush pen."""
 
 from dataclasses import dataclass
 
@@ -17,32 +17,33 @@ from normalgan.rendering.view import View
 
 __all__ = ["Brush", "thin"]
 
-_RATIO = 1.6  # of the two blurs, whose difference is then nearest to a Laplacian's (Marr, Hildreth 1980)
-_SPUR = 1.5  # widths of the ink: shorter strokes are spurs
-_TREMBLE = 7.0  # points over which the centre line is smoothed, because it jumps from pixel to pixel
-_SWELL = 6.0  # points over which its width is smoothed
+_RATIO = 1.6  # ratio of the blurs that best approximates a Laplacian (Marr, Hildreth 1980)
+_SPUR = 1.5  # minimum length of a stroke in ink widths; shorter ones are spurs
+_TREMBLE = 7.0  # points for smoothing the centre line, which jumps from pixel to pixel
+_SWELL = 6.0  # points for smoothing its width
 
 
 @LINE_DRAWINGS.register
 @dataclass(frozen=True)
 class Brush(BufferedDrawing):
-    """Brush strokes: thick where the surface turns away slowly, thin where it turns away quickly.
+    """Brush strokes that are thick where the surface turns away slowly and thin where it turns away quickly.
 
-    The ink is where an extended difference of Gaussians of n·v falls below a threshold (Winnemöller,
+    There is ink where an extended difference of Gaussians of n·v falls below a threshold (Winnemöller,
     Kyprianidis, Olsen, "XDoG: An eXtended Difference-of-Gaussians Compendium", Computers & Graphics 36(6),
-    2012, equation 7); strokes run along its middle, as wide as it is.
+    2012, equation 7). Strokes follow the centre line of the ink and have its width.
 
     Args:
         line_width: median width of the strokes in pixels of the sketch, at any sketch size.
-        widest: strokes are at most this many times as wide as the median; broad shadows make no blots.
+        widest: maximum width of a stroke relative to the median, so that broad shadows do not become
+            blots.
         sigma: standard deviation of the smaller blur, as a fraction of the frame's side.
-        sharpening: p, how strongly edges are lifted out of the shading.
-        threshold: epsilon, the sharpened n·v below which there is ink; above 0, flat faces with an n·v below
-            it turn black.
-        gap: how far the surface must jump back for a contour, beyond what its slope explains, as a
-            fraction of the frame's side; contours are inked wherever they are.
-        shortest_contour: contours that span less than this fraction of the frame's side are left out.
-        shortest: patches of ink that span less than this fraction of the frame's side are left out.
+        sharpening: strength p of the emphasis of edges over shading.
+        threshold: epsilon, the sharpened n·v below which there is ink. If it is above 0, flat faces with a
+            smaller n·v turn black.
+        gap: minimum depth discontinuity at a contour, beyond the change explained by the slope, as a
+            fraction of the frame's side. Contours are always inked.
+        shortest_contour: minimum extent of a contour, as a fraction of the frame's side.
+        shortest: minimum extent of a patch of ink, as a fraction of the frame's side.
 
     Raises:
         InputError: if a setting is out of range.
@@ -62,7 +63,7 @@ class Brush(BufferedDrawing):
         facing = np.where(contours, 0, _facing_ratio(buffers))
         sharp = _sharpened(facing, self.sigma * buffers.side, self.sharpening)
         inked = _without_specks(contours | (sharp < self.threshold), self.shortest * buffers.side)
-        # Uneven ink gives the centre line spurs, which end inside the ink.
+        # Uneven ink gives the centre line spurs that end inside the ink.
         lines = [line for line in thin(inked) if len(line[0]) >= max(_SPUR * np.median(line[1]), 2)]
         if not lines:
             return []
@@ -70,7 +71,7 @@ class Brush(BufferedDrawing):
         return [self._stroke(points, width / median, buffers) for points, width in lines]
 
     def _stroke(self, points: Doubles, width: Doubles, buffers: Buffers) -> Stroke:
-        """Return the stroke along ``points`` (P, 2) of the buffers, ``width`` (P,) times the usual."""
+        """Return the stroke along ``points`` (P, 2) of the buffers, with relative widths ``width`` (P,)."""
         path = resample(buffers.to_sketch(settle(points, _TREMBLE, 1.5)), SPACING)
         closed = bool((points[0] == points[-1]).all())
         number = np.zeros(len(width)) if closed else np.arange(len(width))
@@ -80,7 +81,7 @@ class Brush(BufferedDrawing):
 
 
 def _facing_ratio(buffers: Buffers) -> Floats:
-    """Return n·v of every pixel (H, W), from 0 to 1, and 1 off the object as on paper."""
+    """Return n·v of each pixel (H, W), from 0 to 1, with 1 outside the object."""
     facing = np.clip(buffers.sight.facing(buffers.maps.normal), 0, 1)
     return np.where(buffers.maps.mask, facing, 1).astype(np.float32)
 
@@ -93,9 +94,9 @@ def _sharpened(picture: Floats, sigma: float, sharpening: float) -> Floats:
 
 
 def _without_specks(inked: BoolMask, shortest: float) -> BoolMask:
-    """Return the inked pixels (H, W) without connected patches that span less than ``shortest`` pixels.
+    """Return the inked pixels (H, W) without connected patches with an extent below ``shortest`` pixels.
 
-    The extent of a patch is the longer side of its bounding box; corners connect.
+    The extent of a patch is the longer side of its bounding box. Pixels are 8-connected.
 
     >>> _without_specks(np.array([[1, 1, 1, 0, 1]], bool), 2).astype(int)
     array([[1, 1, 1, 0, 0]])
@@ -108,15 +109,16 @@ def _without_specks(inked: BoolMask, shortest: float) -> BoolMask:
 
 
 def thin(inked: BoolMask) -> list[tuple[Doubles, Doubles]]:
-    """Return the lines along the middle of inked areas, and how thick the ink is there.
+    """Return the centre lines of inked areas, and the width of the ink along them.
 
-    Zhang and Suen, "A Fast Parallel Algorithm for Thinning Digital Patterns", 1984, as scikit-image has it.
+    The algorithm is that of Zhang and Suen, "A Fast Parallel Algorithm for Thinning Digital Patterns",
+    1984, from scikit-image.
 
     Args:
-        inked: (H, W).
+        inked: (H, W), True at inked pixels.
 
     Returns:
-        For each line its points (P, 2), x right and y down in pixels, and widths (P,) in pixels.
+        For each line, its points (P, 2), x right and y down in pixels, and widths (P,) in pixels.
 
     >>> inked = np.zeros((9, 20), bool)
     >>> inked[3:6, 2:18] = True
@@ -124,13 +126,13 @@ def thin(inked: BoolMask) -> list[tuple[Doubles, Doubles]]:
     >>> points[5:8].tolist(), width[5:8].tolist()
     ([[11.5, 4.5], [10.5, 4.5], [9.5, 4.5]], [3.0, 3.0, 3.0])
     """
-    from skimage.morphology import skeletonize  # takes half a second, and only brushes need it
+    from skimage.morphology import skeletonize  # takes half a second to import, and only brushes need it
 
     skeleton: BoolMask = skeletonize(inked)
     rows, columns = np.nonzero(skeleton)
     if not len(rows):
         return []
-    # The distance from a pixel's centre to the nearest centre without ink is half a pixel beyond the ink.
+    # The distance between pixel centres exceeds the distance to the edge of the ink by half a pixel.
     depth = cv2.distanceTransform(np.pad(inked, 1).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
     width = 2 * depth[1:-1, 1:-1][rows, columns].astype(np.float64) - 1
     points = np.stack([columns + 0.5, rows + 0.5], axis=1)
@@ -139,7 +141,7 @@ def thin(inked: BoolMask) -> list[tuple[Doubles, Doubles]]:
 
 
 def _neighbours(skeleton: BoolMask, rows: Indices, columns: Indices) -> Indices:
-    """Return pairs of neighbours on a skeleton, (L, 2); corner to corner only if no side joins them."""
+    """Return pairs of neighbouring skeleton pixels, (L, 2); diagonal ones only if no side connects them."""
     number = np.full((skeleton.shape[0] + 2, skeleton.shape[1] + 2), -1)
     number[rows + 1, columns + 1] = np.arange(len(rows))
     links = []

@@ -1,4 +1,4 @@
-"""Buffers: the larger maps in which lines are found, cropped to the object, and the rays of their pixels."""
+"""Buffers: high-resolution maps for finding lines, cropped to the object, and the rays of their pixels."""
 
 from abc import abstractmethod
 from dataclasses import dataclass
@@ -17,18 +17,18 @@ from normalgan.rendering.view import View
 
 __all__ = ["BufferedDrawing", "Buffers", "Sight", "sight"]
 
-_MARGIN = 4  # pixels kept about the object, so that filters meet the background before the border
+_MARGIN = 4  # pixels around the object, so that filters reach the background before the border
 
 
 @dataclass(frozen=True)
 class Sight:
-    """The ray of every pixel, which runs along (x, y, -1) in camera space.
+    """The rays of the pixels, with the directions (x, y, -1) in camera space.
 
     Args:
-        x: (W,) slope to the right of the rays of each column; 0 under orthographic projection.
-        y: (H,) slope upwards of the rays of each row; 0 under orthographic projection.
-        pixel: (H, W) side of a pixel where its ray meets the surface, in units of the mesh; 0 off the
-            object under perspective.
+        x: (W,) slopes of the rays to the right, by column; 0 for an orthographic projection.
+        y: (H,) upward slopes of the rays, by row; 0 for an orthographic projection.
+        pixel: (H, W) side of a pixel where the ray hits the surface, in mesh units; 0 outside the object
+            for a perspective projection.
     """
 
     x: Floats
@@ -36,7 +36,7 @@ class Sight:
     pixel: Floats
 
     def facing(self, normal: Floats) -> Floats:
-        """Return n·v of every pixel (H, W), of its normal (H, W, 3) and the unit vector to the viewer."""
+        """Return n·v of each pixel (H, W), given its normal (H, W, 3); v is the unit vector to the viewer."""
         x, y = self.x[None, :], self.y[:, None]
         along = normal[..., 2] - normal[..., 0] * x - normal[..., 1] * y
         cosine: Floats = along / np.sqrt(1 + x * x + y * y)
@@ -45,13 +45,13 @@ class Sight:
 
 @dataclass(frozen=True)
 class Buffers:
-    """The part of a view's maps that holds the object.
+    """The part of a view's maps that contains the object.
 
     Args:
-        maps: (H, W) of the part.
-        sight: its lines of sight.
-        corner: (x, y) of its upper left corner in the whole maps.
-        side: side of the whole picture in pixels.
+        maps: (H, W) maps of the part.
+        sight: rays of the part's pixels.
+        corner: (x, y) of the part's upper left corner in the full maps.
+        side: side of the full maps in pixels.
         scale: pixels of the maps per pixel of the sketch.
     """
 
@@ -63,29 +63,29 @@ class Buffers:
 
     @classmethod
     def of(cls, view: View, resolution: int) -> Self | None:
-        """Return a view's buffers, ``resolution`` pixels a side or somewhat more; None if nothing is seen.
+        """Return a view's buffers, at least ``resolution`` pixels per side, or None if nothing is visible.
 
-        A side is a whole multiple of the sketch's.
+        The side is an integer multiple of the sketch's side.
         """
         scale = -(-resolution // view.size)
         whole = view.maps(scale)
         window = _object_window(whole.mask)
         if window is None:
             return None
-        # A contiguous copy, because it is read many times.
+        # A contiguous copy is faster, because it is read many times.
         maps = Maps(np.ascontiguousarray(whole.normal[window]), whole.depth[window], whole.mask[window])
         side = scale * view.size
         corner = (window[1].start, window[0].start)
         return cls(maps, sight(view.camera, maps, window, side), corner, side, scale)
 
     def to_sketch(self, points: Doubles) -> Doubles:
-        """Return points (P, 2) of the part, x right and y down in its pixels, in pixels of the sketch."""
+        """Convert points (P, 2), x right and y down, from pixels of the part to pixels of the sketch."""
         placed: Doubles = (points + np.array(self.corner)) / self.scale
         return placed
 
 
 def _object_window(mask: BoolMask) -> tuple[slice, slice] | None:
-    """Return the rows and columns of the object and a margin: an animal fills a fraction of its frame."""
+    """Return the rows and columns of the object, which fills only part of the frame, with a margin."""
     left, top, width, height = cv2.boundingRect(mask.astype(np.uint8))
     if not width:
         return None
@@ -94,7 +94,7 @@ def _object_window(mask: BoolMask) -> tuple[slice, slice] | None:
 
 
 def sight(camera: Camera, maps: Maps, window: tuple[slice, slice], side: int) -> Sight:
-    """Return the rays of the part (H, W) of a frame of ``side`` pixels that the maps show."""
+    """Return the rays of the pixels of maps (H, W), which show a window of a frame with ``side`` pixels."""
     left, right, bottom, top = camera.window
     height, width = maps.mask.shape
     pixel = np.float32((right - left) / side)
@@ -110,12 +110,12 @@ def sight(camera: Camera, maps: Maps, window: tuple[slice, slice], side: int) ->
 
 @dataclass(frozen=True)
 class BufferedDrawing(LineDrawing):
-    """Base of the styles that find lines in larger maps of the view.
+    """Base class of styles that find lines in high-resolution maps of the view.
 
     Args:
         line_width: width of a line in pixels of the sketch, at any sketch size.
-        resolution: side in pixels of the maps that lines are found in, rounded up to a multiple of the
-            sketch's; lines are placed between their pixels.
+        resolution: side of the maps in pixels, rounded up to a multiple of the sketch's side. Lines have
+            subpixel positions.
 
     Raises:
         InputError: if a setting is out of range.
@@ -134,4 +134,4 @@ class BufferedDrawing(LineDrawing):
 
     @abstractmethod
     def _draw(self, view: View, buffers: Buffers) -> list[Stroke]:
-        """Return the strokes that a view's buffers show."""
+        """Return the strokes of a view, given its buffers."""

@@ -1,4 +1,4 @@
-"""Contours: the outline, every edge where one part hides another, and creases; the styles that draw them."""
+"""Contours: outlines, occluding edges and creases, and the styles that draw them."""
 
 from abc import abstractmethod
 from collections.abc import Sequence
@@ -32,13 +32,13 @@ __all__ = [
 @LINE_DRAWINGS.register
 @dataclass(frozen=True)
 class OccludingContours(BufferedDrawing):
-    """Silhouette and occluding contours, and the creases of angular objects if asked for.
+    """Silhouette and occluding contours, and optionally the creases of angular objects.
 
     Args:
-        gap: how far the surface must jump back for a contour, beyond what its slope explains, as a
-            fraction of the frame's side; a contour that has begun continues down to a third of it.
-        crease: angle in degrees between neighbouring normals from which an edge is drawn; None draws none.
-        shortest: contours that span less than this fraction of the frame's side are left out.
+        gap: minimum depth discontinuity at a contour, beyond the change explained by the slope, as a
+            fraction of the frame's side. A contour continues as long as it reaches a third of this.
+        crease: minimum angle in degrees between neighbouring normals at a crease; None draws no creases.
+        shortest: minimum extent of a contour, as a fraction of the frame's side.
 
     Raises:
         InputError: if a setting is out of range.
@@ -56,7 +56,7 @@ class OccludingContours(BufferedDrawing):
 
 
 def occluding_contours(buffers: Buffers, gap: float, shortest: float) -> list[Line]:
-    """Return the occluding contours; lengths are fractions of the frame's side."""
+    """Return the occluding contours, given lengths as fractions of the frame's side."""
     gap *= buffers.side
     return _depth_gaps(buffers.maps, buffers.sight, gap / 3).lines(gap, shortest * buffers.side)
 
@@ -64,10 +64,10 @@ def occluding_contours(buffers: Buffers, gap: float, shortest: float) -> list[Li
 @LINE_DRAWINGS.register
 @dataclass(frozen=True)
 class Silhouette(BufferedDrawing):
-    """The outline alone: where the object borders on the background, outside and through holes.
+    """Only the outline, where the object borders on the background, including holes.
 
     Args:
-        shortest: parts of the outline that span less than this fraction of the frame's side are left out.
+        shortest: minimum extent of a part of the outline, as a fraction of the frame's side.
 
     Raises:
         InputError: if a setting is out of range.
@@ -81,7 +81,7 @@ class Silhouette(BufferedDrawing):
 
 
 def borders(mask: BoolMask) -> Crossings:
-    """Return the border of a mask (H, W); the frame's border does not count."""
+    """Return the border of a mask (H, W), except along the border of the frame."""
     pairs: list[Crossed] = []
     for one, two in PAIRS:
         row, column = np.nonzero(mask[one] != mask[two])
@@ -93,17 +93,17 @@ def borders(mask: BoolMask) -> Crossings:
 
 @dataclass(frozen=True)
 class OutlinedDrawing(BufferedDrawing):
-    """Base of the styles that draw the occluding contours and lines of their own inside.
+    """Base class of styles that draw occluding contours and specific inner strokes.
 
     Args:
         line_width: width of contours in pixels of the sketch, at any sketch size.
-        interior_width: width of the strokes inside in pixels of the sketch; 0 draws none.
-        gap: how far the surface must jump back for a contour, beyond what its slope explains, as a
+        interior_width: width of inner strokes in pixels of the sketch; 0 draws none.
+        gap: minimum depth discontinuity at a contour, beyond the change explained by the slope, as a
             fraction of the frame's side.
-        shortest_contour: contours that span less than this fraction of the frame's side are left out.
-        shortest: strokes inside that are shorter than this fraction of the frame's side are left out.
-        apart: a stroke inside that keeps nearer than this to a contour, on average, as a fraction of the
-            frame's side, is left out: it would only double the contour.
+        shortest_contour: minimum extent of a contour, as a fraction of the frame's side.
+        shortest: minimum length of an inner stroke, as a fraction of the frame's side.
+        apart: minimum mean distance of an inner stroke to contours, as a fraction of the frame's side;
+            closer strokes would only duplicate a contour.
     """
 
     interior_width: NonNegative = 0.9
@@ -122,17 +122,17 @@ class OutlinedDrawing(BufferedDrawing):
 
     @abstractmethod
     def _draw_inside(self, view: View, buffers: Buffers, distance: Floats) -> list[Stroke]:
-        """Return the strokes inside.
+        """Return the inner strokes.
 
         Args:
-            view: the object and where it is seen from.
-            buffers: the maps that the contours were found in.
-            distance: (H, W) of each pixel of the buffers to the nearest contour, in their pixels.
+            view: view of the object.
+            buffers: maps in which the contours were found.
+            distance: (H, W) distance of each pixel of the buffers to the nearest contour, in pixels.
         """
 
 
 def mark(lines: Sequence[Line], shape: tuple[int, ...]) -> BoolMask:
-    """Return the pixels, in a picture of ``shape``, that lines belong to."""
+    """Return a mask of the given shape with the pixels of lines."""
     marks = np.zeros(shape, bool)
     for line in lines:
         marks[tuple(line.pixels.T)] = True
@@ -142,7 +142,8 @@ def mark(lines: Sequence[Line], shape: tuple[int, ...]) -> BoolMask:
 def _distance_to(marks: BoolMask) -> Floats:
     """Return the distance in pixels from each pixel to the nearest marked one; huge if there is none.
 
-    Chamfer distance with a 5 × 5 mask: within 2 % of the Euclidean one at a fraction of its cost.
+    It is a chamfer distance with a 5 × 5 mask, within 2 % of the Euclidean distance at a fraction of the
+    cost.
     """
     if not marks.any():
         return np.full(marks.shape, np.finfo(np.float32).max, np.float32)
@@ -150,13 +151,13 @@ def _distance_to(marks: BoolMask) -> Floats:
     return distance.astype(np.float32, copy=False)
 
 
-_STAIRS = 4.0  # points over which a line is smoothed that is known only to pass between two pixels
-_SLACK = 0.5  # pixels from the border of two pixels to their centres; the line passes within it
-_JITTER = 1.5  # points over which a more precise line is smoothed
+_STAIRS = 4.0  # points for smoothing a line that is only known to pass between two pixels
+_SLACK = 0.5  # pixels from the border of two pixels to their centres, between which the line passes
+_JITTER = 1.5  # points for smoothing a more precise line
 
 
 def _draw_border(line: Line, buffers: Buffers, width: float) -> Stroke:
-    """Return the stroke along a line known only to pass between certain pixels."""
+    """Return the stroke along a line that is only known to pass between certain pixels."""
     path = settle(line.points, _STAIRS, _SLACK)
     return Stroke.even(resample(buffers.to_sketch(path), SPACING), width)
 
@@ -167,20 +168,20 @@ def draw_curve(line: Line, buffers: Buffers, width: float) -> Stroke:
     return Stroke.even(resample(buffers.to_sketch(path), SPACING), width)
 
 
-_GRAZING = 0.1  # tangent planes with a smaller cosine are ignored: they would explain any gap
-_BAND = 2  # pixels; a flank this narrow is a contour, because it is thinner than the line
-_MUCH = 3.0  # ratio above which a gap counts as much larger
-_BEYOND = np.float32(1e6)  # depth of the background, in units of the mesh: farther than any object
+_GRAZING = 0.1  # tangent planes with a smaller cosine are ignored, because they would explain any gap
+_BAND = 2  # pixels; such a narrow flank is a contour, because it is thinner than the line
+_MUCH = 3.0  # ratio above which a gap is considered much larger
+_BEYOND = np.float32(1e6)  # depth of the background in mesh units, farther than any object
 
 
 def _depth_gaps(maps: Maps, sight: Sight, least: float) -> Crossings:
-    """Return where the surface jumps back by at least ``least`` > 0 pixels of its own size, pixel to pixel.
+    """Return the depth discontinuities of at least ``least`` > 0 pixel sizes between neighbouring pixels.
 
-    The expected depth change between neighbours lies between the predictions of both tangent planes and the
-    changes a few pixels away on either side; only an excess over that is a gap. So surfaces at a grazing
-    angle get no ink, even where the interpolated normals of a coarse mesh look less steep. A gap belongs to
-    the nearer, occluding pixel. Its strength is its size, and is huge next to the background. The frame's
-    border occludes nothing.
+    The expected depth change between neighbours is in the range of the predictions of both tangent planes
+    and the changes a few pixels away on either side. Only an excess over it is a gap. Surfaces at a
+    grazing angle therefore get no ink, even if the interpolated normals of a coarse mesh look less steep.
+    A gap belongs to the nearer, occluding pixel. Its strength is its size, and is huge next to the
+    background. The frame's border does not count as a gap.
     """
     depth = np.where(maps.mask, maps.depth, _BEYOND)
     floor = np.where(maps.mask, sight.pixel, np.float32(0)) * np.float32(least)
@@ -189,11 +190,11 @@ def _depth_gaps(maps: Maps, sight: Sight, least: float) -> Crossings:
 
 
 def _gaps_along(axis: int, depth: Floats, floor: Floats, maps: Maps, sight: Sight) -> Crossed:
-    """Return the gaps between each pixel and its right neighbour (axis 0) or the one below (1)."""
+    """Return the gaps between each pixel and its right (axis 0) or lower (axis 1) neighbour."""
     one, two = PAIRS[axis]
-    # Only a few pairs of pixels remain to be checked.
+    # Only a few pairs of pixels need the full check.
     rows, columns = places(np.abs(depth[two] - depth[one]) > np.maximum(floor[one], floor[two]))
-    # Pixels in a row: the pair, and another pair at some distance on each side.
+    # Pixels in a row: the pair, and another pair on each side of it.
     ahead = (-_BAND, 1 - _BAND, 0, 1, _BAND, _BAND + 1)
     line = [_moved(rows, columns, k, axis, depth.shape) for k in ahead]
     deep = [depth.ravel()[pixel] for pixel in line]
@@ -205,10 +206,10 @@ def _gaps_along(axis: int, depth: Floats, floor: Floats, maps: Maps, sight: Sigh
     second = front > back
     nearer = np.where(second, line[3], line[2])
     gap, size = np.maximum(back, front), sight.pixel.ravel()[nearer]
-    # Off the object pixels have no size, and nothing is hidden.
+    # Outside the object, pixels have no size, and nothing is hidden.
     seen = np.flatnonzero(maps.mask.ravel()[nearer] & (gap > floor.ravel()[nearer]))
     strength, second, first = gap[seen] / size[seen], second[seen], line[2][seen]
-    # A strong edge is a contour, even just before the part behind it ends.
+    # A strong edge is a contour, even close to the end of the part behind it.
     weak = gap[seen] < _MUCH * floor.ravel()[nearer[seen]]
     kept = seen[~(weak & _outdone(np.where(second, -strength, strength), first, depth.shape, axis))]
     second, share = front[kept] > back[kept], np.full(len(kept), 0.5)
@@ -216,7 +217,7 @@ def _gaps_along(axis: int, depth: Floats, floor: Floats, maps: Maps, sight: Sigh
 
 
 def _moved(rows: Indices, columns: Indices, by: int, axis: int, shape: tuple[int, ...]) -> Indices:
-    """Return flat indices of pixels moved right (axis 0) or down (1), but not out of the picture."""
+    """Return flat indices of pixels shifted right (axis 0) or down (axis 1), clamped to the picture."""
     if axis:
         rows = (rows + by).clip(0, shape[0] - 1)
     else:
@@ -226,20 +227,20 @@ def _moved(rows: Indices, columns: Indices, by: int, axis: int, shape: tuple[int
 
 
 def _foretold(maps: Maps, sight: Sight, pixel: Indices, axis: int) -> Floats:
-    """Return the depth change of each pixel's tangent plane to the right (axis 0) or downwards (1)."""
+    """Return the depth change of each pixel's tangent plane to the right (axis 0) or downwards (axis 1)."""
     nx, ny, nz = maps.normal.reshape(-1, 3).take(pixel, axis=0).T
     row, column = np.divmod(pixel, maps.mask.shape[1])
     towards = nz - nx * sight.x[column] - ny * sight.y[row]
-    across = -ny if axis else nx  # the pixel below lies towards -y
+    across = -ny if axis else nx  # the lower pixel is towards -y
     slope: Floats = across * sight.pixel.ravel()[pixel] / np.maximum(towards, _GRAZING)
     return slope
 
 
 def _outdone(falls: Floats, first: Indices, shape: tuple[int, ...], axis: int) -> BoolMask:
-    """Return which jumps may be only the start or end of a much larger neighbouring jump in their row.
+    """Return which discontinuities may be just the start or end of a much larger neighbour in their row.
 
     Args:
-        falls: (N,) how far the surface jumps back (positive) or forth (negative).
+        falls: (N,) depth discontinuities, positive away from the viewer.
         first: (N,) flat index of the first pixel of each pair.
         shape: (H, W) of the picture.
         axis: 0 for horizontal pairs, 1 for vertical pairs.
@@ -254,9 +255,9 @@ def _outdone(falls: Floats, first: Indices, shape: tuple[int, ...], axis: int) -
 
 
 def _creases(maps: Maps, angle: float) -> Crossings:
-    """Return where the normal turns by ``angle`` degrees or more from pixel to pixel, within the object.
+    """Return where normals of neighbouring object pixels differ by at least ``angle`` degrees.
 
-    Where it does so over several pixels in a row, the sharpest turn counts.
+    If this is the case for several pixels in a row, the largest difference counts.
     """
     limit = np.cos(np.deg2rad(angle))
     pairs = []
@@ -271,7 +272,7 @@ def _creases(maps: Maps, angle: float) -> Crossings:
 
 
 def _lowest(values: Floats, axis: int) -> BoolMask:
-    """Return which values (H, W) are below the previous and not above the next one, along an axis."""
+    """Return which values (H, W) are below the previous and not above the next value along an axis."""
     padding = [(1, 1) if k == axis else (0, 0) for k in (0, 1)]
     padded = np.pad(values, padding, constant_values=np.inf)
     length = values.shape[axis]

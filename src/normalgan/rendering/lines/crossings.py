@@ -1,4 +1,4 @@
-"""Crossings: where a line passes between neighbouring pixels, and how crossings link up."""
+"""Crossings: points where lines pass between neighbouring pixels, and their connection to lines."""
 
 from dataclasses import dataclass, fields, replace
 from typing import Self
@@ -17,21 +17,22 @@ PAIRS: tuple[_Pair, _Pair] = (
     ((slice(None), slice(None, -1)), (slice(None), slice(1, None))),
     ((slice(None, -1), slice(None)), (slice(1, None), slice(None))),
 )
-"""Each pixel and its right neighbour, each pixel and the one below it."""
+"""Pairs of each pixel and its right neighbour, then of each pixel and its lower neighbour."""
 
 
 Crossed = tuple[Indices, Indices, Doubles, Floats, BoolMask]
-"""Marked pairs along one axis: row and column of the first pixel; how far from its centre to the second's,
-from 0 to 1, the line passes; how strong it is; whether it belongs to the second pixel."""
+"""Marked pairs along one axis: row and column of the first pixel, position of the line between the two
+centres from 0 to 1, its strength, and whether it belongs to the second pixel."""
 
 
 @dataclass(frozen=True)
 class Line:
-    """A line through the grid of pixels.
+    """A line through the pixel grid.
 
     Args:
-        points: (P, 2) x to the right and y downwards in pixels, in order; a closed line ends on its first.
-        pixels: (Q, 2) row and column of the pixels it belongs to.
+        points: (P, 2) points in order, x right and y down in pixels; a closed line ends with its first
+            point.
+        pixels: (Q, 2) row and column of the pixels that the line belongs to.
     """
 
     points: Doubles
@@ -40,17 +41,17 @@ class Line:
 
 @dataclass(frozen=True)
 class Crossings:
-    """Places where lines pass between two neighbouring pixels.
+    """Points where lines pass between two neighbouring pixels.
 
-    Four pixel centres make a cell. A line crosses the sides of cells, each the way from a pixel's centre to
-    its right or lower neighbour's; crossings of one cell belong together. That is marching squares, for any
-    marked pairs of pixels instead of the level sets of a field.
+    Four pixel centres form a cell. Lines cross the sides of cells, which connect the centre of a pixel to
+    those of its right and lower neighbours. Crossings of the same cell are connected. This is marching
+    squares for arbitrary marked pairs of pixels instead of level sets.
 
     Args:
-        points: (N, 2) x to the right and y downwards in pixels, pixel centres at halves.
-        cells: (N, 2) numbers of the two cells on either side.
-        strength: (N,) how strong the line is there.
-        pixels: (N, 2) row and column of the pixel, of the two, that the line belongs to.
+        points: (N, 2) x right and y down in pixels, with pixel centres at halves.
+        cells: (N, 2) indices of the two adjacent cells.
+        strength: (N,) strength of the line at each crossing.
+        pixels: (N, 2) row and column of the pixel that the line belongs to.
     """
 
     points: Doubles
@@ -59,15 +60,15 @@ class Crossings:
     pixels: Indices
 
     def lines(self, seed: float, shortest: float) -> list[Line]:
-        """Return the lines that the crossings make, the longest first.
+        """Return the lines through the crossings, longest first.
 
         Args:
-            seed: the strength that a line must exceed somewhere.
-            shortest: least extent of a line, in pixels: the longer side of its bounding box.
+            seed: strength that a line must exceed somewhere.
+            shortest: minimum longer side of a line's bounding box, in pixels.
         """
         solid = self._without_spurs()
         points, links = solid._links()
-        # An extra point without strength joins three lines that meet.
+        # An extra point without strength joins the lines at a junction.
         strength = np.append(solid.strength, np.full(len(points) - len(solid.points), -np.inf))
         group = connected(len(points), links)
         links = links[_groups(points, strength, group, seed, shortest)[group[links[:, 0]]]]
@@ -79,14 +80,14 @@ class Crossings:
         return sorted(found, key=lambda line: -len(line.points))
 
     def _without_spurs(self) -> Self:
-        """Return the crossings without spurs of a single crossing."""
+        """Return the crossings without spurs that consist of a single crossing."""
         _, cell, count = np.unique(self.cells, return_inverse=True, return_counts=True)
         around = np.sort(count[cell.reshape(-1, 2)], axis=1)
         kept = ~((around[:, 0] == 1) & (around[:, 1] > 2))
         return replace(self, **{field.name: getattr(self, field.name)[kept] for field in fields(self)})
 
     def _links(self) -> tuple[Doubles, Indices]:
-        """Return all points, with junctions of three or four lines added (M, 2), and their links (L, 2)."""
+        """Return all points (M, 2), including junctions of three or four lines, and their links (L, 2)."""
         cells = self.cells.ravel()
         order = np.argsort(cells, kind="stable")
         _, start, count = np.unique(cells[order], return_index=True, return_counts=True)
@@ -105,7 +106,7 @@ class Crossings:
 
 
 def _groups(points: Doubles, strength: Floats, group: Indices, seed: float, shortest: float) -> BoolMask:
-    """Return which connected groups of points (N,) are strong and long enough for a line."""
+    """Return which connected groups of the points (N,) are strong and long enough to be lines."""
     count = int(group.max()) + 1 if len(group) else 0
     strongest, low, high = np.full(count, -np.inf), np.full((count, 2), np.inf), np.full((count, 2), -np.inf)
     np.maximum.at(strongest, group, strength)
@@ -116,7 +117,7 @@ def _groups(points: Doubles, strength: Floats, group: Indices, seed: float, shor
 
 
 def places(marked: BoolMask) -> tuple[Indices, Indices]:
-    """Return rows and columns of the marked pixels (H, W), as `numpy.nonzero` does, but faster for few."""
+    """Return rows and columns of marked pixels (H, W), like `numpy.nonzero` but faster if there are few."""
     rows, columns = np.divmod(np.flatnonzero(marked), marked.shape[1])
     return rows, columns
 
@@ -125,13 +126,13 @@ def crossings(pairs: tuple[Crossed, Crossed], width: int) -> Crossings:
     """Return the crossings of marked pairs of pixels.
 
     Args:
-        pairs: across the right borders of pixels, and across their lower borders.
+        pairs: marked pairs across the right borders of pixels, and across their lower borders.
         width: width of the picture in pixels.
     """
     parts = []
     for axis, (row, column, share, strength, second) in enumerate(pairs):
         down, right = (share, 0.0) if axis else (0.0, share)
-        # The cell with the upper left pixel (r, c) has the number (r + 1) (W + 1) + c + 1.
+        # The cell with the upper left pixel (r, c) has the index (r + 1) (W + 1) + c + 1.
         cell = (row + 1) * (width + 1) + column + 1
         parts.append(
             (

@@ -1,4 +1,4 @@
-"""Mixture: each drawing in a random one of several styles."""
+"""Mixture: draws each picture in a randomly chosen style."""
 
 from dataclasses import dataclass
 
@@ -18,12 +18,11 @@ class Mixture(LineDrawing):
     """Draws each picture in one of several styles, chosen at random.
 
     Args:
-        styles: the styles, each with its own settings; a style may occur twice with different settings.
-        weights: how often each style is chosen, as numbers in proportion to one another; none makes all
-            alike.
+        styles: styles with their settings; a style may occur several times with different settings.
+        weights: relative frequencies of the styles; none for equal frequencies.
 
     Raises:
-        InputError: if there is no style, or the weights do not fit.
+        InputError: if there is no style, or the weights are invalid.
     """
 
     styles: list[LineDrawing]
@@ -51,6 +50,6 @@ class Mixture(LineDrawing):
         return list(check_strokes(style, style.trace(view, rng), view.size))  # errors name the style
 
     def choose(self, rng: np.random.Generator) -> LineDrawing:
-        """Return one of the styles at random, by weight."""
+        """Return a random style according to the weights."""
         weights = np.ones(len(self.styles)) if self.weights is None else np.array(self.weights, np.float64)
         return self.styles[int(rng.choice(len(self.styles), p=weights / weights.sum()))]

@@ -1,4 +1,4 @@
-"""Suggestive contours found on the mesh; finer than in the picture, so that eyes and nostrils survive."""
+"""Suggestive contours found on the mesh, which preserve finer detail such as eyes and nostrils."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -19,15 +19,15 @@ __all__ = ["ObjectSpaceSuggestive", "radial_curvature"]
 class ObjectSpaceSuggestive(SurfaceDrawing):
     """Occluding contours, and suggestive contours found on the mesh instead of in the picture.
 
-    They are where the radial curvature, the curvature along the direction of the eye, changes from
-    hollow to bulging as one comes nearer (DeCarlo, Finkelstein, Rusinkiewicz, Santella, "Suggestive
-    Contours for Conveying Shape", SIGGRAPH 2003, section 3): lines that follow the mesh at any sketch size
-    and thin out where they fade.
+    Suggestive contours are where the radial curvature, the curvature in the viewing direction, changes
+    from concave to convex towards the viewer (DeCarlo, Finkelstein, Rusinkiewicz, Santella, "Suggestive
+    Contours for Conveying Shape", SIGGRAPH 2003, section 3). The lines follow the mesh at any sketch size
+    and get thinner where they fade.
 
     Args:
-        strength: how fast the radial curvature must change for a stroke, of an object of radius 1; a stroke
-            that has begun continues down to a third of it.
-        theta: degrees between normal and view vector below which no stroke is drawn.
+        strength: minimum rate of change of the radial curvature at a stroke, for an object of radius 1. A
+            stroke continues as long as it reaches a third of this.
+        theta: minimum angle in degrees between normal and view vector at a stroke.
 
     Raises:
         InputError: if a setting is out of range.
@@ -45,12 +45,12 @@ class ObjectSpaceSuggestive(SurfaceDrawing):
 
 
 def radial_curvature(shape: Shape, eye: Doubles) -> tuple[Doubles, Doubles, Doubles]:
-    """Return n·v, the radial curvature times sin², and its rise towards the eye, (V,) each.
+    """Return n·v, the radial curvature times sin², and its increase towards the viewer, (V,) each.
 
-    The radial curvature is that along w, the projection of the view vector v to the tangent plane; with
-    ``S n = 0`` it is ``v · S v / (w · w)``, positive where the surface bulges. Its rise is its derivative
-    along w / |w|; at a zero of the radial curvature, the derivative of ``v · S v`` can replace it. ``eye``
-    are the view vectors (V, 3), of unit length.
+    The radial curvature is the curvature along w, the projection of the view vector v onto the tangent
+    plane. With ``S n = 0``, it is ``v · S v / (w · w)``, which is positive where the surface is convex.
+    Its increase is the derivative along w / |w|, which at a zero of the radial curvature can be replaced
+    by the derivative of ``v · S v``. ``eye`` holds the view vectors (V, 3) of unit length.
     """
     normals = shape.normals
     facing = np.einsum("vc,vc->v", normals, eye)

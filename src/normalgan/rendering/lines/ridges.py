@@ -1,4 +1,4 @@
-"""Apparent ridges and valleys: folds that no contour shows."""
+"""Apparent ridges and valleys: folds that are not contours."""
 
 from dataclasses import dataclass
 
@@ -12,8 +12,8 @@ from normalgan.rendering.lines.surface_lines import EdgeMarks, SurfaceDrawing
 
 __all__ = ["RidgesAndValleys", "apparent_curvature", "extremes"]
 
-_FACING = 0.15  # below this n·v a ridge counts as a contour
-_GRAZING = 0.1  # the least n·v; below it foreshortening would have no bound
+_FACING = 0.15  # n·v below which a ridge counts as a contour
+_GRAZING = 0.1  # minimum n·v, because foreshortening has no bound
 
 
 @LINE_DRAWINGS.register
@@ -21,16 +21,17 @@ _GRAZING = 0.1  # the least n·v; below it foreshortening would have no bound
 class RidgesAndValleys(SurfaceDrawing):
     """Occluding contours, and the ridges and valleys between them.
 
-    Ridges and valleys here are apparent ones (Judd, Durand, Adelson, "Apparent Ridges for Line Drawing",
-    SIGGRAPH 2007): where the normal turns fastest per length in the picture. The extremes of curvature
-    itself (Ohtake, Belyaev, Seidel, "Ridge-Valley Lines on Meshes via Implicit Surface Fitting", SIGGRAPH
-    2004) were tried and left: they do not depend on the view, and run in streaks along limbs and tails.
+    These are apparent ridges and valleys (Judd, Durand, Adelson, "Apparent Ridges for Line Drawing",
+    SIGGRAPH 2007), where the normal changes fastest per length in the picture. The extrema of the
+    curvature itself (Ohtake, Belyaev, Seidel, "Ridge-Valley Lines on Meshes via Implicit Surface Fitting",
+    SIGGRAPH 2004) were tried and rejected. They do not depend on the view, and form streaks along limbs
+    and tails.
 
     Args:
-        strength: how sharply the surface must turn for a ridge or valley, in radians over the object's
-            radius as it is seen; a line that has begun continues down to a third of it.
-        sharpness: by how much more than beside it, in units of the curvature cubed; a limb is round, so its
-            middle is not a ridge.
+        strength: minimum view-dependent curvature of a ridge or valley, in radians per radius of the
+            object in the picture. A line continues as long as it reaches a third of this.
+        sharpness: minimum second derivative of the curvature across a ridge or valley, in units of the
+            curvature cubed. A limb is round, so its middle is not a ridge.
 
     Raises:
         InputError: if a setting is out of range.
@@ -47,7 +48,7 @@ class RidgesAndValleys(SurfaceDrawing):
     def _find(self, shape: Shape, eye: Doubles) -> list[tuple[EdgeMarks, Doubles]]:
         """Return the ridges, then the valleys; see `SurfaceDrawing._find`.
 
-        Where a ridge is too blunt its strength is 0, so that the gap can be bridged.
+        Where a ridge is too blunt, its strength is 0, so that the gap can be bridged.
         """
         curvature, along = apparent_curvature(shape, eye)
         marks, peaked = extremes(shape.surface, curvature, along)
@@ -60,13 +61,13 @@ class RidgesAndValleys(SurfaceDrawing):
 
 
 def apparent_curvature(shape: Shape, eye: Doubles) -> tuple[Doubles, Doubles]:
-    """Return the largest turn of the normal per length in the picture, (V,), and its direction, (V, 3).
+    """Return the maximum change of the normal per length in the picture, (V,), and its direction, (V, 3).
 
-    With a and b the tangents towards and across the eye's direction, a step along a is shortened by n·v in
-    the picture and one along b is not. The view-dependent curvature is the largest singular value of the
-    shape operator after undoing that; the direction returned is the tangent whose picture is its right
-    singular vector (Judd, Durand, Adelson, "Apparent Ridges for Line Drawing", SIGGRAPH 2007, section 4).
-    ``eye`` are the unit vectors (V, 3) to the eye.
+    Let a and b be the tangents along and across the viewing direction. In the picture, a step along a is
+    shortened by n·v, and a step along b is not. The view-dependent curvature is the largest singular value
+    of the shape operator after correcting for this. The returned direction is the tangent that projects to
+    the right singular vector (Judd, Durand, Adelson, "Apparent Ridges for Line Drawing", SIGGRAPH 2007,
+    section 4). ``eye`` holds the unit vectors (V, 3) to the viewer.
     """
     normals, operators = shape.normals, shape.operators
     facing = np.einsum("vc,vc->v", normals, eye)
@@ -74,9 +75,9 @@ def apparent_curvature(shape: Shape, eye: Doubles) -> tuple[Doubles, Doubles]:
     towards /= np.maximum(np.linalg.norm(towards, axis=1, keepdims=True), 1e-9)
     across = np.cross(normals, towards)
     lengthened = towards / np.maximum(facing, _GRAZING)[:, None]
-    steps = np.stack([lengthened, across], axis=2)  # (V, 3, 2): one pixel along each, on the surface
+    steps = np.stack([lengthened, across], axis=2)  # (V, 3, 2): steps of one pixel
     turns = operators @ steps
-    # The right singular vector of a matrix of two columns is the longer axis of its Gram matrix.
+    # The right singular vector of a matrix with two columns is the major axis of its Gram matrix.
     gram = turns.transpose(0, 2, 1) @ turns
     xx, yy, xy = gram[:, 0, 0], gram[:, 1, 1], gram[:, 0, 1]
     angle = np.arctan2(2 * xy, xx - yy) / 2
@@ -86,10 +87,11 @@ def apparent_curvature(shape: Shape, eye: Doubles) -> tuple[Doubles, Doubles]:
 
 
 def extremes(surface: Surface, values: Doubles, along: Doubles) -> tuple[EdgeMarks, Doubles]:
-    """Return where values (V,) are largest or smallest along tangents (V, 3), and how peaked they are there.
+    """Return the extrema of values (V,) along tangents (V, 3), and the negative second derivatives there.
 
-    The marks are zeros of the derivative. The tangents' lengths count. They have no sign: along an edge, that
-    of its first vertex counts. The peakedness is minus the second derivative, (N,), positive at a maximum.
+    The extrema are zeros of the derivative along the tangents, whose lengths matter. Tangents have no
+    sign, so along an edge, the sign of the first vertex is used. The negative second derivative, (N,), is
+    positive at a maximum.
     """
     rise = np.einsum("vc,vc->v", surface.slope(values), along)
     one, other = surface.edges.T
@@ -97,7 +99,7 @@ def extremes(surface: Surface, values: Doubles, along: Doubles) -> tuple[EdgeMar
     step = surface.vertices[other] - surface.vertices[one]
     norm = np.maximum(np.linalg.norm(along, axis=1), 1e-12)
     unit = along / norm[:, None]
-    # Least squares over the edges of a vertex: the change of the derivative along its direction.
+    # Least squares fit, over the edges of a vertex, of the derivative's change along its direction.
     ahead, behind = (step * unit[one]).sum(1), -(step * unit[other]).sum(1)
     count = len(values)
     change = np.bincount(one, (sign * rise[other] - rise[one]) * ahead, count)

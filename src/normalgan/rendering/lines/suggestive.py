@@ -1,4 +1,4 @@
-"""Suggestive contours: occluding contours and the strokes that would become so from nearby."""
+"""Suggestive contours: occluding contours, and lines that would be contours from a nearby viewpoint."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -17,23 +17,24 @@ from normalgan.rendering.view import View
 
 __all__ = ["SuggestiveContours"]
 
-_BAND = 0.003  # of the frame's side: normals this near a contour are mixed from two surfaces
+_BAND = 0.003  # fraction of the frame's side; normals within this distance of a contour mix two surfaces
 
 
 @LINE_DRAWINGS.register
 @dataclass(frozen=True)
 class SuggestiveContours(OutlinedDrawing):
-    """Occluding contours and a few confident strokes inside; of all styles, the closest to an artist's.
+    """Occluding contours and a few confident inner strokes; of all styles, the closest to an artist's.
 
-    The strokes are the suggestive contours of DeCarlo et al. 2003, found in the picture: zero crossings
-    of D_w f where D_w D_w f > t, for f = n·v and w the projection of the view vector v to the surface,
-    on smoothed normals.
+    The inner strokes are the suggestive contours of DeCarlo et al. 2003, found in the picture. They are
+    zero crossings of D_w f with D_w D_w f > t, where f = n·v and w is the projection of the view vector v
+    onto the surface, for smoothed normals.
 
     Args:
-        smoothing: standard deviation of the smoothing of the normals, as a fraction of the frame's side.
-        strength: how sharp a valley must be for a stroke: t for a frame of side 1; a stroke that has begun
-            continues down to a third of it.
-        theta: degrees between normal and view vector below which no stroke is drawn.
+        smoothing: standard deviation of the Gaussian applied to the normals, as a fraction of the frame's
+            side.
+        strength: minimum sharpness t of a valley at a stroke, for a frame of side 1. A stroke continues as
+            long as it reaches a third of this.
+        theta: minimum angle in degrees between normal and view vector at a stroke.
 
     Raises:
         InputError: if a setting is out of range.
@@ -54,7 +55,7 @@ class SuggestiveContours(OutlinedDrawing):
         ]
 
     def _inside(self, buffers: Buffers, distance: Floats) -> list[Line]:
-        """Return the lines inside, given each pixel's ``distance`` to the contours."""
+        """Return the inner lines, given each pixel's ``distance`` to the contours."""
         side = buffers.side
         known = buffers.maps.mask & (distance > _BAND * side)
         normal = _smooth_normals(buffers.maps.normal, known, self.smoothing * side)
@@ -64,21 +65,22 @@ class SuggestiveContours(OutlinedDrawing):
         return _zero_crossings(slope, bend, deep).lines(self.strength, self.shortest * side)
 
     def _says_more(self, line: Line, distance: Floats, side: int) -> bool:
-        """Return whether a line keeps away from contours; next to a contour it would only double it."""
+        """Return whether a line keeps away from contours, which it would otherwise only duplicate."""
         return bool(distance[tuple(line.pixels.T)].mean() > self.apart * side)
 
 
-_ROUNDING = 1e-6  # smaller slopes of n·v are rounding in single precision; planes have no valleys
+_ROUNDING = 1e-6  # smaller slopes of n·v are rounding errors of single precision, and planes have no valleys
 
 
 def _smooth_normals(normal: Floats, known: BoolMask, sigma: float) -> Floats:
-    """Return unit normals (H, W, 3) smoothed over ``sigma`` pixels, from those at ``known`` pixels alone.
+    """Return unit normals (H, W, 3) smoothed over ``sigma`` pixels, using only ``known`` pixels.
 
-    A normalised convolution: with background and contours not known, neither the far surface nor
-    half-seen pixels leak in. (The sum needs no dividing by the weights: it is made a unit vector.)
+    This is a normalised convolution. Background and contours are unknown, so neither the surface behind
+    nor partly covered pixels leak in. The sum is normalised to unit length, so it need not be divided by
+    the weights.
     """
-    side = 2 * round(3 * sigma) + 1  # by default a third more, for the last 0.3 % of the weight
-    # One component after the other, so that each is contiguous in memory.
+    side = 2 * round(3 * sigma) + 1  # the default is a third larger, for only 0.3 % of the weight
+    # One component at a time, so that each is contiguous in memory.
     weight = known.astype(np.float32)
     parts = np.empty((3, *known.shape), np.float32)
     for part, component in zip(parts, cv2.split(normal), strict=True):
@@ -90,16 +92,17 @@ def _smooth_normals(normal: Floats, known: BoolMask, sigma: float) -> Floats:
 
 
 def _valley_depth(normal: Floats, sight: Sight) -> tuple[Floats, Floats, Floats]:
-    """Return f = n·v, its slope g along the eye's direction in the picture, and the slope of g, (H, W) each.
+    """Return f = n·v, its slope g in the viewing direction in the picture, and the slope of g, (H, W) each.
 
-    The direction is that of w, the projection of the view vector v to the tangent plane; g and its
-    slope are per pixel. Suggestive contours are where g crosses 0 upwards (DeCarlo, Finkelstein,
-    Rusinkiewicz, Santella, "Suggestive Contours for Conveying Shape", SIGGRAPH 2003, section 2).
+    The direction is that of w, the projection of the view vector v onto the tangent plane. Slopes are per
+    pixel. Suggestive contours are where g crosses 0 upwards (DeCarlo, Finkelstein, Rusinkiewicz, Santella,
+    "Suggestive Contours for Conveying Shape", SIGGRAPH 2003, section 2).
     """
     x, y = sight.x[None, :], sight.y[:, None]
     nx, ny, nz = normal[..., 0], normal[..., 1], normal[..., 2]
     f = sight.facing(normal)
-    # A displacement e moves a point's picture by e_x + x e_z, e_y + y e_z; w = v - f n, and v moves it by 0.
+    # A displacement e moves a point in the picture by (e_x + x e_z, e_y + y e_z), so v moves it by 0; w =
+    # v - f n.
     right, down = -(nx + x * nz), ny + y * nz
     length = np.maximum(np.sqrt(right * right + down * down), np.float32(1e-12))
     right, down = right / length, down / length
@@ -117,9 +120,9 @@ def _along(field: Floats, right: Floats, down: Floats) -> Floats:
 
 
 def _zero_crossings(slope: Floats, bend: Floats, valid: BoolMask) -> Crossings:
-    """Return where ``slope`` changes sign between two valid neighbours, to a fraction of a pixel.
+    """Return the sign changes of ``slope`` between two valid neighbours, with subpixel accuracy.
 
-    Their strength is ``bend`` at the pixel nearer to zero.
+    Their strength is ``bend`` at the pixel closer to zero.
     """
     size, negative = np.abs(slope), slope < -_ROUNDING
     pairs = []

@@ -1,4 +1,4 @@
-"""Surface: a mesh with its differential operators and its curvature, made once per mesh."""
+"""Surface: a mesh with its differential operators and curvature, computed once per mesh."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -11,22 +11,22 @@ from normalgan.rendering.mesh import Mesh
 
 __all__ = ["Shape", "Surface", "shape_of", "shape_operators", "smooth_normals"]
 
-_Operator = Any  # a sparse matrix; SciPy's types are not generic over the other factor
+_Operator = Any  # a sparse matrix, because SciPy's types are not generic in the other factor
 
 
 @dataclass(frozen=True)
 class Surface:
-    """A triangle mesh, its edges, and linear operators on values at its vertices.
+    """A triangle mesh with its edges, and linear operators on values at its vertices.
 
     Args:
         vertices: (V, 3) positions.
         faces: (F, 3) vertex indices.
         normals: (V, 3) unit vectors.
         edges: (E, 2) vertex indices, each edge once.
-        sides: (F, 3) the edges of each face.
-        gradient: three (V, V) matrices that turn values at the vertices into the x, y and z of their slope:
-            the area-weighted mean over the faces around each vertex.
-        average: (V, V) matrix that replaces each value by half of itself and half of its neighbours' mean.
+        sides: (F, 3) edge indices of each face.
+        gradient: three (V, V) matrices from values at the vertices to the x, y and z components of their
+            gradient, the area-weighted mean over the faces around each vertex.
+        average: (V, V) matrix that replaces each value by the mean of itself and of its neighbours' mean.
         spacing: mean length of an edge.
     """
 
@@ -44,7 +44,7 @@ class Surface:
         """Return the surface of a mesh."""
         vertices, faces = mesh.vertices.astype(np.float64), mesh.faces.astype(np.int64)
         pairs = np.sort(faces[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2), axis=1)
-        # One number for each pair sorts many times faster than rows.
+        # One integer per pair sorts many times faster than rows.
         keys, sides = np.unique(pairs[:, 0] * len(vertices) + pairs[:, 1], return_inverse=True)
         edges = np.stack([keys // len(vertices), keys % len(vertices)], axis=1)
         lengths = np.linalg.norm(vertices[edges[:, 0]] - vertices[edges[:, 1]], axis=1)
@@ -60,25 +60,27 @@ class Surface:
         )
 
     def smooth(self, values: Doubles, sigma: float) -> Doubles:
-        """Return values (V, …) at the vertices smoothed by diffusion over ``sigma``, in units of the mesh."""
+        """Return values (V, …) at the vertices after smoothing by diffusion over ``sigma``, in mesh units."""
         smoothed = values.reshape(len(values), -1)
-        # A round moves a value to a neighbour with probability 1/2, a step of variance spacing² / 2.
+        # Each iteration moves a value to a neighbour with probability 1/2, a step of variance spacing² /
+        # 2.
         for _ in range(round(4 * (sigma / self.spacing) ** 2)):
             smoothed = self.average @ smoothed
         return np.asarray(smoothed).reshape(values.shape)
 
     def slope(self, values: Doubles) -> Doubles:
-        """Return the gradient (V, 3) of values (V,) along the surface, per unit of the mesh."""
+        """Return the gradient (V, 3) of values (V,) along the surface, per mesh unit."""
         return np.stack([part @ values for part in self.gradient], axis=1)
 
 
 def _gradient(vertices: Doubles, faces: Indices) -> tuple[_Operator, _Operator, _Operator]:
     opposite = [vertices[faces[:, (k + 2) % 3]] - vertices[faces[:, (k + 1) % 3]] for k in range(3)]
-    across = np.cross(opposite[0], opposite[1])  # twice the area, along the normal
+    across = np.cross(opposite[0], opposite[1])  # normal vectors of twice the area
     area = np.linalg.norm(across, axis=1)
     around = np.maximum(np.bincount(faces.ravel(), np.repeat(area, 3), len(vertices)), 1e-30)
     unit = across / np.maximum(area, 1e-30)[:, None]
-    # The hat function of a corner climbs at right angles to the opposite edge; here times twice the area.
+    # The gradient of a corner's hat function is perpendicular to the opposite edge; here times twice the
+    # area.
     climbs = [np.cross(unit, edge) for edge in opposite]
     rows = np.concatenate([faces[:, i] for i in range(3) for _ in range(3)])
     columns = np.concatenate([faces[:, j] for _ in range(3) for j in range(3)])
@@ -106,8 +108,8 @@ class Shape:
 
     Args:
         surface: the mesh.
-        normals: (V, 3) unit vectors, smoothed.
-        operators: (V, 3, 3) see `shape_operators`.
+        normals: (V, 3) smoothed unit normals.
+        operators: (V, 3, 3) shape operators; see `shape_operators`.
     """
 
     surface: Surface
@@ -115,13 +117,13 @@ class Shape:
     operators: Doubles
 
 
-# Views of a mesh are rendered in a row, so one mesh is kept, and memory stays flat. Its shapes are keyed by
-# smoothing, which differs between the styles of a mixture. The cache belongs to the process.
+# Views of a mesh are rendered in a row, so each process caches only one mesh, and memory stays constant.
+# Its shapes are keyed by smoothing, which differs between the styles of a mixture.
 _last: tuple[Mesh, Surface, dict[float, Shape]] | None = None
 
 
 def shape_of(mesh: Mesh, smoothing: float) -> Shape:
-    """Return the shape of a mesh, its curvature smoothed over ``smoothing`` units of the mesh."""
+    """Return the shape of a mesh, with curvature smoothed over ``smoothing`` mesh units."""
     global _last  # noqa: PLW0603 -- see above
     if _last is None or _last[0] is not mesh:
         _last = (mesh, Surface.of(mesh), {})
@@ -133,24 +135,24 @@ def shape_of(mesh: Mesh, smoothing: float) -> Shape:
 
 
 def smooth_normals(surface: Surface, smoothing: float) -> Doubles:
-    """Return the unit normals (V, 3) of a mesh smoothed over ``smoothing`` units of it."""
+    """Return the unit normals (V, 3) of a mesh, smoothed over ``smoothing`` mesh units."""
     return _unit(surface.smooth(surface.normals, smoothing))
 
 
 def shape_operators(surface: Surface, normals: Doubles, smoothing: float) -> Doubles:
-    """Return the shape operator at each vertex, (V, 3, 3), symmetric.
+    """Return the symmetric shape operator S at each vertex, (V, 3, 3).
 
-    A step s along the surface turns the normal by ``S s``; ``S n = 0``, and ``u · S u`` is the curvature
-    along the unit tangent u, positive where the surface bends away from the normal, as a ball's does. For
-    each face, S is fitted to the differences of the normals along its three sides by least squares. At a
-    vertex it is the average over the faces around, turned into the tangent plane there. A face's weight is
-    the part of its area that is nearest to the vertex (Rusinkiewicz, "Estimating Curvatures and Their
-    Derivatives on Triangle Meshes", 3DPVT 2004, sections 3.1 to 3.3).
+    A step s along the surface changes the normal by ``S s``. ``S n = 0``, and ``u · S u`` is the curvature
+    along the unit tangent u, which is positive for a convex surface such as a ball. For each face, S is
+    fitted to the differences of the normals along its three sides by least squares. At a vertex, it is the
+    average over the surrounding faces, rotated into the tangent plane. The weight of a face is the part of
+    its area that is closest to the vertex (Rusinkiewicz, "Estimating Curvatures and Their Derivatives on
+    Triangle Meshes", 3DPVT 2004, sections 3.1 to 3.3).
 
     Args:
         surface: the mesh.
         normals: (V, 3) unit vectors.
-        smoothing: standard deviation of the Gaussian that smooths the curvature, in units of the mesh.
+        smoothing: standard deviation of the Gaussian applied to the curvature, in mesh units.
     """
     corners = surface.vertices[surface.faces]
     sides = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)  # side k is opposite corner k
@@ -175,7 +177,7 @@ def shape_operators(surface: Surface, normals: Doubles, smoothing: float) -> Dou
 
 
 def _fit(sides: Doubles, normals: Doubles, first: Doubles, second: Doubles) -> Doubles:
-    """Return the symmetric matrices (F, 2, 2) that best map sides of faces to changes of normals."""
+    """Return the symmetric matrices (F, 2, 2) that best map sides of faces to differences of normals."""
     turns = np.roll(normals, -2, axis=1) - np.roll(normals, -1, axis=1)
     u, v = (np.einsum("fkc,fc->fk", sides, axis) for axis in (first, second))
     du, dv = (np.einsum("fkc,fc->fk", turns, axis) for axis in (first, second))
@@ -183,7 +185,7 @@ def _fit(sides: Doubles, normals: Doubles, first: Doubles, second: Doubles) -> D
     zero = np.zeros_like(uu)
     left = np.stack([uu, uv, zero, uv, uu + vv, uv, zero, uv, vv], axis=1).reshape(-1, 3, 3)
     right = np.stack([(u * du).sum(1), (v * du + u * dv).sum(1), (v * dv).sum(1)], axis=1)
-    # The fit of a sliver is undetermined across it; damping sets it to 0.
+    # The fit is undetermined across a sliver, where damping sets it to 0.
     damping = 1e-9 * (uu + vv) + 1e-30
     left += damping[:, None, None] * np.eye(3)
     a, b, c = np.linalg.solve(left, right[..., None])[..., 0].T
@@ -192,14 +194,15 @@ def _fit(sides: Doubles, normals: Doubles, first: Doubles, second: Doubles) -> D
 
 
 def _nearest_areas(sides: Doubles) -> Doubles:
-    """Return the area (F, 3) of each face that is nearer to each corner than to the others (Voronoi).
+    """Return the Voronoi areas (F, 3) of each face's corners.
 
-    Obtuse faces are cut at the feet of the perpendiculars instead, as by Meyer, Desbrun, Schröder and
-    Barr, "Discrete Differential-Geometry Operators for Triangulated 2-Manifolds", 2003.
+    Obtuse faces give half of their area to the obtuse corner and a quarter to each other corner, as in
+    Meyer, Desbrun, Schröder and Barr, "Discrete Differential-Geometry Operators for Triangulated
+    2-Manifolds", 2003.
     """
     square = (sides * sides).sum(2)
     area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1) / 2
-    # Cotangent at corner k: the sides meeting there are k + 1 and k + 2, pointing on and back.
+    # Cotangent at corner k, where sides k + 1 and k + 2 meet with opposite directions.
     dots = -np.stack([(sides[:, (k + 1) % 3] * sides[:, (k + 2) % 3]).sum(1) for k in range(3)], axis=1)
     cotangent = dots / np.maximum(2 * area, 1e-30)[:, None]
     shares = square * cotangent / 8
@@ -211,9 +214,9 @@ def _nearest_areas(sides: Doubles) -> Doubles:
 
 
 def _tilt(vectors: Doubles, old: Doubles, new: Doubles) -> Doubles:
-    """Return tangent vectors (F, 3) turned along with the normal, the shortest way from old to new."""
+    """Return tangent vectors (F, 3) after the minimal rotation from the old to the new normal."""
     cosine = (old * new).sum(1)
-    # Normals are opposite on a fold, so any rotation axis will do.
+    # On a fold, normals are opposite, and any rotation axis will do.
     share = (vectors * new).sum(1) / np.maximum(1 + cosine, 1e-6)
     tilted: Doubles = vectors - (old + new) * share[:, None]
     return tilted

@@ -1,4 +1,4 @@
-"""Renderers: from a mesh and a camera to normal, depth and mask."""
+"""Renderers: normal, depth and mask of a mesh viewed by a camera."""
 
 from normalgan.rendering.renderers.base import RENDERERS, Renderer
 from normalgan.rendering.renderers.embree import EmbreeRenderer

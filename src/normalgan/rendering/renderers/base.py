@@ -1,4 +1,4 @@
-"""Renderer: turns a mesh and a camera into maps."""
+"""Renderer: base class of renderers, which return the maps of a mesh."""
 
 from abc import ABC, abstractmethod
 
@@ -11,24 +11,24 @@ __all__ = ["RENDERERS", "Renderer"]
 
 
 class Renderer(ABC):
-    """Base of the renderers.
+    """Base class of renderers.
 
-    A renderer is a frozen dataclass that uses NumPy only. Its fields are its settings; they and the file
-    that defines the class, but not what that file imports, enter the key under which rendered samples
-    are stored. Anything it opens (an OpenGL context) belongs to the process, not to
-    the object, so that it can be handed to a worker process.
+    A renderer is a frozen dataclass that does not use torch. Its fields are its settings. The cache key of
+    rendered samples covers them and the source file of the class, but not the imports of that file.
+    Resources such as an OpenGL context must belong to the process instead of the object, so that it can be
+    sent to a worker process.
     """
 
     @abstractmethod
     def render(self, mesh: Mesh, camera: Camera, size: int) -> Maps:
-        """Return the `Maps` of a mesh seen by a camera, ``size`` × ``size`` pixels.
+        """Return the `Maps` of a mesh viewed by a camera, ``size`` × ``size`` pixels.
 
-        One sample a pixel at its centre, never blended with the background. A surface seen from behind
-        (through a hole of an open shell) gets the normal that faces the viewer.
+        Maps are sampled once per pixel at its centre, never blended with the background. A surface viewed
+        from behind (through a hole of an open shell) gets the normal that faces the viewer.
         """
 
     def check(self) -> None:
-        """Raise `InputError` if this machine lacks a requirement of the renderer; say what to install."""
+        """Raise `InputError`, with advice on what to install, if this machine lacks a requirement."""
 
 
 RENDERERS: Registry[Renderer] = Registry(Renderer, "normalgan.renderers")  # type: ignore[type-abstract]

@@ -1,4 +1,4 @@
-"""EmbreeRenderer: casts one ray a pixel on the CPU; needs neither OpenGL nor any system package."""
+"""EmbreeRenderer: casts one ray per pixel on the CPU, without OpenGL or system packages."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -16,26 +16,26 @@ __all__ = ["EmbreeRenderer"]
 
 
 _CANCELLED = 1e-4
-"""Interpolated normals shorter than this have cancelled each other out."""
+"""Length below which interpolated normals have cancelled each other out."""
 
-# The mesh rendered last and its scene, as views of a mesh are rendered in a row. It belongs to the process.
+# Each process caches the last mesh with its scene, because views of a mesh are rendered in a row.
 _last: tuple[Mesh, Any] | None = None
 
 
 @RENDERERS.register
 @dataclass(frozen=True)
 class EmbreeRenderer(Renderer):
-    """Ray casting by Intel Embree on the CPU: works everywhere, best at small sizes.
+    """Ray casting by Intel Embree on the CPU, which works everywhere and is best at small sizes.
 
-    Embree (Wald et al., ACM Transactions on Graphics 33(4), 2014) says in float32 which triangle a pixel
-    sees; the point on the triangle and its normal are computed here in float64.
+    Embree (Wald et al., ACM Transactions on Graphics 33(4), 2014) determines the visible triangle of a
+    pixel in float32. The point on the triangle and its normal are computed here in float64.
     """
 
     def render(self, mesh: Mesh, camera: Camera, size: int) -> Maps:
-        """Return the maps of ``mesh`` seen by ``camera``; see `Renderer.render`."""
+        """Return the maps of a mesh viewed by a camera; see `Renderer.render`."""
         rows, columns = _pixels_in_reach(mesh, camera, size)
         origins, directions = (part.reshape(-1, 3) for part in camera.rays(size, rows, columns))
-        # From the near plane, so that float32 spends no digits on the distance to it.
+        # Rays start at the near plane, so that float32 wastes no digits on the distance to it.
         started = origins + camera.near * directions
         hit = _scene(mesh).run(started.astype(np.float32), directions.astype(np.float32))
         pixels = np.flatnonzero(hit >= 0)
@@ -55,7 +55,7 @@ class EmbreeRenderer(Renderer):
 
 def _scene(mesh: Mesh) -> Any:
     """Return Embree's search tree of the mesh, cached until the mesh changes."""
-    from embreex.mesh_construction import TriangleMesh  # 0.1 s, only when it renders
+    from embreex.mesh_construction import TriangleMesh  # takes 0.1 s to import, only needed to render
     from embreex.rtcore_scene import EmbreeScene
 
     global _last  # noqa: PLW0603 -- see above
@@ -67,9 +67,9 @@ def _scene(mesh: Mesh) -> Any:
 
 
 def _pixels_in_reach(mesh: Mesh, camera: Camera, size: int) -> tuple[slice, slice]:
-    """Return the rows and columns of the smallest rectangle of pixels that holds the projected mesh."""
+    """Return the rows and columns of the smallest rectangle of pixels that contains the projected mesh."""
     place, depth = project(camera, mesh.vertices.astype(np.float64), size)
-    if camera.perspective and depth.min() <= 0:  # behind the eye, where a projection is meaningless
+    if camera.perspective and depth.min() <= 0:  # behind the camera, where a projection is meaningless
         return slice(0, size), slice(0, size)
     x, y = place.T
     bounds = [int(np.clip(edge, 0, size)) for edge in (y.min(), y.max() + 1, x.min(), x.max() + 1)]
@@ -79,10 +79,10 @@ def _pixels_in_reach(mesh: Mesh, camera: Camera, size: int) -> tuple[slice, slic
 def _shade(
     mesh: Mesh, faces: NDArray[np.integer], origins: Doubles, directions: Doubles
 ) -> tuple[Doubles, Doubles]:
-    """Return the normals (3, P), facing the viewer, and depths (P,) where rays (3, P) meet their triangles.
+    """Return the normals (3, P), facing the viewer, and depths (P,) where rays (3, P) hit their triangles.
 
-    Barycentric coordinates as in Möller and Trumbore, Journal of Graphics Tools 2(1), 1997. Coordinates come
-    first, as NumPy is much faster on long rows than on many short ones.
+    Barycentric coordinates are computed as in Möller and Trumbore, Journal of Graphics Tools 2(1), 1997.
+    Coordinates are the first axis, because NumPy is much faster on long rows than on many short ones.
     """
     corners = mesh.faces.T[:, faces]
     vertices = np.ascontiguousarray(mesh.vertices.T, dtype=np.float64)
@@ -90,7 +90,7 @@ def _shade(
     edge1, edge2, offset = b - a, c - a, origins - a
     across = _cross(directions, edge2)
     turned = _cross(offset, edge1)
-    # 0 only for triangles too thin for float32, where any point will do.
+    # The determinant is 0 only for triangles too thin for float32, where any point will do.
     scale = _dot(edge1, across)
     scale[scale == 0] = np.finfo(np.float64).tiny
     u = np.clip(_dot(offset, across) / scale, 0, 1)
@@ -101,17 +101,17 @@ def _shade(
     n_a, n_b, n_c = (at_vertices[:, corner] for corner in corners)
     normals = (1 - u - v) * n_a + u * n_b + v * n_c
     flat = _cross(edge1, edge2)
-    # The corners' normals may cancel on a fold; then the normal of the triangle is used.
+    # The corners' normals may cancel on a fold, where the normal of the triangle is used instead.
     cancelled = _dot(normals, normals) < _CANCELLED**2
     normals[:, cancelled] = flat[:, cancelled]
-    # Seen from behind is what the triangle says, not the normal: on a coarse mesh a normal near the
-    # silhouette may lean away from the viewer on a triangle that faces him.
+    # The triangle decides whether it is viewed from behind, because on a coarse mesh, a normal near the
+    # silhouette may face away from the viewer on a triangle that faces the viewer.
     normals *= np.where(_dot(flat, directions) > 0, -1, 1) / np.sqrt(_dot(normals, normals))
     return normals, depth
 
 
 def _dot(a: Doubles, b: Doubles) -> Doubles:
-    products = a * b  # adding the rows is faster than a sum along the axis
+    products = a * b  # adding rows is faster than a sum along the axis
     return np.asarray(products[0] + products[1] + products[2])
 
 

@@ -1,4 +1,4 @@
-"""PyrenderRenderer: OpenGL without a display, through EGL; on a graphics card if there is one."""
+"""PyrenderRenderer: OpenGL without a display through EGL, on a graphics card if there is one."""
 
 import os
 import warnings
@@ -17,22 +17,22 @@ from normalgan.rendering.renderers.base import RENDERERS, Renderer
 
 __all__ = ["PyrenderRenderer"]
 
-# One context for the process: deleting a second one would delete the shared EGL display.
+# One context per process, because deleting a second one would delete the shared EGL display.
 _context: "_FloatContext | None" = None
 
 
 @RENDERERS.register
 @dataclass(frozen=True)
 class PyrenderRenderer(Renderer):
-    """OpenGL through pyrender and EGL, which needs system libraries: faster than Embree on large pictures.
+    """OpenGL through pyrender and EGL: faster than Embree for large pictures, but needs system libraries.
 
-    Without a graphics card, Mesa's software driver renders. ``PYOPENGL_PLATFORM=egl``,
-    ``PYGLET_HEADLESS=1`` and ``LP_NUM_THREADS=0`` are set unless the environment sets them. All rendering
-    of a process must happen in one thread.
+    Without a graphics card, Mesa's software driver is used. ``PYOPENGL_PLATFORM=egl``,
+    ``PYGLET_HEADLESS=1`` and ``LP_NUM_THREADS=0`` are set unless already set in the environment. All
+    rendering of a process must happen in one thread.
     """
 
     def render(self, mesh: Mesh, camera: Camera, size: int) -> Maps:
-        """Return the maps of ``mesh`` seen by ``camera``; see `Renderer.render`.
+        """Return the maps of a mesh viewed by a camera; see `Renderer.render`.
 
         Raises:
             InputError: if OpenGL is not available.
@@ -43,16 +43,16 @@ class PyrenderRenderer(Renderer):
         return Maps(normal=pixels[..., :3], depth=depth, mask=mask)
 
     def check(self) -> None:
-        """Raise `InputError` if no OpenGL context can be made; say what to install."""
+        """Raise `InputError` if no OpenGL context can be created, with a message on what to install."""
         _open_context()
 
 
 def _open_context() -> "_FloatContext":
-    """Return this process's context, made at the first call."""
+    """Return the context of this process, created at the first call."""
     global _context  # noqa: PLW0603 -- see above
     if _context is None:
         os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
-        os.environ.setdefault("PYGLET_HEADLESS", "1")  # else pyglet, never used here, asks for X libraries
+        os.environ.setdefault("PYGLET_HEADLESS", "1")  # otherwise unused pyglet requires X libraries
         # With several threads, Mesa's software driver hangs in forked processes.
         os.environ.setdefault("LP_NUM_THREADS", "0")
         platform = os.environ["PYOPENGL_PLATFORM"]
@@ -62,9 +62,9 @@ def _open_context() -> "_FloatContext":
                 "unset it, or choose EmbreeRenderer."
             )
         try:
-            with warnings.catch_warnings(action="ignore"):  # of packages that pyrender imports
+            with warnings.catch_warnings(action="ignore"):  # from packages that pyrender imports
                 _context = _FloatContext()
-        except Exception as error:  # missing libraries show as ImportError, AttributeError, AssertionError …
+        except Exception as error:  # missing libraries cause ImportError, AttributeError, AssertionError …
             raise InputError(
                 f"PyrenderRenderer needs OpenGL through EGL ({type(error).__name__}: {brief(error)}): "
                 "install libegl1 and libgl1 (Debian, Ubuntu), or choose EmbreeRenderer."
@@ -72,15 +72,16 @@ def _open_context() -> "_FloatContext":
     return _context
 
 
-_SIZES = 3  # framebuffers kept at a time; one of 1024 pixels takes 20 MB
+_SIZES = 3  # maximum number of framebuffers; one of 1024 pixels takes 20 MB
 
 
 class _FloatFramebuffer:
-    """A mixin for pyrender's ``Renderer``: one float32 sample a pixel, and our camera.
+    """A mixin for pyrender's ``Renderer`` with one float32 sample per pixel and our camera.
 
-    pyrender itself multisamples and keeps 8 bits: along every silhouette that blends the object with the
-    background, and normals end 0.2° off. Nor can its cameras shift their window. A mixin, put before
-    pyrender's class by `_FloatContext`, so that this module loads where OpenGL is missing.
+    pyrender itself multisamples and stores 8 bits, which blends the object with the background along
+    silhouettes and makes normals 0.2° inexact. Its cameras also cannot shift their window. This is a
+    mixin, combined with pyrender's class in `_FloatContext`, so that this module can be imported without
+    OpenGL.
     """
 
     viewport_width: int
@@ -91,8 +92,8 @@ class _FloatFramebuffer:
     _main_cb: Any
     _main_db: Any
     _main_fb_dims: tuple[int | None, int | None]
-    # By size, framebuffer, colours and depths: a sample takes maps of two sizes in turn, and making buffers
-    # each time would cost as much as drawing.
+    # Framebuffer, colours and depths by size. A sample needs maps of two sizes in turn, and creating
+    # buffers each time would take as long as drawing.
     _kept: dict[tuple[int, int], tuple[Any, Any, Any]]
 
     def _get_camera_matrices(self, scene: Any) -> tuple[Doubles, Doubles]:
@@ -118,7 +119,7 @@ class _FloatFramebuffer:
                 GL.glRenderbufferStorage(GL.GL_RENDERBUFFER, kind, *size)
                 GL.glFramebufferRenderbuffer(GL.GL_FRAMEBUFFER, place, GL.GL_RENDERBUFFER, buffer)
         self._main_fb, self._main_cb, self._main_db = self._kept[size]
-        self._main_fb_ms = self._main_fb  # pyrender draws into the one of this name
+        self._main_fb_ms = self._main_fb  # pyrender draws to the framebuffer with this name
         self._main_fb_dims = size
 
     def _delete_main_framebuffer(self) -> None:
@@ -132,7 +133,7 @@ class _FloatFramebuffer:
         self._main_fb_dims = (None, None)
 
     def _read_main_framebuffer(self, scene: Any, flags: int) -> Floats:
-        """Return (H, W, 4): the shader's output, row 0 on top."""
+        """Return the shader's output (H, W, 4), with row 0 at the top."""
         from OpenGL import GL
 
         width, height = self._main_fb_dims
@@ -142,9 +143,9 @@ class _FloatFramebuffer:
 
 
 class _FloatContext:
-    """An OpenGL context, a float framebuffer in it, and the mesh uploaded last.
+    """An OpenGL context with a float framebuffer and the last uploaded mesh.
 
-    ``PYOPENGL_PLATFORM`` must be set before the first one is made.
+    ``PYOPENGL_PLATFORM`` must be set before the first context is created.
     """
 
     def __init__(self) -> None:
@@ -163,7 +164,7 @@ class _FloatContext:
         self._last: tuple[Mesh, Any] | None = None
 
     def draw(self, mesh: Mesh, camera: Camera, size: int) -> Floats:
-        """Return (``size``, ``size``, 4): the normal in camera space and the depth; 0 off the object."""
+        """Return the normal in camera space and the depth, (``size``, ``size``, 4); 0 outside the object."""
         if self._last is None or self._last[0] is not mesh:
             if self._last is not None:
                 self._scene.remove_node(self._last[1])
@@ -177,7 +178,7 @@ class _FloatContext:
 def _uploadable(mesh: Mesh) -> Any:
     import pyrender
 
-    # The default material would blend the object with what is behind it.
+    # The default material would blend the object with the background.
     material = pyrender.MetallicRoughnessMaterial(alphaMode="OPAQUE")
     primitive = pyrender.Primitive(mesh.vertices, mesh.normals, indices=mesh.faces, material=material)
     return pyrender.Mesh([primitive])

@@ -1,4 +1,4 @@
-"""Animations of glTF: reading, checks, and evaluation at a time."""
+"""Animations of glTF: reading, checks, and evaluation at given times."""
 
 from typing import Any
 
@@ -15,9 +15,9 @@ __all__ = ["pose_at", "read_clips", "track_at"]
 
 _KINDS = {"translation": "VEC3", "rotation": "VEC4", "scale": "VEC3"}
 _MOST_CHANNELS = 2**14
-"""More channels are refused: each takes a tenth of a millisecond to read, and rigs have a few thousand."""
+"""Maximum number of channels; each takes 0.1 ms to read, and rigs have a few thousand."""
 _MOST_MOVED = 2**18
-"""More nodes are refused, those of each animation counted again."""
+"""Maximum number of nodes, counted for each animation."""
 _INTERPOLATIONS = ("LINEAR", "STEP", "CUBICSPLINE")
 
 
@@ -25,7 +25,7 @@ def read_clips(container: Container, nodes: Nodes) -> tuple[Clip, ...]:
     """Return the animations of a file that move nodes.
 
     Raises:
-        InputError: if one is inconsistent.
+        InputError: if an animation is inconsistent.
     """
     animations = container.tree.get("animations", [])
     channels = sum(len(animation["channels"]) for animation in animations)
@@ -73,10 +73,10 @@ def _track(container: Container, nodes: Nodes, animation: dict[str, Any], channe
 
 
 def track_at(track: Track, moments: Doubles) -> Doubles:
-    """Return the (M, D) values of a track at times (M,); clamped to its first and last value outside of it.
+    """Return the (M, D) values of a track at times (M,), clamped to its first and last value.
 
-    glTF 2.0, appendix C: rotations by spherical interpolation along the shorter arc, or by the Hermite
-    spline of their components, brought back to unit length.
+    As in glTF 2.0, appendix C, rotations are interpolated spherically along the shorter arc, or by a
+    Hermite spline of their components with normalisation.
     """
     times, values = track.times, track.values[:, 1]
     turns = track.path == "rotation"
@@ -103,7 +103,7 @@ def track_at(track: Track, moments: Doubles) -> Doubles:
 
 
 def pose_at(nodes: Nodes, clip: Clip, moment: float) -> Nodes:
-    """Return the nodes at a time of a clip; those that it does not move stay at rest."""
+    """Return the nodes at a time of a clip; nodes that it does not move stay in the rest pose."""
     moved = {"translation": nodes.translations, "rotation": nodes.rotations, "scale": nodes.scales}
     moved = {path: values.copy() for path, values in moved.items()}
     for track in clip.tracks:
@@ -114,6 +114,6 @@ def pose_at(nodes: Nodes, clip: Clip, moment: float) -> Nodes:
 
 
 def _unit(quaternions: Doubles) -> Doubles:
-    """Return quaternions (M, 4) of length 1; splines can pass through 0, where any rotation will do."""
+    """Return normalised quaternions (M, 4); splines can pass through 0, where any rotation will do."""
     lengths = np.linalg.norm(quaternions, axis=1, keepdims=True)
     return np.where(lengths > 1e-9, quaternions / np.maximum(lengths, 1e-9), [0.0, 0.0, 0.0, 1.0])

@@ -1,4 +1,4 @@
-"""Clips: the frames of an animation as meshes in one fixed place, for one camera."""
+"""Clips: the frames of an animation as meshes in a fixed coordinate system, for one camera."""
 
 from functools import cached_property
 from pathlib import Path
@@ -17,20 +17,21 @@ from normalgan.rendering.rigs.rig import Clip, posed_surface
 __all__ = ["ClipMeshes"]
 
 _MOMENTS = 16
-"""Moments of a clip whose common box stands for that of the whole clip."""
+"""Number of times for estimating the bounding box of a whole clip."""
 
 
 class ClipMeshes:
     """Sampled times of one clip of a rigged glTF file.
 
-    All are moved and scaled alike, by the box of the whole clip: still parts do not move.
+    All meshes are moved and scaled in the same way, by the bounding box of the whole clip, so still parts
+    do not move.
 
     Args:
-        file: the rigged file, with its orientation.
-        clip: name of the clip; the part after its last ``|`` will do. Or its number from 0.
+        file: rigged file with its orientation.
+        clip: name of the clip, or only the part after the last ``|``, or its index from 0.
 
     Raises:
-        InputError: if the file has no rig, or no such clip.
+        InputError: if the file has no rig or no such clip.
     """
 
     def __init__(self, file: MeshFile, clip: str) -> None:
@@ -40,11 +41,11 @@ class ClipMeshes:
 
     @property
     def span(self) -> tuple[float, float]:
-        """The first and the last moment in seconds."""
+        """The first and the last time in seconds."""
         return self.clip.span
 
     def mesh(self, moment: float) -> Mesh:
-        """Return the mesh at a moment in seconds."""
+        """Return the mesh at a time in seconds."""
         return place(self._file.name, self._file, *self._surface(moment), self._about)[0]
 
     @cached_property

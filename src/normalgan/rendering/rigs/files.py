@@ -1,4 +1,4 @@
-"""RiggedFile: a pose of a rigged glTF file as a mesh; and the poses of all rigs among mesh files."""
+"""RiggedFile: a pose of a rigged glTF file as a mesh; finding the poses of all rigged mesh files."""
 
 import hashlib
 import json
@@ -18,20 +18,20 @@ from normalgan.seeds import rng_of
 __all__ = ["RiggedFile", "find_poses"]
 
 _RIG_VERSION = 2
-"""Part of every fingerprint; raise it when a number gives another pose than before."""
+"""Version in each fingerprint. Increase it if a pose number gives a different pose than before."""
 _POSTURES_VERSION = 1
-"""Part of the fingerprint where there are postures; raise it when their table changes."""
+"""Version in fingerprints with postures. Increase it if the table of postures changes."""
 
 
 @dataclass(frozen=True)
 class RiggedFile:
-    """A pose of a rigged glTF file, drawn by its number; a `MeshSource`.
+    """A random pose of a rigged glTF file, determined by its number; a `MeshSource`.
 
     Args:
-        file: the file, with its orientation; its crease angle holds for the pose.
-        pose: number of the pose, from 0: the pose depends only on it and the file's name.
-        postures: share of the poses, from 0 to 1, that are postures such as sitting or lying, if the skeleton
-            is a known one.
+        file: file with its orientation; its crease angle also applies to the pose.
+        pose: number of the pose, from 0; the pose depends only on this and on the file's name.
+        postures: fraction of the poses, from 0 to 1, that are postures such as sitting or lying, if the
+            skeleton is known.
 
     Raises:
         InputError: if the number is negative.
@@ -46,27 +46,28 @@ class RiggedFile:
 
     @property
     def name(self) -> str:
-        """The file's name without its suffix, and the number: ``horse@3``."""
+        """The file name without extension, and the number: ``horse@3``."""
         return f"{self.file.name}@{self.pose}"
 
     def fingerprint(self) -> str:
-        """Return a hash of the file's bytes, of those it refers to, and of the settings.
+        """Return a hash of the file's bytes, of the files that it refers to, and of the settings.
 
         Raises:
             InputError: if the file cannot be read.
         """
-        # Without postures the fingerprint stays that under which existing samples are stored.
+        # Without postures, the fingerprint must stay the same, because existing samples are stored under
+        # it.
         share = [_POSTURES_VERSION, self.postures] if self.postures else []
         settings = json.dumps([_RIG_VERSION, self.pose, self.file.fingerprint(), *share])
         return hashlib.sha256(settings.encode()).hexdigest()
 
     def load(self) -> Mesh:
-        """Return the pose as a mesh, made ready as `MeshFile.load` does.
+        """Return the pose as a mesh, prepared as in `MeshFile.load`.
 
         Raises:
             InputError: if the file cannot be read, or its rig is inconsistent.
         """
-        # scipy takes half a second, only when a rig is posed
+        # importing scipy takes half a second, only needed to pose rigs
         from normalgan.rendering.rigs.joints import LooseRigError
         from normalgan.rendering.rigs.posing import draw_pose
         from normalgan.rendering.rigs.reading import read_rig
@@ -85,7 +86,7 @@ class RiggedFile:
 
 
 def find_poses(files: Sequence[MeshFile], poses: int, postures: float = 0.0) -> list[MeshFile | RiggedFile]:
-    """Return mesh files, each rigged one replaced by ``poses`` poses; 0 leaves all at rest.
+    """Return mesh files, with each rigged file replaced by ``poses`` poses; 0 keeps all in the rest pose.
 
     Raises:
         InputError: if the number is negative.

@@ -1,4 +1,4 @@
-"""The joints of a rig: their hierarchy, and the ranges in which animations turn them."""
+"""The joints of a rig: their hierarchy and their ranges of rotation in animations."""
 
 from dataclasses import dataclass
 
@@ -15,31 +15,31 @@ from normalgan.rendering.rigs.rig import Rig, posed_vertices
 __all__ = ["SMALL", "Joints", "LooseRigError", "find_joints", "owned_vertices"]
 
 SMALL = np.deg2rad(12.0)
-"""Largest turn of a joint about each axis if there is no animation."""
+"""Maximum rotation of a joint about each axis if there is no animation."""
 _FRAMES = 24
-"""Moments of each animation that are looked at."""
+"""Number of times at which each animation is evaluated."""
 _OUTLIERS = 5.0
-"""Percent of the moments at either end that do not widen a joint's range: a clip may show a fall."""
+"""Percentage of times at either extreme that do not widen a joint's range, because a clip may show a fall."""
 _MOST_COPIES = 100
-"""Most vertices of a joint in one place that are searched for neighbours; k-d trees fail with more."""
+"""Maximum number of coincident vertices of a joint in a neighbour search; k-d trees fail with more."""
 _MOST_SEARCHED = 2**23
-"""More vertices are not searched, those of each loose tree of joints counted again."""
+"""Maximum number of vertices in the search, counted for each loose tree of joints."""
 
 
 class LooseRigError(ValueError):
-    """A rig has too many loose parts to find its hierarchy."""
+    """Error for a rig with too many loose parts to find its hierarchy."""
 
 
 @dataclass(frozen=True)
 class Joints:
-    """The joints that move surface.
+    """The joints that move the surface.
 
     Args:
-        nodes: (J,) indices of their nodes, parents first.
+        nodes: (J,) indices of the joints' nodes, parents first.
         parents: (J,) position in ``nodes`` of each joint's parent, -1 for none.
-        low: (J, 3) least rotation vectors from rest, in the joint's own axes, in radians; 0 for joints
-            without a parent, or with a different one than in the file.
-        high: (J, 3) greatest rotation vectors.
+        low: (J, 3) minimum rotation vectors from the rest pose, in the joint's own axes, in radians; 0 for
+            joints without a parent, or with a different parent than in the file.
+        high: (J, 3) maximum rotation vectors, likewise.
     """
 
     nodes: Indices
@@ -49,11 +49,12 @@ class Joints:
 
 
 def find_joints(rig: Rig) -> Joints:
-    """Return the joints that move surface, with the ranges that they may turn in.
+    """Return the joints that move the surface, with their ranges of rotation.
 
-    Rigs made for inverse kinematics often keep feet on bones of their own, which animations hold to the
-    legs; a leg turned by itself would leave its foot behind. So where joints that move surface fall into
-    several trees, each smaller tree is hung on the joint of a larger one that moves the surface next to it.
+    Rigs for inverse kinematics often attach feet to separate bones, which only animations keep at the
+    legs, so rotating a leg alone would leave its foot behind. If the joints that move the surface form
+    several trees, each smaller tree is therefore attached to the joint of a larger tree that moves the
+    adjacent surface.
 
     Raises:
         LooseRigError: if there are too many such trees.
@@ -77,7 +78,7 @@ def find_joints(rig: Rig) -> Joints:
 
 
 def owned_vertices(rig: Rig) -> tuple[Doubles, Indices]:
-    """Return every vertex (V, 3) at rest, and the node (V,) that moves it most."""
+    """Return all vertices (V, 3) in the rest pose, and the node (V,) with the largest weight for each."""
     world = world_matrices(rig.nodes)
     points, owners = [], []
     for piece in rig.pieces:
@@ -91,7 +92,7 @@ def owned_vertices(rig: Rig) -> tuple[Doubles, Indices]:
 
 
 def _hang_together(points: Doubles, owners: Indices, parents: Indices, moving: BoolMask) -> Indices:
-    """Return the parents, with smaller trees attached to the joints of larger ones that they touch."""
+    """Return the parents, with smaller trees attached to the joints of larger trees that they touch."""
     parents = np.where(moving, parents, -1)
     points, owners = _thinned(points, owners)
     loose = int((parents[np.unique(owners)] < 0).sum())
@@ -107,7 +108,7 @@ def _hang_together(points: Doubles, owners: Indices, parents: Indices, moving: B
         mine, others = tree == loose, tree != loose
         found = cKDTree(points[others]).query(points[mine])
         distance, nearest = np.asarray(found[0]), np.asarray(found[1], dtype=np.int64)
-        # A joint is where surfaces meet, so the nearest tenth of the vertices decides.
+        # Surfaces meet at a joint, so the nearest tenth of the vertices decides.
         close = distance <= np.quantile(distance, 0.1)
         keepers, votes = np.unique(owners[others][nearest[close]], return_counts=True)
         roots = [node for node in np.unique(owners[mine]) if parents[node] < 0]
@@ -115,7 +116,7 @@ def _hang_together(points: Doubles, owners: Indices, parents: Indices, moving: B
 
 
 def _thinned(points: Doubles, owners: Indices) -> tuple[Doubles, Indices]:
-    """Return points and owners without the copies of a point beyond `_MOST_COPIES`, in the same order."""
+    """Return points and owners in the same order, with at most `_MOST_COPIES` copies of a point."""
     placed = np.column_stack([points, owners])
     order = np.lexsort(placed.T)
     first = np.r_[True, (placed[order[1:]] != placed[order[:-1]]).any(axis=1)]
@@ -139,7 +140,7 @@ def _ordered(parents: Indices, moving: BoolMask) -> Indices:
 
 
 def _ranges(rig: Rig, members: Indices) -> tuple[Doubles, Doubles]:
-    """Return how far (J, 3) the animations turn each joint from rest."""
+    """Return the minimum and maximum rotations (J, 3) of each joint from the rest pose in the animations."""
     if not rig.clips:
         reach = np.full((len(members), 3), SMALL)
         return -reach, reach

@@ -1,6 +1,6 @@
-"""Poses drawn at random: a posture, a moment of an animation, or joints turned within their ranges.
+"""Random poses: a posture, a frame of an animation, or joints rotated within their ranges.
 
-Postures are sitting, lying, rearing and other poses of known skeletons, which animations seldom show.
+Postures are sitting, lying, rearing and other poses of known skeletons that are rare in animations.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,16 +30,16 @@ __all__ = [
 def draw_pose(rig: Rig, rng: np.random.Generator, postures: float = 0.0) -> Doubles:
     """Return the nodes' matrices (N, 4, 4) in a random pose.
 
-    Half of the poses that are not postures are a moment of an animation. The others, and all of a rig
-    without animations, start from rest and turn each joint by a rotation vector drawn from its range, its
-    middle more likely.
+    Half of the poses that are not postures are frames of an animation. The others, and all poses of a rig
+    without animations, start from the rest pose and rotate each joint by a random rotation vector from its
+    range, preferring the middle.
 
     Args:
-        rig: what is posed.
-        rng: draws the pose.
-        postures: share of the poses that are postures, if the rig's skeleton is a known one.
+        rig: rig to pose.
+        rng: source of randomness.
+        postures: fraction of the poses that are postures, if the rig's skeleton is known.
     """
-    # At 0 nothing is drawn, so that postures do not change the other poses.
+    # At 0, no random number is drawn, so that the other poses stay the same.
     if postures and rng.random() < postures and (skeleton := find_skeleton(rig)) is not None:
         return in_posture(rig, skeleton, draw_posture(skeleton.kind, rng))
     if rig.clips and rng.random() < 0.5:
@@ -51,11 +51,11 @@ def draw_pose(rig: Rig, rng: np.random.Generator, postures: float = 0.0) -> Doub
 
 
 def turned(world: Doubles, joints: Joints, turns: Doubles) -> Doubles:
-    """Return the positions of the nodes after turning joints, which carry their children along.
+    """Return the matrices of the nodes after rotating joints together with their children.
 
     Args:
-        world: (N, 4, 4) places of the nodes.
-        joints: the joints that turn, and the parent of each node.
+        world: (N, 4, 4) matrices of the nodes.
+        joints: joints to rotate, with the parent of each node.
         turns: (J, 3) rotation vectors in the joints' own axes, in radians.
     """
     moved = world.copy()
@@ -64,7 +64,7 @@ def turned(world: Doubles, joints: Joints, turns: Doubles) -> Doubles:
         place = world[node]
         if parent >= 0:
             above = joints.nodes[parent]
-            # The pseudo-inverse, because rigs hide parts by scaling them to 0.
+            # A pseudo-inverse, because rigs hide parts by scaling them to 0.
             place = moved[above] @ np.linalg.pinv(world[above]) @ place
         moved[node] = place
         moved[node, :3, :3] = place[:3, :3] @ rotation
@@ -72,29 +72,29 @@ def turned(world: Doubles, joints: Joints, turns: Doubles) -> Doubles:
 
 
 _Bend = tuple[float, float, float]
-"""Degrees: pitch raises the front, yaw turns it to the left, roll lifts the left side."""
+"""Angles in degrees: pitch raises the front, yaw turns it to the left, and roll raises the left side."""
 _Way = tuple[float, float] | None
-"""Where a segment of a limb points in degrees: forward from straight down, and outward. None: as at rest."""
+"""Direction of a limb segment in degrees: forward from straight down, and outward; None for the rest pose."""
 _Limb = tuple[_Way, ...]
-"""The segments from the uppermost joint down; those left out follow the one above."""
+"""The segments from the uppermost joint down; omitted segments follow the one above."""
 
 
 @dataclass(frozen=True)
 class Posture:
-    """How the parts of a body are held.
+    """Angles of the parts of a body.
 
     Args:
         fore: right and left foreleg or arm.
         hind: right and left hind leg or leg.
-        pitch: by which the trunk is turned about the hips, the front up.
+        pitch: rotation of the trunk about the hips that raises the front, in degrees.
         spine: bend of the trunk from hips to shoulders.
         neck: bend of the neck.
-        head: turn of the head against the neck.
+        head: rotation of the head relative to the neck.
         tail: bend of the tail; its pitch raises the tip.
-        whole: final rotation of the whole figure, to lay it down; individuals differ by up to 15 %.
-        spread: largest difference of an angle of a limb or the trunk from the table, in degrees.
-        free: the same for neck, head and tail.
-        level: whether the trunk is pitched until forefeet and hind feet stand on the same ground.
+        whole: final rotation of the whole figure, to lay it down; random poses vary it by up to 15 %.
+        spread: maximum random deviation of limb and trunk angles from the table, in degrees.
+        free: maximum random deviation of neck, head and tail angles from the table, in degrees.
+        level: whether the trunk is pitched so that forefeet and hind feet stand on the same level.
     """
 
     fore: tuple[_Limb, _Limb] = ((), ())
@@ -305,18 +305,18 @@ POSTURES: Mapping[str, Mapping[str, Posture]] = {"paws": _PAWS, "hooves": _HOOVE
 
 @dataclass(frozen=True)
 class Skeleton:
-    """The body parts of a rig's nodes; all are indices of nodes.
+    """The body parts of a rig as node indices.
 
     Args:
         kind: kind of body, a key of `POSTURES`.
-        trunk: from the hips to the shoulders; the first carries all others.
-        neck: from the shoulders up.
-        head: on the neck.
-        tail: from its root.
+        trunk: nodes from the hips to the shoulders; the first moves all others.
+        neck: nodes from the shoulders up.
+        head: nodes above the neck.
+        tail: nodes from the root of the tail.
         fore: right and left foreleg or arm, from the uppermost joint down.
-        hind: right and left hind leg or leg.
-        parents: (N,) the node that each node follows, -1 for none.
-        places: (N, 3) of the nodes at rest, x to the body's left, y up, z ahead.
+        hind: right and left hind leg or leg, likewise.
+        parents: (N,) parent of each node, -1 for none.
+        places: (N, 3) positions of the nodes in the rest pose, x to the body's left, y up, z ahead.
         tips: (N, 3) centre of the surface that each node moves, or its own position if it moves none.
         axes: (3, 3) columns left, up and ahead in the file's axes.
     """
@@ -365,12 +365,12 @@ _TAIL = tuple(f"Tail{number}" for number in range(1, 10))
 
 
 def find_skeleton(rig: Rig) -> Skeleton | None:
-    """Return the body parts of a rig's nodes, found by their names; None if the skeleton is not known.
+    """Return the body parts of a rig, found by node names, or None if the skeleton is unknown.
 
-    Known are the quadrupeds and the people of Quaternius, https://quaternius.com.
+    The quadrupeds and people of Quaternius, https://quaternius.com, are known.
 
     Raises:
-        LooseRigError: as `find_joints` does.
+        LooseRigError: see `find_joints`.
     """
     position = {name: index for index, name in enumerate(rig.names)}
     for names in (_QUADRUPEDS, _HUMANS, _KNIGHT):
@@ -397,7 +397,7 @@ def _skeleton(rig: Rig, names: _Names, position: Mapping[str, int]) -> Skeleton:
     joints = find_joints(rig)
     parents = rig.nodes.parents.copy()
     parents[joints.nodes] = np.where(joints.parents >= 0, joints.nodes[joints.parents], -1)
-    # If both legs hang on bones that move no surface, a leg would become a child of the other.
+    # If both legs are attached to bones that move no surface, one leg would become a child of the other.
     parents[[leg[0] for leg in hind if parents[leg[0]] in (-1, *hind[0], *hind[1])]] = trunk[0]
     points, owners = owned_vertices(rig)
     tips, points = places.copy(), points @ axes
@@ -419,14 +419,14 @@ def _skeleton(rig: Rig, names: _Names, position: Mapping[str, int]) -> Skeleton:
 
 
 def _elbows(leg: Doubles) -> bool:
-    """Return whether a foreleg (J, 3) has an elbow: its second joint is behind the line of its neighbours."""
+    """Return whether a foreleg (J, 3) has an elbow, a second joint behind the line of its neighbours."""
     above, joint, below = leg[:3]
     share = (above[1] - joint[1]) / (above[1] - below[1])
     return bool(joint[2] < above[2] + share * (below[2] - above[2]))
 
 
 def draw_posture(kind: str, rng: np.random.Generator) -> Posture:
-    """Return a posture of a kind of body, its angles off the table's at random; half of them are mirrored."""
+    """Return a random posture for a kind of body; angles vary around the table, and half are mirrored."""
     table = POSTURES[kind]
     posture = table[list(table)[rng.integers(len(table))]]
     wide = posture.spread
@@ -464,9 +464,9 @@ def in_posture(rig: Rig, skeleton: Skeleton, posture: Posture) -> Doubles:
     """Return the matrices (N, 4, 4) of the nodes in a posture.
 
     Args:
-        rig: the rig, whose nodes are taken at rest.
-        skeleton: the body parts of its nodes.
-        posture: a posture for the skeleton's kind, as `draw_posture` returns it.
+        rig: rig with its nodes in the rest pose.
+        skeleton: body parts of the rig.
+        posture: posture for the skeleton's kind, from `draw_posture`.
     """
     if posture.level:
         posture = replace(posture, pitch=_level(skeleton, posture))
@@ -480,7 +480,7 @@ def in_posture(rig: Rig, skeleton: Skeleton, posture: Posture) -> Doubles:
 
 
 def _placed(skeleton: Skeleton, posture: Posture) -> tuple[Doubles, Doubles]:
-    """Return the turns (N, 3, 3) of the nodes from rest, and their places (N, 3), in the body's axes."""
+    """Return the rotations (N, 3, 3) of the nodes from the rest pose, and positions (N, 3), in body axes."""
     bends = {skeleton.trunk[0]: _turn((posture.pitch, 0.0, 0.0)), skeleton.head: _turn(posture.head)}
     pitch, yaw, roll = posture.tail
     for nodes, bend in (
@@ -523,7 +523,7 @@ def _placed(skeleton: Skeleton, posture: Posture) -> tuple[Doubles, Doubles]:
 
 
 def _level(skeleton: Skeleton, posture: Posture) -> float:
-    """Return the pitch of the trunk, in degrees, that puts all feet on the same level."""
+    """Return the pitch of the trunk in degrees that puts all feet on the same level."""
 
     def difference(pitch: float) -> float:
         places = _placed(skeleton, replace(posture, pitch=pitch))[1]
@@ -544,7 +544,7 @@ def _turn(bend: Sequence[float]) -> Doubles:
 
 
 def _direction(way: tuple[float, float], side: float) -> Doubles:
-    """Return the unit vector (3,) of a segment of a limb; ``side`` is 1 on the left, -1 on the right."""
+    """Return the unit vector (3,) of a limb segment; ``side`` is 1 on the left, -1 on the right."""
     forward, outward = np.deg2rad(way)
     return np.array(
         [side * np.sin(outward), -np.cos(forward) * np.cos(outward), np.sin(forward) * np.cos(outward)]
@@ -552,10 +552,10 @@ def _direction(way: tuple[float, float], side: float) -> Doubles:
 
 
 def _swing(start: Doubles, end: Doubles) -> Doubles:
-    """Return the smallest rotation (3, 3) that turns one direction (3,) into another."""
+    """Return the smallest rotation (3, 3) that maps one direction (3,) to another."""
     start, end = start / np.linalg.norm(start), end / np.linalg.norm(end)
     axis = np.cross(start, end)
     sine, cosine = float(np.linalg.norm(axis)), float(start @ end)
     if sine < 1e-9:
-        axis, sine = np.array([1.0, 0.0, 0.0]), 1.0  # parallel or opposite: turn about the body's left
+        axis, sine = np.array([1.0, 0.0, 0.0]), 1.0  # parallel or opposite: rotate about the left axis
     return np.asarray(Rotation.from_rotvec(axis / sine * np.arctan2(sine, cosine)).as_matrix())

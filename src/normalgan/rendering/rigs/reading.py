@@ -1,4 +1,4 @@
-"""Read a rig from a glTF file: nodes, skins and the surfaces bound to them, all checked."""
+"""Reading of rigs from glTF files: nodes, skins and bound surfaces, with checks."""
 
 from pathlib import Path
 from typing import Any
@@ -16,18 +16,18 @@ from normalgan.rendering.rigs.rig import Piece, Rig, Skin
 __all__ = ["read_rig"]
 
 _MOST_SETS = 4
-"""Joints and weights of a vertex come in sets of four."""
+"""Maximum number of sets of four joints and weights per vertex."""
 _SUM_TOLERANCE = 0.05
-"""How far the weights of a vertex may be from 1: bytes are 0.008 off, weak joints left out a little more."""
+"""Tolerance for the sum of a vertex's weights; bytes are 0.008 off, and omitted weak joints slightly more."""
 
 
 def read_rig(path: Path) -> Rig:
     """Return the rig in a glTF file.
 
-    Skins are those of the specification (glTF 2.0, section 3.7.3). Morph targets are left at 0.
+    Skins follow the specification (glTF 2.0, section 3.7.3). Morph targets are ignored.
 
     Raises:
-        InputError: if the file cannot be read, holds no surface, or its rig is inconsistent.
+        InputError: if the file cannot be read, has no surface, or its rig is inconsistent.
     """
     with refusing_bad_gltf(path):
         container = read_container(path)
@@ -81,10 +81,10 @@ def _bound(
     faces: Indices,
     node: int,
 ) -> Piece:
-    """Return a surface bound to the joints of a skin; rigid on its node if no vertex has weights.
+    """Return a surface bound to the joints of a skin, or to its node if no vertex has weights.
 
-    Exporters leave vertices that no joint moves without weights, or with NaN. A single vertex without weights
-    moves like the nearest one that has some: a rigid one would pull a spike out of the surface.
+    Exporters write no weights, or NaN, for vertices that no joint moves. If only some vertices have no
+    weights, they move like the nearest vertex with weights, because rigid vertices would form spikes.
     """
     if skin is None or not any(name.startswith("JOINTS_") for name in attributes):
         return _stiff(vertices, faces, node)
@@ -93,7 +93,7 @@ def _bound(
     if lost.all():
         return _stiff(vertices, faces, node)
     if lost.any():
-        # Without duplicates, which make a k-d tree degenerate.
+        # Without duplicates, which would make a k-d tree degenerate.
         places, first = np.unique(vertices[~lost], axis=0, return_index=True)
         nearest = np.flatnonzero(~lost)[first[cKDTree(places).query(vertices[lost])[1]]]
         joints[lost], weights[lost] = joints[nearest], weights[nearest]
@@ -121,7 +121,7 @@ def _stiff(vertices: Doubles, faces: Indices, node: int) -> Piece:
 
 
 def _binding(container: Container, attributes: dict[str, Any], count: int) -> tuple[Indices, Doubles]:
-    """Return the (V, K) joints and weights of vertices as they are stored, K a multiple of 4."""
+    """Return the (V, K) joints and weights of vertices as stored; K is a multiple of 4."""
     sets = range(sum(name.startswith("JOINTS_") for name in attributes))
     if len(sets) > _MOST_SETS:
         raise bad_gltf(

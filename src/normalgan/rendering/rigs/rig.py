@@ -1,4 +1,4 @@
-"""Rig: nodes in a tree, pieces of surface bound to them, clips that move them; linear blend skinning."""
+"""Rig: a tree of nodes with bound pieces of surface, animation clips, and linear blend skinning."""
 
 from dataclasses import dataclass
 
@@ -16,7 +16,8 @@ class Skin:
 
     Args:
         joints: (J,) indices of nodes.
-        inverse_bind: (J, 4, 4) from the surface's axes to those of the joint at rest, for column vectors.
+        inverse_bind: (J, 4, 4) matrices from the surface's axes to those of the joint in the rest pose,
+            for column vectors.
     """
 
     joints: Indices
@@ -30,10 +31,10 @@ class Piece:
     Args:
         vertices: (V, 3) positions.
         faces: (F, 3) vertex indices.
-        node: index of the node that it is attached to.
-        skin: moves it instead of its node; None if it is rigid.
+        node: index of the node that the surface is attached to.
+        skin: skin that moves the surface instead of its node; None for a rigid surface.
         joints: (V, K) indices into the skin's joints.
-        weights: (V, K) the share of each, summing to 1.
+        weights: (V, K) weights of the joints, which sum to 1.
     """
 
     vertices: Doubles
@@ -52,9 +53,9 @@ class Track:
         node: index of the node.
         path: translation, rotation or scale.
         interpolation: LINEAR, STEP or CUBICSPLINE.
-        times: (T,) seconds, ascending.
-        values: (T, 3, D) for each time the tangent towards it, the value and the tangent away from it;
-            the tangents are 0 unless the interpolation is CUBICSPLINE.
+        times: (T,) ascending times in seconds.
+        values: (T, 3, D) in-tangent, value and out-tangent at each time; the tangents are 0 unless the
+            interpolation is CUBICSPLINE.
     """
 
     node: int
@@ -69,8 +70,8 @@ class Clip:
     """An animation: tracks that run together.
 
     Args:
-        name: as in the file, empty if it has none.
-        tracks: at most one for each node and property.
+        name: name in the file, empty if there is none.
+        tracks: at most one track per node and property.
     """
 
     name: str
@@ -90,10 +91,10 @@ class Rig:
     """A surface that can be posed.
 
     Args:
-        nodes: what moves.
-        pieces: what is seen.
-        clips: how it can move; those without a track are left out.
-        names: names of the nodes in the file; empty if it has none.
+        nodes: nodes of the scene.
+        pieces: visible pieces of surface.
+        clips: animations with at least one track.
+        names: names of the nodes in the file; empty if there are none.
     """
 
     nodes: Nodes
@@ -103,11 +104,11 @@ class Rig:
 
 
 def posed_vertices(piece: Piece, world: Doubles) -> Doubles:
-    """Return the (V, 3) places of a piece's vertices in the world, given those of the nodes (N, 4, 4).
+    """Return the world positions (V, 3) of a piece's vertices, given the nodes' world matrices (N, 4, 4).
 
-    ``x' = sum_k w_k J_k B_k x`` with the joint's place J and its inverse bind matrix B (Magnenat-Thalmann
-    et al., "Joint-dependent local deformations for hand animation and object grasping", 1988); the place
-    of the node that a skinned piece hangs on does not matter (glTF 2.0, section 3.7.3.3).
+    They are ``x' = sum_k w_k J_k B_k x`` with the joint's world matrix J and inverse bind matrix B
+    (Magnenat-Thalmann et al., "Joint-dependent local deformations for hand animation and object grasping",
+    1988). The node of a skinned piece does not affect it (glTF 2.0, section 3.7.3.3).
     """
     points = np.concatenate([piece.vertices, np.ones((len(piece.vertices), 1))], axis=1)
     if piece.skin is None:
@@ -118,7 +119,7 @@ def posed_vertices(piece: Piece, world: Doubles) -> Doubles:
 
 
 def posed_surface(rig: Rig, world: Doubles) -> tuple[Doubles, Indices]:
-    """Return the vertices (V, 3) and faces (F, 3) of the whole rig in the world."""
+    """Return the vertices (V, 3) and faces (F, 3) of the whole rig in world axes."""
     vertices, faces, start = [], [], 0
     for piece in rig.pieces:
         mirrored = piece.skin is None and np.linalg.det(world[piece.node, :3, :3]) < 0

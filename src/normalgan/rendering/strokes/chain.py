@@ -1,4 +1,4 @@
-"""Chaining: from linked points to ordered paths that run straight through junctions."""
+"""Chaining: connects linked points to ordered paths that continue straight through junctions."""
 
 from collections import defaultdict
 
@@ -9,24 +9,24 @@ from normalgan.arrays import Doubles, Indices
 __all__ = ["chain"]
 _Piece = list[int]
 _Neighbours = tuple[list[int], list[int]]
-_End = tuple[int, int]  # a piece and one of its ends, 0 or -1
+_End = tuple[int, int]  # index of a piece and one of its ends, 0 or -1
 
-_REACH = 6.0  # in units of the points; distance from a junction at which the direction of a branch is taken
-_STRAIGHT = np.cos(np.deg2rad(60.0))  # the most that a path turns at a junction
+_REACH = 6.0  # distance from a junction for measuring the direction of a branch, in units of the points
+_STRAIGHT = np.cos(np.deg2rad(60.0))  # maximum turn of a path at a junction
 
 
 def chain(points: Doubles, links: Indices) -> list[Indices]:
-    """Return paths that together traverse every link once.
+    """Return paths that together traverse each link once.
 
-    At a junction, a point with more than two links, a path continues in the straightest direction. So where
-    one contour ends on another, the other stays whole.
+    At a junction, a point with more than two links, a path continues in the straightest direction. A
+    contour is therefore not interrupted where another contour ends on it.
 
     Args:
         points: (N, 2) positions.
         links: (M, 2) pairs of points, without duplicates.
 
     Returns:
-        The points of each path in order. A closed one ends on its first point.
+        The points of each path in order. A closed path ends with its first point.
 
     >>> points = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [1.0, 1.0]])  # a vertex of an inverted T
     >>> [path.tolist() for path in chain(points, np.array([[0, 1], [2, 1], [1, 3]]))]
@@ -39,9 +39,9 @@ def chain(points: Doubles, links: Indices) -> list[Indices]:
 
 
 def _neighbours(links: Indices, degree: Indices) -> _Neighbours:
-    """Return the neighbours of all points one after the other, and where those of each point begin.
+    """Return the concatenated neighbours of all points, and the start index of each point's neighbours.
 
-    Two flat lists, not a list a point: thousands of small ones would keep the garbage collector busy.
+    Two flat lists are used because thousands of small lists would keep the garbage collector busy.
     """
     both = np.concatenate([links, links[:, ::-1]])
     near = both[np.argsort(both[:, 0], kind="stable"), 1]
@@ -49,7 +49,7 @@ def _neighbours(links: Indices, degree: Indices) -> _Neighbours:
 
 
 def _pieces(neighbours: _Neighbours, degree: Indices) -> list[_Piece]:
-    """Return the paths from junction or end to junction or end, then the loops that meet neither."""
+    """Return the paths between junctions or ends, then the loops without either."""
     near, begin = neighbours
     inner = (degree == 2).tolist()
     walked = [False] * len(inner)
@@ -69,7 +69,7 @@ def _pieces(neighbours: _Neighbours, degree: Indices) -> list[_Piece]:
 
 
 def _walk(path: _Piece, neighbours: _Neighbours, inner: list[bool], walked: list[bool]) -> _Piece:
-    """Extend ``path`` to the next end, junction or visited point, and return it."""
+    """Extend a path to the next end, junction or visited point, and return it."""
     near, begin = neighbours
     before, here = path
     while inner[here]:
@@ -83,7 +83,7 @@ def _walk(path: _Piece, neighbours: _Neighbours, inner: list[bool], walked: list
 
 
 def _straight_on(points: Doubles, pieces: list[_Piece], degree: Indices) -> dict[_End, _End]:
-    """Return, for each end of a piece that continues through a junction, the end it continues at."""
+    """Return the end at which a piece continues, for each end that continues through a junction."""
     meeting: dict[int, list[_End]] = defaultdict(list)
     for number, piece in enumerate(pieces):
         for side in (0, -1):
@@ -101,7 +101,7 @@ def _straight_on(points: Doubles, pieces: list[_Piece], degree: Indices) -> dict
 
 
 def _direction(points: Doubles, piece: _Piece, side: int) -> Doubles:
-    """Return the unit vector (2,) from one end of a piece to where it leaves the circle of `_REACH`."""
+    """Return the unit vector (2,) from an end of a piece to where it leaves a circle of radius `_REACH`."""
     some = piece[: int(4 * _REACH) + 2] if side == 0 else piece[: -int(4 * _REACH) - 3 : -1]
     away = points[some] - points[some[0]]
     distance = np.hypot(away[:, 0], away[:, 1])
@@ -112,7 +112,7 @@ def _direction(points: Doubles, piece: _Piece, side: int) -> Doubles:
 
 
 def _joined(pieces: list[_Piece], partner: dict[_End, _End]) -> list[_Piece]:
-    """Return the joined pieces, starting at ends without a partner; then the closed ones."""
+    """Return the joined pieces, first those that start at ends without a partner, then the closed ones."""
     done = [False] * len(pieces)
     paths = []
     loose = [(number, side) for number in range(len(pieces)) for side in (0, -1)]

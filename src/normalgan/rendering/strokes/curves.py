@@ -1,4 +1,4 @@
-"""Curves: smoothing polylines and setting their points at equal distances."""
+"""Curves: smoothing and resampling of polylines."""
 
 import numpy as np
 
@@ -7,19 +7,19 @@ from normalgan.arrays import Doubles
 __all__ = ["SPACING", "lengths_along", "resample", "settle", "smooth"]
 
 SPACING = 1.0
-"""Pixels of the sketch from point to point of a stroke."""
+"""Distance between the points of a stroke, in pixels of the sketch."""
 
 
 def smooth(path: Doubles, sigma: float) -> Doubles:
-    """Return a polyline smoothed over its points; the ends of an open one stay.
+    """Return a smoothed polyline; an open polyline keeps its ends.
 
-    The kernel is a Gaussian times ``(3 - x²) / 2``, whose second moment vanishes: arcs keep their radius,
-    where a Gaussian alone would shrink them (Wand and Schucany, "Gaussian-based kernels", Canadian Journal
-    of Statistics 18(3), 1990).
+    The kernel is a Gaussian times ``(3 - x²) / 2``. Its second moment vanishes, so arcs keep their radius,
+    which a plain Gaussian would shrink (Wand and Schucany, "Gaussian-based kernels", Canadian Journal of
+    Statistics 18(3), 1990).
 
     Args:
-        path: (P, 2); closed if the last point is the first.
-        sigma: standard deviation of the Gaussian in points.
+        path: (P, 2) points; the path is closed if the last point equals the first.
+        sigma: standard deviation of the Gaussian, in points.
 
     >>> stairs = np.array([[1.0, 1.0], [2.0, 1.0], [2.0, 2.0], [3.0, 2.0], [3.0, 3.0]])
     >>> smooth(stairs, 1.0).round(1).tolist()
@@ -38,33 +38,33 @@ def smooth(path: Doubles, sigma: float) -> Doubles:
         done = np.convolve(padded, kernel, "valid")
         done = np.append(done, done[0])
     else:
-        # Continued by a half turn about each end, the line keeps its ends and does not shrink.
+        # Extended by its point reflection at each end, the line keeps its ends and does not shrink.
         before, after = 2 * along[0] - along[reach:0:-1], 2 * along[-1] - along[-2 : -reach - 2 : -1]
         done = np.convolve(np.concatenate([before, along, after]), kernel, "valid")
     return np.stack([done.real, done.imag], axis=1)
 
 
 def settle(path: Doubles, sigma: float, slack: float) -> Doubles:
-    """Return a smoothed polyline whose points move by at most ``slack`` in x and in y.
+    """Return a smoothed polyline with points that move by at most ``slack`` in x and in y.
 
-    For points on a grid, which form stairs; sharp corners keep their place.
+    Use this for points on a grid, which form stairs. Sharp corners keep their positions.
 
     Args:
-        path: (P, 2).
-        sigma: as for `smooth`.
-        slack: half the grid's spacing.
+        path: (P, 2) points.
+        sigma: standard deviation, as for `smooth`.
+        slack: half of the grid's spacing.
     """
     return smooth(path + np.clip(smooth(path, sigma) - path, -slack, slack), sigma / 3)
 
 
 def resample(path: Doubles, spacing: float) -> Doubles:
-    """Return points on a polyline at equal distances of about ``spacing``, including its two ends.
+    """Return equidistant points on a polyline with a spacing of about ``spacing``, including both ends.
 
     >>> resample(np.array([[0.0, 0.0], [3.0, 0.0], [3.0, 1.0]]), 1.0).tolist()
     [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0], [3.0, 1.0]]
     """
     along = lengths_along(path)
-    # A closed line needs three sides to be one.
+    # A closed line needs at least three sides.
     count = max(round(along[-1] / spacing), 3 if _closed(path) else 1)
     wanted = np.linspace(0, along[-1], count + 1)
     spaced = np.stack([np.interp(wanted, along, path[:, k]) for k in (0, 1)], axis=1)
@@ -73,7 +73,7 @@ def resample(path: Doubles, spacing: float) -> Doubles:
 
 
 def lengths_along(path: Doubles) -> Doubles:
-    """Return how far along a polyline (P, 2) each of its points lies, (P,)."""
+    """Return the arc length (P,) of each point along a polyline (P, 2)."""
     return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(path, axis=0).T))])
 
 

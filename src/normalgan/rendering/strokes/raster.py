@@ -1,4 +1,4 @@
-"""Rasteriser: strokes to ink, antialiased, width and darkness changing along them."""
+"""Rasteriser: antialiased strokes with varying width and darkness."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -10,18 +10,18 @@ from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["rasterise"]
 
-_LONGEST = 2.0  # pixels; longer segments are cut up, so that each affects a small square
-_FAINTEST = 1e-4  # less ink than this is rounding
-_BATCH = 1_000_000  # pixels that are processed at once
+_LONGEST = 2.0  # maximum length of a segment in pixels, so that each affects only a small square
+_FAINTEST = 1e-4  # smaller amounts of ink are rounding errors
+_BATCH = 1_000_000  # number of pixels processed at once
 
 
 def rasterise(strokes: Sequence[Stroke], size: int) -> Floats:
     """Return the ink of overlaid strokes, (``size``, ``size``) in [0, 1].
 
-    A pixel's coverage is that of an endless bar as wide as the line is there, at the pixel's distance and
-    slanted as the line: exact along straight lines. Ends are round. One stroke covers a pixel once, even if
-    it crosses itself; two strokes that cross darken each other, as pencil does: ``1 - (1 - a) (1 - b)``.
-    Strokes are clipped to the frame.
+    The coverage of a pixel is that of an infinite bar with the local width, direction and distance of the
+    line, which is exact along straight lines. Ends are round. A stroke covers a pixel only once, even if
+    it crosses itself. Crossing strokes darken each other like pencil: ``1 - (1 - a) (1 - b)``. Strokes are
+    clipped to the frame.
 
     >>> line = Stroke.even(np.array([[-5.0, 2.0], [9.0, 2.0]]), width=1.0)
     >>> rasterise([line], 4)[:, 0].round(2).tolist()
@@ -39,16 +39,16 @@ def rasterise(strokes: Sequence[Stroke], size: int) -> Floats:
 
 @dataclass(frozen=True)
 class _Segments:
-    """The straight pieces of strokes, (S,) each, or (S, 2).
+    """The straight segments of strokes, as arrays (S,) or (S, 2).
 
     Args:
-        start: where they begin.
-        step: from there to where they end.
+        start: start points.
+        step: vectors from the start to the end points.
         pen: width and darkness at the start.
-        change: how much of these is added up to the end.
-        owner: number of the stroke.
-        reach: pixels from the segment that may get ink.
-        side: side of a square of pixels that holds all of these for any segment.
+        change: change of width and darkness from start to end.
+        owner: index of the stroke.
+        reach: distance in pixels from the segment that may get ink.
+        side: side of a square of pixels that contains all inked pixels of any segment.
     """
 
     start: Doubles
@@ -63,7 +63,7 @@ class _Segments:
         return _Segments(*(part[chosen] for part in vars(self).values()))
 
     def batches(self) -> Iterator["_Segments"]:
-        """Yield segments of one side, few enough at a time for their squares to fit into memory."""
+        """Yield batches of segments with the same side, small enough for their squares to fit into memory."""
         for side in np.unique(self.side):
             alike = np.flatnonzero(self.side == side)
             count = max(int(_BATCH // side**2), 1)
@@ -71,13 +71,13 @@ class _Segments:
 
 
 def _segments(strokes: Sequence[Stroke], size: int) -> _Segments:
-    """Return the segments of strokes that may put ink on a picture of ``size`` pixels."""
+    """Return the segments of strokes that may ink a picture of ``size`` pixels."""
     cut = [_cut(stroke) for stroke in strokes] or [(np.zeros((1, 2)), np.zeros((1, 2)))]
     points, pens = (np.concatenate(part) for part in zip(*cut, strict=True))
     number = np.repeat(np.arange(len(cut)), [len(part) for part, _ in cut])
     reach = np.array([pen[:, 0].max() / 2 + 0.5 for _, pen in cut])[number]
     step = np.diff(points, axis=0)
-    # As long as the longest segment of its stroke, so that there are few sizes.
+    # Based on the longest segment of the stroke, so that there are few different sizes.
     longest = np.zeros(len(cut))
     np.maximum.at(longest, number[:-1], np.where(number[:-1] == number[1:], np.abs(step).max(axis=1), 0))
     side = (np.ceil(2 * reach + longest[number]) + 1).astype(np.int64)
@@ -90,7 +90,7 @@ def _segments(strokes: Sequence[Stroke], size: int) -> _Segments:
 
 
 def _cut(stroke: Stroke) -> tuple[Doubles, Doubles]:
-    """Return points (P, 2) and pens (P, 2), no two points farther apart than `_LONGEST`."""
+    """Return points (P, 2) and pens (P, 2), with consecutive points at most `_LONGEST` apart."""
     pens = np.stack([stroke.width, stroke.darkness], axis=1)
     steps = np.hypot(*np.diff(stroke.points, axis=0).T)
     pieces = np.maximum(np.ceil(steps / _LONGEST), 1).astype(np.int64)
@@ -103,14 +103,14 @@ def _cut(stroke: Stroke) -> tuple[Doubles, Doubles]:
 
 
 def _dots(segments: _Segments, size: int) -> tuple[Indices, Indices, Indices, Floats]:
-    """Return the stroke, row and column of each pixel that segments put ink on, and how much, (D,) each.
+    """Return stroke, row, column and amount of ink, (D,) each, of each pixel that segments ink.
 
     The squares of all segments have the same side. A pixel may occur several times.
     """
     side = int(segments.side[0])
     low = np.minimum(segments.start, segments.start + segments.step) - segments.reach[:, None]
     corner = np.floor(low)
-    # From each segment's start to the pixels' centres; single precision will do from here on.
+    # Relative to each segment's start, so single precision is enough from here on.
     offset = (corner - segments.start + 0.5).astype(np.float32)
     steps = np.arange(side, dtype=np.float32)
     x, y = offset[:, :1, None] + steps, offset[:, 1:, None] + steps[:, None]
@@ -123,7 +123,7 @@ def _dots(segments: _Segments, size: int) -> tuple[Indices, Indices, Indices, Fl
     width = wide + at * wider
     half = np.float32(0.5) * width
     slant = np.abs(segments.step) / np.maximum(np.hypot(*segments.step.T), 1e-12)[:, None]
-    slant[(segments.step == 0).all(axis=1), 0] = 1  # a dot: any direction will do
+    slant[(segments.step == 0).all(axis=1), 0] = 1  # a dot, where any direction will do
     ink = _covered(half - distance, slant) - _covered(-half - distance, slant)
     ink *= dark + at * darker
     which, down, right = np.nonzero(ink > _FAINTEST)
@@ -134,16 +134,17 @@ def _dots(segments: _Segments, size: int) -> tuple[Indices, Indices, Indices, Fl
 
 
 def _covered(depth: Floats, slant: Doubles) -> Floats:
-    """Return how much of a pixel lies on one side of a border, given how deep on that side its centre is.
+    """Return the fraction of a pixel on one side of a line, given the signed distance of the pixel's centre.
 
-    Seen along the border, a pixel's square is a box as wide as the one part of the border's direction drawn
-    out by a box as wide as the other; the share is the integral of that.
+    Projected along the line, the pixel's square is the convolution of two boxes with the widths of the
+    direction's components. The fraction is the integral of that.
 
     Args:
-        depth: (S, K, K) in pixels, negative on the other side.
-        slant: (S, 2) absolute components of the direction; (1, 0) or (0, 1) are along the pixels.
+        depth: (S, K, K) signed distances in pixels, negative on the other side.
+        slant: (S, 2) absolute components of the line's direction; (1, 0) or (0, 1) are axis-aligned.
     """
-    # The formula divides by the smaller part, which is 0 along the pixels; so little slant is invisible.
+    # The formula divides by the smaller component, which is 0 for axis-aligned lines; this slant is
+    # invisible.
     wide, narrow = np.sort(np.maximum(slant, 0.02), axis=1).astype(np.float32).T[::-1, :, None, None]
     outer, inner = np.float32(0.5) * (wide + narrow), np.float32(0.5) * (wide - narrow)
     depth = np.clip(depth, -outer, outer)
@@ -155,9 +156,9 @@ def _covered(depth: Floats, slant: Doubles) -> Floats:
 
 
 def _lay(owner: Indices, row: Indices, column: Indices, ink: Floats, paper: Floats) -> None:
-    """Darken ``paper`` (H, W), the share that still shows; a stroke inks a pixel once, by its largest."""
+    """Darken ``paper`` (H, W), the fraction still visible; a stroke inks a pixel once, with its maximum."""
     size = len(paper)
-    # Each pixel of a stroke has its own number, so that a pixel inked several times counts once.
+    # Each pixel of a stroke has its own index, so that a pixel inked several times counts once.
     key = (owner * size + row) * size + column
     order = np.argsort(key, kind="stable")
     key = key[order]

@@ -1,4 +1,4 @@
-"""Stroke: a line as a pen draws it, a curve before it is pixels."""
+"""Stroke: a line drawn by a pen, as a curve before rasterisation."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -12,17 +12,17 @@ __all__ = ["Stroke"]
 
 @dataclass(frozen=True)
 class Stroke:
-    """A line as a pen draws it, from its first point to its last.
+    """A line drawn by a pen, from its first point to its last.
 
     Args:
-        points: (P, 2) x to the right and y downwards in pixels of the sketch, P at least 2; the pixel in row
-            r and column c covers x from c to c + 1 and y from r to r + 1. A closed stroke ends on its first
-            point.
-        width: (P,) of the line at each point, in pixels of the sketch.
-        darkness: (P,) of the ink at each point, from 0 (paper) to 1.
+        points: (P, 2) points, x right and y down in pixels of the sketch, P at least 2. The pixel in row r
+            and column c covers x from c to c + 1 and y from r to r + 1. A closed stroke ends with its
+            first point.
+        width: (P,) width of the line at each point, in pixels of the sketch.
+        darkness: (P,) darkness of the ink at each point, from 0 (paper) to 1.
 
     Raises:
-        ValueError: if the arrays' shapes do not fit together.
+        ValueError: if the shapes of the arrays do not match.
     """
 
     points: Doubles
@@ -40,7 +40,7 @@ class Stroke:
 
     @classmethod
     def even(cls, points: Doubles, width: float, darkness: float = 1.0) -> Self:
-        """Return a stroke drawn with the same pressure throughout.
+        """Return a stroke with constant width and darkness.
 
         >>> Stroke.even(np.array([[0.0, 0.0], [3.0, 4.0]]), width=1.25).length
         5.0
@@ -49,10 +49,10 @@ class Stroke:
 
     @property
     def closed(self) -> bool:
-        """Whether it ends where it begins."""
+        """Whether the stroke ends where it begins."""
         return len(self.points) > 2 and bool(np.array_equal(self.points[0], self.points[-1]))
 
     @property
     def length(self) -> float:
-        """How long it is, in pixels of the sketch."""
+        """Length of the stroke in pixels of the sketch."""
         return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())

@@ -1,4 +1,4 @@
-"""Strokes as SVG: one path a stroke, to be edited in any vector program."""
+"""Strokes as SVG, with one path per stroke, for editing in vector programs."""
 
 from collections.abc import Sequence
 
@@ -9,18 +9,18 @@ from normalgan.rendering.strokes.stroke import Stroke
 
 __all__ = ["outline", "to_svg"]
 
-_EXACT = 0.05  # pixels; points nearer than this to the line between their neighbours are left out
-_EVEN = 0.01  # pixels; smaller variations of the width are ignored
+_EXACT = 0.05  # in pixels; points closer than this to the line between their neighbours are left out
+_EVEN = 0.01  # in pixels; smaller variations of the width are ignored
 
 
 def to_svg(strokes: Sequence[Stroke], size: int) -> str:
     """Return the drawing as an SVG document of ``size`` × ``size`` pixels on transparent paper.
 
-    A stroke of one width is a line with that ``stroke-width``; one of varying width is the shape it covers.
-    An SVG path has one opacity: the mean darkness along the stroke.
+    A stroke of constant width becomes a line with that ``stroke-width``, and a stroke of varying width
+    becomes a filled shape. An SVG path has a single opacity, so the mean darkness of the stroke is used.
 
     Args:
-        strokes: in the order in which they are drawn.
+        strokes: strokes in drawing order.
         size: side of the drawing in pixels.
 
     Example:
@@ -56,7 +56,7 @@ def _path(stroke: Stroke) -> str:
 
 
 def _data(points: Doubles) -> str:
-    from skimage.measure import approximate_polygon  # loads scipy.signal, half a second
+    from skimage.measure import approximate_polygon  # imports scipy.signal, which takes half a second
 
     points = approximate_polygon(points, _EXACT)
     return "M" + "L".join(f"{_number(x)} {_number(y)}" for x, y in points)
@@ -71,13 +71,14 @@ def _number(value: float) -> str:
     return f"{round(value, 2) + 0.0:.2f}".rstrip("0").rstrip(".")
 
 
-_CAP = 6  # corners of a round end, invisible at the width of a pen
+_CAP = 6  # number of corners of a round end, invisible at the width of a pen
 
 
 def outline(stroke: Stroke) -> list[Doubles]:
-    """Return the rings, (R, 2) each without repeating the first point, whose nonzero fill the stroke covers.
+    """Return the outline of a stroke as rings (R, 2) for nonzero filling, without repeated first points.
 
-    Its two sides, half a width away from the points, joined by round ends; a closed stroke has a ring a side.
+    The two sides are half a width away from the points and are joined by round ends. A closed stroke has
+    one ring per side.
 
     >>> bar = Stroke.even(np.array([[0.0, 0.0], [4.0, 0.0]]), width=2)
     >>> [ring.round().astype(int)[:2].tolist() for ring in outline(bar)]
@@ -95,14 +96,14 @@ def outline(stroke: Stroke) -> list[Doubles]:
 
 
 def _tangents(points: Doubles, closed: bool) -> Doubles:
-    """Return unit vectors along the stroke at each of its points."""
+    """Return the unit tangents of a stroke at its points."""
     steps = np.diff(points, axis=0)
     if closed:
         before, after = np.vstack([steps[-1:], steps]), np.vstack([steps, steps[:1]])
     else:
         before, after = np.vstack([steps[:1], steps]), np.vstack([steps, steps[-1:]])
     tangents = before + after
-    # Where the pen turns back on itself the two steps cancel; use the direction it came from.
+    # Where the pen reverses, the two steps cancel, so the incoming direction is used.
     still = np.linalg.norm(tangents, axis=1) < 1e-9
     tangents[still] = before[still]
     unit: Doubles = tangents / np.maximum(np.linalg.norm(tangents, axis=1, keepdims=True), 1e-12)
@@ -110,7 +111,7 @@ def _tangents(points: Doubles, closed: bool) -> Doubles:
 
 
 def _cap(end: Doubles, side: Doubles, width: float) -> Doubles:
-    """Return the corners of a half circle about ``end`` that begins beyond ``side`` and turns clockwise."""
+    """Return the corners of a half circle around ``end`` that starts after ``side`` and runs clockwise."""
     angles = np.linspace(0, np.pi, _CAP + 2)[1:-1]
     radius = width / 2
     start = side / max(float(np.linalg.norm(side)), 1e-12)

@@ -1,8 +1,8 @@
 """Deformations of a surface, each with its derivative.
 
-A deformation maps points (V, 3) to new positions (V, 3) and its Jacobians (V, 3, 3),
-``J[i, j] = dx'_i / dx_j``. Scaling, taper, twist and bend are those of A. H. Barr, "Global and local
-deformations of solid primitives", SIGGRAPH 1984.
+A deformation maps points (V, 3) to new positions (V, 3) and Jacobians (V, 3, 3), ``J[i, j] = dx'_i /
+dx_j``. Scaling, taper, twist and bend follow A. H. Barr, "Global and local deformations of solid
+primitives", SIGGRAPH 1984.
 """
 
 from collections.abc import Callable
@@ -45,7 +45,7 @@ def scale(points: Doubles, factors: Doubles) -> Deformed:
 
 
 def taper(points: Doubles, slope: float) -> Deformed:
-    """Scale the second and third axis by ``1 + slope * x``, x along the first."""
+    """Scale the second and third axis by ``1 + slope * x``, where x is the first coordinate."""
     factor = 1 + slope * points[:, 0]
     moved = np.column_stack([points[:, 0], factor * points[:, 1], factor * points[:, 2]])
     jacobian = np.zeros((len(points), 3, 3))
@@ -56,7 +56,7 @@ def taper(points: Doubles, slope: float) -> Deformed:
 
 
 def twist(points: Doubles, rate: float) -> Deformed:
-    """Turn about the first axis by ``rate * x`` radians, x along it."""
+    """Rotate about the first axis by ``rate * x`` radians, where x is the first coordinate."""
     x, y, z = points.T
     cos, sin = np.cos(rate * x), np.sin(rate * x)
     turned_y, turned_z = cos * y - sin * z, sin * y + cos * z
@@ -69,18 +69,18 @@ def twist(points: Doubles, rate: float) -> Deformed:
 
 
 def bend(points: Doubles, curvature: float, across: int) -> Deformed:
-    """Bend the first axis to a circular arc, towards another axis; lengths along the arc are kept.
+    """Bend the first axis to a circular arc towards another axis, preserving lengths along the arc.
 
     Args:
-        points: (V, 3).
-        curvature: one over the radius of the arc, in radians per unit.
-        across: 1 or 2, the axis that the first is bent towards.
+        points: (V, 3) points.
+        curvature: reciprocal radius of the arc, in radians per unit.
+        across: index of the axis to bend towards, 1 or 2.
     """
     along, side = points[:, 0], points[:, across]
     cos, sin = np.cos(curvature * along), np.sin(curvature * along)
-    inner = 1 - curvature * side  # how far an arc at this side is from the middle, in radii
+    inner = 1 - curvature * side  # distance of an arc on this side from the middle, in radii
     moved = points.copy()
-    # sin(kx) / k and (1 - cos(kx)) / k, by functions that have a limit where the curvature k is 0.
+    # sin(kx) / k and (1 - cos(kx)) / k, written such that they are defined for curvature k = 0.
     half = np.sinc(curvature * along / (2 * np.pi))
     moved[:, 0] = along * np.sinc(curvature * along / np.pi) - sin * side
     moved[:, across] = curvature * along**2 / 2 * half**2 + cos * side
@@ -92,7 +92,7 @@ def bend(points: Doubles, curvature: float, across: int) -> Deformed:
 
 
 def in_turn(points: Doubles, deformations: list[Deformation]) -> Deformed:
-    """Return the points moved by several deformations in sequence, and the Jacobians of the whole."""
+    """Return the points after several successive deformations, and the Jacobians of their composition."""
     jacobian = np.broadcast_to(np.eye(3), (len(points), 3, 3))
     for deform in deformations:
         points, step = deform(points)
@@ -101,7 +101,7 @@ def in_turn(points: Doubles, deformations: list[Deformation]) -> Deformed:
 
 
 def together(points: Doubles, deformations: list[Deformation]) -> Deformed:
-    """Return the points moved by the sum of several deformations' shifts, and the Jacobians."""
+    """Return the points moved by the sum of the displacements of several deformations, and the Jacobians."""
     moved, jacobian = points.copy(), np.tile(np.eye(3), (len(points), 1, 1))
     for deform in deformations:
         alone, step = deform(points)
@@ -111,13 +111,13 @@ def together(points: Doubles, deformations: list[Deformation]) -> Deformed:
 
 
 def bump(points: Doubles, centre: Doubles, width: float, shift: Doubles) -> Deformed:
-    """Shift the surroundings of a place, the more the nearer they are, by a Gaussian.
+    """Shift the surroundings of a centre with Gaussian falloff.
 
     Args:
-        points: (V, 3).
-        centre: (3,) the place.
+        points: (V, 3) points.
+        centre: (3,) centre of the shift.
         width: standard deviation of the Gaussian.
-        shift: (3,) how far the place itself moves.
+        shift: (3,) displacement of the centre.
     """
     offset = points - centre
     share = _gaussian(offset, width)
@@ -126,13 +126,13 @@ def bump(points: Doubles, centre: Doubles, width: float, shift: Doubles) -> Defo
 
 
 def swell(points: Doubles, centre: Doubles, width: float, growth: float) -> Deformed:
-    """Blow up the surroundings of a place: near it lengths grow by ``1 + growth``, far from it nothing moves.
+    """Inflate the surroundings of a centre by ``1 + growth`` with Gaussian falloff.
 
     Args:
-        points: (V, 3).
-        centre: (3,) the place.
-        width: standard deviation of the Gaussian by which the growth falls off.
-        growth: negative to shrink.
+        points: (V, 3) points.
+        centre: (3,) centre of the inflation.
+        width: standard deviation of the Gaussian.
+        growth: relative increase of lengths at the centre; negative to shrink.
     """
     offset = points - centre
     share = growth * _gaussian(offset, width)
@@ -149,18 +149,18 @@ _CHOOSE = np.array([1.0, 3.0, 3.0, 1.0])
 
 
 def free_form(points: Doubles, low: Doubles, high: Doubles, pulls: Doubles) -> Deformed:
-    """Move points as a lattice of control points about them is pulled.
+    """Move points with a lattice of control points around them.
 
-    Tensor-product Bernstein polynomials of degree 3 (Sederberg and Parry, "Free-form deformation of solid
-    geometric models", SIGGRAPH 1986), added to a point's position, so that without pulls nothing moves.
+    Displacements are tensor products of Bernstein polynomials of degree 3 (Sederberg and Parry, "Free-form
+    deformation of solid geometric models", SIGGRAPH 1986), so points do not move if all pulls are 0.
 
     Args:
-        points: (V, 3), of the last deformation.
+        points: (V, 3) points.
         low: (3,) corner of the lattice.
         high: (3,) opposite corner.
-        pulls: (4, 4, 4, 3) how far each control point is pulled.
+        pulls: (4, 4, 4, 3) displacements of the control points.
     """
-    size = np.maximum(high - low, 1e-9)  # flat objects have no thickness
+    size = np.maximum(high - low, 1e-9)  # flat objects have zero thickness
     weights, slopes = zip(*(_bernstein(part) for part in ((points - low) / size).T), strict=True)
 
     def blend(i: Doubles, j: Doubles, k: Doubles) -> Doubles:
@@ -175,10 +175,10 @@ def free_form(points: Doubles, low: Doubles, high: Doubles, pulls: Doubles) -> D
 
 
 def _bernstein(share: Doubles) -> Deformed:
-    """Return the (V, 4) Bernstein polynomials of degree 3 at places along an axis, and their slopes."""
+    """Return values and derivatives (V, 4) of the cubic Bernstein polynomials at positions along an axis."""
     k = np.arange(_DEGREE + 1)
     t, rest = share[:, None], 1 - share[:, None]
-    # 0 ** 0 is 1, and where the exponent would be -1 its factor is 0.
+    # 0 ** 0 is 1, and terms with an exponent of -1 have a factor of 0.
     slopes = _CHOOSE * (
         k * t ** np.maximum(k - 1, 0) * rest ** (_DEGREE - k)
         - (_DEGREE - k) * t**k * rest ** np.maximum(_DEGREE - k - 1, 0)
@@ -187,23 +187,23 @@ def _bernstein(share: Doubles) -> Deformed:
 
 
 _BELLY_SHARE = 0.4
-"""Where sections, going up, first have this share of the widest section's area, the legs end."""
+"""Fraction of the largest cross section's area at which the legs end, going upwards."""
 _BLEND = 0.08
-"""Half the height over which the lengthening of legs sets in, in radii of the object."""
+"""Half of the transition height for lengthening legs, in radii of the object."""
 _REACH = 3.0
-"""Standard deviations beyond which the surface does not count for a middle."""
+"""Cutoff of the Gaussian for middles, in standard deviations."""
 
 
 def belly(points: Doubles, faces: NDArray[np.integer], up: int) -> float:
-    """Return the height at which an object's legs end: below it, its level sections are small.
+    """Return the height at which an object's legs end, below which horizontal cross sections are small.
 
-    The area of a section is that of what lies above, projected down (Gauss's theorem; the surface is assumed
-    to be closed).
+    The area of a cross section is the projected area of the surface above it (Gauss's theorem for a closed
+    surface).
 
     Args:
-        points: (V, 3).
+        points: (V, 3) points.
         faces: (F, 3) vertex indices.
-        up: the axis that points up.
+        up: index of the axis that points up.
     """
     a, b, c = (points[faces[:, i]] for i in range(3))
     rising = np.cross(b - a, c - a)[:, up] / 2
@@ -215,15 +215,15 @@ def belly(points: Doubles, faces: NDArray[np.integer], up: int) -> float:
 
 
 def lengthen(points: Doubles, up: int, line: float, growth: float) -> Deformed:
-    """Stretch the part below a height vertically by ``1 + growth``, with a soft beginning.
+    """Stretch the part below a height vertically by ``1 + growth``, with a smooth transition.
 
     Args:
-        points: (V, 3).
-        up: the axis that points up.
-        line: the height.
-        growth: negative to shorten.
+        points: (V, 3) points.
+        up: index of the axis that points up.
+        line: height below which the object is stretched.
+        growth: relative increase of lengths; negative to shorten.
     """
-    # The integral of a step softened over 2 * BLEND, a parabola between two straight lines.
+    # The integral of a step smoothed over 2 * BLEND is a parabola between two straight lines.
     below = np.clip((line + _BLEND - points[:, up]) / (2 * _BLEND), 0.0, None)
     inside = np.minimum(below, 1.0)
     depth = 2 * _BLEND * (inside**2 / 2 + (below - inside))
@@ -236,13 +236,13 @@ def lengthen(points: Doubles, up: int, line: float, growth: float) -> Deformed:
 
 @dataclass(frozen=True)
 class Middle:
-    """The mean of the surface near a place, weighted by a Gaussian.
+    """The local mean position of a surface, weighted by a Gaussian.
 
-    On a limb thinner than the Gaussian that is a place on the limb's axis, on a trunk thicker than it a
-    place just under the skin.
+    On a limb thinner than the Gaussian, this is a point on the limb's axis. On a thicker trunk, it is a
+    point just below the surface.
 
     Args:
-        places: (P, 3) of the surface.
+        places: (P, 3) points on the surface.
         areas: (P,) area of the surface that each point represents.
         width: standard deviation of the Gaussian.
     """
@@ -253,7 +253,7 @@ class Middle:
 
     @classmethod
     def of(cls, points: Doubles, areas: Doubles, width: float) -> "Middle":
-        """Gather a surface, given by points (V, 3) and their areas (V,), in cells of half the width."""
+        """Aggregate a surface, given by points (V, 3) and their areas (V,), in cells of half the width."""
         cells = np.floor((points - points.min(axis=0)) / (width / 2)).astype(np.int64)
         _, cell = np.unique(cells @ [1 << 40, 1 << 20, 1], return_inverse=True)
         total: Doubles = np.bincount(cell, areas).astype(np.float64)
@@ -262,11 +262,11 @@ class Middle:
         return cls(sums[kept] / total[kept, None], total[kept], width)
 
     def at(self, points: Doubles) -> Deformed:
-        """Return the middles (V, 3) about points, and how they move with them (V, 3, 3).
+        """Return the middles (V, 3) around points, and their derivatives by the points (V, 3, 3).
 
-        The derivative of such a mean is the covariance under the same Gaussian, over its variance.
+        The derivative is the covariance under the same Gaussian divided by its variance.
         """
-        from scipy.spatial import cKDTree  # half a second: only when a mesh is varied
+        from scipy.spatial import cKDTree  # takes half a second to import, only needed to vary meshes
 
         near = cKDTree(points).sparse_distance_matrix(
             cKDTree(self.places), _REACH * self.width, output_type="coo_matrix"
@@ -290,9 +290,9 @@ def thicken(points: Doubles, middle: Middle, growth: float) -> Deformed:
     """Move points away from the middle of their surface by ``growth`` times their distance from it.
 
     Args:
-        points: (V, 3) of the surface.
-        middle: middle of that surface.
-        growth: negative to make thinner.
+        points: (V, 3) points on the surface.
+        middle: middle of the surface.
+        growth: relative increase of the thickness; negative to make thinner.
     """
     centres, slopes = middle.at(points)
     return points + growth * (points - centres), np.eye(3) + growth * (np.eye(3) - slopes)

@@ -1,4 +1,4 @@
-"""The axes of an object: where it is long, where up is, and the plane that parts left from right."""
+"""The axes of an object: its length, up, and the normal of its plane of symmetry."""
 
 from dataclasses import dataclass
 
@@ -11,21 +11,21 @@ from normalgan.rendering.repair import face_vectors
 __all__ = ["Frame", "find_frame"]
 
 _COARSE, _FINE = np.arange(0.0, 180.0, 5.0), np.arange(-4.5, 5.0, 0.5)
-"""Degrees by which the plane of symmetry is turned to try it: first all around, then about the best."""
+"""Steps in degrees of the search for the plane of symmetry, first over all angles, then around the best."""
 _ACROSS = 0.002
-"""Penalty of a mirrored vertex for its distance across the plane."""
+"""Weight of the distance across the plane in the penalty of a mirrored vertex."""
 _PROBES = 500
-"""How many vertices are mirrored to try one."""
+"""Number of vertices that are mirrored to test a plane."""
 
 
 @dataclass(frozen=True)
 class Frame:
-    """An object's own coordinates; the third is 0 in the plane that parts left from right.
+    """An object's own coordinate system; the third coordinate is 0 in the plane of symmetry.
 
     Args:
-        centre: (3,) middle of the surface.
-        axes: (3, 3) rows: the longer one of forward and up; the other one; sideways.
-        up: which of them points up, 0 or 1.
+        centre: (3,) centre of the surface.
+        axes: (3, 3) axes as rows: the longer one of forward and up, the other one, and sideways.
+        up: index of the axis that points up, 0 or 1.
         areas: (V,) area of the surface around each vertex.
     """
 
@@ -35,21 +35,21 @@ class Frame:
     areas: Doubles
 
     def inward(self, positions: Doubles) -> Doubles:
-        """Return positions (V, 3) of the mesh in these coordinates."""
+        """Convert positions (V, 3) of the mesh to these coordinates."""
         return np.asarray((positions - self.centre) @ self.axes.T)
 
     def outward(self, points: Doubles) -> Doubles:
-        """Return points (V, 3) in these coordinates as positions of the mesh."""
+        """Convert points (V, 3) in these coordinates to positions of the mesh."""
         return np.asarray(points @ self.axes + self.centre)
 
 
 def find_frame(mesh: Mesh) -> Frame:
-    """Return the frame of a mesh, whose up is +Y.
+    """Return the frame of a mesh with +Y up.
 
-    The plane of symmetry is the upright one through the middle in which the object's mirror image comes
-    nearest to itself.
+    The plane of symmetry is the vertical plane through the centre for which the mirror image is closest to
+    the object.
     """
-    from scipy.spatial import cKDTree  # half a second: only when a mesh is varied
+    from scipy.spatial import cKDTree  # takes half a second to import, only needed to vary meshes
 
     vertices = mesh.vertices.astype(np.float64)
     face_area = np.linalg.norm(face_vectors(vertices, mesh.faces.astype(np.int64)), axis=1) / 2
@@ -63,7 +63,7 @@ def find_frame(mesh: Mesh) -> Frame:
     def miss(turn: float) -> float:
         side = _sideways(turn)
         missed = np.mean(tree.query(probes - 2 * np.outer(probes @ side, side))[0])
-        # Of several planes, the one along the object.
+        # Prefer the plane along the object if there are several.
         return float(missed + _ACROSS * np.ptp(probes @ side))
 
     best = min(_COARSE, key=miss)
@@ -76,5 +76,5 @@ def find_frame(mesh: Mesh) -> Frame:
 
 
 def _sideways(turn: float) -> Doubles:
-    """Return the level direction ``turn`` degrees from +X towards +Z."""
+    """Return the horizontal direction ``turn`` degrees from +X towards +Z."""
     return np.array([np.cos(np.deg2rad(turn)), 0.0, np.sin(np.deg2rad(turn))])

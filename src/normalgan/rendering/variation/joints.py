@@ -1,4 +1,4 @@
-"""Joints without a skeleton: limbs are found on the surface and bent, each at a place where it is thin."""
+"""Joints without a skeleton: limbs are found on the surface and bent where they are thin."""
 
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, cast
@@ -16,35 +16,35 @@ if TYPE_CHECKING:
 __all__ = ["Joint", "find_joints"]
 
 _TIPS = 8
-"""Most ends of limbs that are looked for: a person has five, a dog with a tail six."""
+"""Maximum number of limb ends; a person has five, a dog with a tail six."""
 _SHORTEST_LIMB = 0.35
-"""Share of the longest limb from which an end of the surface counts as a limb."""
+"""Minimum length of a limb, as a fraction of the longest limb."""
 _JOINTS = 2
-"""Most joints of a limb: a knee and a hip, an elbow and a shoulder."""
+"""Maximum number of joints of a limb, such as knee and hip or elbow and shoulder."""
 _PLACES = np.linspace(0.25, 0.8, 12)
-"""Where a limb may have a joint, from its tip to the middle of the object."""
+"""Range of possible positions of a joint, from the limb's tip (0) to the middle of the object (1)."""
 _THICKEST = 0.35
-"""A limb's radius at a joint by its length from there to the tip, at most: what is thicker is not a limb."""
+"""Maximum ratio of a limb's radius at a joint to its length beyond it; thicker parts are not limbs."""
 _BAND = 1.5
-"""Half the length of a joint, in radii of the limb; a shorter one would crease at 70 degrees."""
+"""Half of a joint's length, in radii of the limb; a shorter joint would crease at 70 degrees."""
 _TORN = 0.1
-"""Share of a turn that a place may be off where a joint ends."""
+"""Maximum remaining fraction of a rotation at the ends of a joint."""
 _FEWEST = 3
-"""Vertices that a limb needs on either side of a joint, to say how it points."""
+"""Minimum number of vertices on either side of a joint, for estimating the limb's direction."""
 _CLOTH = 0.02
-"""Distance, in radii of the object, at which separate parts such as body and clothes move as one."""
+"""Distance within which separate parts such as body and clothes move together, in radii of the object."""
 
 
 @dataclass(frozen=True)
 class Joint:
-    """A place where a limb bends.
+    """A joint where a limb bends.
 
     Args:
-        centre: (3,) of the limb there.
-        outward: (3,) unit direction of the limb there, towards its tip.
-        band: half the length over which the turn sets in.
-        beyond: (V,) vertices between the joint and the tip, including the joint's.
-        near: (V,) vertices of the joint itself.
+        centre: (3,) centre of the limb at the joint.
+        outward: (3,) unit direction of the limb towards its tip.
+        band: half of the length over which the rotation increases.
+        beyond: (V,) mask of vertices between the joint and the tip, including those of the joint.
+        near: (V,) mask of vertices of the joint itself.
     """
 
     centre: Doubles
@@ -54,51 +54,51 @@ class Joint:
     near: BoolMask
 
     def share(self, points: Doubles) -> tuple[Doubles, Doubles]:
-        """Return the shares (V,) of the turn that points (V, 3) take, and how fast these grow outward."""
+        """Return the fractions (V,) of the rotation at points (V, 3), and their outward derivatives."""
         along = np.clip(((points - self.centre) @ self.outward) / (2 * self.band) + 0.5, 0.0, 1.0)
         share = np.where(self.near, along**2 * (3 - 2 * along), self.beyond)
         return share, np.where(self.near, 6 * along * (1 - along) / (2 * self.band), 0.0)
 
     def bend(self, points: Doubles, axis: Doubles, angle: float) -> Deformed:
-        """Turn the vertices beyond the joint.
+        """Rotate the vertices beyond the joint.
 
         Args:
-            points: (V, 3).
-            axis: (3,) unit axis of the turn, through the joint's centre.
-            angle: in radians.
+            points: (V, 3) points.
+            axis: (3,) unit axis of the rotation, through the joint's centre.
+            angle: angle in radians.
         """
-        from scipy.spatial.transform import Rotation  # half a second: only when a mesh is varied
+        from scipy.spatial.transform import Rotation  # takes half a second to import
 
         share, slope = self.share(points)
         rotation = Rotation.from_rotvec(np.outer(angle * share, axis)).as_matrix()
         moved = (rotation @ (points - self.centre)[:, :, None])[:, :, 0]
-        # How the turn grows outwards.
+        # The outward increase of the rotation.
         speed = angle * slope[:, None] * np.cross(axis, moved)
         return moved + self.centre, rotation + speed[:, :, None] * self.outward
 
 
 def find_joints(points: Doubles, faces: NDArray[np.integer], rng: np.random.Generator) -> list[Joint]:
-    """Find the limbs of a surface, and return up to two joints of each, where it is thin.
+    """Find the limbs of a surface, and return up to two joints per limb, where it is thin.
 
-    The ends of limbs are the points that lie farthest from one another over the surface; the middle of the
-    object is the point from which none of them is far.
+    The ends of limbs are points with maximum geodesic distance from each other. The middle of the object
+    is the point with the smallest maximum distance from them.
 
     Args:
         points: (V, 3) vertices of an object of about unit radius.
         faces: (F, 3) vertex indices.
-        rng: draws where along their limbs the joints lie.
+        rng: source of randomness for the positions of joints along their limbs.
 
     Returns:
-        The joints; outer joints come before inner ones.
+        The joints, outer joints before inner ones.
     """
-    from scipy.sparse.csgraph import dijkstra  # half a second: only when a mesh is varied
+    from scipy.sparse.csgraph import dijkstra  # takes half a second to import
 
     places, place_of = np.unique(points.round(6), axis=0, return_inverse=True)
     place_of = place_of.ravel()
     graph, whole = _graph(places, place_of[faces])
 
     def distances(start: int) -> Doubles:
-        return np.asarray(cast("Any", dijkstra)(graph, indices=start))  # some stubs lack csr_array
+        return np.asarray(cast("Any", dijkstra)(graph, indices=start))  # some type stubs lack csr_array
 
     nearest = distances(int(np.argmax(whole)))
     reached: list[Doubles] = []
@@ -125,7 +125,7 @@ def find_joints(points: Doubles, faces: NDArray[np.integer], rng: np.random.Gene
 
 
 def _joint(places: Doubles, distance: Doubles, length: float) -> Joint | None:
-    """Return the joint of a limb at this distance from its tip, or None where it is too thick."""
+    """Return the joint of a limb at a distance from its tip, or None if the limb is too thick there."""
     ring = np.abs(distance - length) < length / 8
     outer = ring & (distance < length)
     if min(outer.sum(), (ring & ~outer).sum()) < _FEWEST:
@@ -141,7 +141,7 @@ def _joint(places: Doubles, distance: Doubles, length: float) -> Joint | None:
         return None
     near = np.abs(distance - length) < 1.5 * band
     joint = Joint(centre, outward, band, distance < length + 1.5 * band, near)
-    # If another limb is in the way, the surface continues beyond the joint and would tear.
+    # If another limb is in between, the surface continues beyond the joint and would tear.
     share, _ = joint.share(places)
     torn = (share[near & (distance > length + band)] > _TORN).any() or (
         share[near & (distance < length - band)] < 1 - _TORN
@@ -150,7 +150,7 @@ def _joint(places: Doubles, distance: Doubles, length: float) -> Joint | None:
 
 
 def _graph(places: Doubles, faces: NDArray[np.integer]) -> tuple["csr_array", BoolMask]:
-    """Return the edges of a surface, with links between its parts, as lengths; and what hangs together."""
+    """Return the edge lengths as a graph with links between parts, and a mask of the largest component."""
     from scipy.sparse import coo_array
     from scipy.spatial import cKDTree
 

@@ -1,4 +1,4 @@
-"""Variation: how far individuals of one shape differ."""
+"""Variation: strengths of the random variation of a shape."""
 
 from dataclasses import dataclass, fields, replace
 from typing import Annotated
@@ -7,32 +7,34 @@ from normalgan.ranges import Range, check_ranges
 
 __all__ = ["Variation"]
 
-_Part = Annotated[float, Range(0, 0.9)]  # so that nothing shrinks to nothing
+_Part = Annotated[float, Range(0, 0.9)]  # so that nothing shrinks to zero
 
 
 @dataclass(frozen=True)
 class Variation:
-    """How far variants differ from their mesh; without any strength it is the mesh.
+    """How much variants differ from their mesh. If all strengths are 0, variants are identical to it.
 
     Args:
-        scale: independent lengthening or shortening along, up and sideways: 0.1 is up to a tenth.
-        taper: how much thicker the object becomes towards one end: 0.1 changes each end by up to a tenth.
-        bend: largest angle in degrees between the directions of the two ends, up or down; sideways it is this
-            times ``asymmetry``.
-        twist: largest angle in degrees between the two ends, about the long axis, times ``asymmetry``.
-        limb_length: lengthening or shortening of the legs, the part below the belly: 0.2 is up to a fifth.
-        limb_thickness: thickening or thinning of limbs, ears and tails: 0.2 is up to a fifth.
-        parts: growth or shrinking of three parts anywhere, such as a head or a belly.
-        lattice: random pulls at a lattice of 4 × 4 × 4 points about the object, as a share of its size.
-        bumps: height of a dozen bumps and hollows, as a share of their width.
-        asymmetry: how much left and right differ: 0 mirrors all changes; it alone changes nothing.
-        joints: largest angle in degrees by which limbs bend, at places found on the surface; no skeleton is
-            needed. By default none do.
-        tilt: largest angle in degrees by which it leans or lies, to any side; most lean little. By default it
-            stands.
+        scale: independent stretching or shrinking of length, height and width; 0.1 means up to 10 %.
+        taper: thickening towards one end; 0.1 changes each end by up to 10 %.
+        bend: maximum angle in degrees between the directions of the two ends, up or down. The sideways
+            angle is this times ``asymmetry``.
+        twist: maximum angle in degrees between the two ends about the long axis, multiplied by
+            ``asymmetry``.
+        limb_length: lengthening or shortening of the legs, the part below the belly; 0.2 means up to 20 %.
+        limb_thickness: thickening or thinning of limbs, ears and tails; 0.2 means up to 20 %.
+        parts: growth or shrinking of three random parts, such as a head or a belly.
+        lattice: random displacements of a lattice of 4 × 4 × 4 points around the object, as a fraction of
+            its size.
+        bumps: height of a dozen bumps and hollows, as a fraction of their width.
+        asymmetry: difference between left and right. 0 mirrors all changes. It has no effect on its own.
+        joints: maximum angle in degrees by which limbs bend, at joints found on the surface without a
+            skeleton. 0 by default.
+        tilt: maximum angle in degrees by which the object leans, in any direction; small angles are more
+            likely. 0 by default.
 
     Raises:
-        InputError: if a strength is negative, or so large that nothing recognisable would be left.
+        InputError: if a strength is negative, or so large that the object would be unrecognisable.
 
     Example:
         >>> Variation(bend=30.0).times(0.5).bend
@@ -53,14 +55,14 @@ class Variation:
     tilt: Annotated[float, Range(0, 180)] = 0.0
 
     def __post_init__(self) -> None:
-        """Check that all strengths are finite and leave a shape."""
+        """Check that all strengths are in range."""
         check_ranges(self)
 
     def times(self, amount: float) -> "Variation":
-        """Return all strengths times ``amount``; the asymmetry, a share of the others, stays."""
+        """Return all strengths multiplied by ``amount``, except the asymmetry, which is relative to them."""
         strengths = {field.name: getattr(self, field.name) * amount for field in fields(self)}
         return replace(self, **{**strengths, "asymmetry": self.asymmetry})
 
     def none(self) -> bool:
-        """Return whether no strength is left, so that every individual is the mesh itself."""
+        """Return whether all strengths are 0, so that variants are identical to the mesh."""
         return not any(getattr(self, field.name) for field in fields(self) if field.name != "asymmetry")

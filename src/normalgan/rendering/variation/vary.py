@@ -1,4 +1,4 @@
-"""vary: a random variant of a mesh, and its normals; Varied: one as a mesh source."""
+"""vary, which returns a random variant of a mesh with its normals, and Varied, a variant as a mesh source."""
 
 import hashlib
 import json
@@ -37,20 +37,21 @@ from normalgan.seeds import rng_of
 __all__ = ["Varied", "vary"]
 
 _LEAST_VOLUME = 0.1
-"""A change that shrinks the space around a vertex to less than this, or inverts it, is too strong."""
+"""Minimum volume factor at a vertex; deformations that shrink space more, or invert it, are too strong."""
 
 
 def vary(mesh: Mesh, variation: Variation, rng: np.random.Generator) -> Mesh:
-    """Return an individual of a mesh: a different individual of the same kind.
+    """Return a random variant of a mesh, like another individual of the same species.
 
-    Normals are transformed exactly, by the inverse transpose of the deformation's Jacobian, so hard edges
-    stay hard. Where the deformation would turn the surface inside out, all strengths are halved until it does
-    not.
+    Normals are transformed exactly, by the inverse transpose of the deformation's Jacobian, so sharp edges
+    stay sharp. If the deformation would turn the surface inside out, all strengths are halved until it
+    does not.
 
     Args:
-        mesh: the mesh; returned unchanged if all strengths are 0.
-        variation: how far individuals differ.
-        rng: draws the individual; strengths change the amount of the difference, not its kind.
+        mesh: original mesh, returned unchanged if all strengths are 0.
+        variation: strengths of the variation.
+        rng: source of randomness. The strengths affect only the amount of the changes, not the random
+            draws.
     """
     if variation.none():
         return mesh
@@ -67,7 +68,7 @@ def vary(mesh: Mesh, variation: Variation, rng: np.random.Generator) -> Mesh:
         turned = _cofactors(jacobian)
         if _holds(jacobian, turned):
             break
-        amount /= 2  # ends: without strength the Jacobian is the identity
+        amount /= 2  # terminates, because the Jacobian is the identity for strength 0
     turned_normals = np.einsum("vij,vj->vi", turned, normals) @ frame.axes
     turned_normals /= np.linalg.norm(turned_normals, axis=1, keepdims=True)
     vertices = frame.outward(moved)
@@ -80,7 +81,7 @@ def vary(mesh: Mesh, variation: Variation, rng: np.random.Generator) -> Mesh:
 
 
 def _bend_limbs(mesh: Mesh, most: float, rng: np.random.Generator) -> Mesh:
-    """Return the mesh with the joints of its limbs turned by up to ``most`` radians, each about any axis."""
+    """Return the mesh with the joints of its limbs rotated by up to ``most`` radians about random axes."""
     points, normals = mesh.vertices.astype(np.float64), mesh.normals.astype(np.float64)
     for joint in find_joints(points, mesh.faces, rng):
         axis = np.cross(joint.outward, rng.standard_normal(3))
@@ -95,14 +96,16 @@ def _bend_limbs(mesh: Mesh, most: float, rng: np.random.Generator) -> Mesh:
 
 
 def _holds(jacobian: Doubles, turned: Doubles) -> bool:
-    """Return whether a deformation leaves enough space about each vertex; ``turned`` has its cofactors."""
-    volume = np.einsum("vc,vc->v", jacobian[:, 0], turned[:, 0])  # a row times its cofactors: the determinant
+    """Return whether a deformation preserves enough volume at each vertex, given cofactors ``turned``."""
+    volume = np.einsum(
+        "vc,vc->v", jacobian[:, 0], turned[:, 0]
+    )  # a row times its cofactors is the determinant
     return bool(volume.min() >= _LEAST_VOLUME)
 
 
 def _lean(most: float, rng: np.random.Generator) -> Doubles:
-    """Return a rotation (3, 3) about a level axis by up to ``most`` radians; small angles are likelier."""
-    from scipy.spatial.transform import Rotation  # half a second: only when a mesh is varied
+    """Return a rotation (3, 3) about a horizontal axis by up to ``most`` radians, preferring small angles."""
+    from scipy.spatial.transform import Rotation  # takes half a second to import, only needed to vary meshes
 
     heading = rng.uniform(0.0, 2 * np.pi)
     angle = most * rng.uniform() ** 3
@@ -121,22 +124,22 @@ def _cofactors(matrices: Doubles) -> Doubles:
 
 
 _LIMB_WIDTH = 0.06
-"""Standard deviation of the Gaussian that finds the middle of limbs, in radii of the object."""
+"""Standard deviation of the Gaussian for the middle of limbs, in radii of the object."""
 _PARTS, _PART_WIDTH = 3, (0.16, 0.35)
 _BUMPS, _BUMP_WIDTH = 12, (0.06, 0.2)
-"""How many parts grow and how many bumps there are; their least and greatest width."""
+"""Number of growing parts and number of bumps, each with minimum and maximum width."""
 _MIRROR = np.array([1.0, 1.0, -1.0])
 
 
 class _Object:
-    """A surface in the coordinates of its frame, with the measures that deformations need.
+    """A surface in the coordinates of its frame, with measurements for the deformations.
 
     Args:
         points: (V, 3) vertices; the third coordinate is sideways.
-        normals: (V, 3) of the surface.
+        normals: (V, 3) normals of the surface.
         areas: (V,) area of the surface around each vertex.
         faces: (F, 3) vertex indices.
-        up: the axis that points up.
+        up: index of the axis that points up.
     """
 
     def __init__(
@@ -149,15 +152,15 @@ class _Object:
         self._cumulated = np.cumsum(areas) / areas.sum()
 
     def vertices_at(self, shares: Doubles) -> Indices:
-        """Return the vertices at the given shares, from 0 to 1, of the accumulated surface."""
+        """Return the vertices at the given fractions, from 0 to 1, of the cumulative area."""
         return np.searchsorted(self._cumulated, shares).clip(0, len(self.points) - 1)
 
 
 def _steps(thing: _Object, strength: Variation, rng: np.random.Generator) -> list[Deformation]:
-    """Return the deformations of one variation, in order.
+    """Return the deformations of a variation, in order.
 
-    The number of random draws does not depend on the strengths, so that changing one leaves the others' draws
-    alone.
+    The number of random draws does not depend on the strengths, so changing one strength does not affect
+    the draws of the others.
     """
     scales, tapered, bends, twisted, limbs, parts, bumps = (
         rng.uniform(-1, 1, count) for count in (3, 1, 2, 1, 2, _PARTS, _BUMPS)
@@ -172,7 +175,7 @@ def _steps(thing: _Object, strength: Variation, rng: np.random.Generator) -> lis
     up, sideways = np.deg2rad(strength.bend) * bends * [1.0, odd] / (2 * half)
     growing = _parts(thing, strength.parts * parts, part_places, part_widths, odd)
     bulging = _bumps(thing, strength.bumps * bumps, bump_places, bump_widths, odd)
-    # Steps that are placed on the surface come first, before it moves.
+    # Deformations at positions on the surface come first, before it moves.
     return [
         partial(thicken, middle=thing.limbs, growth=float(thickness)),
         partial(together, deformations=growing),
@@ -190,9 +193,9 @@ def _steps(thing: _Object, strength: Variation, rng: np.random.Generator) -> lis
 def _parts(
     thing: _Object, growths: Doubles, places: Doubles, widths: Doubles, odd: float
 ) -> list[Deformation]:
-    """Return the growth of parts, each with its mirror image; centres lie under the skin.
+    """Return the growth of parts, each with its mirror image, centred below the surface.
 
-    Their places are shares of the surface, their widths shares of the range of widths; so for bumps.
+    Positions are fractions of the cumulative area, and widths are fractions of the range of widths.
     """
     centres, _ = thing.trunk.at(thing.points[thing.vertices_at(places)])
     widths = _PART_WIDTH[0] + widths * (_PART_WIDTH[1] - _PART_WIDTH[0])
@@ -207,7 +210,7 @@ def _parts(
 def _bumps(
     thing: _Object, heights: Doubles, places: Doubles, widths: Doubles, odd: float
 ) -> list[Deformation]:
-    """Return the bumps and hollows, along the normal, each with its mirror image."""
+    """Return the bumps and hollows along the normal, each with its mirror image."""
     vertices = thing.vertices_at(places)
     widths = _BUMP_WIDTH[0] + widths * (_BUMP_WIDTH[1] - _BUMP_WIDTH[0])
     found: list[Deformation] = []
@@ -220,20 +223,20 @@ def _bumps(
 
 
 def _sides(centre: Doubles, width: float, odd: float) -> tuple[float, float]:
-    """Return the weights of a change and of its mirror image, half each in the middle, where they meet."""
+    """Return the weights of a change and of its mirror image, which are 1/2 each in the plane of symmetry."""
     both = 1 + (1 - odd) * float(np.exp(-((centre[2] / width) ** 2)))
     return 1 / both, (1 - odd) / both
 
 
 def _mirrored(pulls: Doubles, odd: float) -> Doubles:
-    """Return the pulls of a lattice with this share of the difference between left and right."""
+    """Return the pulls of a lattice with a fraction ``odd`` of the difference between left and right."""
     image = pulls[:, :, ::-1] * _MIRROR
-    # The mean of two independent pulls is smaller by √2.
+    # The mean of two independent pulls is smaller by a factor of √2.
     return np.asarray(((pulls + image) + odd * (pulls - image)) / np.sqrt(2 * (1 + odd**2)))
 
 
 def _pull(points: Doubles, pulls: Doubles) -> Deformed:
-    """Deform by a lattice about the points, as wide to the left as to the right."""
+    """Deform points by a lattice around them that is symmetric in width."""
     low, high = points.min(axis=0), points.max(axis=0)
     high[2] = max(-low[2], high[2])
     low[2] = -high[2]
@@ -241,17 +244,17 @@ def _pull(points: Doubles, pulls: Doubles) -> Deformed:
 
 
 _VARIATION_VERSION = 1
-"""Part of every fingerprint; raise it when a number gives another individual than before."""
+"""Version in each fingerprint. Increase it if a number gives a different variant than before."""
 
 
 @dataclass(frozen=True)
 class Varied:
-    """An individual of a mesh, drawn by its number; a `MeshSource`.
+    """A random variant of a mesh, determined by its number; a `MeshSource`.
 
     Args:
-        source: where the mesh is from.
-        variation: how far individuals differ.
-        number: number of the individual, from 0; the variant depends only on it and the mesh's name.
+        source: source of the original mesh.
+        variation: strengths of the variation.
+        number: number of the variant, from 0; the random draws depend only on this and on the mesh's name.
 
     Raises:
         InputError: if the number is negative.
@@ -266,7 +269,7 @@ class Varied:
 
     @property
     def name(self) -> str:
-        """The source's name, and the number: ``horse~1``, or ``horse@3~1`` of a pose."""
+        """The source's name and the number: ``horse~1``, or ``horse@3~1`` for a pose."""
         return f"{self.source.name}~{self.number}"
 
     def fingerprint(self) -> str:
@@ -285,7 +288,7 @@ class Varied:
         return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
 
     def load(self) -> Mesh:
-        """Return the individual.
+        """Return the variant.
 
         Raises:
             InputError: if the source cannot be used.
