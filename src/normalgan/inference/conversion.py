@@ -39,7 +39,7 @@ def map_of_heights(path: str | Path, scale: float) -> NormalMap:
         InputError: if the file cannot be read or is not grey.
     """
     if not scale > 0:
-        raise InputError(f"scale is {scale}; it is pixels from black to white, more than 0.")
+        raise InputError(f"scale is {scale}; give the number of pixels from black to white, more than 0.")
     pixels = read_pixels(Path(path), exact=True).pixels
     alpha = to_unit(pixels[..., 3]) if pixels.ndim == 3 and pixels.shape[2] == 4 else None
     if pixels.ndim == 3:

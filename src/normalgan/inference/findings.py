@@ -64,7 +64,7 @@ def words_of(finding: Finding) -> str:
     """Return the text of a finding, as part of a sentence.
 
     >>> words_of(Finding("edge", ((3.2, 8),), layer="Arm"))
-    'Arm: no line bounds the object about x 3, y 8, so its edge is a guess; close it if it is wrong'
+    'Arm: no line bounds the object near x 3, y 8, so its edge is a guess; close it if it is wrong'
     """
     own = _WORDS.get(finding.code)
     words = finding.words if own is None else own(finding)
@@ -101,10 +101,10 @@ def _places(finding: Finding) -> str:
 
 _WORDS: dict[Code, Callable[[Finding], str]] = {
     "edge": lambda finding: (
-        f"no line bounds the object about {_places(finding)}, so its edge is a guess; close it if it is wrong"
+        f"no line bounds the object near {_places(finding)}, so its edge is a guess; close it if it is wrong"
     ),
     "guessed": lambda _: (
-        "no object is seen among its lines, so the network of normals has guessed its mask; "
+        "no object was found among its lines, so the network guessed the mask; "
         "close the outline, or give --mask"
     ),
     "hints": _hints,

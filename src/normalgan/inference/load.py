@@ -29,7 +29,7 @@ def load(path_or_name: str | Path = SHIPPED_NAME, size: int | None = None) -> Pr
     backend = _backend(str(path_or_name), size)
     if size not in (None, backend.size):
         raise InputError(
-            f"{path_or_name} predicts pictures of {backend.size} pixels, not {size}; leave size out: "
+            f"{path_or_name} predicts pictures of {backend.size} pixels, not {size}; omit size: "
             "drawings of any size are resized for it."
         )
     return Predictor(backend)

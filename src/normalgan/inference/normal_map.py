@@ -203,7 +203,9 @@ class NormalMap:
         if form is None:
             raise InputError(f"the normal map {path} must end in one of {' '.join(_SUFFIXES)}.")
         if bits not in get_args(Bits) or (bits == 16 and form != "png"):
-            raise InputError(f"bits are 8 or 16, of a PNG; {path} with {bits} is neither.")
+            raise InputError(
+                f"{bits} bits are not supported for {path}; a PNG has 8 or 16, other formats hold floats."
+            )
         if y not in get_args(Green):
             raise InputError(f"y is up or down, not {y!r}.")
         write_bytes(path, self.encode(form, bits, y, alpha, pad))

@@ -148,7 +148,7 @@ class JobPredictor:
             if pixels > MOST_TOGETHER:
                 raise InputError(
                     f"the drawings that share a frame have more than {MOST_TOGETHER} pixels together; "
-                    "name fewer, or leave --frame shared out."
+                    "name fewer, or omit --frame shared."
                 )
             members.append(member)
             kept.append(job)
@@ -242,7 +242,7 @@ class JobPredictor:
         content = drawing.content
         drawn_at_any_size = is_svg(content)
         if self.size is not None and (not drawn_at_any_size or self.packing.tileset is not None):
-            raise InputError("a sheet of pixels keeps its packing, and so its size; leave --size out.")
+            raise InputError("a sheet of pixels keeps its layout, and therefore its size; omit --size.")
         units = svg_size(content) if drawn_at_any_size else None
         # The tile size is in the SVG's own units.
         side = SVG_SIDE if units is None or self.packing.tileset is None else round(max(units))

@@ -135,7 +135,7 @@ def prepare(
             reading = read(picture)
         prepared = _decided(prepared, walls, reading, flips, scale)
     if flips and prepared.decision is None:
-        raise InputError("a hole is cut in what lines enclose, but its mask does not come from its lines.")
+        raise InputError("a hole needs a region between lines, but the mask does not come from the lines.")
     return prepared if hints is None else hinted(prepared, hints, picture.shape)
 
 

@@ -74,7 +74,9 @@ def predict_tile(
     shape = fitted(picture.shape, longest)
     worked = fitted_within(shape, MOST_TILED)
     if isinstance(mask, str) and mask == READER:
-        raise InputError("a tile takes no mask from the reader; use a file, outline or model for its mask.")
+        raise InputError(
+            "the reader cannot find the mask of a repeating drawing; use a file, outline or model."
+        )
     page = picture.resized(worked, partial(resize_tile, tile=tile))
     room = (round(_BESIDE * max(worked)),) * 2
     opacity = None if page.alpha is None else wrapped(page.alpha, tile, room)

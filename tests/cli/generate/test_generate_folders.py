@@ -96,11 +96,13 @@ def test_the_picture_beside_a_layered_file_is_its_export(
     assert generate("in") == 0
     assert written("normals") == {"fox_normal.png", "owl_normal.png", "hen_normal.png"}
     assert np.asarray(Image.open("normals/fox_normal.png")).shape[:2] == (200, 300)
-    assert f"{Path('in/fox.ora')} is left out, as fox.png beside it is its export." in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert f"{Path('in/fox.ora')} is skipped, because fox.png next to it is its export." in said
     assert generate("in/fox.ora", "in/fox.png", "--layers", "-o", "layers") == 0
     assert written("layers") == {"fox_normal.ora"}
     assert (
-        f"{Path('in/fox.png')} is left out, as fox.ora beside it has its layers." in capsys.readouterr().err
+        f"{Path('in/fox.png')} is skipped, because fox.ora next to it has its layers."
+        in capsys.readouterr().err
     )
     assert generate("in/fox.ora", "-o", "alone") == 0
     assert np.asarray(Image.open("alone/fox_normal.png")).shape[:2] == (80, 120)
@@ -215,7 +217,7 @@ def test_no_folder_is_made_of_the_name_of_a_file(
 ) -> None:
     draw("fox.png")
     assert generate("fox.png", "-o", f"out/{name}") == 2
-    assert f"{name} is not a map's name, which ends in .png, .exr" in capsys.readouterr().err
+    assert f"{name} is not a supported file name for a map; use .png, .exr" in capsys.readouterr().err
     assert not Path("out").exists()
     Path("out", name).mkdir(parents=True)
     assert generate("fox.png", "-o", f"out/{name}") == 0
@@ -441,7 +443,7 @@ def test_a_link_to_nothing_is_named_and_the_rest_is_converted(
     draw("in/fox.png")
     Path("in/owl.png").symlink_to("gone.png")
     assert generate("in") == 1
-    assert "in/owl.png is a link to gone.png, which is not there." in capsys.readouterr().err
+    assert "in/owl.png is a link to gone.png, which does not exist." in capsys.readouterr().err
     assert written("normals") == {"fox_normal.png"}
     for word in ("in/owl.png", "in/o*.png"):
         assert generate(word) == 2

@@ -194,7 +194,7 @@ def test_what_is_said_about_a_map_can_be_read_from_its_header(model: Path, tmp_p
         assert findings(client.post("/api/predict", json=asking(2))) == []
     said, *_ = findings(answer)
     assert said["code"] == "guessed"
-    assert said["words"].startswith("no object is seen among its lines")
+    assert said["words"].startswith("no object was found among its lines")
     assert " " not in answer.headers["x-findings"]
 
 

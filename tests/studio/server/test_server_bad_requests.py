@@ -75,7 +75,7 @@ SMALL = b64(png(np.full((15, 40), 255, np.uint8)))
         ),
         ({"picture": b64(bomb(2048, 2048))}, "the picture cannot be read as an image"),
         ({"picture": SMALL}, "the picture is 40 × 15 pixels"),
-        ({"picture": WHITE}, "no line is seen in it"),
+        ({"picture": WHITE}, "no lines were found in it"),
         ({"mask": SMALL}, "the mask is 40 × 15 pixels"),
         ({"mask": b64(png(np.full((50, 50), 255, np.uint8)))}, "the mask is 50 × 50 pixels, but its sketch"),
         ({"mask": BLACK}, "the mask is empty"),

@@ -102,9 +102,9 @@ def _packing(settings: Namespace) -> Packing:
             "--tile repeats a whole drawing; leave --sheet, --split, --atlas, --tileset and --layers out."
         )
     if settings.tileset and settings.frame == "shared":
-        raise InputError("--tileset shows the model each tile with its neighbours; leave --frame shared out.")
+        raise InputError("--tileset shows the model each tile with its neighbours; omit --frame shared.")
     if settings.tile and settings.frame == "shared":
-        raise InputError("--tile shows the model each drawing with its repeats; leave --frame shared out.")
+        raise InputError("--tile shows the model each drawing with its repeats; omit --frame shared.")
     if settings.form and (settings.tile or settings.tileset):
         raise InputError(
             "--form gives an object an edge, and what repeats has none; leave --tile and --tileset out."
@@ -112,7 +112,7 @@ def _packing(settings: Namespace) -> Packing:
     if settings.form and settings.hints:
         raise InputError("--form replaces what hints say; leave one of the two out.")
     if settings.pixel_art and settings.size is not None:
-        raise InputError("--pixel-art keeps the drawing's own pixels, and so its size; leave --size out.")
+        raise InputError("--pixel-art keeps the drawing's own pixels, and therefore its size; omit --size.")
     if settings.layers and packed:
         raise InputError(
             "--layers predicts each layer as a whole; leave --sheet, --split, --atlas and --tileset out."

@@ -57,7 +57,7 @@ def clean(picture: Picture, reading: Reading | None, repeats: bool = False) -> C
         ink = np.maximum(np.where(silhouette, ink, 0), contour(silhouette))
     if float(ink.max()) < _LEAST:
         raise LackingError(
-            "no line is seen in it; a sketch needs lines that differ from their paper.", "no_lines"
+            "no lines were found in it; a sketch needs lines that stand out from the paper.", "no_lines"
         )
     return Cleaned(np.asarray(ink, np.float32), silhouette)
 

@@ -116,7 +116,7 @@ def _scale(
     scale = width / size[0], height / size[1]
     if units is None or abs(scale[0] / scale[1] - 1) > _ALIKE + 1 / min(shape):
         raise InputError(
-            f"the atlas {path} is of a sheet of {size[0]:g} × {size[1]:g} pixels, but {sheet} has "
+            f"the atlas {path} is for a sheet of {size[0]:g} × {size[1]:g} pixels, but {sheet} has "
             f"{width} × {height}."
         )
     return scale

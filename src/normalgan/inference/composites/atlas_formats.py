@@ -87,7 +87,7 @@ def parse_atlas(content: bytes) -> list[Page]:
         if pages is not None:
             return pages
     known = ", ".join(each.name for each in FORMATS)
-    raise UnreadableAtlasError(f"{_looks_like(content, text)}; atlases that can be read are {known}")
+    raise UnreadableAtlasError(f"{_looks_like(content, text)}; supported atlas formats are {known}")
 
 
 def _text(content: bytes) -> str:
@@ -151,7 +151,7 @@ def _json(text: str) -> list[Page] | None:
         raise UnreadableAtlasError("is nested too deeply") from None
     except json.JSONDecodeError as error:
         raise UnreadableAtlasError(
-            f"is broken JSON: line {error.lineno}, column {error.colno} is not what JSON has there"
+            f"is broken JSON: line {error.lineno}, column {error.colno} is a syntax error"
         ) from None
     if isinstance(content, list):
         content = {"frames": content}
@@ -207,7 +207,7 @@ def _xml(text: str) -> list[Page] | None:
     if "<TextureAtlas" not in text:
         return None
     if "<!ENTITY" in text:
-        raise UnreadableAtlasError("declares entities, which are not read")
+        raise UnreadableAtlasError("declares entities, which are not supported")
     try:
         root = Tree.fromstring(text.lstrip())
     except (Tree.ParseError, ValueError) as error:

@@ -77,7 +77,7 @@ class LayeredJob:
             name = next(layer.name for layer in drawn if layer.number == number)
             if isinstance(got, InputError):
                 failed.append(got)
-                said.append(f"layer {name!r}: it is left out, as {str(got).rstrip('.')}")
+                said.append(f"layer {name!r}: it is left out, because {str(got).rstrip('.')}")
                 continue
             layers, warning, waiting = result_of(got)
             predicted += layers

@@ -53,9 +53,9 @@ class Packing:
         if self.sheet is not None:
             parse_grid(self.sheet)
         if self.split not in {None, "auto"}:
-            raise InputError(f"split is {self.split!r}; the one way to split a sheet by itself is auto.")
+            raise InputError(f"split is {self.split!r}; the only supported value is auto.")
         if self.atlas is not None and not Path(self.atlas).exists():
-            raise InputError(f"there is no atlas {self.atlas}; name a file, or a folder of them.")
+            raise InputError(f"there is no atlas {self.atlas}; name an atlas file, or a folder of atlases.")
         if self.tileset not in {None, OWN} and not Path(str(self.tileset)).exists():
             parse_tile_size(str(self.tileset))
 
@@ -87,7 +87,7 @@ class Packing:
         found = self.beside(path, below)
         if not found:
             raise InputError(
-                f"{self.tileset} holds no tileset for {path}; it is named {path.stem}.tsx, .tsj, .json or "
+                f"{self.tileset} has no tileset for {path}; its name must be {path.stem}.tsx, .tsj, .json or "
                 ".xml."
             )
         return read_tiled(found[0])
@@ -117,7 +117,7 @@ class Packing:
         found = self.beside(path, below)
         if not found:
             raise InputError(
-                f"{self.atlas} holds no atlas for {path}; it is named {path.stem}.json, .xml, .plist, "
+                f"{self.atlas} has no atlas for {path}; its name must be {path.stem}.json, .xml, .plist, "
                 ".atlas, .tpsheet, .txt or .csv."
             )
         read = read_atlas(found[0], sheet.shape, path, units)

@@ -94,7 +94,7 @@ def predict_series(
 
 def left_flat(error: InputError) -> str:
     """Return the warning about a drawing that could not be predicted, as part of a sentence."""
-    return f"it is left flat, as {str(error).rstrip('.')}"
+    return f"it is left flat, because {str(error).rstrip('.')}"
 
 
 def flat_map(shape: tuple[int, int], size: int | None = None) -> NormalMap:
@@ -130,5 +130,5 @@ def _check_sizes(members: Sequence[Member]) -> None:
         (height, width), (other_height, other_width) = sorted(sizes)[:2]
         raise InputError(
             f"drawings of {width} × {height} and {other_width} × {other_height} pixels cannot share a frame; "
-            "those of one size can, the others need --frame own."
+            "use --frame own for drawings of different sizes."
         )

@@ -62,13 +62,13 @@ class TileGrid:
         height, width = shape
         if self.size is not None and self.size != (width, height):
             raise InputError(
-                f"the tileset is of a picture of {self.size[0]} × {self.size[1]} pixels, but {name} has "
+                f"the tileset is for a picture of {self.size[0]} × {self.size[1]} pixels, but {name} has "
                 f"{width} × {height}."
             )
         if min(self.width, self.height) < SMALLEST:
             raise InputError(
-                f"a tile of {self.width} × {self.height} pixels is too small; it has {SMALLEST} a side at "
-                "least."
+                f"a tile of {self.width} × {self.height} pixels is too small; "
+                f"the minimum is {SMALLEST} a side."
             )
         columns, rows = self.counts(shape)
         if not 0 < columns * rows <= MOST_TILES:
@@ -79,7 +79,7 @@ class TileGrid:
         left = [side - each[-1] - 1 for side, each in zip(shape, self.places(shape), strict=True)]
         if max(left) <= self.margin + self.spacing:
             return ""
-        return f"{left[1]} columns at the right and {left[0]} rows at the bottom hold no whole tile"
+        return f"{left[1]} columns at the right and {left[0]} rows at the bottom do not form a whole tile"
 
     def places(self, shape: tuple[int, int]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Return the indices of the pixel rows and pixel columns of a picture (H, W) that lie in tiles."""
@@ -139,7 +139,7 @@ def _xml(text: str, path: Path) -> dict[str, Any]:
     if "<tileset" not in text or "<map" in text:
         raise _no_tileset(path)
     if "<!ENTITY" in text:
-        raise InputError(f"the tileset {path} declares entities, which are not read.")
+        raise InputError(f"the tileset {path} declares entities, which are not supported.")
     try:
         root = Tree.fromstring(text.lstrip())
     except (Tree.ParseError, ValueError) as error:

@@ -69,11 +69,11 @@ def integrate(
     """
     if normals.shape != (*mask.shape, 3):
         raise InputError(
-            f"normals of shape {normals.shape} do not go with a mask of {mask.shape}; "
+            f"normals of shape {normals.shape} do not match a mask of {mask.shape}; "
             "they are H × W × 3 and H × W."
         )
     if not np.isfinite(normals[mask]).all():
-        raise InputError("a normal on the object is not a number; heights need finite normals.")
+        raise InputError("a normal on the object is not finite; heights need finite normals.")
     if max(mask.shape) > _MOST:
         return _enlarged(normals, mask, jumps, tile)
     height = np.zeros(mask.shape, np.float32)

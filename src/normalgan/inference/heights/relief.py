@@ -34,9 +34,7 @@ def relief_mesh(height: Floats, mask: NDArray[np.bool_]) -> Any:
     import trimesh
 
     if height.shape != mask.shape:
-        raise InputError(
-            f"heights of {height.shape} do not go with a mask of {mask.shape}; sizes must agree."
-        )
+        raise InputError(f"heights of {height.shape} do not match a mask of {mask.shape}; sizes must agree.")
     if not mask.any():
         raise InputError("a relief needs an object, but the mask is empty.")
     corners, long = corners_of(height, mask), max(mask.shape)

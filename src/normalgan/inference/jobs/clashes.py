@@ -36,7 +36,7 @@ def without_twins(
             kept.append(each)
             continue
         why = "has its layers" if layers else "is its export"
-        said.append(f"{each.drawing} is left out, as {pair[layers].name} beside it {why}.")
+        said.append(f"{each.drawing} is skipped, because {pair[layers].name} next to it {why}.")
     return kept, said
 
 

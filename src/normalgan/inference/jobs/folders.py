@@ -76,7 +76,7 @@ def search(
             matches = [path for path in every if path.is_file() and not path.name.startswith("._")]
             here = dict.fromkeys(without_companions(matches, companions), Path())
         errors += [
-            InputError(f"{path} is a link to {path.readlink()}, which is not there.") for path in broken
+            InputError(f"{path} is a link to {path.readlink()}, which does not exist.") for path in broken
         ]
         if not here and not broken and not (may_be_empty and place.is_dir()):
             errors.append(

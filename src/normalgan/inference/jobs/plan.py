@@ -202,8 +202,8 @@ def is_file_name(output: Path) -> bool:
         return False
     if output.suffix.lower() in _NO_MAPS:
         raise InputError(
-            f"{output} is not a map's name, which ends in .png, .exr, .tif or .tiff, or if it moves in .gif, "
-            ".webp or .apng; name such a file, or a folder (-o)."
+            f"{output} is not a supported file name for a map; use .png, .exr, .tif or .tiff, for an "
+            "animation .gif, .webp or .apng, or name a folder (-o)."
         )
     return output.suffix.lower() in FILES
 
@@ -220,7 +220,7 @@ def format_of(target: Path, asked: str | None) -> Literal["png", "exr", "tiff"]:
     """
     found = FILES[target.suffix.lower()]
     if asked not in {None, found}:
-        raise InputError(f"{target} is not {asked}; name a file of that kind, or leave --format out.")
+        raise InputError(f"{target} is not {asked}; name a file of that kind, or omit --format.")
     return found
 
 

@@ -83,7 +83,7 @@ _TEXTS: dict[Engine, str] = {
         "source_file=<LITERAL>\n\n[params]\n\n"
         "compress/mode=0\ncompress/normal_map=1\nflags/filter=true\nflags/srgb=0\ndetect_3d=false\n"
     ),
-    "unreal": '''"""Imports a normal map that lies beside this file: Tools > Execute Python Script."""
+    "unreal": '''"""Imports the normal map next to this file: Tools > Execute Python Script."""
 
 import os
 
@@ -102,7 +102,7 @@ for path in task.imported_object_paths:
     texture.set_editor_property("flip_green_channel", False)
     unreal.EditorAssetLibrary.save_loaded_asset(texture)
 ''',
-    "blender": '''"""Makes a material with a normal map that lies beside this file.
+    "blender": '''"""Makes a material with the normal map next to this file.
 
 Run it in Blender's text editor, or by blender --python.
 """

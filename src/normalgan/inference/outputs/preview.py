@@ -59,7 +59,7 @@ def lit(normals: Floats, opacity: Opacity, azimuth: float, elevation: float = 25
     """
     if normals.shape != (*opacity.shape, 3):
         raise InputError(
-            f"a map of shape {normals.shape} does not go with an opacity of {opacity.shape}; "
+            f"a map of shape {normals.shape} does not match an opacity of {opacity.shape}; "
             "they are H × W × 3 and H × W."
         )
     light = lamp_direction(azimuth, elevation)
@@ -87,7 +87,7 @@ def turn(normals: Floats, opacity: Opacity, frames: int) -> list[Pixels]:
         InputError: if there are no frames.
     """
     if frames < 1:
-        raise InputError(f"a turn of the light has one picture or more, not {frames}.")
+        raise InputError(f"a preview needs at least one frame, not {frames}.")
     return [lit(normals, opacity, 135 - 360 * i / frames) for i in range(frames)]
 
 

@@ -135,6 +135,6 @@ def _parsed(path: Path) -> Any:
     except json.JSONDecodeError as error:
         raise InputError(f"the hints {path} are not JSON: line {error.lineno}: {error.msg}.") from None
     except UnicodeDecodeError:
-        raise InputError(f"the hints {path} are not a text.") from None
+        raise InputError(f"the hints {path} are not text.") from None
     except (ValueError, RecursionError):  # a number with thousands of digits, or deeply nested lists
         raise InputError(f"the hints {path} are not a list of hints; they have unknown content.") from None
