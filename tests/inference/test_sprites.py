@@ -216,7 +216,10 @@ def test_the_options_reach_the_map(here: Path, capsys: pytest.CaptureFixture[str
         (["--form", "square"], "form is 'square'; give round, flat or hollow"),
         (["--form", "flat", "--tile", "both"], "--form gives an object an edge, and what repeats has none"),
         (["--form", "flat", "--hints", "h.json"], "--form replaces what hints say; leave one of the two out"),
-        (["--pixel-art", "--size", "64"], "--pixel-art keeps the drawing's own pixels, and therefore its size"),
+        (
+            ["--pixel-art", "--size", "64"],
+            "--pixel-art keeps the drawing's own pixels, and therefore its size",
+        ),
     ):
         assert generate("orc.png", "-o", "bad", *options) == 2
         said = capsys.readouterr().err

@@ -68,7 +68,7 @@ def _add_drawing(parser: LightParser) -> None:
     group.add_argument(
         "--model",
         type=str | None,
-        help="a file or an address of a model that normalgan export wrote; by default the package's own",
+        help="file or address of a model written by normalgan export; by default the shipped model",
     )
     group.add_argument(
         "--hints",

@@ -1,4 +1,4 @@
-"""Exports: one file of a drawing or all of them, as `normalgan generate` writes them."""
+"""Exports: encode one or all files of a drawing as `normalgan generate` writes them."""
 
 import io
 import json
@@ -44,16 +44,16 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Names:
-    """The names of a program's files besides the map; ``{}`` stands for the drawing's name.
+    """File names for everything except the map, for one program; ``{}`` stands for the drawing's name.
 
     Args:
         line: line art.
-        mask: where the object is.
+        mask: mask of the object.
         height: height map.
-        ao: ambient occlusion.
-        curvature: ridges and hollows.
-        specular: how much each place reflects.
-        preview: the map under a lamp.
+        ao: ambient occlusion map.
+        curvature: curvature map.
+        specular: specular map.
+        preview: the lit map.
     """
 
     line: str = "{}_line"
@@ -65,19 +65,19 @@ class Names:
     preview: str = "{}_preview"
 
     def of(self, drawing: str) -> "Names":
-        """Return the names of a drawing's files, without endings."""
+        """Return the file names of a drawing, without endings."""
         return Names(**{part: name.format(drawing) for part, name in asdict(self).items()})
 
 
 @dataclass(frozen=True)
 class Preset:
-    """How a program wants its files.
+    """The file conventions of a program.
 
     Args:
-        names: of its files.
-        notes: how to set up the import there, a sentence.
-        engine: whose conventions the map follows; None for none.
-        prefix: of all names.
+        names: names of the files.
+        notes: instructions for importing the files.
+        engine: engine whose conventions the map follows, or None.
+        prefix: prefix of all names.
         height: file format of the height map.
     """
 
@@ -89,7 +89,7 @@ class Preset:
 
     @property
     def normal(self) -> Normal:
-        """How the map is written, as by `normalgan generate --engine`."""
+        """The settings of the map, the same as with `normalgan generate --engine`."""
         if self.engine is None:
             return Normal(alpha=True)
         wanted = CONVENTIONS[self.engine]
@@ -107,7 +107,7 @@ PRESETS: Final = {
             specular="{}_Specular",
             preview="{}_Preview",
         ),
-        "Unity: the file .meta makes _NormalMap a normal map, which sprites take for a secondary texture. "
+        "Unity: the .meta file marks _NormalMap as a normal map, which sprites use as a secondary texture. "
         "Switch sRGB off for _Mask, _Height, _Occlusion, _Curvature and _Specular.",
         "unity",
     ),
@@ -152,15 +152,16 @@ _FORMATS: Final[dict[str, Format]] = {"png8": "png", "png16": "png", "exr": "exr
 
 
 def offered() -> dict[str, tuple[str, ...]]:
-    """Return the formats of each export; the first is the default."""
+    """Return the formats of each export by name; the first format is the default."""
     beside = {kind.name: kind.formats() for kind in OUTPUTS}
     return {"map": tuple(_FORMATS), "all": ("plain", *PRESETS), **beside}
 
 
 def with_export_menu(page: str) -> str:
-    """Return the page with the menu of all exports, labelled by the page's texts where there are any.
+    """Return the page with the export menu inserted.
 
-    Each entry lists its file names, with ``{}`` for the drawing's name.
+    Labels come from the page's texts, or from the output if the page has no text for it. Each entry lists its
+    file names, with ``{}`` for the drawing's name.
     """
     labels = {kind.name: kind.label for kind in OUTPUTS}
     options = []
@@ -180,12 +181,12 @@ class ExportRequest:
     """The files to export of a drawing.
 
     Args:
-        name: of the drawing, without a suffix.
-        output: the kind of file; None exports all, zipped.
-        longest: longer side in pixels; None keeps the drawing's.
-        preset: the program that all files are for.
-        line_art: PNG of the lines, for the zip.
-        lit: PNG of the map under the user's own lights, for the zip; None lights it from the upper left.
+        name: name of the drawing, without a suffix.
+        output: kind of file; None exports a zip file of all kinds.
+        longest: longer side in pixels; None keeps the drawing's size.
+        preset: target program of a zip file.
+        line_art: PNG of the lines, for the zip file.
+        lit: PNG of the map under the user's lights, for the zip file; None lights it from the upper left.
     """
 
     name: str
@@ -201,8 +202,8 @@ class ExportRequest:
         return tuple(name for name, _ in self._files())
 
     def encode(self, preds: NormalMap) -> tuple[str, bytes]:
-        """Return the file's name and its content; several are zipped."""
-        once = replace(preds)  # keeps the heights that outputs share, and is gone when they are written
+        """Return the name and content of the file; several files are zipped."""
+        once = replace(preds)  # a temporary copy, which caches the heights for all outputs
         files = [(name, encode(once)) for name, encode in self._files()]
         if self.output is not None and len(files) == 1:
             return files[0]
@@ -210,9 +211,9 @@ class ExportRequest:
         return f"{self.name}_{kind}.zip", _zipped(files)
 
     def _files(self) -> Iterator[tuple[str, Callable[[NormalMap], bytes]]]:
-        """Yield the name and the encoder of each file."""
+        """Yield the name of each file and a function that encodes it."""
         if self.output is not None:
-            encode = lru_cache(maxsize=1)(self.output.encode)  # once for all its files
+            encode = lru_cache(maxsize=1)(self.output.encode)  # called once for all files
             for ending in self.output.endings:
                 yield self.name + ending, partial(_encoded, encode, ending)
             return
@@ -245,13 +246,13 @@ def _zipped(files: Iterable[tuple[str, bytes]]) -> bytes:
     file = io.BytesIO()
     with zipfile.ZipFile(file, "w") as archive:
         for name, content in files:
-            # The same drawing gives the same bytes; pictures are compressed already.
+            # Fixed time stamps make the zip deterministic. Pictures are already compressed.
             archive.writestr(zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0)), content)
     return file.getvalue()
 
 
 def _preview(preds: NormalMap) -> bytes:
-    """Return the map as clay under a lamp at the upper left, a PNG."""
+    """Return a PNG of the map as clay, lit from the upper left."""
     from normalgan.inference.outputs.preview import lit
 
     file = io.BytesIO()
@@ -260,7 +261,7 @@ def _preview(preds: NormalMap) -> bytes:
 
 
 def read_export_request(fields: ExportFields) -> ExportRequest:
-    """Return the export that a request asks for.
+    """Return the export described by the fields of a request.
 
     Raises:
         InputError: if the kind or the format is unknown, the name is invalid, or a picture cannot be read.
@@ -274,7 +275,7 @@ def read_export_request(fields: ExportFields) -> ExportRequest:
         return request
     for title, content in (("line art", fields.line_art), ("lit picture", fields.lit_picture)):
         if content is not None:
-            read_png(title, content)  # what is no picture is none of the files
+            read_png(title, content)  # only valid pictures go into the zip
     return replace(request, line_art=fields.line_art, lit=fields.lit_picture)
 
 
@@ -295,7 +296,7 @@ def _request(
     alpha: bool = False,
     line_art: bytes | None = None,
 ) -> ExportRequest:
-    """Return the request for a kind of file in one of its formats."""
+    """Return the export request for a kind of file in one of its formats."""
     if kind == "all":
         return ExportRequest(name, None, longest, chosen, line_art)
     if kind == "map":
