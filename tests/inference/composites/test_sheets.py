@@ -223,7 +223,10 @@ def test_cells_can_share_a_frame(here: Path) -> None:
         (["--sheet", "four"], "sheet is 'four'; give columns x rows, such as 4x3"),
         (["--sheet", "0x3"], "sheet is '0x3'; give columns x rows"),
         (["--sheet", "96x2"], "the cells of sheet.png would be 3 × 96 pixels"),
-        (["--sheet", "3x2", "--split", "auto"], "--sheet and --split each say where the drawings"),
+        (
+            ["--sheet", "3x2", "--split", "auto"],
+            "--sheet and --split each give the positions of the drawings",
+        ),
         (["--sheet", "3x2", "--size", "64"], "a sheet of pixels keeps its layout"),
         (["--split", "by hand"], "expected"),
         (["--atlas", "none.json"], "there is no atlas none.json"),

@@ -47,8 +47,8 @@ class Packing:
         given = [name for name in _WAYS if getattr(self, name) is not None]
         if len(given) > 1:
             raise InputError(
-                f"{' and '.join(f'--{each}' for each in given)} each say where the drawings of a sheet are; "
-                "give one of them."
+                f"{' and '.join(f'--{each}' for each in given)} each give the positions of the drawings in a "
+                "sheet; use only one."
             )
         if self.sheet is not None:
             parse_grid(self.sheet)
