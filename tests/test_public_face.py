@@ -76,7 +76,7 @@ def test_what_is_no_model_is_refused(
 
 def test_a_size_that_a_model_has_not_is_refused() -> None:
     assert normalgan.load("shipped", size=256).size == 256
-    said = "^shipped predicts pictures of 256 pixels, not 64; leave size out: drawings of any size"
+    said = "^shipped predicts pictures of 256 pixels, not 64; omit size: drawings of any size"
     with pytest.raises(InputError, match=said):
         normalgan.load("shipped", size=64)
 

@@ -611,7 +611,7 @@ def test_a_picture_that_is_too_narrow_for_a_drawing_is_refused_as_by_the_server(
           return (await fetch("/api/import", { method: "POST", body })).json();
         }"""
     )
-    assert told["error"] == "the picture is 2048 × 10 pixels; in the studio it has 16 to 2048 a side."
+    assert told["error"] == "the picture is 2048 × 10 pixels; the studio accepts 16 to 2048 a side."
 
 
 def test_it_opens_again_without_a_network(built: Path) -> None:

@@ -79,7 +79,7 @@ def test_a_sprite_has_the_details_that_generate_gives_it(here: Path) -> None:
     assert Path("a.png").read_bytes() == Path("normals/fox_normal.png").read_bytes()
     pinned = [{"x": 1, "y": 1, "normal": [0, 0, 1]}]
     answer = call("infer", drawing="fox.png", output="b.png", form="flat", hints=pinned)
-    assert "form replaces what hints say" in answer.content[0].text
+    assert "form overrides hints" in answer.content[0].text
     answer = call("infer", drawing="fox.png", output="b.png", detail=2)
     assert "detail of Sprite is 2.0; it must be from 0 to 1" in answer.content[0].text
 

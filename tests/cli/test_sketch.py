@@ -103,7 +103,7 @@ def test_a_sheet_seen_edge_on_is_no_drawing(tmp_path: Path, capsys: pytest.Captu
         (["none.obj"], "none.obj is not a file, a folder or a pattern"),
         (["horse", "-o", "a.jpg"], "the drawing a.jpg must be a .svg or a .png."),
         (["horse", "--normal", "n.tif"], "the normal map n.tif must be a .png."),
-        (["horse", "--medium.noise", "0.1"], "a medium is made of pixels; write sketch.svg as .png"),
+        (["horse", "--medium.noise", "0.1"], "a medium needs pixels; write sketch.svg as .png"),
         (["horse", "--size", "3"], "--size: 3 is out of range; it must be >= 8 and <= 8192."),
         (["horse", "--hand.strenth", "1"], "no setting 'strenth' in it. Did you mean strength?"),
         (["horse", "--lines", "Sugestive"], "no LineDrawing named 'Sugestive'. Did you mean Sug"),

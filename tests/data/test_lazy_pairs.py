@@ -96,7 +96,7 @@ def test_the_next_pair_takes_the_place_of_one_that_cannot_be_used(
             begin(module, tmp_path)
         item = module.train_dataset[place]
     (told,) = [str(each.message) for each in caught if "a13" in str(each.message)]
-    assert told.startswith("the pair a13 is left out: no line is seen in it")
+    assert told.startswith("the pair a13 is left out: no lines were found in it")
     assert len(module.train_dataset) == 2 * PER_SHARD
     assert item["name"] == f"{listed[place + 1]}/0"
 

@@ -73,7 +73,7 @@ def test_a_name_that_is_nearly_one_is_told(given: str, meant: str) -> None:
 def test_a_name_like_none_is_told_where_they_are_however_many_there_are() -> None:
     with pytest.raises(InputError) as told:
         check_config("zzzz.yaml")
-    where = f"Those of the package, such as paper and quickstart, are in {shipped_folder()}."
+    where = f"The shipped ones, such as paper and quickstart, are in {shipped_folder()}."
     assert str(told.value) == f"there is no configuration file zzzz.yaml. {where}"
     assert {"paper", "quickstart"} <= set(shipped_names())
 
@@ -95,5 +95,5 @@ def test_a_plan_is_no_configuration_of_a_command(plan: str, capsys: pytest.Captu
     """One has rows, the other the rows of another plan."""
     assert main(["fit", "--config", plan]) == 2
     said = capsys.readouterr().err
-    told = f"{Path(plan)}.yaml is a plan of a comparison; give it to normalgan benchmark --config.\n"
+    told = f"{Path(plan)}.yaml is a benchmark plan; pass it to normalgan benchmark --config.\n"
     assert said.endswith(told)

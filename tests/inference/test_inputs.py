@@ -122,7 +122,7 @@ BAD: dict[str, tuple[dict[str, Any], str]] = {
         r"^the image is of the type list; give a path, an array or an image of Pil",
     ),
     "no file": ({"image": "gone.png"}, r"there is no file gone\.png"),
-    "blank": ({"image": np.full_like(GREY, 255)}, r"no line is seen in it; a sketch needs lines"),
+    "blank": ({"image": np.full_like(GREY, 255)}, r"no lines were found in it; a sketch needs lines"),
     "another mask": ({"mask": cut(FILLED)}, r"^the mask is 300 × 199 pixels, but its sketch 300 × 200\."),
     "an empty mask": ({"mask": np.zeros_like(FILLED)}, r"^the mask is empty; paint the object white"),
     "no mask": ({"mask": 7}, r"^the mask is of the type int; give a path, an array or an image of Pil"),

@@ -190,7 +190,7 @@ def test_lines_that_enclose_nothing_are_told(model: Path) -> None:
     line[100, 40:260] = 1
     picture = Picture(np.repeat(1 - line[..., None], 3, -1), None)
     predicted = predict(OnnxBackend(model), prepare(picture, 64, mask=OUTLINE))
-    assert "no object is seen among its lines" in predicted.warning
+    assert "no object was found among its lines" in predicted.warning
 
 
 def test_a_model_that_sees_little_is_told(tmp_path: Path) -> None:

@@ -214,9 +214,12 @@ def test_the_options_reach_the_map(here: Path, capsys: pytest.CaptureFixture[str
         (["--detail", "1.5"], "detail"),
         (["--detail", "much"], "detail"),
         (["--form", "square"], "form is 'square'; give round, flat or hollow"),
-        (["--form", "flat", "--tile", "both"], "--form gives an object an edge, and what repeats has none"),
-        (["--form", "flat", "--hints", "h.json"], "--form replaces what hints say; leave one of the two out"),
-        (["--pixel-art", "--size", "64"], "--pixel-art keeps the drawing's own pixels, and so its size"),
+        (["--form", "flat", "--tile", "both"], "--form needs an object with an edge"),
+        (["--form", "flat", "--hints", "h.json"], "--form overrides hints; use only one of the two"),
+        (
+            ["--pixel-art", "--size", "64"],
+            "--pixel-art keeps the drawing's own pixels, and therefore its size",
+        ),
     ):
         assert generate("orc.png", "-o", "bad", *options) == 2
         said = capsys.readouterr().err

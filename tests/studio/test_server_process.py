@@ -74,7 +74,7 @@ def test_a_taken_port_is_told(model: Path, capsys: pytest.CaptureFixture[str]) -
         taken = other.getsockname()[1]
         for port, sentence in (
             (taken, f"normalgan: port {taken} is taken, perhaps by another studio; give another --port"),
-            (70000, "normalgan: port is 70000; ports go from 1 to 65535, and 0 takes a free one."),
+            (70000, "normalgan: port is 70000; use 1 to 65535, or 0 for a free port."),
         ):
             assert main(["studio", "--model", str(model), "--port", str(port), "--no-browser"]) == 2
             said = capsys.readouterr()

@@ -159,7 +159,7 @@ async function picture(file) {
   const { least, most } = LIMITS.sides;
   const scale = Math.min(1, most / Math.max(...given));
   const [width, height] = given.map((side) => Math.max(1, Math.round(side * scale)));
-  if (Math.min(width, height) < least) return refused(`the picture is ${width} × ${height} pixels; in the studio it has ${least} to ${most} a side`, 400);
+  if (Math.min(width, height) < least) return refused(`the picture is ${width} × ${height} pixels; the studio accepts ${least} to ${most} a side`, 400);
   const canvas = document.createElement("canvas");
   [canvas.width, canvas.height] = [width, height];
   canvas.getContext("2d")?.drawImage(image, 0, 0, canvas.width, canvas.height);

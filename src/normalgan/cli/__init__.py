@@ -1,3 +1,3 @@
-"""The command line: the commands, the parsing of their settings, and the error messages."""
+"""The command line: commands, parsing of settings, and error messages."""
 
 __all__ = []

@@ -1,4 +1,4 @@
-"""Commands: their list, one line of help for each, and the module that runs it."""
+"""Commands: the list of all commands, their one-line help, and the modules that run them."""
 
 from normalgan.cli.training.help import COMMANDS as TRAINING
 
@@ -17,17 +17,17 @@ Commands:
   render     only render the training samples to disk
   sketch     draw a mesh from a view, as SVG or PNG
   generate   predict normal maps for drawings with an exported model, without torch
-  convert    normal and height maps to another format, direction or kind
-  mcp        serve these to assistants as tools (MCP)
-  studio     draw, pin normals, light and export in the browser, with an exported model
-  export     write a checkpoint as a file for elsewhere: ONNX, safetensors, TorchScript
-  benchmark  train and measure the methods of a plan on one split, or a model of yours
+  convert    convert normal and height maps between formats, conventions and kinds
+  mcp        serve predictions to assistants as tools (MCP)
+  studio     draw, pin normals, light and export in the browser
+  export     export a checkpoint as ONNX, safetensors or TorchScript
+  benchmark  train and measure the methods of a plan, or your own model, on one split
   models     list the models that can be loaded by name
-  plugins    list the samplers, networks, losses, renderers and line styles there are
-  completion print a script by which a shell completes commands and settings
+  plugins    list all samplers, networks, losses, renderers and line styles
+  completion print a completion script for a shell
 
 normalgan COMMAND --help lists the options of a command. Configurations repeat: later ones win.
-A configuration is a program; with --safe-config it can name known classes only.
+A configuration can run any code; with --safe-config it can only name known classes.
 """
 OTHERS = {
     "sketch": "normalgan.cli.sketch",
@@ -41,5 +41,5 @@ OTHERS = {
     "plugins": "normalgan.cli.plugins",
     "completion": "normalgan.cli.completion",
 }
-"""The commands that are not the Trainer's, and the module of each, which has a ``run``."""
+"""The commands that do not use the Trainer, and the modules whose ``run`` function runs them."""
 COMMANDS = (*TRAINING, *OTHERS)

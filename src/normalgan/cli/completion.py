@@ -1,4 +1,4 @@
-"""normalgan completion: a script by which a shell completes commands, settings and the names of classes."""
+"""normalgan completion: print a script that completes commands, settings and class names in a shell."""
 
 import re
 from collections.abc import Sequence
@@ -15,14 +15,14 @@ from normalgan.errors import InputError
 __all__ = ["SHELLS", "build_parser", "completion_script", "run"]
 
 SHELLS = ("bash", "zsh", "tcsh")
-"""The shells that scripts are made for."""
+"""The supported shells."""
 
 
 def run(arguments: list[str]) -> int:
-    """Print the script that the arguments ask for and return the exit code.
+    """Print the completion script of a shell and return the exit code.
 
     Raises:
-        InputError: if there is no such shell, or shtab is not installed.
+        InputError: if the shell is not supported, or shtab is not installed.
     """
     print(completion_script(build_parser().parse_args(arguments).shell))
     return 0
@@ -33,25 +33,25 @@ def build_parser() -> LightParser:
     parser = LightParser(
         prog="normalgan completion",
         usage="%(prog)s bash|zsh|tcsh",
-        description="Print a script by which a shell completes commands and settings.",
+        description="Print a script that completes commands and settings in a shell.",
     )
     parser.add_argument("shell", choices=SHELLS, help="which shell")
     return parser
 
 
 def completion_script(shell: str, training: Sequence[str] = tuple(COMMANDS)) -> str:
-    """Return the script for a shell; making it takes seconds, completing with it none.
+    """Return the completion script for a shell; generating it takes seconds, but using it takes no time.
 
     Args:
         shell: one of `SHELLS`.
-        training: the training commands to complete, besides all others.
+        training: training commands to include; all other commands are always included.
 
     Raises:
         InputError: if shtab is not installed.
     """
     if find_spec("shtab") is None:
         raise InputError("completion needs shtab; install it with pip install 'normalgan[completion]'.")
-    # Late: lightning takes seconds to import.
+    # Imported here because lightning takes seconds to import.
     from normalgan.cli.discovery import REGISTRIES
     from normalgan.cli.training.command import training_parser
 
@@ -63,6 +63,6 @@ def completion_script(shell: str, training: Sequence[str] = tuple(COMMANDS)) -> 
         if module != __name__:
             commands.add_subcommand(name, import_module(module).build_parser())
     script: str = whole.get_completion_script(f"shtab-{shell}")
-    # jsonargparse completes the modules of classes, but people type the names of the classes.
+    # jsonargparse completes full import paths, but users type class names.
     names = "|".join(name for registry in REGISTRIES.values() for name in registry.names())
     return re.sub(rf"\b(?:\w+\.)+({names})\b", r"\1", script)

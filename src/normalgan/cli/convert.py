@@ -1,4 +1,4 @@
-"""normalgan convert: converts a normal or height map of any program to another format, direction or kind."""
+"""normalgan convert: convert a normal or height map to another format, convention or kind."""
 
 from pathlib import Path
 from typing import Literal
@@ -19,10 +19,10 @@ _Kind = Literal["normal", "height"]
 
 
 def run(arguments: list[str]) -> int:
-    """Convert what the arguments name and return the exit code.
+    """Convert a map and return the exit code.
 
     Raises:
-        InputError: if a map cannot be read or written, or the arguments do not go together.
+        InputError: if a map cannot be read or written, or the arguments contradict each other.
     """
     parser = build_parser()
     settings = parser.parse_args(arguments)
@@ -55,14 +55,14 @@ def run(arguments: list[str]) -> int:
 
 
 def _check_together(settings: Namespace, parser: LightParser) -> None:
-    """Raise `InputError` if an option has no effect beside the others."""
+    """Raise `InputError` if an option has no effect in combination with the others."""
     heights, maps = settings["from"] == "height", settings.to == "normal"
     for option, applies, where in (
-        ("from_y", not heights, "a normal map that is read; leave --from height out"),
-        ("y", maps, "a normal map that is written; leave --to height out"),
-        ("bits", maps, "a normal map that is written; leave --to height out"),
+        ("from_y", not heights, "an input normal map; omit --from height"),
+        ("y", maps, "an output normal map; omit --to height"),
+        ("bits", maps, "an output normal map; omit --to height"),
         ("scale", heights or not maps, "a height map; add --from height or --to height"),
-        ("detail_y", settings.detail is not None, "the map of --detail; add it"),
+        ("detail_y", settings.detail is not None, "the details; add --detail"),
     ):
         if not applies and settings[option] != parser.get_default(option):
             raise InputError(f"--{option.replace('_', '-')} applies to {where}.")
@@ -73,10 +73,10 @@ def build_parser() -> LightParser:
     parser = LightParser(
         prog="normalgan convert",
         usage="%(prog)s MAP -o FILE.png|.exr|.tiff [--SETTING VALUE]...",
-        description="Convert a normal or height map to another format, direction or kind.",
+        description="Convert a normal or height map to another format, convention or kind.",
     )
     parser.add_argument("map", help="a normal map (PNG, TIFF, EXR), or a grey height map")
-    parser.add_argument("-o", "--output", required=True, help="where it goes: .png, .tiff or .exr")
+    parser.add_argument("-o", "--output", required=True, help="output file: .png, .tiff or .exr")
     parser.add_argument(
         "--from", type=_Kind, default="normal", help="what the map holds (default %(default)s)"
     )
@@ -86,34 +86,34 @@ def build_parser() -> LightParser:
         "--from_y",
         type=Green,
         default="up",
-        help="where green points in the map: up is OpenGL (default %(default)s)",
+        help="direction of green in the map: up for OpenGL (default %(default)s)",
     )
     parser.add_argument(
         "--y",
         type=Green,
         default="up",
-        help="where green points in the output: down is DirectX (default %(default)s)",
+        help="direction of green in the output: down for DirectX (default %(default)s)",
     )
     parser.add_argument(
         "--bits",
         type=Bits,
         default=8,
-        help="bits of each channel of a normal map as PNG (default %(default)s)",
+        help="bits per channel of a PNG normal map (default %(default)s)",
     )
     parser.add_argument(
-        "--strength", type=Strength, default=1.0, help="factor of the slopes (default %(default)s)"
+        "--strength", type=Strength, default=1.0, help="factor applied to the slopes (default %(default)s)"
     )
     parser.add_argument(
         "--scale",
         type=float | None,
         help="pixels from black to white of a height map; by default the whole range of the heights",
     )
-    parser.add_argument("--detail", type=str | None, help="a normal map of details to lay over it; repeated")
+    parser.add_argument("--detail", type=str | None, help="normal map of details to add; it is tiled")
     parser.add_argument(
         "--detail-y",
         "--detail_y",
         type=Green,
         default="up",
-        help="where green points in the details (default %(default)s)",
+        help="direction of green in the details (default %(default)s)",
     )
     return parser

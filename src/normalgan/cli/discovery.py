@@ -1,4 +1,4 @@
-"""Plug-ins: the classes that a setting can name, from this package, its plug-ins and its libraries."""
+"""Discovery: find the classes that settings can name, in this package, its plug-ins and its libraries."""
 
 import contextlib
 import inspect
@@ -43,25 +43,25 @@ REGISTRIES: dict[str, Registry[Any]] = {
     "metrics": METRICS,
     "output": OUTPUTS,
 }
-"""The registry of each kind of plug-ins: that of the setting that names one, and that of the outputs."""
+"""The registry of each kind of plug-in."""
 
 _SECTIONS = {
     **dict.fromkeys(("renderer", "lines", "source", "augmentation"), "data"),
     "metrics": "report",
 }
 SETTINGS = {kind: f"{_SECTIONS.get(kind, 'model')}.{kind}" for kind in REGISTRIES if kind != "output"}
-"""The setting that names a plug-in of each kind; an output has an option of its own."""
+"""The setting that names a plug-in of each kind; outputs have options of their own instead."""
 
 
 def load_plugins() -> None:
-    """Import and register the plug-ins of other installed packages; warn of what is left out."""
+    """Import and register the plug-ins of all installed packages; warn about plug-ins that fail to load."""
     for registry in REGISTRIES.values():
         registry.load_entry_points()
 
 
 def namable() -> dict[str, Registry[Any]]:
     """Return the classes that each setting may name, by the last part of the setting."""
-    # Late: Lightning takes ten seconds to import, and listing our plug-ins does not need it.
+    # Imported here because Lightning takes ten seconds to import and listing plug-ins does not need it.
     from lightning.pytorch import Callback
     from lightning.pytorch.loggers import Logger
     from torch.optim import Optimizer
@@ -70,7 +70,7 @@ def namable() -> dict[str, Registry[Any]]:
     optimizers = _subclasses(Optimizer)
     return {
         **REGISTRIES,
-        "styles": LINE_DRAWINGS,  # of a mixture
+        "styles": LINE_DRAWINGS,  # the styles of a mixture
         "generator_optimizer": optimizers,
         "discriminator_optimizer": optimizers,
         "lr_scheduler": _subclasses(LRScheduler),
@@ -104,14 +104,14 @@ _SAFE = {
     "normalgan.gan": "_rmsprop",
     "normalgan.optimizers": "MuonRAdam",
 }
-"""Further classes that a safe configuration may name: none takes a function or a path to write to."""
+"""Other classes that a safe configuration may name; none of them takes a function or an output path."""
 
 
 def safe_imports() -> list[str]:
-    """Return every import path that a configuration may name under ``--safe-config``, in dots.
+    """Return every dotted import path that a configuration may name under ``--safe-config``.
 
-    These are the registered classes and a few of torch, Lightning and this package, each where it is defined
-    and as each package above may show it.
+    These are the registered classes and some classes of torch, Lightning and this package. Each class can be
+    named by its own module and by every package above it.
 
     >>> "torch.optim.RAdam" in safe_imports(), "torch.optim.radam.RAdam" in safe_imports()
     (True, True)
@@ -123,13 +123,13 @@ def safe_imports() -> list[str]:
     return sorted(
         f"{package}.{found.__qualname__}"
         for found in {*named, *plugins}
-        if found.__qualname__.isidentifier()  # no setting can name one that is defined in a function
+        if found.__qualname__.isidentifier()  # local classes cannot be named in a setting
         for package in accumulate(found.__module__.split("."), "{}.{}".format)
     )
 
 
 def misplaced() -> list[LeftOut]:
-    """Return entry points in groups whose name looks like ours but is not: a typo nobody would notice."""
+    """Return entry points in unknown groups named ``normalgan.*``, which are probably typos."""
     groups = [registry.group for registry in REGISTRIES.values()]
     strange = [g for g in entry_points().groups if g.startswith("normalgan.") and g not in groups]
     return [
@@ -146,10 +146,10 @@ def misplaced() -> list[LeftOut]:
 
 
 def described(section: str = "") -> str:
-    """Return every plug-in with its summary, by setting, as the end of a command's help.
+    """Return a list of all plug-ins with their summaries, by setting, for the end of a command's help.
 
     Args:
-        section: ``model`` or ``data`` gives only those of its settings; empty if there are none.
+        section: ``model`` or ``data`` restricts the list to settings of that section; empty lists all.
     """
     parts = []
     for kind, setting in SETTINGS.items():
@@ -159,16 +159,16 @@ def described(section: str = "") -> str:
         parts.append(f"\n  --{setting}")
         width = max(map(len, registry.names()))
         parts += [f"    {cls.__name__:{width}}  {summary(cls)}".rstrip() for cls in registry]
-    opening = "plug-ins by setting; normalgan plugins tells which package each is from:"
+    opening = "plug-ins by setting; normalgan plugins lists the package of each:"
     return "\n".join([opening, *parts]) + "\n" if parts else ""
 
 
 def _subclasses(base: type[Any]) -> Registry[Any]:
-    """Return the concrete classes imported so far that derive from a library's base."""
+    """Return the concrete subclasses of a library's base class that have been imported so far."""
     registry: Registry[Any] = Registry(base, "")
     for cls in list(_descend(base))[1:] or [base]:
         if not cls.__name__.startswith("_") and not inspect.isabstract(cls):
-            with contextlib.suppress(ValueError):  # a second class of this name; the first is listed
+            with contextlib.suppress(ValueError):  # of classes with the same name, the first is listed
                 registry.register(cls)
     return registry
 

@@ -1,4 +1,4 @@
-"""Late imports: heavy libraries, imported where they are needed, without looking for garbage meanwhile."""
+"""Late imports: pause the garbage collector while heavy libraries are imported."""
 
 import atexit
 import gc
@@ -11,9 +11,9 @@ __all__ = ["gc_paused"]
 
 @contextmanager
 def gc_paused() -> Iterator[None]:
-    """Switch the garbage collector off during imports, and exclude their objects from later runs.
+    """Pause the garbage collector during imports, and exclude the imported objects from later collections.
 
-    Modules make a million objects that stay. Searching them for garbage takes a fifth of the time to import
+    Modules create a million permanent objects. Scanning them takes a fifth of the time needed to import
     Lightning and parse a command.
 
     >>> with gc_paused():
@@ -25,10 +25,10 @@ def gc_paused() -> Iterator[None]:
     try:
         yield
     finally:
-        if len(sys.modules) > known:  # otherwise garbage would be kept for nothing
+        if len(sys.modules) > known:  # without new modules, freezing would only keep garbage
             gc.freeze()
             # Triton 3.9, which comes with PyTorch 2.15 for GPUs, reports frozen objects as leaked at exit.
-            if "triton" in sys.modules:  # unfreezing takes a second
+            if "triton" in sys.modules:  # only then, because unfreezing takes a second
                 atexit.register(gc.unfreeze)
         if enabled:
             gc.enable()

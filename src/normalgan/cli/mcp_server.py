@@ -1,4 +1,4 @@
-"""normalgan mcp: the Python API as tools of the Model Context Protocol, for assistants."""
+"""normalgan mcp: serve the Python API to assistants as Model Context Protocol tools."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -26,10 +26,10 @@ _INSTRUCTIONS = (
 
 
 def run(arguments: list[str]) -> int:
-    """Serve over standard input and output until the client ends; return the exit code.
+    """Serve over standard input and output until the client disconnects; return the exit code.
 
     Raises:
-        InputError: if the extra is not installed, or a setting cannot be used.
+        InputError: if the extra is not installed, or a setting is invalid.
     """
     settings = build_parser().parse_args(arguments)
     make_server(Path(settings.root), settings.model).run("stdio")
@@ -44,10 +44,10 @@ def build_parser() -> LightParser:
         description="Serve infer, preview, sheet and explain as MCP tools over standard input and output.",
     )
     parser.add_argument(
-        "--root", default=".", help="the folder that tools read from and write to (default %(default)s)"
+        "--root", default=".", help="folder that the tools read from and write to (default %(default)s)"
     )
     parser.add_argument(
-        "--model", default="shipped", help="a file that normalgan export wrote (default %(default)s)"
+        "--model", default="shipped", help="model written by normalgan export (default %(default)s)"
     )
     return parser
 
@@ -56,7 +56,7 @@ def make_server(root: Path, model: str = "shipped") -> "MCPServer[Any]":
     """Return a server whose tools read and write below a folder.
 
     Raises:
-        InputError: if the extra is not installed, or there is no such folder.
+        InputError: if the extra is not installed, or the folder does not exist.
     """
     try:
         from mcp.server import MCPServer
@@ -69,7 +69,7 @@ def make_server(root: Path, model: str = "shipped") -> "MCPServer[Any]":
 
     class Server(MCPServer[Any]):
         async def call_tool(self, name: str, arguments: dict[str, Any], context: Any = None) -> Any:
-            """Call a tool; MCPServer itself ignores arguments that the tool does not have."""
+            """Call a tool; refuse unknown arguments, which MCPServer itself would ignore."""
             schemas = {tool.name: tool.input_schema for tool in await self.list_tools()}
             known = schemas[name]["properties"] if name in schemas else arguments
             if unknown := [argument for argument in arguments if argument not in known]:
@@ -89,8 +89,8 @@ class Tools:
     """The tools of the server; assistants see their docstrings and annotations.
 
     Args:
-        root: the folder that tools read from and write to.
-        model: a file, or ``shipped``.
+        root: folder that the tools read from and write to.
+        model: path of a model, or ``shipped``.
     """
 
     root: Path
@@ -116,20 +116,20 @@ class Tools:
         """Predict the normal map of a line drawing or sprite and write it to a file.
 
         Args:
-            drawing: the picture: PNG, JPEG, WebP, TIFF, SVG, PSD, KRA, ORA or Aseprite.
-            output: the file to write: .png, .exr or .tiff.
+            drawing: path of the picture: PNG, JPEG, WebP, TIFF, SVG, PSD, KRA, ORA or Aseprite.
+            output: path of the file to write: .png, .exr or .tiff.
             hints: known normals: [{"x": 10, "y": 20, "normal": [0, 0.6, 0.8]}], in pixels from the top left.
-            mask: a picture that is white on the object, or "outline", "model" or "reader".
-            size: longer side of the map in pixels; default: the drawing's.
+            mask: path of a picture that is white on the object, or "outline", "model" or "reader".
+            size: longer side of the map in pixels; by default the drawing's.
             green: "up" for OpenGL, Godot, Unity and Blender; "down" for DirectX and Unreal.
-            bits: bits of each channel of a PNG.
+            bits: bits per channel of a PNG.
             alpha: whether the object's mask becomes the alpha channel.
-            strength: factor of the slopes.
-            tile: the directions in which the drawing repeats.
-            detail: share of the slopes of a sprite's own shading that is added to the form, 0 to 1.
+            strength: factor applied to the slopes.
+            tile: directions in which the drawing repeats.
+            detail: strength of the details taken from a sprite's own shading, 0 to 1.
             pixel_art: whether each art pixel of a sprite gets one of 25 normals; outlines are flat.
-            form: "round", "flat" (a face with a bevelled edge) or "hollow" for the whole object, or such as
-                "flat,bevel=0.1,strength=1"; default: as predicted.
+            form: form of the whole object: "round", "flat" (a face with a bevelled edge) or "hollow",
+                optionally with parameters, as in "flat,bevel=0.1,strength=1"; by default as predicted.
         """
         from normalgan.inference.forms import parse_form
         from normalgan.inference.inputs import as_picture
@@ -137,7 +137,7 @@ class Tools:
 
         with _tool_errors():
             if form is not None and hints:
-                raise InputError("form replaces what hints say; leave one of the two out.")
+                raise InputError("form overrides hints; use only one of the two.")
             where, target = self._mask(mask), self._target(output, drawing, mask)
             sprite = Sprite(detail, pixel_art, None if form is None else parse_form(form))
             picture = as_picture(self._inside(drawing), size)
@@ -150,8 +150,8 @@ class Tools:
         """Show a drawing lit from eight directions by its predicted normal map.
 
         Args:
-            drawing: the picture.
-            output: a PNG to write the preview to; default none.
+            drawing: path of the picture.
+            output: path of a PNG for the preview; by default none is written.
         """
         from mcp.server.mcpserver import Image
         from PIL import Image as Pictures
@@ -184,10 +184,11 @@ class Tools:
         """Predict the normal map of a sprite sheet, each sprite separately, and write it to a file.
 
         Args:
-            drawing: the sheet.
-            output: the file to write: .png, .exr or .tiff.
+            drawing: path of the sheet.
+            output: path of the file to write: .png, .exr or .tiff.
             grid: columns x rows, such as "4x3".
-            atlas: the JSON of TexturePacker or Aseprite; default finds sprites by what surrounds them.
+            atlas: path of an atlas, such as the JSON of TexturePacker or Aseprite. Without grid and atlas,
+                sprites are found by the space between them.
             green: "up" for OpenGL, Godot, Unity and Blender; "down" for DirectX and Unreal.
             alpha: whether the objects' mask becomes the alpha channel.
         """
@@ -198,7 +199,7 @@ class Tools:
         with _tool_errors():
             path, target = self._inside(drawing), self._target(output, drawing, atlas)
             if grid is not None and atlas is not None:
-                raise InputError("grid and atlas each say where the sprites are; give one of them.")
+                raise InputError("grid and atlas both give the positions of the sprites; use only one.")
             split = "auto" if grid is None and atlas is None else None
             packing = Packing(grid, split, None if atlas is None else str(self._inside(atlas)))
             pixels = read_pixels(path)
@@ -214,9 +215,9 @@ class Tools:
         was given or is the drawing's opacity, there is no outline, region or presence.
 
         Args:
-            drawing: the picture.
-            output: the folder to write to.
-            mask: a picture that is white on the object, or "outline", "model" or "reader".
+            drawing: path of the picture.
+            output: path of the folder to write to.
+            mask: path of a picture that is white on the object, or "outline", "model" or "reader".
         """
         from normalgan.inference.inputs import as_picture, prepare_any
         from normalgan.inference.outputs.explanation import STAGES, write_explanation
@@ -245,24 +246,24 @@ class Tools:
         return self._predictor
 
     def _inside(self, name: str) -> Path:
-        """Return a file below the root.
+        """Return the path of a file below the root.
 
         Raises:
-            InputError: if it lies elsewhere, or no file can have this name.
+            InputError: if the file lies outside the root, or the name is not a valid file name.
         """
         try:
             path = (self.root / name).resolve()
-        except (ValueError, OSError):  # a zero byte, a loop of links
+        except (ValueError, OSError):  # a null byte, or a loop of links
             raise InputError(f"{name!r} is not the name of a file.") from None
         if not path.is_relative_to(self.root):
             raise InputError(f"{name} lies outside {self.root}; name a file in that folder.")
         return path
 
     def _target(self, output: str, *inputs: str | None) -> Path:
-        """Return the file below the root to write to.
+        """Return the path of an output file below the root.
 
         Raises:
-            InputError: if it lies elsewhere, or is one of the inputs.
+            InputError: if the file lies outside the root, or is one of the inputs.
         """
         target = self._inside(output)
         if target in [self._inside(each) for each in inputs if each is not None]:
@@ -270,7 +271,7 @@ class Tools:
         return target
 
     def _mask(self, mask: str | None) -> str | None:
-        """Return a source of masks as it is, or the file of a mask below the root."""
+        """Return a mask source unchanged, or the path of a mask below the root."""
         from normalgan.inference.mask.mask_files import SOURCES
 
         return mask if mask is None or mask in SOURCES else str(self._inside(mask))
@@ -288,7 +289,7 @@ class Tools:
 
 @contextmanager
 def _tool_errors() -> Iterator[None]:
-    """Turn errors that a user can act on into errors of the protocol."""
+    """Convert errors that a user can act on to protocol errors."""
     from mcp.server.mcpserver.exceptions import ToolError
 
     try:

@@ -1,4 +1,4 @@
-"""normalgan models: the models that can be loaded by name, and those that were fetched."""
+"""normalgan models: list the models that can be loaded by name, and those that were fetched."""
 
 import json
 from collections.abc import Mapping
@@ -14,10 +14,10 @@ def run(arguments: list[str]) -> int:
     """List the models and return the exit code.
 
     Raises:
-        InputError: if there is no such option.
+        InputError: if an argument is invalid.
     """
     settings = build_parser().parse_args(arguments)
-    # Late: ONNX Runtime takes a third of a second.
+    # Imported here because ONNX Runtime takes a third of a second to import.
     from normalgan.files.addresses import kept_files
     from normalgan.weights.shipped import SHIPPED_NAME, find_model
 
@@ -39,7 +39,7 @@ def build_parser() -> LightParser:
     parser = LightParser(
         prog="normalgan models",
         usage="%(prog)s [--json]",
-        description="List the model that comes with the package and those that were fetched from an address.",
+        description="List the shipped model and the models that were fetched from an address.",
     )
     parser.add_argument("--json", action="store_true", help="print JSON, for programs")
     return parser
@@ -53,7 +53,7 @@ def _model(name: str, path: Path) -> dict[str, object]:
 
 
 def _notes(path: Path) -> Mapping[str, str]:
-    """Return the metadata of an ONNX file; empty for other files, which need torch."""
+    """Return the metadata of an ONNX file; empty for other files, which would need torch."""
     from normalgan.inference.network.onnx_backend import OnnxBackend
 
     if path.suffix.lower() != ".onnx":

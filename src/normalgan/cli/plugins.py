@@ -1,4 +1,4 @@
-"""normalgan plugins: lists the classes that settings can name, and the plug-ins that failed to load."""
+"""normalgan plugins: list the classes that settings can name, and the plug-ins that failed to load."""
 
 import json
 from collections.abc import Mapping
@@ -23,17 +23,17 @@ Kind = Literal[
     "metrics",
     "output",
 ]
-"""The kinds of plug-ins, by the last part of the setting that names one."""
+"""The kinds of plug-ins, named after the last part of their setting."""
 
 
 def run(arguments: list[str]) -> int:
-    """List the plug-ins that the arguments ask for and return the exit code, 0 even if some were left out.
+    """List plug-ins and return the exit code, which is 0 even if some failed to load.
 
     Raises:
-        InputError: if there is no such kind or option.
+        InputError: if an argument is invalid.
     """
     settings = build_parser().parse_args(arguments)
-    # Late: networks and samplers need torch, which takes seconds; mistakes in options are reported first.
+    # Imported here because torch takes seconds to import; errors in the arguments are reported first.
     with gc_paused():
         from normalgan.cli.discovery import REGISTRIES, SETTINGS, misplaced
 
@@ -52,7 +52,7 @@ def build_parser() -> LightParser:
         usage="%(prog)s [--kind KIND] [--json]",
         description="List the classes that settings can name, and what was left out and why.",
     )
-    parser.add_argument("--kind", type=Kind | None, help="list plug-ins of this kind only")
+    parser.add_argument("--kind", type=Kind | None, help="only list plug-ins of this kind")
     parser.add_argument("--json", action="store_true", help="print JSON, for programs")
     return parser
 

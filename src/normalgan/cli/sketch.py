@@ -1,4 +1,4 @@
-"""normalgan sketch: draws a mesh from a view in a style, as SVG or PNG."""
+"""normalgan sketch: draw a mesh as SVG or PNG."""
 
 import re
 from pathlib import Path
@@ -33,14 +33,14 @@ from normalgan.rendering.view import View
 __all__ = ["build_parser", "run"]
 
 _PLUGINS: dict[str, Registry[Any]] = {"renderer": RENDERERS, "lines": LINE_DRAWINGS, "styles": LINE_DRAWINGS}
-"""The registry behind each setting that names a plug-in."""
+"""Registries of the settings that name plug-ins."""
 
 
 def run(arguments: list[str]) -> int:
-    """Draw the mesh of the arguments and return the exit code.
+    """Draw a mesh and return the exit code.
 
     Raises:
-        InputError: if an argument cannot be used, or the files cannot be written.
+        InputError: if an argument is invalid, or a file cannot be written.
     """
     for registry in (RENDERERS, LINE_DRAWINGS):
         registry.load_entry_points()
@@ -70,7 +70,7 @@ def run(arguments: list[str]) -> int:
             ink = draw_ink(strokes, settings.size, settings.medium, rngs.__getitem__)
             write_bytes(settings.output, encode_grey(1 - ink))
         if settings.normal is not None:
-            # Opaque on the object: by colour alone a hole looks like a surface that faces the viewer.
+            # With alpha, because by colour alone a hole looks like a surface that faces the viewer.
             flat = paint_flat(maps.normal, maps.mask)
             write_bytes(settings.normal, encode_png(flat, alpha=maps.mask.astype(np.float32)))
     except OSError as error:
@@ -93,16 +93,16 @@ def build_parser() -> LightParser:
     parser.plugins = _PLUGINS
     parser.add_argument(
         "mesh",
-        help="a mesh file, or an embedded animal: a species such as horse, or one of its kind: horse-7",
+        help="mesh file, or embedded animal: a species such as horse, or a variation of it such as horse-7",
     )
     parser.add_argument(
         "-o",
         "--output",
         default="sketch.svg",
-        help="where the drawing goes, .svg or .png (default %(default)s)",
+        help="output file, .svg or .png (default %(default)s)",
     )
     parser.add_argument(
-        "--normal", type=str | None, help="where its normal map goes, .png; by default none is written"
+        "--normal", type=str | None, help="file for the normal map, .png; by default none is written"
     )
     parser.add_argument(
         "--size", type=Side, default=512, help="side of the drawing in pixels (default %(default)s)"
@@ -111,19 +111,19 @@ def build_parser() -> LightParser:
     parser.add_argument(
         "--lines",
         type=LineDrawing,
-        help="the style of the lines, a class that `normalgan plugins` lists (default SuggestiveContours)",
+        help="line style, a class listed by `normalgan plugins` (default SuggestiveContours)",
     )
     parser.add_argument(
         "--renderer",
         type=Renderer,
-        help="what renders the mesh, a class that `normalgan plugins` lists (default EmbreeRenderer)",
+        help="renderer, a class listed by `normalgan plugins` (default EmbreeRenderer)",
     )
     parser.add_argument(
-        "--hand", type=Hand | None, help="how unsteadily the lines are drawn; by default they are exact"
+        "--hand", type=Hand | None, help="unsteadiness of hand-drawn lines; by default lines are exact"
     )
     parser.add_argument("--medium", type=Medium | None, help="pen and paper, PNG only; by default clean ink")
     parser.add_argument(
-        "--seed", type=NonNegativeInt, default=0, help="of the style's choices, the hand and the medium"
+        "--seed", type=NonNegativeInt, default=0, help="seed of the style, the hand and the medium"
     )
     defaults = {"lines": SuggestiveContours, "renderer": EmbreeRenderer}
     parser.set_defaults({name: {"class_path": cls.__name__} for name, cls in defaults.items()})
@@ -144,26 +144,28 @@ def _add_view(parser: LightParser) -> None:
     parser.add_argument(
         "--field_of_view",
         type=Degrees | None,
-        help="degrees the object takes up; by default the view is orthographic",
+        help="angle in degrees that the object fills; by default the view is orthographic",
     )
     parser.add_argument(
         "--margin",
         type=Margin,
         default=0.06,
-        help="share of the side left free around it (default %(default)s)",
+        help="margin around the object, as a fraction of the side (default %(default)s)",
     )
-    parser.add_argument("--orientation", type=str | None, help="JSON file that says how the mesh is turned")
+    parser.add_argument("--orientation", type=str | None, help="JSON file with the orientation of the mesh")
     parser.add_argument(
-        "--clip", type=str | None, help="animation of a rigged glTF file; the view is one for all its moments"
+        "--clip",
+        type=str | None,
+        help="animation of a rigged glTF file; the framing is the same at all times",
     )
     parser.add_argument(
-        "--time", type=float | None, help="moment of the clip in seconds; by default its first"
+        "--time", type=float | None, help="time within the clip in seconds; by default its start"
     )
-    parser.add_argument("--crease_angle", type=float | None, help="degrees from which an edge is sharp")
+    parser.add_argument("--crease_angle", type=float | None, help="minimum angle in degrees of a sharp edge")
 
 
 def _load(settings: Namespace) -> tuple[Mesh, NDArray[np.floating]]:
-    """Return the mesh, and the vertices (V, 3) that set the frame: of a clip, at all its times."""
+    """Return the mesh, and the vertices (V, 3) to frame; for a clip, the vertices at all times."""
     source = _find_source(settings.mesh, settings.orientation, settings.crease_angle)
     if settings.clip is None:
         if settings.time is not None:
@@ -172,7 +174,7 @@ def _load(settings: Namespace) -> tuple[Mesh, NDArray[np.floating]]:
         return mesh, mesh.vertices
     if not isinstance(source, MeshFile):
         raise InputError(f"{settings.mesh} has no clips; give a rigged glTF file.")
-    from normalgan.rendering.rigs import ClipMeshes  # scipy takes half a second
+    from normalgan.rendering.rigs import ClipMeshes  # imports scipy, which takes half a second
 
     meshes = ClipMeshes(source, settings.clip)
     first, last = meshes.span
@@ -183,10 +185,10 @@ def _load(settings: Namespace) -> tuple[Mesh, NDArray[np.floating]]:
 
 
 def _find_source(name: str, orientation: str | None = None, crease_angle: float | None = None) -> MeshSource:
-    """Return the mesh file of this name or, if there is none, the embedded animal.
+    """Return the mesh file with this name or, if there is none, the embedded animal.
 
     Raises:
-        InputError: if it is neither.
+        InputError: if the name is neither.
     """
     animal = re.fullmatch(r"([a-z_]+)(?:-(\d{1,9}))?", name)
     if animal and not Path(name).exists():
@@ -200,7 +202,7 @@ def _find_source(name: str, orientation: str | None = None, crease_angle: float 
 
 
 def _check(settings: Namespace) -> str:
-    """Return the suffix of the drawing's file, or raise `InputError` if the settings do not go together."""
+    """Return the suffix of the output file; raise `InputError` if the settings contradict each other."""
     kind = Path(settings.output).suffix.lower()
     if kind not in {".svg", ".png"}:
         raise InputError(f"the drawing {settings.output} must be a .svg or a .png.")
@@ -210,9 +212,7 @@ def _check(settings: Namespace) -> str:
     for path in filter(None, (settings.output, settings.normal)):
         if Path(path).resolve() in read:
             raise InputError(f"{path} is an input and would be overwritten; give another name.")
-        read.append(Path(path).resolve())  # so that both are not written to one file
+        read.append(Path(path).resolve())  # so that the next output cannot be the same file
     if kind == ".svg" and settings.medium is not None:
-        raise InputError(
-            f"a medium is made of pixels; write {settings.output} as .png, or leave the medium out."
-        )
+        raise InputError(f"a medium needs pixels; write {settings.output} as .png, or omit the medium.")
     return kind

@@ -1,3 +1,3 @@
-"""Inference: from a drawing to its normal map, by a model as ONNX; numpy, no torch."""
+"""Inference: predict the normal map of a drawing with an ONNX model, in NumPy and without torch."""
 
 __all__ = []

@@ -1,4 +1,4 @@
-"""Conversion of existing maps: between normals and heights, and details over a normal map."""
+"""Conversion: read existing normal maps and height maps, and add details to a normal map."""
 
 from pathlib import Path
 
@@ -15,14 +15,14 @@ __all__ = ["map_of_heights", "read_map", "reoriented", "with_detail"]
 
 
 def read_map(path: str | Path, green: Green = "up") -> NormalMap:
-    """Return the normal map in a file as if it had been predicted.
+    """Return the normal map in a file as a `NormalMap`.
 
     Args:
-        path: a PNG, TIFF or EXR.
-        green: which way of y its green channel holds.
+        path: a PNG, TIFF or EXR file.
+        green: direction of y in the green channel.
 
     Raises:
-        InputError: if it cannot be read, or is not a normal map.
+        InputError: if the file cannot be read or is not a normal map.
     """
     found, alpha = read_normals(path, green)
     return _map(unit(np.ascontiguousarray(found), front=True), alpha)
@@ -32,14 +32,14 @@ def map_of_heights(path: str | Path, scale: float) -> NormalMap:
     """Return the normal map of the surface in a height map.
 
     Args:
-        path: a grey picture; white is high.
-        scale: pixels from black to white; pixels per unit of a float TIFF.
+        path: a grey picture in which white is high.
+        scale: height difference between black and white in pixels; for a float TIFF, pixels per unit.
 
     Raises:
-        InputError: if it cannot be read, or has colours that differ.
+        InputError: if the file cannot be read or is not grey.
     """
     if not scale > 0:
-        raise InputError(f"scale is {scale}; it is pixels from black to white, more than 0.")
+        raise InputError(f"scale is {scale}; give the number of pixels from black to white, more than 0.")
     pixels = read_pixels(Path(path), exact=True).pixels
     alpha = to_unit(pixels[..., 3]) if pixels.ndim == 3 and pixels.shape[2] == 4 else None
     if pixels.ndim == 3:
@@ -53,7 +53,7 @@ def map_of_heights(path: str | Path, scale: float) -> NormalMap:
 
 
 def with_detail(base: NormalMap, detail: NormalMap) -> NormalMap:
-    """Return a map with the details of another added; a smaller one is repeated."""
+    """Return a map with the details of another map added; a smaller detail map is tiled."""
     height, width = base.mask.shape
     rows, columns = (-(-a // b) for a, b in zip((height, width), detail.mask.shape, strict=True))
     repeated = np.tile(detail.extended, (rows, columns, 1))[:height, :width]
@@ -63,13 +63,13 @@ def with_detail(base: NormalMap, detail: NormalMap) -> NormalMap:
 
 
 def reoriented(base: Floats, detail: Floats) -> Floats:
-    """Return normals (H, W, 3) of a surface whose details (H, W, 3) stand on its own normals (H, W, 3).
+    """Return normals (H, W, 3) of detail normals (H, W, 3) applied to base normals (H, W, 3).
 
     References:
         Barré-Brisebois, Hill 2012, "Blending in detail".
 
     Example:
-        On a flat surface a detail is itself, and a flat detail changes nothing:
+        A flat base returns the detail, and a flat detail returns the base:
 
         >>> flat = np.array([[[0, 0, 1]]], np.float32)
         >>> tilted = np.array([[[0.6, 0, 0.8]]], np.float32)

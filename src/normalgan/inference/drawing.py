@@ -1,4 +1,4 @@
-"""Drawing: the file of one job, decoded only once."""
+"""Drawing: the file of a job, decoded at most once."""
 
 from functools import cached_property
 from pathlib import Path
@@ -14,14 +14,13 @@ __all__ = ["Drawing"]
 
 
 class Drawing:
-    """The file of a drawing: its composite, frames and layers.
+    """The file of a drawing, with its composite, frames and layers.
 
-    Each is decoded on first use, and kept as long as this object: make one for a job, and drop
-    it with the job.
+    Each is decoded on first use and kept until the object is discarded, so use one object per job.
 
     Args:
-        path: its file, or its name in messages.
-        content: its content, if it has been read already.
+        path: the file, or its name in messages.
+        content: content of the file, if it has been read already.
     """
 
     def __init__(self, path: Path, content: bytes | None = None) -> None:
@@ -31,47 +30,47 @@ class Drawing:
 
     @cached_property
     def moving(self) -> Kind | Literal["pages"] | None:
-        """The kind of its animation, or `PAGES`; None of one picture.
+        """The kind of the animation, `PAGES` for a multi-page file, or None for a single picture.
 
         Raises:
-            InputError: if it is a GIF that is cut short.
+            InputError: if the file is a truncated GIF.
         """
         return moving_kind(self.path, self._given)
 
     @cached_property
     def layered(self) -> LayeredKind | None:
-        """The kind of layered file that its layers are written back as; None if it has none."""
+        """The format that the layers are written in; None if the file has no layers."""
         return layered_kind(self.path, self._given)
 
     @cached_property
     def content(self) -> bytes:
-        """The bytes of its file, not decoded yet.
+        """The bytes of the file.
 
         Raises:
-            InputError: if it is missing, cannot be read, or is larger than any drawing.
+            InputError: if the file is missing, cannot be read, or is too large.
         """
         return read_content(self.path, self._given)
 
     def picture(self, longest: int | None = None) -> Picture:
-        """Return it as `reading.picture.read_picture` does; a very large one is reduced.
+        """Return the composite as `reading.picture.read_picture` does; a very large picture is reduced.
 
         Args:
-            longest: longer side in pixels that an SVG is drawn with; None is `SVG_SIDE`.
+            longest: longer side in pixels at which an SVG is rendered; None uses `SVG_SIDE`.
 
         Raises:
-            InputError: if it is missing, not an image, or too small or large.
+            InputError: if the file is missing, not an image, or too small or large.
         """
         side = min(longest or SVG_SIDE, MOST_WORKED)
         self._shown = read_pixels(self.path, self.content, side, MOST_WORKED)
         return to_picture(self._shown)
 
     def pixels(self) -> Decoded:
-        """Return its pixels as its file has them; for an SVG, the last rendered size.
+        """Return the pixels of the file at full size; of an SVG, as last rendered.
 
-        A picture beyond the working size is decoded again for this.
+        A picture larger than the working size is decoded a second time.
 
         Raises:
-            InputError: if it is missing, not an image, or too small or large.
+            InputError: if the file is missing, not an image, or too small or large.
         """
         shown = self._shown
         if shown is None or shown.pixels.shape[:2] != shown.shape:
@@ -80,27 +79,27 @@ class Drawing:
 
     @cached_property
     def frames(self) -> DecodedFrames:
-        """All its frames or pages, each in full.
+        """All frames or pages, each as a whole picture.
 
         Raises:
-            InputError: if one cannot be decoded.
+            InputError: if a frame cannot be decoded.
         """
         return decode_frames(str(self.path), self.content, (SMALLEST, LARGEST))
 
     @property
     def tileset(self) -> tuple[Decoded, tuple[int, int]]:
-        """Its own tiles, stacked vertically, and (width, height) of a tile.
+        """The file's own tiles, stacked vertically, and the (width, height) of a tile.
 
         Raises:
-            InputError: if it has none.
+            InputError: if the file has no tileset.
         """
         return decode_tileset(str(self.path), self.content, (SMALLEST, LARGEST))
 
     @cached_property
     def layers(self) -> DecodedLayers:
-        """Its visible layers, as `composites.layers.read_layers` gives them.
+        """The visible layers, as returned by `composites.layers.read_layers`.
 
         Raises:
-            InputError: if it has no visible layer, or an unreadable one.
+            InputError: if the file has no visible layer, or an unreadable one.
         """
         return read_layers(self.path, self.content)

@@ -1,4 +1,4 @@
-"""Edits of a predicted map: exact normals at pins, directions of areas, carved lines."""
+"""Edits of a predicted map: pins, tilted areas, brushes, carved lines and painted masks."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -34,38 +34,38 @@ __all__ = [
 ]
 
 REACH = 0.05
-"""Default reach of a pin, as a share of the map's longer side."""
+"""Default reach of a pin, as a fraction of the map's longer side."""
 MOST_PINS = 200
-"""With more hints they are painted areas, not pins, and only the network follows them."""
+"""Maximum number of pins; more hints are painted areas, which only the network uses."""
 LEAST_REACH = 2.0
-"""Least reach of a pin, in pixels."""
+"""Minimum reach of a pin in pixels."""
 AVERAGED = 0.25
-"""Standard deviation of the Gaussian that smooths, as a share of the brush's width."""
+"""Standard deviation of the smoothing brush's Gaussian, as a fraction of the brush's width."""
 FADES = 0.5
-"""The share of its depth in which an area without a form fades out, unless it says how far."""
+"""Default width of the fade of an area without a form, as a fraction of the area's depth."""
 BRUSH_FADES = 0.6
-"""The share of its radius in which a stroke of the brush fades out, unless it says how far."""
+"""Default width of the fade of a brush stroke, as a fraction of its radius."""
 SOFT = 0.01
-"""Width of the edge of an area that does not fade out, as a share of the map's longer side."""
+"""Width of the soft edge of an area without a fade, as a fraction of the map's longer side."""
 INKED = 0.35
-"""How dark a line is at least that parts one area from another."""
+"""Minimum ink of a line that separates two areas."""
 
 
 def enforce_pins(normals: Floats, points: Floats, wanted: Floats, reaches: Floats) -> Floats:
-    """Return a map with given normals at given points, which blends into the prediction around them.
+    """Return a map that has exactly the given normals at the pins and blends into the prediction around them.
 
-    Each pin defines a rotation from the predicted normal to the given one. The rotations are interpolated by
-    radial basis functions, exactly at all pins, even if two pins are close and opposed.
+    Each pin defines a rotation from the predicted normal to the given one. Radial basis functions interpolate
+    the rotations exactly at all pins, even if two pins are close together and opposed.
 
     Args:
-        normals: (H, W, 3), unit, as predicted.
-        points: (K, 2), x and y in pixels.
-        wanted: (K, 3), unit.
-        reaches: (K,), how far each pin has an effect, in pixels.
+        normals: (H, W, 3), predicted unit normals.
+        points: (K, 2), x and y of the pins in pixels.
+        wanted: (K, 3), unit normals at the pins.
+        reaches: (K,), radius of each pin's effect in pixels.
 
     References:
         Wendland 1995, "Piecewise polynomial, positive definite and compactly supported radial functions of
-        minimal degree": the function C2 in three dimensions.
+        minimal degree" (the C2 function for three dimensions).
 
     Example:
         >>> flat = np.zeros((40, 40, 3), np.float32)
@@ -79,7 +79,7 @@ def enforce_pins(normals: Floats, points: Floats, wanted: Floats, reaches: Float
     height, width = normals.shape[:2]
     columns = np.clip(points[:, 0].astype(int), 0, width - 1)
     rows = np.clip(points[:, 1].astype(int), 0, height - 1)
-    # If several pins lie in one pixel, the last one counts.
+    # If several pins lie in one pixel, the last one is used.
     _, kept = np.unique((rows * width + columns)[::-1], return_index=True)
     kept = len(rows) - 1 - kept
     rows, columns, wanted, reaches = rows[kept], columns[kept], wanted[kept], reaches[kept]
@@ -88,7 +88,7 @@ def enforce_pins(normals: Floats, points: Floats, wanted: Floats, reaches: Float
     apart = np.hypot(columns[:, None] - columns[None], rows[:, None] - rows[None])
     basis = _wendland(apart / reaches[None]).astype(np.float64)
     shares = np.linalg.lstsq(basis, turns.astype(np.float64), rcond=None)[0]
-    # Where no pin reaches, which is most of the map, nothing is computed.
+    # Only the part of the map within reach of a pin is computed.
     whole = reaches.astype(int)
     top, left = max(int((rows - whole).min()), 0), max(int((columns - whole).min()), 0)
     reached = np.s_[top : int((rows + whole).max()) + 1, left : int((columns + whole).max()) + 1]
@@ -106,15 +106,15 @@ def enforce_pins(normals: Floats, points: Floats, wanted: Floats, reaches: Float
 
 
 def tilt(normals: Floats, mask: BoolMask, area: Floats, direction: Floats) -> Floats:
-    """Turn an area of a map as a whole, so that on average it faces a direction.
+    """Return a map with an area rotated rigidly, so that its mean normal is a given direction.
 
     The area keeps its curvature: a flat wall stays flat, where a pin would make a dent.
 
     Args:
-        normals: (H, W, 3), unit.
+        normals: (H, W, 3), unit normals.
         mask: (H, W), the object.
-        area: (H, W) in [0, 1], how much each pixel belongs to it.
-        direction: (3,), unit.
+        area: (H, W) in [0, 1], coverage of each pixel by the area.
+        direction: (3,), unit vector.
     """
     inside = (area > 0.5) & mask
     if not inside.any():
@@ -125,12 +125,12 @@ def tilt(normals: Floats, mask: BoolMask, area: Floats, direction: Floats) -> Fl
 
 
 def brush(normals: Floats, area: Floats, direction: Floats) -> Floats:
-    """Turn a map towards a direction under a brush, by the brush's coverage.
+    """Return a map with normals rotated towards a direction, in proportion to the brush's coverage.
 
     Args:
-        normals: (H, W, 3), unit.
-        area: (H, W) in [0, 1], how far the brush has covered each pixel.
-        direction: (3,), unit.
+        normals: (H, W, 3), unit normals.
+        area: (H, W) in [0, 1], coverage of each pixel by the brush.
+        direction: (3,), unit vector.
     """
     touched = area > 1e-3
     own = normals[touched]
@@ -139,13 +139,13 @@ def brush(normals: Floats, area: Floats, direction: Floats) -> Floats:
 
 
 def smooth(normals: Floats, mask: BoolMask, area: Floats, width: float) -> Floats:
-    """Average the normals of the object under a brush, by the brush's coverage.
+    """Return a map with the object's normals smoothed, in proportion to the brush's coverage.
 
     Args:
-        normals: (H, W, 3), unit.
+        normals: (H, W, 3), unit normals.
         mask: (H, W), the object.
-        area: (H, W) in [0, 1], how far the brush has covered each pixel.
-        width: width of the brush in pixels; a wider one averages more.
+        area: (H, W) in [0, 1], coverage of each pixel by the brush.
+        width: width of the brush in pixels; a wider brush smooths more.
     """
     touched = (area > 1e-3) & mask
     if not touched.any():
@@ -162,17 +162,17 @@ def smooth(normals: Floats, mask: BoolMask, area: Floats, width: float) -> Float
 
 
 def carve(normals: Floats, mask: BoolMask, points: Floats, widths: Floats, height: float) -> None:
-    """Raise a line from the object, or cut it in, as a round ridge or groove as wide as the line.
+    """Carve a line into the object as a rounded ridge or groove that is as wide as the line.
 
     Args:
-        normals: (H, W, 3), unit; changed in place, because a drawing may have thousands of lines.
+        normals: (H, W, 3), unit normals; changed in place, because a drawing may have thousands of lines.
         mask: (H, W), the object.
         points: (K, 2), x and y in pixels.
-        widths: (K,), the line's width at each point in pixels.
-        height: height of the ridge as a share of half the width; negative for a groove.
+        widths: (K,), width of the line at each point in pixels.
+        height: height of the ridge as a fraction of half the width; negative for a groove.
 
     Example:
-        The left side of a ridge faces left, that of a groove faces right:
+        The left side of a ridge faces left, and the left side of a groove faces right:
 
         >>> line, widths = np.array([[4.5, 0.0], [4.5, 9.0]]), np.array([6.0, 6.0])
         >>> for height in (0.5, -0.5):
@@ -188,7 +188,7 @@ def carve(normals: Floats, mask: BoolMask, points: Floats, widths: Floats, heigh
     low = np.clip(np.floor(points.min(axis=0) - radii.max() - 1), 0, size).astype(int)
     high = np.clip(np.ceil(points.max(axis=0) + radii.max() + 1), 0, size).astype(int)
     if (high - low).min() < 2:
-        return  # beside the map
+        return  # outside the map
     box = np.s_[low[1] : high[1], low[0] : high[0]]
     raised = np.zeros(mask[box].shape, np.float32)
     for k, part, along, distance in _pieces(raised, low, points, radii.max()):
@@ -215,13 +215,13 @@ def polygon(shape: tuple[int, int], points: Floats, soft: float) -> Floats:
 
 
 def stroke(shape: tuple[int, int], points: Floats, width: float, soft: float) -> Floats:
-    """Return the coverage of each pixel (H, W) by a brush's stroke.
+    """Return the coverage of each pixel (H, W) by a brush stroke.
 
     Args:
         shape: (H, W).
         points: (K, 2), x and y in pixels; one point is a dab.
         width: width of the brush in pixels.
-        soft: share of its radius over which it fades out; at least a pixel.
+        soft: width of the fade as a fraction of the radius; at least one pixel.
 
     Example:
         >>> dab = stroke((1, 9), np.array([[4.5, 0.5]]), 8, 0.5)
@@ -238,13 +238,13 @@ def stroke(shape: tuple[int, int], points: Floats, width: float, soft: float) ->
 
 @dataclass(frozen=True)
 class MaskStroke:
-    """A stroke of the mask brush, or a click into an area between lines.
+    """A stroke of the mask brush, or a click that fills an area between lines.
 
     Args:
         points: (K, 2), x and y in pixels; a click uses only the first.
         width: width of the brush in pixels.
-        adds: whether it adds to the object, or cuts from it.
-        fills: whether it is a click, which fills the area around it.
+        adds: whether the stroke adds to the object instead of cutting from it.
+        fills: whether the stroke is a click, which fills the area around it.
     """
 
     points: Floats
@@ -254,11 +254,11 @@ class MaskStroke:
 
 
 def paint_mask(inked: BoolMask, strokes: Iterable[MaskStroke]) -> NDArray[np.int8]:
-    """Return 1 where strokes have added to a mask, -1 where they have cut, 0 elsewhere; the last one counts.
+    """Return 1 where the last stroke on a pixel adds to the mask, -1 where it cuts, and 0 elsewhere.
 
     Args:
         inked: (H, W), the lines that separate areas.
-        strokes: in the order in which they were made.
+        strokes: strokes in chronological order.
 
     Example:
         A click between two lines:
@@ -290,13 +290,16 @@ def paint_mask(inked: BoolMask, strokes: Iterable[MaskStroke]) -> NDArray[np.int
 def _pieces(
     field: Floats, corner: NDArray[Any], points: Floats, reach: float
 ) -> Iterator[tuple[int, Floats, NDArray[np.floating], NDArray[np.floating]]]:
-    """Yield a line's pieces: the part of a field in reach, how far along and how far away its pixels are.
+    """Yield the segments of a line with the part of a field that is within reach of each.
+
+    A segment comes as its index, a view of the field, and for each pixel of the view the position along the
+    segment, from 0 to 1, and the distance from it.
 
     Args:
-        field: (H, W), to be written to.
-        corner: x and y of its left upper corner.
-        points: (K, 2), x and y in pixels; the last one, or the only one, is a piece too.
-        reach: in pixels.
+        field: (H, W), an array that the caller writes to.
+        corner: x and y of the field's upper left corner.
+        points: (K, 2), x and y in pixels; the last point also counts as a segment.
+        reach: reach in pixels.
     """
     for k, start in enumerate(points):
         end = points[min(k + 1, len(points) - 1)]
@@ -316,25 +319,25 @@ def _wendland(distance: NDArray[np.floating]) -> Floats:
 
 
 def _turns(before: Floats, after: Floats) -> Floats:
-    """Return rotation vectors (K, 3) from unit vectors to others."""
+    """Return the rotation vectors (K, 3) between two sets of unit vectors."""
     axis = np.cross(before, after)
     sine = np.linalg.norm(axis, axis=-1, keepdims=True)
     angle = np.arctan2(sine, (before * after).sum(-1, keepdims=True))
-    # Opposite vectors have no axis of their own: any perpendicular one will do.
+    # Opposite vectors do not define an axis, so any perpendicular one is used.
     square = np.cross(before, np.where(np.abs(before[:, :1]) < 0.9, [[1.0, 0, 0]], [[0, 1.0, 0]]))
     square /= np.maximum(np.linalg.norm(square, axis=-1, keepdims=True), 1e-12)
     return np.asarray(np.where(sine > 1e-6, axis / np.maximum(sine, 1e-6), square) * angle, np.float32)
 
 
 def _turned_where(touched: BoolMask, normals: Floats, turns: Floats) -> Floats:
-    """Return a map (H, W, 3) whose touched pixels are turned by rotation vectors (K, 3), but not away."""
+    """Return a map (H, W, 3) with touched pixels rotated by vectors (K, 3), but kept facing the viewer."""
     turned = normals.copy()
     turned[touched] = _facing(_turned(normals[touched], turns))
     return turned
 
 
 def _turned(vectors: Floats, turns: Floats) -> Floats:
-    """Turn vectors (N, 3) by rotation vectors (Rodrigues)."""
+    """Return vectors (N, 3) rotated by rotation vectors (Rodrigues' formula)."""
     angle = np.linalg.norm(turns, axis=-1, keepdims=True)
     axis = turns / np.maximum(angle, 1e-12)
     along = (axis * vectors).sum(-1, keepdims=True) * axis
@@ -343,6 +346,6 @@ def _turned(vectors: Floats, turns: Floats) -> Floats:
 
 
 def _facing(vectors: Floats) -> Floats:
-    """Return unit vectors (N, 3) none of which faces away from the viewer."""
+    """Return unit vectors (N, 3) with negative z clipped to 0, so that none faces away from the viewer."""
     vectors[:, 2] = np.maximum(vectors[:, 2], 0)
     return normalize(vectors)

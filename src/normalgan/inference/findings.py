@@ -1,4 +1,4 @@
-"""Findings: warnings and remarks about a map, as data; `words_of` words one for the command line."""
+"""Findings: warnings and remarks about a map, as data; `words_of` returns the text for the command line."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ Code = Literal[
     "unseen",
 ]
 _FEW = 3
-"""Places that a sentence names."""
+"""Maximum number of places that a message lists."""
 
 
 @dataclass(frozen=True)
@@ -28,13 +28,13 @@ class Finding:
     """A finding about a map or its drawing.
 
     Args:
-        code: what it is about; see `words_of`.
-        places: x and y of the places it concerns, in pixels of the drawing, the most important first.
-        count: number of items it applies to.
-        total: number of items in total.
-        share: in [0, 1], the quantity that the code describes.
+        code: kind of the finding; see `words_of`.
+        places: x and y of the affected places in pixels of the drawing, the most important first.
+        count: number of affected items.
+        total: total number of items.
+        share: fraction in [0, 1], whose meaning depends on the code.
         layer: name of the layer; empty if there is only one.
-        words: a sentence or part of one, if the code has no text.
+        words: text of the finding if its code has no text; a sentence or part of one.
     """
 
     code: Code
@@ -47,11 +47,11 @@ class Finding:
 
 
 class LackingError(InputError):
-    """A drawing lacks something that prediction needs.
+    """Raised if a drawing lacks something that prediction needs.
 
     Args:
-        words: the missing part, in one sentence.
-        code: code of the finding about it.
+        words: sentence that says what is missing.
+        code: code of the corresponding finding.
         layer: name of the layer; empty if there is only one.
     """
 
@@ -61,10 +61,10 @@ class LackingError(InputError):
 
 
 def words_of(finding: Finding) -> str:
-    """Return the text of a finding, a part of a sentence.
+    """Return the text of a finding, as part of a sentence.
 
     >>> words_of(Finding("edge", ((3.2, 8),), layer="Arm"))
-    'Arm: no line bounds the object about x 3, y 8, so its edge is a guess; close it if it is wrong'
+    'Arm: no line bounds the object near x 3, y 8, so its edge is a guess; close it if it is wrong'
     """
     own = _WORDS.get(finding.code)
     words = finding.words if own is None else own(finding)
@@ -72,12 +72,12 @@ def words_of(finding: Finding) -> str:
 
 
 def finding_of(error: InputError) -> Finding:
-    """Return the finding that an error on a drawing stands for."""
+    """Return an error about a drawing as a finding."""
     return error.finding if isinstance(error, LackingError) else Finding("note", words=str(error))
 
 
 def join(findings: Iterable[Finding]) -> str:
-    """Return the texts of findings, each once, as a part of a sentence; empty if there are none."""
+    """Return the texts of findings without duplicates, as part of a sentence; empty if there are none."""
     return "; ".join(dict.fromkeys(words_of(each).removesuffix(".") for each in findings))
 
 
@@ -101,10 +101,10 @@ def _places(finding: Finding) -> str:
 
 _WORDS: dict[Code, Callable[[Finding], str]] = {
     "edge": lambda finding: (
-        f"no line bounds the object about {_places(finding)}, so its edge is a guess; close it if it is wrong"
+        f"no line bounds the object near {_places(finding)}, so its edge is a guess; close it if it is wrong"
     ),
     "guessed": lambda _: (
-        "no object is seen among its lines, so the network of normals has guessed its mask; "
+        "no object was found among its lines, so the network guessed the mask; "
         "close the outline, or give --mask"
     ),
     "hints": _hints,

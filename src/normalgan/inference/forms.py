@@ -1,4 +1,4 @@
-"""Forms: make a part of a map round, flat or hollow, with a bevel."""
+"""Forms: make a part of a map round, flat or hollow, with a bevel of a given width."""
 
 import math
 import re
@@ -20,22 +20,22 @@ __all__ = ["BEVELS", "Form", "feather", "give_form", "parse_form"]
 
 _Kind = Literal["round", "flat", "hollow"]
 BEVELS: dict[_Kind, float] = {"round": 1.0, "flat": 0.2, "hollow": 1.0}
-"""The forms, with the bevel of each that says nothing else."""
+"""The kinds of forms, each with its default bevel."""
 _STRENGTH = 0.7
-"""Strength of a form that says nothing else: what the lines inside give is still seen."""
+"""Default strength of a form; at this strength the relief of the lines inside remains visible."""
 _NUMBER = r",(bevel|strength)=(\d+\.?\d*|\.\d+)"
 _TEXT = re.compile(rf"({'|'.join(BEVELS)})((?:{_NUMBER})*)")
 
 _SIDE = 256
-"""Longer side in pixels at which a form is computed; it is smooth, and enlarged to the map's size."""
+"""Longer side in pixels at which a form is computed; it is smooth, so it can be enlarged afterwards."""
 _COARSE = 64
-"""Longer side at which the inflation starts; each larger size starts from the one before it."""
+"""Longer side of the coarsest level; each finer level starts from the result of the coarser one."""
 _SWEEPS = 24
-"""Of each larger size."""
+"""Number of sweeps at each finer level."""
 _OUTSIDE = 2.0
-"""How strongly the surface is held down off the part; a partly covered pixel is held down in part."""
+"""Strength of the pull towards zero outside the part; partly covered pixels are pulled proportionally."""
 _DISH = math.sin(math.radians(60))
-"""Sine of the slope at the rim of a hollow: a vertical wall would only be a dark line."""
+"""Sine of the slope at the rim of a hollow; a vertical wall would only look like a dark line."""
 
 
 @dataclass(frozen=True)
@@ -43,11 +43,11 @@ class Form:
     """The form of a part.
 
     Args:
-        kind: "round" curves it towards the viewer, "flat" gives it a face with a bevel of 45°, "hollow" makes
-            it a dish.
-        bevel: how far the curve or the bevel reaches inwards, as a share of the part's depth, above 0 to 1;
-            the rest is level.
-        strength: how far the form replaces the predicted normals, 0 to 1.
+        kind: "round" curves the part towards the viewer, "flat" makes it a plateau with a 45° bevel, "hollow"
+            makes it a dish.
+        bevel: width of the curve or the bevel as a fraction of the part's depth, above 0 and at most 1; the
+            rest is level.
+        strength: weight of the form against the predicted normals, from 0 to 1.
     """
 
     kind: _Kind
@@ -56,10 +56,10 @@ class Form:
 
 
 def parse_form(text: str) -> Form:
-    """Return the form that a text describes.
+    """Return the form of a text such as ``flat`` or ``flat,bevel=0.1,strength=1``.
 
     Raises:
-        InputError: if the text is not like ``flat`` or ``flat,bevel=0.1,strength=1``.
+        InputError: if the text is not a form.
 
     >>> parse_form("flat,bevel=0.1")
     Form(kind='flat', bevel=0.1, strength=0.7)
@@ -76,16 +76,16 @@ def parse_form(text: str) -> Form:
 
 
 def give_form(normals: Floats, mask: BoolMask, area: Floats, form: Form) -> Floats:
-    """Return a map with a part of it brought to a form.
+    """Return a map with a form applied to a part of it.
 
     Args:
-        normals: (H, W, 3), unit.
+        normals: (H, W, 3), unit normals.
         mask: (H, W), the object.
-        area: (H, W) in [0, 1], how much each pixel belongs to the part.
-        form: which.
+        area: (H, W) in [0, 1], coverage of each pixel by the part.
+        form: form of the part.
 
     Example:
-        A flat coin faces the viewer in its middle and leans out at its rim:
+        A flat coin faces the viewer at its centre and slopes outwards at its rim:
 
         >>> y, x = np.mgrid[:64, :64] - 31.5
         >>> coin = np.hypot(x, y) < 30
@@ -113,35 +113,35 @@ def give_form(normals: Floats, mask: BoolMask, area: Floats, form: Form) -> Floa
 
 
 def feather(area: Floats, soft: float) -> Floats:
-    """Return an area (H, W) that fades out inwards, so that no edge of it is seen in the curvature.
+    """Return an area (H, W) with a fade inside its edge that leaves no visible edge in the curvature.
 
     Args:
         area: (H, W) in [0, 1].
-        soft: the share of the area's depth in which it fades out, above 0 to 1.
+        soft: width of the fade as a fraction of the area's depth, above 0 and at most 1.
     """
     depth = depth_of(area > 0.5)
     width = soft * float(depth.max())
     if width <= 0:
         return area
     rise = np.clip((depth - 0.5) / width, 0, 1)
-    # Its first two derivatives are zero at both ends (Perlin 2002, "Improving noise").
+    # The first two derivatives of the ramp are zero at both ends (Perlin 2002, "Improving noise").
     faded = rise**3 * (rise * (6 * rise - 15) + 10)
-    # Nor has it any where two sides are equally near.
+    # The blur removes the crease where two sides are equally near.
     return np.asarray(cv2.GaussianBlur(faded, (0, 0), max(width / 6, 0.5)), np.float32)
 
 
-@lru_cache(maxsize=32)  # while a ball or a slider is moved, all other parts stay
+@lru_cache(maxsize=32)  # while the user edits one part, the forms of all others are reused
 def _shaped(part: bytes, size: tuple[int, int], kind: _Kind, bevel: float) -> Floats:
-    """Return the normals (h, w, 3) of a part in a form.
+    """Return the normals (h, w, 3) of a form.
 
     Args:
         part: 8-bit coverage of its pixels.
-        size: width and height.
-        kind: as in `Form`.
-        bevel: as in `Form`.
+        size: width and height in pixels.
+        kind: kind of the form, as in `Form`.
+        bevel: bevel of the form, as in `Form`.
     """
     inside = np.frombuffer(part, np.uint8).reshape(size[::-1]).astype(np.float32) / np.float32(255)
-    rim = 1 + (round(0.3 * max(size) * bevel) if kind == "flat" else 0)  # as far as what is blurred reaches
+    rim = 1 + (round(0.3 * max(size) * bevel) if kind == "flat" else 0)  # reach of the blur
     inside = np.pad(inside, rim)
     depth = depth_of(inside > 0.5)
     deepest = max(float(depth.max()), 1.0)
@@ -152,8 +152,8 @@ def _shaped(part: bytes, size: tuple[int, int], kind: _Kind, bevel: float) -> Fl
         down, right = np.gradient(height)
         normals = np.dstack([-right, down, np.ones_like(right)])
     else:
-        # The surface whose square solves a screened Poisson equation: a ball over a disc, a round limb over a
-        # strip, and level farther in than the width.
+        # The height is the square root of the solution of a screened Poisson equation: a ball over a disc, a
+        # round limb over a strip, and level farther inside than the bevel's width.
         level = 4 / width**2 - 4 / deepest**2 if width < deepest else 0.0
         square = _inflated(inside, level)
         down, right = np.gradient(square)
@@ -166,7 +166,7 @@ def _shaped(part: bytes, size: tuple[int, int], kind: _Kind, bevel: float) -> Fl
 
 
 def _inflated(inside: Floats, level: float) -> Floats:
-    """Return u (h, w) with ∇²u - level u = -4 inside and nearly 0 outside, from coarse to fine."""
+    """Solve ∇²u - level u = -4 inside and u ≈ 0 outside for u (h, w), from coarse to fine."""
     height, width = inside.shape
     if max(height, width) > _COARSE:
         half = (height + 1) // 2, (width + 1) // 2
@@ -176,7 +176,7 @@ def _inflated(inside: Floats, level: float) -> Floats:
         sweeps, ahead = _SWEEPS, 1.0
     else:
         square = np.zeros_like(inside)
-        # The best overrelaxation of a square of that side (Young 1954).
+        # Optimal overrelaxation for a square of that side (Young 1954).
         sweeps, ahead = 2 * max(height, width), 2 / (1 + math.sin(math.pi / max(height, width)))
     y, x = np.ogrid[:height, :width]
     colours = [((x + y) % 2 == parity).astype(np.float32) for parity in (0, 1)]

@@ -1,4 +1,4 @@
-"""Inputs: a drawing, its mask and its hints as files, arrays or images of Pillow, each checked first."""
+"""Inputs: check drawings, masks and hints given as files, arrays or Pillow images."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -49,24 +49,24 @@ def prepare_any(
     line_widths: LineWidths = USUAL_WIDTHS,
     flips: Sequence[tuple[float, float]] = (),
 ) -> Prepared:
-    """Prepare a drawing for the network.
+    """Return a drawing in any form, prepared for the network.
 
     Args:
-        image: a path; an image of Pillow; or an array (H, W), (H, W, 3) or (H, W, 4) of uint8, uint16, or
-            floats from 0 to 1, dark lines on light paper or light ones on dark.
-        network_size: side of the network's pictures in pixels.
-        hints: a path; a list of ``{"x": 10, "y": 20, "normal": [0, 0.6, 0.8]}`` in pixels of the drawing from
-            its upper left; or an array (H, W, 4), a unit normal and 1 at each hint, and 0 elsewhere.
-        mask: where the object is: a path, an image or an array of the drawing's size, bool, or white on
-            black; ``outline`` fills what lines enclose, ``reader`` lets a small network vote on that,
-            ``model`` leaves it to the network of normals; None takes the drawing's opacity if it shows the
-            object, else the reader.
-        size: longer side of the map in pixels, 8 to 8192; None is the drawing's.
-        line_widths: widths of lines that the network sees as they were drawn, in its pixels.
-        flips: x and y of points whose regions become holes, or object if they are holes.
+        image: a path; a Pillow image; or an array (H, W), (H, W, 3) or (H, W, 4) of uint8, uint16, or floats
+            from 0 to 1. Lines may be dark on light or light on dark.
+        network_size: side of the network's input in pixels.
+        hints: a path; a list of ``{"x": 10, "y": 20, "normal": [0, 0.6, 0.8]}`` in pixels from the drawing's
+            upper left corner; or an array (H, W, 4) with a unit normal and 1 at each hint, and 0 elsewhere.
+        mask: the object, as a path, an image or an array of the drawing's size, either bool or white on
+            black; or a source: ``outline`` fills the areas that lines enclose, ``reader`` lets a small
+            network decide on each of these areas, ``model`` uses the network's own segmentation. None uses
+            the drawing's opacity if it shows the object, otherwise the reader.
+        size: longer side of the map in pixels, 8 to 8192; None keeps the drawing's size.
+        line_widths: range of line widths, in pixels of the network, that are kept as drawn.
+        flips: x and y of points whose regions change from object to hole, or from hole to object.
 
     Raises:
-        InputError: if something cannot be used.
+        InputError: if an argument is invalid.
     """
     picture, where, points = check_any(image, hints, mask, size)
     return prepare(picture, network_size, where, points, size, line_widths=line_widths, flips=flips)
@@ -75,10 +75,10 @@ def prepare_any(
 def check_any(
     image: AnyPicture, hints: AnyHints, mask: AnyMask, size: int | None
 ) -> tuple[Picture, MaskOrSource, Hints | None]:
-    """Return a drawing, its mask and its hints, given in any form, as `prepare` takes them.
+    """Convert a drawing, its mask and its hints from any form to the types that `prepare` takes.
 
     Raises:
-        InputError: if something cannot be used.
+        InputError: if an argument is invalid.
     """
     check_size(size)
     picture = as_picture(image, size)
@@ -88,7 +88,7 @@ def check_any(
 
 
 def check_size(size: int | None) -> None:
-    """Raise `InputError` if a map cannot have this longer side."""
+    """Raise `InputError` if ``size`` is not a valid longer side of a map."""
     if size is None:
         return
     if not isinstance(size, int | np.integer) or isinstance(size, bool):
@@ -101,12 +101,12 @@ def as_picture(image: AnyPicture, svg_side: int | None = None, name: str = "the 
     """Return a drawing in any form as a picture.
 
     Args:
-        image: a path, an image of Pillow, an array, or a picture.
-        svg_side: longer side in pixels that an SVG is drawn with.
-        name: name of an image or an array in errors.
+        image: a path, a Pillow image, an array, or a picture.
+        svg_side: longer side in pixels at which an SVG is rendered.
+        name: name for an image or array in error messages.
 
     Raises:
-        InputError: if it cannot be used.
+        InputError: if the drawing is invalid.
     """
     match image:
         case Picture():
@@ -117,7 +117,7 @@ def as_picture(image: AnyPicture, svg_side: int | None = None, name: str = "the 
             _check_sides(name, image.height, image.width)
             try:
                 return _decoded(turned_upright(image))
-            except (OSError, SyntaxError) as error:  # Pillow reads the pixels when they are asked for
+            except (OSError, SyntaxError) as error:  # Pillow decodes lazily
                 raise InputError(f"{name} cannot be read: {brief(error)}.") from None
         case np.ndarray():
             return _of_array(image, name)
@@ -126,10 +126,10 @@ def as_picture(image: AnyPicture, svg_side: int | None = None, name: str = "the 
 
 
 def as_mask(mask: AnyMask, shape: tuple[int, int]) -> BoolMask | None:
-    """Return the object (H, W) that a mask in any form shows.
+    """Return a mask in any form as an array (H, W).
 
     Raises:
-        InputError: if it cannot be used.
+        InputError: if the mask is invalid.
     """
     match mask:
         case None:
@@ -145,10 +145,10 @@ def as_mask(mask: AnyMask, shape: tuple[int, int]) -> BoolMask | None:
 
 
 def as_hints(hints: AnyHints, shape: tuple[int, int]) -> Hints | None:
-    """Return hints in any form for a drawing of (H, W) pixels; None for none.
+    """Return hints in any form for a drawing (H, W); None if there are none.
 
     Raises:
-        InputError: if they cannot be used; it says which hint is wrong.
+        InputError: if a hint is invalid; the message says which one.
     """
     match hints:
         case None | Hints():
@@ -167,7 +167,7 @@ def as_hints(hints: AnyHints, shape: tuple[int, int]) -> Hints | None:
 
 
 def _plain_hint(given: Any) -> Any:
-    """Return a hint with NumPy numbers replaced by Python's."""
+    """Return a hint with NumPy values converted to Python numbers."""
     if isinstance(given, Mapping):
         return {key: _plain_hint(value) for key, value in given.items()}
     if isinstance(given, np.ndarray | np.generic):
@@ -176,7 +176,7 @@ def _plain_hint(given: Any) -> Any:
 
 
 def _hints_in(array: NDArray[Any], shape: tuple[int, int]) -> Hints:
-    """Return the hints in an array (H, W, 4)."""
+    """Return the hints of an array (H, W, 4)."""
     if array.shape != (*shape, 4) or not np.issubdtype(array.dtype, np.floating):
         raise InputError(
             f"the hints are an array of {array.dtype} with the shape {array.shape}; for this drawing they "
@@ -192,7 +192,7 @@ def _hints_in(array: NDArray[Any], shape: tuple[int, int]) -> Hints:
     rows, columns = np.nonzero(array[..., 3])
     normals = array[rows, columns, :3].astype(np.float32)
     length = np.linalg.norm(normals, axis=1)
-    wrong = np.flatnonzero(~(np.abs(length - 1) <= 0.25))  # so that what is not a number is wrong
+    wrong = np.flatnonzero(~(np.abs(length - 1) <= 0.25))  # written so that NaN counts as wrong
     if len(wrong):
         first = wrong[0]
         raise InputError(
@@ -211,7 +211,7 @@ def _hints_in(array: NDArray[Any], shape: tuple[int, int]) -> Hints:
 
 
 def _decoded(image: Image.Image) -> Picture:
-    """Convert an image as if it had been read from a file: the same mode, and reduced if large."""
+    """Return an image as a picture, with the same conversions as for files."""
     full = (image.height, image.width)
     image = plain(image)
     if max(full) > MOST_WORKED:
@@ -230,7 +230,7 @@ def _of_array(array: NDArray[Any], name: str) -> Picture:
         raise InputError(
             f"{name} is an array of uint8 whose largest value is 1; white is 255, or 1 in an array of floats."
         )
-    if array.dtype == np.uint8 or (array.dtype == np.uint16 and array.ndim == 2):  # as Pillow has them
+    if array.dtype == np.uint8 or (array.dtype == np.uint16 and array.ndim == 2):  # Pillow has these modes
         return _decoded(Image.fromarray(np.ascontiguousarray(array)))
     levels = _levels(name, array)
     if levels.ndim == 2:
@@ -241,7 +241,7 @@ def _of_array(array: NDArray[Any], name: str) -> Picture:
 
 
 def _levels(name: str, array: NDArray[Any]) -> Floats:
-    """Return the values of an array of pixels, in [0, 1]."""
+    """Return an array of pixels scaled to [0, 1]."""
     if array.dtype in {np.dtype(np.uint8), np.dtype(np.uint16)}:
         return np.asarray(array / np.float32(np.iinfo(array.dtype).max), np.float32)
     if not np.issubdtype(array.dtype, np.floating):
@@ -250,7 +250,7 @@ def _levels(name: str, array: NDArray[Any]) -> Floats:
             "floats from 0 to 1."
         )
     least, most = float(array.min()), float(array.max())
-    if not (least >= 0 and most <= 1):  # so that what is not a number is refused too
+    if not (least >= 0 and most <= 1):  # written so that NaN is refused too
         raise InputError(f"{name} has floats from {least:g} to {most:g}; black is 0 and white is 1.")
     return array.astype(np.float32)
 

@@ -1,4 +1,4 @@
-"""load: a predictor from any file of a trained model, or the shipped one."""
+"""Load a predictor from any file of a trained model, or the shipped model."""
 
 from pathlib import Path
 
@@ -12,9 +12,9 @@ __all__ = ["load"]
 
 
 def load(path_or_name: str | Path = SHIPPED_NAME, size: int | None = None) -> Predictor:
-    """Return a trained model as a function of a drawing.
+    """Return the predictor of a trained model.
 
-    ONNX files, such as the shipped model, need no torch and load quickly.
+    ONNX files, such as the shipped model, load quickly and do not need torch.
 
     Args:
         path_or_name: ``shipped``, or a file: ``.onnx`` or ``.safetensors`` that `normalgan export` wrote, or
@@ -24,12 +24,12 @@ def load(path_or_name: str | Path = SHIPPED_NAME, size: int | None = None) -> Pr
         size: side in pixels of the pictures of a checkpoint's training; None if the file records it.
 
     Raises:
-        InputError: if it cannot be used.
+        InputError: if the file is not a usable model.
     """
     backend = _backend(str(path_or_name), size)
     if size not in (None, backend.size):
         raise InputError(
-            f"{path_or_name} predicts pictures of {backend.size} pixels, not {size}; leave size out: "
+            f"{path_or_name} predicts pictures of {backend.size} pixels, not {size}; omit size: "
             "drawings of any size are resized for it."
         )
     return Predictor(backend)
@@ -39,7 +39,7 @@ def _backend(name: str, size: int | None) -> Backend:
     path = find_model(name)
     if path.suffix.lower() == ".onnx":
         return OnnxBackend(path)
-    # Late: torch takes seconds to import.
+    # Imported here because torch takes seconds to import.
     from normalgan.inference.network.torch_backend import TorchBackend
     from normalgan.weights.checkpoint import read_model
 

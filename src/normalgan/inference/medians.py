@@ -1,4 +1,4 @@
-"""Medians and other quantiles, by partition instead of sorting."""
+"""Medians and other quantiles, computed by partitioning."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ __all__ = ["median", "ranked"]
 
 
 def median(values: Floats) -> float:
-    """Return the median of values (N,), one at least: `numpy.median` takes ten times as long.
+    """Return the median of one or more values (N,), ten times as fast as `numpy.median`.
 
     >>> median(np.array([3, 1, 2, 5], np.float32))
     2.5
@@ -19,7 +19,7 @@ def median(values: Floats) -> float:
 
 
 def ranked(values: Floats, share: float) -> float:
-    """Return the value that ``share`` of values (N,), one at least, do not exceed, as `median` finds it.
+    """Return the ``share`` quantile of one or more values (N,), rounded down to one of the values.
 
     >>> ranked(np.array([3, 1, 2, 5], np.float32), 0.75)
     3.0

@@ -1,4 +1,4 @@
-"""NormalMap: the result of a prediction, with normals, mask and confidence, as arrays, pictures and files."""
+"""NormalMap: the result of a prediction, with its normals, mask and confidence."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -33,7 +33,7 @@ from normalgan.normals import (
 __all__ = ["PADDING", "Format", "NormalMap", "as_it_lies", "part_of"]
 
 PADDING = 16
-"""Pixels around the object that carry the colour of its edge: the fourth mipmap blends as many."""
+"""Default width in pixels of the padding around the object; the fourth mipmap level blends 16 pixels."""
 
 Format = Literal["png", "exr", "tiff"]
 _FLAT = np.array([[[0, 0, 1]]], np.float32)
@@ -42,19 +42,21 @@ _SUFFIXES: dict[str, Format] = {".png": "png", ".exr": "exr", ".tif": "tiff", ".
 
 @dataclass(frozen=True, eq=False, repr=False)
 class NormalMap:
-    """A normal map and its mask, confidence and notes; axes are x right, y up, z to the viewer.
+    """A normal map with its mask, confidence and findings; axes are x right, y up, z to the viewer.
 
     Args:
-        extended: (H, W, 3), unit everywhere: off the object they are those on it, smoothly continued.
+        extended: (H, W, 3), unit normals everywhere; off the object they continue the object's normals
+            smoothly.
         mask: (H, W), the object.
-        alpha: (H, W) in [0, 1], the drawing's opacity if that gives the mask, else the mask with a soft edge.
+        alpha: (H, W) in [0, 1], the drawing's opacity if the mask comes from it, otherwise the mask with a
+            soft edge.
         seen: (S, S), the network's input.
-        confidence: (H, W), the network's confidence κ ≥ 0, if it has one.
-        findings: findings about it; `warning` puts them into words.
-        tile: the directions in which the map repeats; None for none.
-        cells: the drawings of a sheet, each a separate surface; none for other maps. A turned drawing has
-            the normals of the upright one.
-        partial: whether something that is drawn could not be predicted, as the findings say.
+        confidence: (H, W), the network's confidence κ ≥ 0, or None.
+        findings: findings about the map; `warning` returns them as text.
+        tile: directions in which the map repeats; None if it does not.
+        cells: the drawings of a sheet, each a separate surface; empty for other maps. A rotated drawing has
+            the normals of the upright drawing.
+        partial: whether something in the drawing could not be predicted; the findings say what.
     """
 
     extended: Floats
@@ -74,19 +76,19 @@ class NormalMap:
 
     @property
     def warning(self) -> str:
-        """The warning, a part of a sentence; empty if there is none."""
+        """The findings as part of a sentence; empty if there are none."""
         return join(self.findings)
 
     @cached_property
     def normal(self) -> Floats:
-        """(H, W, 3), unit normals on the object and zero off it."""
+        """Unit normals (H, W, 3) on the object, and zero off it."""
         return np.where(self.mask[..., None], self.extended, np.float32(0))
 
     def stronger(self, strength: float) -> "NormalMap":
-        """Return the map with its slopes multiplied by a factor.
+        """Return the map with its slopes multiplied by ``strength``.
 
         Raises:
-            InputError: if the strength is invalid: negative, or more than 100.
+            InputError: if the strength is negative or more than 100.
         """
         if not 0 <= strength <= 100:
             raise InputError(f"strength is {strength}; use 0 to 100; 1 changes nothing.")
@@ -96,16 +98,16 @@ class NormalMap:
         return replace(self, extended=unit(scaled, front=True))
 
     def height(self) -> Floats:
-        """Return the surface that the normals belong to, (H, W) in pixels towards the viewer.
+        """Return the height (H, W) of the surface in pixels towards the viewer.
 
-        It has a mean of zero over each connected part and is zero off the object; see
+        The mean over each connected part is zero, and so are all heights off the object; see
         `normalgan.inference.heights.height.integrate`.
         """
         return self._height.copy()
 
     @cached_property
     def _height(self) -> Floats:
-        from normalgan.inference.heights.height import integrate  # here: its solver takes a while to import
+        from normalgan.inference.heights.height import integrate  # here because its solver is slow to import
 
         if not self.cells:
             return integrate(self.extended, self.mask, tile=self.tile)
@@ -122,15 +124,15 @@ class NormalMap:
         alpha: bool = False,
         pad: int | None = None,
     ) -> bytes:
-        """Return the content of a file: flat off the object, or transparent there.
+        """Return the content of an image file, which is flat or transparent off the object.
 
         Args:
             form: format of the file; exr and tiff hold floats.
-            bits: bits of each channel of a PNG.
-            y: up is green as in OpenGL, down as in DirectX.
-            alpha: whether the object's mask is the alpha channel.
-            pad: how many pixels around the object carry the colour of its edge; None takes `PADDING` with
-                alpha, where they are invisible, else 0.
+            bits: bits per channel of a PNG.
+            y: direction of green: ``up`` for OpenGL, ``down`` for DirectX.
+            alpha: whether the file has an alpha channel with the object's opacity.
+            pad: width in pixels of a border around the object that repeats the colours of its edge; None uses
+                `PADDING` with alpha, where the border is invisible, otherwise 0.
         """
         opacity = self.alpha if alpha else None
         reach = (PADDING if alpha else 0) if pad is None else pad
@@ -145,7 +147,7 @@ class NormalMap:
                 return encode_tiff(self._flat(y, alpha, reach), opacity)
 
     def pixels(self, y: Green = "up", alpha: bool = False) -> NDArray[np.uint8]:
-        """Return the map's colours of 8 bits, (H, W, 3), or (H, W, 4) with alpha; see `encode`."""
+        """Return the map as 8-bit colours (H, W, 3), or (H, W, 4) with alpha; see `encode`."""
         return np.asarray(self._pixels(8, y, alpha), np.uint8)
 
     def _pixels(
@@ -156,7 +158,7 @@ class NormalMap:
         flat = pixels_of(_FLAT, bits, none if alpha else None, blue_first=blue_first)
         pixels = np.empty((*opaque.shape, flat.shape[-1]), flat.dtype)
         pixels[:] = np.repeat(flat, opaque.shape[1], axis=1)
-        # Only the box of the object is computed, which is half of most maps.
+        # Only the object's bounding box is computed, which is about half of a typical map.
         top, bottom, left, right = box_of(opaque)
         box = np.s_[top:bottom, left:right]
         inside, there, normals = pixels[box], opaque[box].view(np.uint8), self.extended[box]
@@ -168,7 +170,7 @@ class NormalMap:
         return pixels
 
     def _opaque(self, alpha: bool) -> NDArray[np.bool_]:
-        """Return where a file holds the map's own colours."""
+        """Return the pixels (H, W) whose colours are written; all others are flat."""
         return self.alpha > 0 if alpha else self.mask
 
     def _flat(self, y: Green, alpha: bool, pad: int) -> Floats:
@@ -184,35 +186,37 @@ class NormalMap:
         alpha: bool = False,
         pad: int | None = None,
     ) -> None:
-        """Write the map atomically, as PNG, EXR or TIFF by the path's ending.
+        """Write the map atomically as PNG, EXR or TIFF, depending on the path's ending.
 
         Args:
-            path: path of the file; its folder is made where missing.
-            bits: bits of each channel of a PNG, 8 or 16.
-            y: ``up`` is green as in OpenGL, ``down`` as in DirectX.
-            alpha: whether the object's mask is the alpha channel.
-            pad: how many pixels around the object carry the colour of its edge, as for `encode`.
+            path: path of the file; missing folders are created.
+            bits: bits per channel of a PNG, 8 or 16.
+            y: direction of green: ``up`` for OpenGL, ``down`` for DirectX.
+            alpha: whether the file has an alpha channel with the object's opacity.
+            pad: width in pixels of a border that repeats the colours of the object's edge, as in `encode`.
 
         Raises:
-            InputError: if a setting cannot be used.
+            InputError: if an argument is invalid.
             OSError: if the file cannot be written.
         """
         form = _SUFFIXES.get(Path(path).suffix.lower())
         if form is None:
             raise InputError(f"the normal map {path} must end in one of {' '.join(_SUFFIXES)}.")
         if bits not in get_args(Bits) or (bits == 16 and form != "png"):
-            raise InputError(f"bits are 8 or 16, of a PNG; {path} with {bits} is neither.")
+            raise InputError(
+                f"{bits} bits are not supported for {path}; a PNG has 8 or 16, other formats hold floats."
+            )
         if y not in get_args(Green):
             raise InputError(f"y is up or down, not {y!r}.")
         write_bytes(path, self.encode(form, bits, y, alpha, pad))
 
     def _repr_png_(self) -> bytes:
-        """Return the map as a picture for notebooks."""
+        """Return the map as a PNG for notebooks."""
         return self.encode()
 
 
 def part_of(sheet: NormalMap, cell: Cell) -> NormalMap:
-    """Return the map of one drawing of a sheet, upright."""
+    """Return the map of one drawing of a sheet, rotated upright."""
     mask = sheet.mask[cell.box] if cell.own is None else sheet.mask[cell.box] & cell.own
     confidence = None if sheet.confidence is None else cell.upright(sheet.confidence[cell.box])
     return NormalMap(
@@ -227,9 +231,10 @@ def part_of(sheet: NormalMap, cell: Cell) -> NormalMap:
 
 
 def as_it_lies(sheet: NormalMap) -> Floats:
-    """Return the normals of a sheet seen as one picture, (H, W, 3).
+    """Return the normals (H, W, 3) of a sheet viewed as one picture.
 
-    The map holds normals of upright sprites; the normals of rotated sprites are rotated too.
+    A sheet's map holds the normals of upright sprites. Here the normals of rotated sprites are rotated as
+    well.
     """
     if not any(cell.turned for cell in sheet.cells):
         return sheet.extended
@@ -237,6 +242,6 @@ def as_it_lies(sheet: NormalMap) -> Floats:
     for cell in (each for each in sheet.cells if each.turned):
         x, y, z = np.moveaxis(sheet.extended[cell.box], -1, 0)
         for _ in range(cell.turned):
-            x, y = y, -x  # clockwise by a quarter
+            x, y = y, -x  # a clockwise quarter turn
         whole[cell.box] = np.stack([x, y, z], -1)
     return whole

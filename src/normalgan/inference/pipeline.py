@@ -1,7 +1,7 @@
-"""Pipeline: from a prepared drawing to its map, for every caller and every network.
+"""Pipeline: predict the map of a prepared drawing.
 
 A drawing is read (`picture`, `inputs`), cleaned, masked and framed (`preparation`), predicted by a `Backend`,
-brought to its own size (`upsampling`) and place, and written (`outputs`).
+mapped back to its own size and position (`upsampling`), and written (`outputs`).
 """
 
 import cv2
@@ -23,25 +23,25 @@ from normalgan.normals import strips
 __all__ = ["coarse_of", "finish", "hints_off", "predict"]
 
 _PRESENT = 0.6
-"""Share of the mask in which the model should see the object."""
+"""Minimum fraction of the mask in which the model should see the object; less gives a warning."""
 _LEAST = 0.02
-"""Predicted vectors that are shorter have no direction."""
+"""Minimum length of a predicted vector whose direction is used."""
 
 _BESIDE = 0.005
-"""How far beside the mask a hint may lie, as a share of the longer side, because the edge is a guess."""
+"""Maximum distance of a hint from the mask, whose edge is a guess, as a fraction of the longer side."""
 
 
 def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsample: Upsampler) -> NormalMap:
-    """Bring the prediction back to the drawing's size and place, and apply the mask and the pins.
+    """Map a prediction back to the drawing's size and position, and apply the mask and the pins.
 
     Args:
-        prepared: as `prepare` gives it.
+        prepared: the prepared drawing, from `prepare`.
         preds: (S, S, 3), vectors whose length is the probability of an object.
         confidence: (S, S), or None.
-        upsample: the step to the drawing's size.
+        upsample: enlarges the prediction to the drawing's size.
 
     Raises:
-        LackingError: if the model sees no object, or nothing is left of it.
+        LackingError: if the model sees no object, or the mask is empty.
     """
     frame = prepared.frame
     length = lengths(preds)
@@ -68,9 +68,9 @@ def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsampl
         mask = covered > 0.5
         normals = resize(normals, prepared.shape)
         shown = None if shown is None else resize(shown, prepared.shape)
-    # What is seen does not face away; off the object its normals, continued, would.
+    # A visible surface does not face away from the viewer, but normals extended off the object may.
     np.maximum(normals[..., 2], 0, out=normals[..., 2])
-    # Some have no direction: between opposite ones, and beyond the frame.
+    # Vectors between opposite normals and outside the frame may be zero.
     normals = unit(normals, front=True, out=normals if enlarged else None)
     pins = prepared.pins
     if pins is not None and 0 < len(pins.points) <= MOST_PINS:
@@ -82,11 +82,11 @@ def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsampl
 
 
 def hints_off(drawn: Floats, points: Floats, mask: BoolMask) -> tuple[Finding, ...]:
-    """Return the finding about hints off the object, if there are any.
+    """Return the finding about hints off the object; empty if there are none.
 
     Args:
-        drawn: (K, 2), where the hints are, in pixels of the drawing.
-        points: (K, 2), the same in pixels of the mask.
+        drawn: (K, 2), positions of the hints in pixels of the drawing.
+        points: (K, 2), positions of the hints in pixels of the mask.
         mask: (H, W), the object.
     """
     beside = max(round(_BESIDE * max(mask.shape)), 1)
@@ -102,11 +102,12 @@ def hints_off(drawn: Floats, points: Floats, mask: BoolMask) -> tuple[Finding, .
 def _covered(prepared: Prepared, mask: BoolMask) -> Floats:
     """Return the coverage of each pixel (h, w) by the object.
 
-    Where the mask is still the outline's, coverage comes from the ink; elsewhere the edge is one pixel wide.
+    Where the mask still follows the outline, the coverage comes from the ink. Elsewhere the edge is one pixel
+    wide.
 
     Args:
-        prepared: as `prepare` gives it.
-        mask: (h, w), the object as it is now.
+        prepared: the prepared drawing, from `prepare`.
+        mask: (h, w), the object after the user's edits.
     """
     soft = soft_edge(mask)
     if prepared.coverage is None:
@@ -116,7 +117,7 @@ def _covered(prepared: Prepared, mask: BoolMask) -> Floats:
 
 
 def _opacity(prepared: Prepared, covered: Floats) -> Floats:
-    """Return a map's opacity (H, W): the drawing's if it gives the mask, but for edits; else the coverage."""
+    """Return a map's opacity (H, W): the drawing's outside edits if the mask comes from it, else coverage."""
     edge: Floats = (np.rint(covered * 255) / 255).astype(np.float32)
     if prepared.alpha is None:
         return edge
@@ -128,11 +129,11 @@ def _opacity(prepared: Prepared, covered: Floats) -> Floats:
 
 
 def _enlarged(covered: Floats, shape: tuple[int, int]) -> Floats:
-    """Return coverage at a larger size (H, W), where an edge is a pixel wide again."""
+    """Return coverage enlarged to (H, W), with edges sharpened to a width of one pixel."""
     edge = resize(covered, shape)
     sharper = np.float32(shape[1] / covered.shape[1])
     for strip in strips(shape):
-        steep = edge[strip]  # in place: at each step a copy would take longer than the step
+        steep = edge[strip]  # in place, because copies would take longer than the arithmetic
         steep -= 0.5
         steep *= sharper
         steep += 0.5
@@ -141,16 +142,17 @@ def _enlarged(covered: Floats, shape: tuple[int, int]) -> Floats:
 
 
 def coarse_of(prepared: Prepared, preds: Floats, mask: BoolMask, length: Floats | None = None) -> Coarse:
-    """Return the network's prediction, and where its direction is reliable.
+    """Return the network's prediction and the mask of reliable normals.
 
-    Inside a certain object a short vector means doubt about presence, not direction; only vectors that are
-    short compared with most others are left out there.
+    Off the mask, a normal is reliable if the network sees an object there. Inside the mask, a short vector
+    only means that the network doubts the presence of an object, so only vectors much shorter than most
+    others are dropped.
 
     Args:
-        prepared: as `prepare` gives it.
+        prepared: the prepared drawing, from `prepare`.
         preds: (S, S, 3), vectors whose length is the probability of an object.
         mask: (h, w), the object at the size of ``prepared.ink``.
-        length: (S, S), their lengths, if known already.
+        length: (S, S), lengths of ``preds``, if already computed.
     """
     length = lengths(preds) if length is None else length
     needed = prepared.frame.shrink(mask.astype(np.float32)) > 0
@@ -162,7 +164,7 @@ def coarse_of(prepared: Prepared, preds: Floats, mask: BoolMask, length: Floats 
 
 
 def predict(backend: Backend, prepared: Prepared, upsample: Upsampler | None = None) -> NormalMap:
-    """Predict the normal map of a prepared drawing; ``upsample`` replaces the network's own step to its size.
+    """Return the normal map of a prepared drawing; ``upsample`` replaces the network's own upsampler.
 
     Raises:
         LackingError: if the network sees no object.
@@ -171,7 +173,7 @@ def predict(backend: Backend, prepared: Prepared, upsample: Upsampler | None = N
 
 
 def _choose(prepared: Prepared, present: BoolMask) -> tuple[BoolMask, tuple[Finding, ...]]:
-    """Return the object's mask, and the findings about it."""
+    """Return the object's mask after the user's edits, and the findings about it."""
     mask = present if prepared.mask is None else prepared.mask
     if prepared.painted is None:
         return mask, prepared.unsure
@@ -179,20 +181,20 @@ def _choose(prepared: Prepared, present: BoolMask) -> tuple[BoolMask, tuple[Find
     mask = mask | added
     if added.any():
         mask |= _gaps(prepared.ink, mask, added)
-    # Edits by hand have the last word, so nothing is said about them.
+    # The user has checked the mask, so the findings about it are dropped.
     return mask & (prepared.painted >= 0), ()
 
 
 def _gaps(ink: Floats, mask: BoolMask, added: BoolMask) -> BoolMask:
-    """Return the gaps (h, w) beside what a user has added that are all ink.
+    """Return the gaps (h, w) next to areas added by the user that consist of ink only.
 
-    A filled area ends where a line begins, the object where the line is half dark: some pixels of the line's
-    edge lie between them, which would be holes with a rim each.
+    A filled area ends where a line begins, but the object ends where the line is half dark. The pixels
+    between the two would be holes in the object.
 
     Args:
         ink: (h, w) in [0, 1].
-        mask: (h, w), the object with what was added.
-        added: (h, w), what was added.
+        mask: (h, w), the object including the added areas.
+        added: (h, w), the added areas.
     """
     count, parts = cv2.connectedComponents((~mask).view(np.uint8), connectivity=4)
     gap = np.zeros(count, np.bool_)

@@ -1,4 +1,4 @@
-"""JobPredictor: predict a file of any kind, with one drawing or many, and write its outputs."""
+"""JobPredictor: predict the drawings of a file of any kind and write their outputs."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
@@ -45,7 +45,7 @@ __all__ = ["MOST_TOGETHER", "Done", "Framing", "JobPredictor", "target_of", "wri
 
 Framing = Literal["own", "shared"]
 MOST_TOGETHER = 2**26
-"""Most pixels of all drawings that share a frame, because they are in memory together."""
+"""Maximum total number of pixels of drawings that share a frame, because all are held in memory."""
 
 
 @dataclass(frozen=True)
@@ -53,11 +53,11 @@ class Done:
     """The result of a job.
 
     Args:
-        target: where the map is.
-        warning: a part of a sentence; empty if all is well.
-        held: the files that wait for other drawings of a command.
-        note: a remark for the user, a part of a sentence; empty if there is none.
-        partial: whether something that is drawn could not be predicted, as the warning says.
+        target: path of the map.
+        warning: warning as part of a sentence; empty if there is none.
+        held: files that are held back for other drawings of the command.
+        note: remark for the user as part of a sentence; empty if there is none.
+        partial: whether something in the drawing could not be predicted; the warning says what.
     """
 
     target: Path
@@ -73,16 +73,17 @@ class JobPredictor:
 
     Args:
         predictor: the network.
-        writer: writes its map.
-        size: longer side of the maps in pixels; None is the drawing's.
-        packing: how the drawings of a sheet are found.
-        frame: whether the network is shown the same square of all drawings that belong together; None takes
-            ``shared`` for an animation and ``own`` otherwise.
-        strength: factor of all maps' slopes.
+        writer: writes the outputs.
+        size: longer side of the maps in pixels; None keeps the drawings' size.
+        packing: layout of the drawings in a sheet.
+        frame: ``shared`` if all drawings of a file are framed by one square, ``own`` if each has a frame of
+            its own; None uses ``shared`` for animations and ``own`` otherwise.
+        strength: factor applied to the slopes of all maps.
         layers: whether each visible layer of a layered file is predicted separately.
-        tile: the directions in which each drawing, and so its map, repeats; None if it ends at its edges.
-        single: whether a page is predicted as one object; otherwise its figures are predicted separately.
-        holes: x and y in pixels of a drawing, as `prepare` has its flips.
+        tile: directions in which each drawing repeats; None if it does not.
+        single: whether a page is predicted as one object instead of separate figures.
+        holes: x and y of points whose regions are flipped, in pixels of the drawing; see ``flips`` of
+            `prepare`.
         explain: folder for pictures of how each mask was found; None writes none.
         sprite: adapts each map to a sprite.
     """
@@ -101,7 +102,7 @@ class JobPredictor:
     sprite: Sprite = field(default_factory=Sprite)
 
     def __call__(self, job: Job) -> Done:
-        """Predict and write one job.
+        """Predict the drawings of a job and write the outputs.
 
         Raises:
             InputError: if the drawing cannot be used.
@@ -130,10 +131,10 @@ class JobPredictor:
         return replace(self._written(job, preds), note=note if figures else "")
 
     def together(self, jobs: Sequence[Job]) -> Iterator[tuple[Job, Done | Exception]]:
-        """Yield the results of drawings in separate files that share a frame, in order.
+        """Yield each job with its result, in order, for drawings in separate files that share a frame.
 
         Raises:
-            InputError: if they differ in size, or are too many.
+            InputError: if the drawings differ in size or have too many pixels in total.
         """
         members, kept, pixels = [], [], 0
         for job in jobs:
@@ -147,7 +148,7 @@ class JobPredictor:
             if pixels > MOST_TOGETHER:
                 raise InputError(
                     f"the drawings that share a frame have more than {MOST_TOGETHER} pixels together; "
-                    "name fewer, or leave --frame shared out."
+                    "name fewer, or omit --frame shared."
                 )
             members.append(member)
             kept.append(job)
@@ -166,7 +167,7 @@ class JobPredictor:
         return Done(job.target, preds.warning, held, partial=preds.partial)
 
     def _check_moving(self, drawing: Drawing) -> None:
-        """Raise `InputError` if an option is given that takes one still picture."""
+        """Raise `InputError` if an option is set that only works for a single still picture."""
         if self.packing.given:
             why = "a sheet is a still picture"
         elif self.tile is not None:
@@ -179,7 +180,7 @@ class JobPredictor:
         raise InputError(f"{drawing.path} {several}; {why}.")
 
     def _adapted(self, preds: NormalMap, picture: Picture) -> NormalMap:
-        """Return a map adapted to a sprite, with the warning about its drawing's file added."""
+        """Return a map adapted to a sprite, with the warning about the drawing's file added."""
         return _noted(self.sprite(preds, picture), picture)
 
     def _drawing(self, job: Job, drawing: Drawing) -> NormalMap:
@@ -203,7 +204,7 @@ class JobPredictor:
         return hinted(prepare_member(self.predictor, member, size), member.hints, member.picture.shape)
 
     def _figures(self, drawing: Drawing, prepared: Prepared) -> list[Cell]:
-        """Return the cells of a page's figures, in pixels of its map; empty for a single object."""
+        """Return the cells of a page's figures in pixels of the map; empty for a single object."""
         if prepared.alpha is not None and prepared.mask is not None:
             if cv2.connectedComponents(prepared.mask.view(np.uint8))[0] < 3 or self.size is not None:
                 return []
@@ -214,7 +215,7 @@ class JobPredictor:
         return find_figures(prepared.decision, prepared.reading, prepared.shape)
 
     def _page(self, job: Job, drawing: Drawing, page: Member, cells: Sequence[Cell]) -> NormalMap:
-        """Return the map of a page, each of whose figures is predicted separately."""
+        """Return the map of a page whose figures are predicted separately."""
         picture, hints, holes = page.picture, page.hints, page.flips
         sheet = drawing.pixels()
         if self.size is not None:
@@ -229,7 +230,7 @@ class JobPredictor:
         return predict_sheet(self.predictor, sheet, cells, hints, page.mask, False, holes)
 
     def _explain_figures(self, job: Job, figures: Sequence[tuple[Cell, Member]]) -> None:
-        """Write how the mask of each figure of a page was found."""
+        """Write the explanation of the mask of each figure of a page."""
         assert self.explain is not None
         for number, (_, member) in enumerate(figures, 1):
             prepared = self._prepared(member)
@@ -241,9 +242,9 @@ class JobPredictor:
         content = drawing.content
         drawn_at_any_size = is_svg(content)
         if self.size is not None and (not drawn_at_any_size or self.packing.tileset is not None):
-            raise InputError("a sheet of pixels keeps its packing, and so its size; leave --size out.")
+            raise InputError("a sheet of pixels keeps its layout, and therefore its size; omit --size.")
         units = svg_size(content) if drawn_at_any_size else None
-        # The tiles of an SVG are in its own units.
+        # The tile size is in the SVG's own units.
         side = SVG_SIDE if units is None or self.packing.tileset is None else round(max(units))
         sheet = read_pixels(files.drawing, content, self.size or side)
         if self.packing.tileset is not None:
@@ -255,13 +256,13 @@ class JobPredictor:
         return self._adapted(preds, to_picture(sheet))
 
     def _tileset(self, files: DrawingFiles, sheet: Decoded, own: tuple[int, int] | None = None) -> NormalMap:
-        """Return the map of a tileset; ``own`` is the size of its tiles, if its file has it."""
+        """Return the map of a tileset; ``own`` is the tile size if the drawing's file stores it."""
         grid = self.packing.tile_grid(files.drawing, files.below) if own is None else TileGrid(*own)
         given = self.predictor, sheet, grid, files.drawing, *_for_sheet(files, sheet), self.sprite
         return _noted(predict_tileset(*given), to_picture(sheet))
 
     def _animation(self, job: Job, drawing: Drawing) -> Done:
-        """Write the maps of an animation's frames, or of pages, each to its own file."""
+        """Predict the frames of an animation or the pages of a file, and write their outputs."""
         found, pages = drawing.frames, drawing.moving == PAGES
         members = [self._member(to_picture(each), job.files) for each in found.frames]
         shared = self.frame == "shared" if pages else self.frame != "own"
@@ -280,14 +281,14 @@ class JobPredictor:
                 preds = flat_map(picture.shape, self.size)
                 failed.append(each)
                 flat.append(picture)
-                # What is lost is said before what is only in doubt.
+                # Failures are listed before other warnings.
                 said.insert(len(failed) - 1, f"{part} {number}: {left_flat(each)}")
             else:
                 preds = self.sprite(each, picture)
                 said += [f"{part} {number}: {each.warning}"] if each.warning else []
             own = job.numbered(number, outputs.ending)
             preds = preds.stronger(self.strength)
-            # One scale for all frames: else a body would rise and sink with what it holds up.
+            # All frames share one scale; otherwise a body would rise and sink when an arm is raised.
             held += self.writer.write_others(own, preds, hold=not pages)
             if moves:
                 pixels.append(preds.pixels(outputs.normal.y, outputs.normal.alpha))
@@ -305,7 +306,7 @@ class JobPredictor:
             self.writer.sink(target, moving)
         more = f"; and so on, in {len(said)} of its {len(members)} {part}s" if len(said) > 1 else ""
         warning = "; ".join(filter(None, [found.notes.text, said[0] + more if said else ""]))
-        # A blank frame is blank on purpose.
+        # Blank frames are deliberate and do not count as missing.
         return Done(target, warning, held, partial=found.notes.partial or not all(map(_blank, flat)))
 
     def _member(self, picture: Picture, files: DrawingFiles) -> Member:
@@ -313,10 +314,10 @@ class JobPredictor:
 
 
 def target_of(job: Job, outputs: Outputs, packing: Packing, layers: bool) -> Path:
-    """Return the path of a job's map, or of the first one if there are several files.
+    """Return the path of a job's map, or of the first map if there are several.
 
     Raises:
-        InputError: if it is a broken animation, lacks the requested layers, or would be overwritten.
+        InputError: if the file is a broken animation, lacks the requested layers, or would be overwritten.
     """
     drawing = Drawing(job.files.drawing, job.files.content)
     if layers:
@@ -325,10 +326,10 @@ def target_of(job: Job, outputs: Outputs, packing: Packing, layers: bool) -> Pat
 
 
 def _moving_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
-    """Return the path of an animation's maps, of the first of several files, or of a still picture's map.
+    """Return the path of an animation's map, of the first of several maps, or of a still picture's map.
 
     Raises:
-        InputError: if it is a broken animation, or would be written over.
+        InputError: if the file is a broken animation or would be overwritten.
     """
     kind = drawing.moving
     if kind is None:
@@ -342,11 +343,11 @@ def _moving_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
 
 
 def written_for(job: Job, outputs: Outputs, packing: Packing, layers: bool) -> Iterator[Path]:
-    """Yield the files that are written for a job; for several frames, the map and the first one's outputs."""
+    """Yield the output files of a job; of an animation, only the map and the first frame's other outputs."""
     try:
         target = target_of(job, outputs, packing, layers)
         moves = not packing.given and Drawing(job.files.drawing, job.files.content).moving is not None
-    except InputError:  # raised again when it is predicted, and nothing is written then
+    except InputError:  # raised again by the prediction, which then writes nothing
         return
     yield target
     if not layers:
@@ -355,12 +356,12 @@ def written_for(job: Job, outputs: Outputs, packing: Packing, layers: bool) -> I
 
 
 def _moves(outputs: Outputs) -> bool:
-    """Return whether the maps of an animation are written as one animation, which needs 8-bit maps."""
+    """Return whether the maps of an animation are written as an animation, which needs 8-bit maps."""
     return outputs.normal.plain
 
 
 def _for_sheet(files: DrawingFiles, sheet: Decoded) -> tuple[Hints | None, MaskOrSource]:
-    """Return the hints and the mask (H, W) of a sheet, or how its masks are found."""
+    """Return the hints of a sheet, and its mask (H, W) or mask source."""
     hints, mask = _hints_and_mask(files, sheet.shape)
     if isinstance(mask, np.ndarray):
         mask = resize(mask.astype(np.float32), sheet.shape) > 0.5
@@ -368,20 +369,20 @@ def _for_sheet(files: DrawingFiles, sheet: Decoded) -> tuple[Hints | None, MaskO
 
 
 def _noted(preds: NormalMap, picture: Picture) -> NormalMap:
-    """Return a map with the warning about its drawing's file added."""
+    """Return a map with the warning about the drawing's file added."""
     notes = picture.notes
     noted = (Finding("note", words=notes.text),) if notes.text else ()
     return replace(preds, findings=noted + preds.findings, partial=preds.partial or notes.partial)
 
 
 def _blank(picture: Picture) -> bool:
-    """Return whether nothing is drawn on a picture."""
+    """Return whether a picture is blank."""
     if picture.alpha is not None:
         return not picture.alpha.any()
     return bool((picture.colour == picture.colour[:1, :1]).all())
 
 
 def _hints_and_mask(files: DrawingFiles, shape: tuple[int, int]) -> tuple[Hints | None, MaskOrSource]:
-    """Return the hints of a drawing of (H, W) pixels, and its mask (h, w) or where it comes from."""
+    """Return the hints of a drawing (H, W), and its mask (h, w) or mask source."""
     mask = load_mask(files.mask, shape) if isinstance(files.mask, Path) else files.mask
     return as_hints(files.hints, shape), mask

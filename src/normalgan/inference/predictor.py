@@ -1,4 +1,4 @@
-"""Predictor: predicts the normal map of a drawing."""
+"""Predictor: predict the normal map of a drawing."""
 
 from normalgan.inference.inputs import AnyHints, AnyMask, AnyPicture, check_any, prepare_any
 from normalgan.inference.network.backend import Backend
@@ -16,7 +16,7 @@ class Predictor:
 
     Args:
         backend: the network.
-        upsample: the step from the network's size to the drawing's; None uses the network's.
+        upsample: enlarges predictions to the drawing's size; None uses the network's own upsampler.
     """
 
     def __init__(self, backend: Backend, upsample: Upsampler | None = None) -> None:
@@ -25,7 +25,7 @@ class Predictor:
 
     @property
     def size(self) -> int:
-        """Side in pixels of the pictures that the network is shown."""
+        """Side of the network's input in pixels."""
         return self.backend.size
 
     def __call__(
@@ -39,20 +39,21 @@ class Predictor:
         """Return the normal map of a drawing.
 
         Args:
-            image: a path; an image of Pillow; or an array (H, W), (H, W, 3) or (H, W, 4) of uint8, uint16, or
-                floats from 0 to 1, dark lines on light paper or light ones on dark.
-            hints: a path; a list of ``{"x": 10, "y": 20, "normal": [0, 0.6, 0.8]}`` in pixels of the drawing
-                from its upper left; or an array (H, W, 4), a unit normal and 1 at each hint, and 0 elsewhere.
-            mask: where the object is: a path, an image or an array of the drawing's size, bool, or white on
-                black; ``outline`` fills what lines enclose, ``reader`` lets a small network vote on that,
-                ``model`` leaves it to the network of normals; None takes the drawing's opacity if it shows
-                the object, else the reader.
-            size: longer side of the map in pixels, 8 to 8192; None is the drawing's.
-            tile: the directions in which the drawing repeats, ``both``, ``x`` (side by side) or ``y``; the
-                map then repeats too. None for a drawing that ends at its edges.
+            image: a path; a Pillow image; or an array (H, W), (H, W, 3) or (H, W, 4) of uint8, uint16, or
+                floats from 0 to 1. Lines may be dark on light or light on dark.
+            hints: a path; a list of ``{"x": 10, "y": 20, "normal": [0, 0.6, 0.8]}`` in pixels from the
+                drawing's upper left corner; or an array (H, W, 4) with a unit normal and 1 at each hint, and
+                0 elsewhere.
+            mask: the object, as a path, an image or an array of the drawing's size, either bool or white on
+                black; or a source: ``outline`` fills the areas that lines enclose, ``reader`` lets a small
+                network decide on each of these areas, ``model`` uses the network's own segmentation. None
+                uses the drawing's opacity if it shows the object, otherwise the reader.
+            size: longer side of the map in pixels, 8 to 8192; None keeps the drawing's size.
+            tile: directions in which the drawing repeats: ``x`` (horizontally), ``y`` or ``both``; the map
+                then repeats too. None for a drawing that does not repeat.
 
         Raises:
-            InputError: if something cannot be used, or the network sees no object.
+            InputError: if an argument is invalid, or the network sees no object.
         """
         if tile is not None:
             check_tile(tile)

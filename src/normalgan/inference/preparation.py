@@ -30,21 +30,22 @@ class Prepared:
 
     Args:
         shape: (H, W) of the map.
-        ink: (h, w), the drawing's lines, at the size it is worked on.
-        mask: (h, w), the object by its opacity, a mask or the outline; None leaves it to the model.
-        alpha: the drawing's opacity (any H, W), if the mask comes from it.
-        frame: the square the model is shown.
-        seen: (S, S), what it is shown.
-        hints: (4, S, S), or None.
-        pins: the hints in pixels of the map, or None.
-        painted: (h, w), 1 where the user has added to the object, -1 where they have cut, 0 elsewhere; or
-            None.
-        line_widths: of the lines that the model is shown as they were drawn.
-        given: the hints in pixels of the drawing, to check that they lie on the object; or None.
+        ink: (h, w), lines of the drawing at the working size.
+        mask: (h, w), the object; None uses the model's own segmentation.
+        alpha: opacity of the drawing, of any size, if the mask comes from it; otherwise None.
+        frame: the square of the drawing that is the model's input.
+        seen: (S, S), the model's input.
+        hints: (4, S, S), the model's hints, or None.
+        pins: hints in pixels of the map, or None.
+        painted: (h, w), the user's edits of the mask: 1 where they added to the object, -1 where they cut
+            from it, 0 elsewhere; or None.
+        line_widths: range of line widths, in pixels of the model, that are kept as drawn.
+        given: hints in pixels of the drawing, to check that they lie on the object; or None.
         unsure: findings about the mask; places are in pixels of the drawing.
-        decision: how the mask was found in the lines, if it was.
-        reading: the reader's output, if it voted on the mask.
-        coverage: (h, w) in [0, 1], how much of each pixel the mask covers, if it comes from the outline.
+        decision: how the mask was found from the lines, or None.
+        reading: the reader's output if it voted on the mask, or None.
+        coverage: (h, w) in [0, 1], coverage of each pixel by the mask if the mask comes from the outline, or
+            None.
     """
 
     shape: tuple[int, int]
@@ -76,29 +77,28 @@ def prepare(
     drawn: bool = False,
     on_seen: Callable[["Prepared"], object] | None = None,
 ) -> Prepared:
-    """Clean and frame a picture.
+    """Clean a drawing, find its mask and frame it.
 
     Args:
         picture: the drawing.
-        size: side of the model's pictures.
-        mask: (h, w), the object, of any size; or where it comes from: `OUTLINE` fills what lines enclose,
-            `MODEL` leaves it to the model, `READER` lets the reader vote on what lines enclose; None uses
-            the drawing's opacity if it shows the object, else the reader.
-        hints: in pixels of the drawing.
-        longest: longer side of the map in pixels; None keeps the drawing's own size.
-        painted: (H, W) of any size, 1 where the user has added to the object, -1 where they have cut, 0
-            elsewhere.
-            An addition closes the gaps that it covers in an outline.
-        line_widths: of the lines that the model knows, in its pixels; they are shown as they were drawn.
-        flips: x and y in pixels of the drawing; the region that lines enclose there becomes a hole, or object
-            if it is a hole.
-        drawn: whether the picture holds only dark strokes on white, which are the ink unchanged.
-        on_seen: called with the input of the model, without mask and hints, as soon as it is known, so that
-            the model can run while the mask is found.
+        size: side of the model's input in pixels.
+        mask: mask of the object (h, w), of any size; or a source: `OUTLINE` fills the areas that lines
+            enclose, `READER` lets the reader decide on each of these areas, `MODEL` uses the model's own
+            segmentation. None uses the drawing's opacity if it shows the object, otherwise the reader.
+        hints: hints in pixels of the drawing, or None.
+        longest: longer side of the map in pixels; None keeps the drawing's size.
+        painted: the user's edits of the mask (H, W), of any size: 1 where they added to the object, -1 where
+            they cut from it, 0 elsewhere. An addition also closes gaps in an outline.
+        line_widths: range of line widths, in pixels of the model, that are kept as drawn.
+        flips: x and y of points in pixels of the drawing; the enclosed region at each point changes from
+            object to hole, or from hole to object.
+        drawn: whether the picture consists of dark strokes on white, which are used as ink unchanged.
+        on_seen: called with the drawing, still without mask and hints, as soon as the model's input is known,
+            so that the model can run while the mask is found.
 
     Raises:
-        LackingError: if there is no line in it.
-        InputError: if there is no region at a point of ``flips``.
+        LackingError: if the drawing has no lines.
+        InputError: if a point of ``flips`` lies in no region.
     """
     shape = fitted(picture.shape, longest)
     worked = fitted_within(shape, MOST_WORKED)
@@ -135,7 +135,7 @@ def prepare(
             reading = read(picture)
         prepared = _decided(prepared, walls, reading, flips, scale)
     if flips and prepared.decision is None:
-        raise InputError("a hole is cut in what lines enclose, but its mask does not come from its lines.")
+        raise InputError("a hole needs a region between lines, but the mask does not come from the lines.")
     return prepared if hints is None else hinted(prepared, hints, picture.shape)
 
 
@@ -146,14 +146,14 @@ def _decided(
     flips: Sequence[tuple[float, float]],
     scale: float,
 ) -> Prepared:
-    """Return a prepared drawing with the mask that its lines and its reading give, if they show an object.
+    """Return a prepared drawing with the mask that its lines and the reader show, if they show an object.
 
     Args:
-        prepared: without a mask.
-        walls: (h, w), the lines, with what the user has added.
-        reading: of the drawing; None leaves it to the lines.
-        flips: as `prepare` has them.
-        scale: pixels of the lines per pixel of the drawing.
+        prepared: the drawing without a mask.
+        walls: (h, w), the lines, including the areas added by the user.
+        reading: the reader's output; None decides by the lines alone.
+        flips: as in `prepare`.
+        scale: pixels of ``walls`` per pixel of the drawing.
     """
     decision = decide(walls, reading, [(x * scale, y * scale) for x, y in flips])
     if not decision.mask.any() and not flips:
@@ -173,18 +173,18 @@ def _decided(
 
 
 def reframed(prepared: Prepared, bounds: Bounds) -> Prepared:
-    """Return a prepared drawing with a frame around a box in pixels of its ``ink``; add hints afterwards."""
+    """Return a prepared drawing framed around a box in pixels of its ``ink``, without hints."""
     frame = Frame.about(bounds, prepared.ink.shape, prepared.frame.size)
     seen = render_model_input(prepared.ink, frame, prepared.line_widths)
     return replace(prepared, frame=frame, seen=seen, hints=None, pins=None, given=None)
 
 
 def hinted(prepared: Prepared, hints: Hints | None, shape: tuple[int, int]) -> Prepared:
-    """Return a prepared drawing with other hints; everything else, which takes most of the time, is kept.
+    """Return a prepared drawing with other hints; everything else is reused, which saves most of the time.
 
     Args:
-        prepared: as `prepare` gives it.
-        hints: in pixels of the drawing; None for none.
+        prepared: the prepared drawing, from `prepare`.
+        hints: hints in pixels of the drawing; None removes them.
         shape: (H, W) of the drawing.
     """
     if hints is None:

@@ -1,4 +1,4 @@
-"""Regions: the bounding boxes and the depths of marked pixels."""
+"""Regions: bounding boxes and depths of marked pixels."""
 
 from collections.abc import Iterable
 from typing import Literal
@@ -15,7 +15,7 @@ Bounds = tuple[int, int, int, int]
 
 
 def box_of(marked: BoolMask) -> Bounds:
-    """Return the bounding box of marked pixels (H, W); an empty one if nothing is.
+    """Return the bounding box of marked pixels (H, W); an empty box if there are none.
 
     >>> box_of(np.pad(np.ones((2, 3), bool), 1))
     (1, 3, 1, 4)
@@ -25,9 +25,7 @@ def box_of(marked: BoolMask) -> Bounds:
 
 
 def around(marked: BoolMask, room: int) -> tuple[slice, slice]:
-    """Return the part of a picture (H, W) around the marked pixels, with a margin.
-
-    All of it if nothing is marked.
+    """Return the rows and columns around marked pixels (H, W), with a margin; everything if none is marked.
 
     >>> around(np.pad(np.ones((2, 3), bool), 5), 1)
     (slice(4, 8, None), slice(4, 9, None))
@@ -39,7 +37,7 @@ def around(marked: BoolMask, room: int) -> tuple[slice, slice]:
 
 
 def extent_of(marked: BoolMask) -> int:
-    """Return the longer side in pixels of the bounding box of marked pixels (H, W); 0 if nothing is.
+    """Return the longer side in pixels of the bounding box of marked pixels (H, W); 0 if there are none.
 
     >>> extent_of(np.pad(np.ones((2, 3), bool), 1))
     3
@@ -49,13 +47,13 @@ def extent_of(marked: BoolMask) -> int:
 
 
 def depth_of(marked: BoolMask, metric: Literal[3, 5] = 5) -> Floats:
-    """Return how far (H, W), in pixels, each marked pixel is from one that is not; 0 off them.
+    """Return the distance (H, W) in pixels of each marked pixel from the nearest unmarked one; 0 if unmarked.
 
-    Beyond the picture's border nothing is marked.
+    Pixels outside the picture count as unmarked.
 
     Args:
-        marked: (H, W).
-        metric: side of the window by which OpenCV measures; 3 is faster, 5 more exact.
+        marked: (H, W), the marked pixels.
+        metric: size of OpenCV's distance mask; 3 is faster, 5 is more accurate.
 
     >>> depth_of(np.ones((3, 3), bool), 3).round().tolist()
     [[1.0, 1.0, 1.0], [1.0, 2.0, 1.0], [1.0, 1.0, 1.0]]
@@ -65,7 +63,7 @@ def depth_of(marked: BoolMask, metric: Literal[3, 5] = 5) -> Floats:
 
 
 def united(boxes: Iterable[Bounds]) -> Bounds:
-    """Return the box that holds several; there is one at least.
+    """Return the smallest box that contains one or more boxes.
 
     >>> united([(1, 3, 1, 4), (0, 2, 2, 9)])
     (0, 3, 1, 9)

@@ -1,4 +1,4 @@
-"""Sprites: a form for a whole map, slopes from a painting's shading, and one normal per art pixel."""
+"""Sprites: adapt a map to a painted sprite or to pixel art."""
 
 from dataclasses import dataclass, replace
 from typing import TypeVar
@@ -22,31 +22,32 @@ __all__ = ["DIRECTIONS", "Sprite", "art_pixel", "outlines", "slopes_of"]
 T = TypeVar("T", bound=np.generic)
 
 _COARSE = 1 / 10
-"""Widest shading that counts as detail, as a share of the object's longer side; wider shading is its form."""
+"""Maximum width of shading that counts as detail, as a fraction of the object's longer side; wider shading
+belongs to the form."""
 _FINE = 1 / 400
-"""Standard deviation of the blur against noise, as a share of the object's longer side."""
+"""Standard deviation of the blur against noise, as a fraction of the object's longer side."""
 _DEPTH = 1 / 8
-"""Height between black and white, as a share of the object's longer side."""
+"""Height difference between black and white, as a fraction of the object's longer side."""
 _LEAST_DEPTH = 6.0
-"""The same in pixels, of tiny sprites."""
+"""Minimum height difference between black and white in pixels, for tiny sprites."""
 _STEEPEST = 1.5
-"""Limit of the slopes, so that an ink line becomes a groove and not a cliff."""
+"""Limit of the slopes, so that an ink line becomes a groove instead of a cliff."""
 
 _LARGEST_ART_PIXEL = 64
 _CHANGE = 0.03
-"""Least difference of two colours, in [0, 1]: a JPEG's noise is smaller."""
+"""Minimum difference between two colours, in [0, 1]; JPEG noise is smaller."""
 _ON_GRID = 0.98
-"""Share of all changes of colour that must lie on the grid of art pixels."""
+"""Fraction of all colour changes that must lie on the grid of art pixels."""
 _LEAST_LINES = 4
-"""Least number of grid lines with a change: of fewer, any shape fits some grid."""
+"""Minimum number of grid lines with a change; with fewer, any shape fits some grid."""
 _BUSY = 0.5
-"""Least share of grid lines across the drawing that have a change."""
+"""Minimum fraction of grid lines across the drawing that have a change."""
 
 _DARK = 0.45
-"""Luminance of an outline, as a share of the object's bright parts (their 75th percentile)."""
+"""Maximum luminance of an outline, as a fraction of the object's 75th percentile."""
 
 _RINGS = (22.0, 45.0, 68.0)
-"""Tilts in degrees of the directions of pixel art, besides the one that faces the viewer."""
+"""Tilts in degrees of the pixel-art normals that do not face the viewer."""
 _AROUND = 8
 
 
@@ -58,7 +59,7 @@ def _directions() -> Floats:
 
 
 DIRECTIONS: Floats = _directions()
-"""(25, 3), the normals of a pixel-art map: one to the viewer and three rings of eight."""
+"""Normals (25, 3) of a pixel-art map: one that faces the viewer, and three rings of eight."""
 
 
 @dataclass(frozen=True)
@@ -66,12 +67,12 @@ class Sprite:
     """Adapts a predicted map to a sprite.
 
     Args:
-        detail: share of the painting's own slopes that is added to the form, 0 to 1.
-        pixel_art: give each art pixel one of `DIRECTIONS`, and dark outlines the flat normal.
-        form: the form of the whole object; None leaves it as predicted.
+        detail: strength of the details taken from the painting's shading, 0 to 1.
+        pixel_art: whether each art pixel gets one of `DIRECTIONS`, and dark outlines the flat normal.
+        form: form applied to the whole object; None leaves it as predicted.
 
     Raises:
-        InputError: if the detail is not from 0 to 1.
+        InputError: if ``detail`` is not from 0 to 1.
     """
 
     detail: Share = 0.0
@@ -83,15 +84,15 @@ class Sprite:
 
     @property
     def changes(self) -> bool:
-        """Whether it changes maps at all."""
+        """Whether any adaptation is enabled."""
         return self.detail > 0 or self.pixel_art or self.form is not None
 
     def __call__(self, preds: NormalMap, picture: Picture) -> NormalMap:
-        """Return the map in its form, with the painting's details, or as pixel art.
+        """Return the adapted map.
 
         Args:
-            preds: the predicted map; each drawing of a sheet is treated separately.
-            picture: the drawing that it was predicted for, of any size.
+            preds: the predicted map; the drawings of a sheet are adapted separately.
+            picture: the drawing of the map, of any size.
         """
         if not self.changes:
             return preds
@@ -110,7 +111,7 @@ class Sprite:
         return replace(preds, extended=normals, mask=mask, alpha=alpha)
 
     def _adapted(self, preds: NormalMap, colour: Floats, side: int, own_alpha: bool) -> NormalMap:
-        """Return one drawing's map in its form, with the details of its colours (H, W, 3)."""
+        """Return the adapted map of a single drawing with colours (H, W, 3)."""
         if not preds.mask.any():
             return preds
         if self.form is not None:
@@ -132,25 +133,25 @@ class Sprite:
         nearest = np.argmax(normals @ DIRECTIONS.T, axis=-1)
         few = DIRECTIONS[nearest]
         few[outlines(small, there)] = DIRECTIONS[0]
-        # The soft edge of a mask that was found in the lines is made hard; the sprite's own opacity is kept.
+        # A mask found from the lines gets a hard edge, but the sprite's own opacity is kept.
         shown = opacity if own_alpha else there.astype(np.float32)
         return replace(preds, extended=blocks.back(few), mask=blocks.back(there), alpha=blocks.back(shown))
 
     def _detailed(self, form: Floats, slopes: Floats) -> Floats:
-        """Return the form (H, W, 3) with slopes (H, W, 2) standing on it."""
+        """Return the form (H, W, 3) with the slopes (H, W, 2) of details added."""
         own = np.dstack([self.detail * slopes, np.ones(slopes.shape[:2], np.float32)])
         return reoriented(form, unit(np.ascontiguousarray(own, np.float32), front=True))
 
 
 def slopes_of(colour: Floats, mask: BoolMask, tile: Tile | None = None) -> Floats:
-    """Return the slopes (H, W, 2), nx / nz and ny / nz, of a surface as high as the picture is bright.
+    """Return the slopes (H, W, 2), nx / nz and ny / nz, of a surface whose height is the picture's luminance.
 
-    Shading wider than a tenth of the object is left out, because the inferred form contains it.
+    Shading wider than a tenth of the object is left out, because the predicted form contains it.
 
     Args:
         colour: (H, W, 3) in [0, 1].
-        mask: (H, W), the object; its colours are extended beyond its edge.
-        tile: the directions in which the painting repeats.
+        mask: (H, W), the object; its colours are extended past its edge.
+        tile: directions in which the painting repeats.
 
     Example:
         A light stripe is a ridge:
@@ -161,7 +162,7 @@ def slopes_of(colour: Floats, mask: BoolMask, tile: Tile | None = None) -> Float
         >>> bool(slopes[8, 6, 0] < -0.5), bool(slopes[8, 9, 0] > 0.5), bool(abs(slopes[..., 1]).max() < 1e-5)
         (True, True, True)
     """
-    from scipy import ndimage  # here: it takes a while to import
+    from scipy import ndimage  # here because it is slow to import
 
     longest = extent_of(mask)
     room = (round(3 * _COARSE * longest) + 1,) * 2
@@ -180,10 +181,10 @@ def slopes_of(colour: Floats, mask: BoolMask, tile: Tile | None = None) -> Float
 
 
 def outlines(colour: Floats, mask: BoolMask) -> BoolMask:
-    """Return where thin dark lines (H, W) are on an object: its outline, and lines of the same kind inside.
+    """Return the mask (H, W) of an object's thin dark lines: its outline and similar lines inside.
 
     Args:
-        colour: (H, W, 3) in [0, 1], an art pixel each.
+        colour: (H, W, 3) in [0, 1], one colour per art pixel.
         mask: (H, W), the object.
     """
     light = _luminance(colour)
@@ -198,16 +199,16 @@ def _luminance(colour: Floats) -> Floats:
 
 
 def art_pixel(picture: Picture) -> int:
-    """Return the side in pixels of a sprite's art pixels; 1 if they are not enlarged.
+    """Return the side of a sprite's art pixels in pixels; 1 if the sprite is not enlarged.
 
-    In a sprite that was enlarged without smoothing, all colour changes lie on a grid.
+    If a sprite was enlarged without smoothing, all colour changes lie on a grid.
 
     >>> art = np.random.default_rng(0).random((16, 16, 3)).astype(np.float32)
     >>> [art_pixel(Picture(np.kron(art, np.ones((n, n, 1), np.float32)), None)) for n in (1, 3, 8)]
     [1, 3, 8]
     """
     if picture.full is not None:
-        return 1  # it has been reduced, and its grid with it
+        return 1  # the picture has been reduced, which destroys the grid
     seen = _seen(picture.colour, picture.alpha)
     most = min(_LARGEST_ART_PIXEL, min(picture.size) // _LEAST_LINES)
     changes = [_changes(seen, axis) for axis in (0, 1)]
@@ -222,14 +223,14 @@ def _seen(colour: Floats, alpha: Floats | None) -> Floats:
 
 
 def _changes(colour: Floats, axis: int) -> Floats:
-    """Return how much the colours change before each row (axis 0) or column (axis 1); 0 before the first."""
+    """Return the total colour change before each row (axis 0) or column (axis 1); 0 before the first."""
     difference = np.abs(np.diff(colour, axis=axis)).max(-1)
     total = np.where(difference > _CHANGE, difference, 0).sum(1 - axis)
     return np.concatenate([[0], total]).astype(np.float32)
 
 
 def _offset(changes: Floats, side: int) -> int | None:
-    """Return the offset of the grid on which the changes lie; None if they do not."""
+    """Return the offset of the grid on which the changes lie; None if they lie on no grid."""
     by_offset = _by_offset(changes, side)
     offset = int(by_offset.argmax())
     if by_offset[offset] < _ON_GRID * max(float(by_offset.sum()), 1e-6):
@@ -241,18 +242,18 @@ def _offset(changes: Floats, side: int) -> int | None:
 
 
 def _by_offset(changes: Floats, side: int) -> Floats:
-    """Return the changes (N,) summed over the lines of each grid with this spacing, (side,)."""
+    """Return the changes (N,) summed over the grid lines for each offset, (side,)."""
     summed: Floats = np.pad(changes, (0, -len(changes) % side)).reshape(-1, side).sum(0)
     return summed
 
 
 @dataclass(frozen=True)
 class _Blocks:
-    """The art pixels of a picture; those at its edges may be cut.
+    """The art pixels of a picture; those at the picture's edges may be cropped.
 
     Args:
-        rows: first row of each.
-        columns: first column of each.
+        rows: first pixel row of each row of art pixels.
+        columns: first pixel column of each column of art pixels.
         shape: (H, W) of the picture.
     """
 
@@ -262,7 +263,7 @@ class _Blocks:
 
     @classmethod
     def of(cls, colour: Floats, side: int) -> "_Blocks":
-        """Return the blocks of this side that fit the changes of the colours (H, W, 3) best."""
+        """Return the art pixels with this side that fit the changes of the colours (H, W, 3) best."""
         starts = []
         for axis in (0, 1):
             offset = int(_by_offset(_changes(colour, axis), side).argmax())
@@ -270,13 +271,13 @@ class _Blocks:
         return cls(starts[0], starts[1], (colour.shape[0], colour.shape[1]))
 
     def mean(self, picture: Floats) -> Floats:
-        """Return the mean of each block of a picture (H, W) or (H, W, C)."""
+        """Return a picture (H, W) or (H, W, C) averaged over each art pixel."""
         total = np.add.reduceat(np.add.reduceat(picture, self.rows, axis=0), self.columns, axis=1)
         count = np.multiply.outer(*self._sides()).astype(np.float32)
         return np.asarray(total / (count if picture.ndim == 2 else count[..., None]), np.float32)
 
     def back(self, blocks: NDArray[T]) -> NDArray[T]:
-        """Return a picture in which each pixel has the value of its block."""
+        """Return a picture in which each pixel has the value of its art pixel."""
         rows, columns = self._sides()
         return np.repeat(np.repeat(blocks, rows, axis=0), columns, axis=1)
 

@@ -1,4 +1,4 @@
-"""Structures: repeated relief such as scales or fur, added to the surface of a map."""
+"""Structures: add a repeating relief, such as scales or fur, to the surface of a map."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -18,26 +18,26 @@ Kind = Literal["scales", "fur", "weave", "stone", "bark"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
 FILE = "structure_{}.bin"
-"""File name of a built-in structure for the page."""
+"""File name under which the page loads a built-in structure."""
 _SIDE = 256
 """Side of a tile in pixels."""
 _STEEP = 0.6
-"""Root mean square of a tile's slopes at full strength: about 31°."""
+"""Root mean square of a tile's slopes at full strength; 0.6 is about 31°."""
 _EVEN = 1e-4
-"""Root mean square of the slopes below which heights of 0 to 1 are a flat picture, and no structure."""
+"""Root mean square of the slopes, for heights from 0 to 1, below which a picture counts as flat."""
 _DEEPEST = 65535
 
 
 @dataclass(frozen=True)
 class Placement:
-    """Where the tiles of a structure lie on a map.
+    """The position, size and rotation of a structure's tiles on a map.
 
     Args:
-        period: side of a tile in pixels, more than 0.
-        turn: rotation of the tiles about a corner, clockwise, in radians.
-        x: column of that corner in pixels.
-        y: row of that corner in pixels.
-        flipped: whether the tiles are mirrored, left to right, before they are turned.
+        period: side of a tile in pixels, greater than 0.
+        turn: clockwise rotation of the tiles about the corner (x, y), in radians.
+        x: column of the corner in pixels.
+        y: row of the corner in pixels.
+        flipped: whether the tiles are mirrored horizontally before they are rotated.
     """
 
     period: float
@@ -49,17 +49,17 @@ class Placement:
 
 @dataclass(frozen=True)
 class Tile:
-    """The slopes of a tile, to the right and down, as a pyramid.
+    """The slopes of a tile, to the right and down, as a mipmap pyramid.
 
     Args:
-        levels: (S, S, 2), (S/2, S/2, 2), …: height in pixels per pixel; each level averages the one before.
+        levels: (S, S, 2), (S/2, S/2, 2), …, slopes in pixels per pixel; each level averages the previous one.
     """
 
     levels: tuple[Floats, ...]
 
     @classmethod
     def of(cls, heights: Floats) -> "Tile":
-        """Return the tile of heights (S, S) in any unit; a side of 2 ** n has n levels."""
+        """Return the tile of heights (S, S) in any unit; it has a level for each time S can be halved."""
         slopes = _slopes(heights)
         steepness = float(np.sqrt((slopes**2).sum(-1).mean()))
         levels = [slopes * np.float32(_STEEP / steepness if steepness > _EVEN * np.ptp(heights) > 0 else 0)]
@@ -78,15 +78,15 @@ def impress(
     placement: Placement,
     unrolled: Floats | None = None,
 ) -> Floats:
-    """Return a map with a structure added to its surface, scaled by the coverage.
+    """Return a map with a structure added to its surface, in proportion to the coverage.
 
     Args:
-        normals: (H, W, 3), unit.
+        normals: (H, W, 3), unit normals.
         mask: (H, W), the object.
-        area: (H, W) in [0, 1], coverage of each pixel.
+        area: (H, W) in [0, 1], coverage of each pixel by the structure.
         tile: the structure.
-        placement: where its tiles lie.
-        unrolled: (H, W, 2), the surface on which they lie, as `unroll` returns it; None is that of the map.
+        placement: placement of the tiles.
+        unrolled: (H, W, 2), unrolled surface on which the tiles lie, from `unroll`; None unrolls the map.
 
     Example:
         >>> flat = np.zeros((64, 64, 3), np.float32)
@@ -96,7 +96,7 @@ def impress(
         >>> bool(np.allclose(rough[:32, :32], rough[32:, 32:], atol=1e-5)), bool(rough[..., 2].min() < 0.96)
         (True, True)
     """
-    from scipy import ndimage  # here: it takes a while to import
+    from scipy import ndimage  # here because it is slow to import
 
     rows, columns = np.nonzero((area > 1e-3) & mask)
     if not rows.size:
@@ -109,7 +109,7 @@ def impress(
     moved = (unroll(normals, mask) if unrolled is None else unrolled)[rows, columns]
     x, y = columns + 0.5 - placement.x + moved[:, 0], rows + 0.5 - placement.y + moved[:, 1]
     side = len(slopes) / placement.period
-    # From the corner of a tile to the middle of its first pixel is half of it.
+    # Pixel centres lie half a pixel from the corner of a tile.
     places = (cos * y - sin * x) * side - 0.5, across * (cos * x + sin * y) * side - 0.5
     right, down = (
         ndimage.map_coordinates(channel, places, np.float64, order=1, mode="grid-wrap")
@@ -138,14 +138,14 @@ def read_tile(kind: Kind) -> Tile:
 
 @lru_cache(maxsize=len(KINDS))
 def tile_bytes(kind: Kind) -> bytes:
-    """Return the heights of a built-in structure, rows of 16-bit numbers, little-endian, for the page."""
+    """Return the heights of a built-in structure for the page, as rows of little-endian 16-bit integers."""
     heights = make_heights(kind)
     levels = np.rint(_DEEPEST * (heights - heights.min()) / np.ptp(heights))
     return bytes(levels.astype("<u2").data)
 
 
 def make_heights(kind: Kind) -> NDArray[np.float64]:
-    """Return the heights (S, S) of a built-in structure, which repeat without a seam."""
+    """Return the heights (S, S) of a built-in structure, which repeat seamlessly."""
     makers = {"scales": _scales, "fur": _fur, "weave": _weave, "stone": _stone, "bark": _bark}
     return makers[kind](np.random.default_rng(KINDS.index(kind)))
 
@@ -158,26 +158,26 @@ def _slopes(heights: Floats) -> Floats:
 
 
 def _grid() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return x and y (S, S) of a tile's pixels, 0 to 1."""
+    """Return x and y (S, S) of a tile's pixel centres, from 0 to 1."""
     y, x = (np.mgrid[:_SIDE, :_SIDE] + 0.5) / _SIDE
     return x, y
 
 
 def _wrapped(offset: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the offset to the nearest repeat, -0.5 to 0.5."""
+    """Return the offset to the nearest repeat, from -0.5 to 0.5."""
     return offset - np.rint(offset)
 
 
 def _noise(
     rng: np.random.Generator, fall: float, stretch: float = 1, coarsest: float = 1
 ) -> NDArray[np.float64]:
-    """Return noise (S, S) that repeats, of mean 0 and deviation 1.
+    """Return seamless noise (S, S) with mean 0 and standard deviation 1.
 
     Args:
-        rng: randomness.
-        fall: exponent by which amplitudes fall with frequency.
-        stretch: factor by which features are longer vertically than horizontally.
-        coarsest: lowest frequency, in waves per tile.
+        rng: random generator.
+        fall: exponent of the fall-off of amplitudes with frequency.
+        stretch: vertical stretch of the features.
+        coarsest: lowest frequency in cycles per tile.
     """
     waves = np.fft.fftfreq(_SIDE, 1 / _SIDE)
     frequency = np.hypot(waves[:, None] * stretch, waves[None])
@@ -187,7 +187,7 @@ def _noise(
 
 
 def _scales(rng: np.random.Generator) -> NDArray[np.float64]:
-    """Return rows of scales, each lying over those below it."""
+    """Return rows of overlapping scales."""
     x, y = _grid()
     columns, rows = 4, 8
     field = np.zeros_like(x)
@@ -197,7 +197,7 @@ def _scales(rng: np.random.Generator) -> NDArray[np.float64]:
             size = 1 + 0.05 * rng.standard_normal()
             across = _wrapped(x - middle) * columns / (0.64 * size)
             along = _wrapped(y - (row + 0.5) / rows) * columns / (0.68 * size)
-            # The free end is a pointed arch.
+            # The free end of a scale is a pointed arch.
             away = np.hypot(across, along) + 0.12 * np.abs(across) * np.clip(along, 0, None)
             edge = np.clip((1 - away) / 0.16, 0, 1)
             rim = 1 - (1 - edge) ** 2
@@ -209,7 +209,7 @@ def _scales(rng: np.random.Generator) -> NDArray[np.float64]:
 
 
 def _fur(rng: np.random.Generator) -> NDArray[np.float64]:
-    """Return hairs that lie downwards, in locks."""
+    """Return hairs that point down, in locks."""
     field = np.zeros((_SIDE, _SIDE))
     lean, lift = _noise(rng, 2.2), _noise(rng, 1.8)
     for _ in range(1500):
@@ -235,7 +235,7 @@ def _fur(rng: np.random.Generator) -> NDArray[np.float64]:
 
 
 def _weave(_: np.random.Generator) -> NDArray[np.float64]:
-    """Return cloth: threads that pass over and under one another."""
+    """Return a plain weave."""
     x, y = _grid()
     threads = 8
     field = np.full_like(x, -2.0)
@@ -259,14 +259,14 @@ def _cells(
     y: NDArray[np.float64],
     stretch: float = 1,
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return how far each pixel is from its cell's border, in cells, and the cell's number.
+    """Return the distance of each pixel from its Voronoi cell's border, in cell sizes, and the cell's index.
 
     Args:
-        rng: randomness.
+        rng: random generator.
         count: number of cells.
-        x: (S, S), 0 to 1.
-        y: (S, S), 0 to 1.
-        stretch: factor by which a cell is longer vertically than horizontally.
+        x: (S, S), x of each pixel from 0 to 1.
+        y: (S, S), y of each pixel from 0 to 1.
+        stretch: vertical stretch of the cells.
     """
     points = rng.uniform(size=(count, 2))
 
@@ -274,7 +274,7 @@ def _cells(
         offsets = [_wrapped(each - points[:, k, None, None]) for k, each in ((0, x), (1, y))]
         return np.hypot(offsets[0], offsets[1] / stretch)
 
-    for _ in range(4):  # towards even cells (Lloyd 1982)
+    for _ in range(4):  # evens out the cells (Lloyd 1982)
         nearest = away().argmin(0)
         for k in range(count):
             inside = nearest == k
@@ -287,7 +287,7 @@ def _cells(
 
 
 def _stone(rng: np.random.Generator) -> NDArray[np.float64]:
-    """Return a wall of round stones, with rough faces and mortar between them."""
+    """Return a wall of rounded stones with rough faces and mortar joints."""
     x, y = _grid()
     bent = [each + 0.012 * _noise(rng, 2) for each in (x, y)]
     border, number = _cells(rng, 22, bent[0], bent[1])
@@ -300,7 +300,7 @@ def _stone(rng: np.random.Generator) -> NDArray[np.float64]:
 
 
 def _bark(rng: np.random.Generator) -> NDArray[np.float64]:
-    """Return upright plates of bark with furrows between them."""
+    """Return vertical plates of bark with furrows between them."""
     x, y = _grid()
     across, along = x + 0.018 * _noise(rng, 2, stretch=0.7), y + 0.03 * _noise(rng, 2)
     border, number = _cells(rng, 18, across, along, stretch=3.5)

@@ -1,4 +1,4 @@
-"""Suggestion: the points of a normal map where a hint would help most."""
+"""Suggestion: find the points of a normal map where a hint would help most."""
 
 from dataclasses import dataclass
 
@@ -14,23 +14,23 @@ from normalgan.normals import normalize
 __all__ = ["Point", "suggest", "uncertainty"]
 
 _SIDE = 256
-"""Longest side at which points are looked for."""
+"""Maximum longer side in pixels at which points are searched."""
 _RIM = 0.02
-"""Share of the object's extent near its edge within which the outline determines the normal."""
+"""Width of the rim in which the outline determines the normal, as a fraction of the object's extent."""
 
 _INKED = 0.1
-"""Least share of ink in a pixel of the small map for a line to run through it."""
+"""Minimum ink of a pixel of the reduced map that counts as part of a line."""
 
 
 @dataclass(frozen=True)
 class Point:
-    """A place for a hint.
+    """A suggested position for a hint.
 
     Args:
         x: pixels from the left.
         y: pixels from the top.
-        normal: what is predicted there.
-        gain: how much a hint there would help, in [0, 1]; 1 is where most is to be gained.
+        normal: the predicted normal.
+        gain: expected benefit of a hint, in [0, 1], relative to the best point of the map.
     """
 
     x: float
@@ -47,27 +47,27 @@ def suggest(
     count: int,
     lines: NDArray[np.bool_] | None = None,
 ) -> list[Point]:
-    """Return at most ``count`` points, best first.
+    """Return at most ``count`` points, the best first.
 
-    A hint helps where the model is uncertain and where the surface bends, because there a small error turns
-    many normals. It also helps its surroundings. So gains are summed over a hint's reach, the best point is
-    taken, the gain around it is lowered, and points within its reach are excluded. The points are spread
-    like blue noise, as with Mitchell's best candidates.
+    A hint helps where the model is uncertain, and where the surface is curved, because a small error there
+    affects many normals. It also helps its surroundings, so the gain is summed over a hint's reach. After the
+    best point is chosen, the gain around it is reduced and points within its reach are excluded. The points
+    therefore have a blue-noise distribution, like Mitchell's best candidates.
 
     Args:
-        normals: (H, W, 3), unit, as predicted.
+        normals: (H, W, 3), predicted unit normals.
         mask: (H, W), the object.
-        confidence: (H, W), the model's κ ≥ 0; None leaves it to the curvature.
-        taken: (K, 2), x and y in pixels of the existing hints.
-        count: number of points.
-        lines: (H, W), the ink. On a line two surfaces meet, so there is no single normal. Points
-            keep off it as far as there is room.
+        confidence: (H, W), the model's κ ≥ 0; None uses only the curvature.
+        taken: (K, 2), x and y of the existing hints in pixels.
+        count: maximum number of points.
+        lines: (H, W), mask of the lines, or None. Two surfaces meet at a line, so the normal on it is
+            ambiguous; points avoid lines where possible.
 
     References:
         Mitchell 1991, "Spectrally Optimal Sampling for Distribution Ray Tracing".
 
     Example:
-        A roof has its ridge in the middle; flat slopes gain less:
+        The ridge in the middle of a roof gains more than its flat slopes:
 
         >>> roof = np.zeros((32, 32, 3), np.float32)
         >>> roof[:, :16], roof[:, 16:] = (-0.6, 0, 0.8), (0.6, 0, 0.8)
@@ -79,12 +79,13 @@ def suggest(
         return []
     shape = fitted_within((mask.shape[0], mask.shape[1]), _SIDE)
     cover = resize(mask.astype(np.float32), shape)
-    small = cover > (0.5 if cover.max() > 0.5 else 0)  # a thread fills no pixel of the small map
+    # A thin thread never covers half a pixel of the reduced map.
+    small = cover > (0.5 if cover.max() > 0.5 else 0)
     step = np.array([shape[1] / mask.shape[1], shape[0] / mask.shape[0]], np.float32)
     area = float(small.sum())
     reach = max(0.55 * np.sqrt(area / (count + len(taken))), 2.0)
     depth = _depth(small)
-    counts = np.clip(depth / 2, 0, 1).astype(np.float32)  # what is near the outline counts little
+    counts = np.clip(depth / 2, 0, 1).astype(np.float32)  # pixels near the outline count less
     bent = _peaked(_bending(resize(normals, shape), small) * counts, reach / 2)
     gain = bent.copy()
     if confidence is not None:
@@ -99,7 +100,7 @@ def suggest(
     def take(x: float, y: float) -> None:
         away = np.hypot(columns - x, rows - y)
         free[away < reach] = False
-        gain[:] *= 1 - np.exp(-((away / reach) ** 2) / 4)  # some of what is to be gained there is gained now
+        gain[:] *= 1 - np.exp(-((away / reach) ** 2) / 4)  # a hint provides part of the gain around it
 
     for x, y in taken * step:
         take(x, y)
@@ -112,10 +113,10 @@ def suggest(
 
 
 def uncertainty(confidence: Floats) -> Floats:
-    """Return the angular error that the model expects, as a share of a right angle.
+    """Return the expected angular error as a fraction of a right angle.
 
-    For the density exp(-κ θ) on the sphere the mean angle is 2κ / (κ² + 1) + π / (exp(π κ) + 1): minus the
-    derivative of the logarithm of its integral, 2π (1 + exp(-π κ)) / (κ² + 1), by κ.
+    For the density exp(-κ θ) on the sphere, the normalising integral is 2π (1 + exp(-π κ)) / (κ² + 1). The
+    mean angle is minus the derivative of its logarithm with respect to κ: 2κ / (κ² + 1) + π / (exp(π κ) + 1).
 
     References:
         Bae, Budvytis, Cipolla 2021, "Estimating and Exploiting the Aleatoric Uncertainty in Surface Normal
@@ -130,7 +131,7 @@ def uncertainty(confidence: Floats) -> Floats:
 
 
 def _bending(normals: Floats, mask: NDArray[np.bool_]) -> Floats:
-    """Return how much normals change from pixel to pixel; changes across the mask's edge do not count."""
+    """Return the change (H, W) of normals between neighbouring pixels, not counting the mask's edge."""
     squares = np.zeros(mask.shape, np.float32)
     for before, after in ((np.s_[:, :-1], np.s_[:, 1:]), (np.s_[:-1], np.s_[1:])):
         both = mask[before] & mask[after]
@@ -141,20 +142,20 @@ def _bending(normals: Floats, mask: NDArray[np.bool_]) -> Floats:
 
 
 def _peaked(values: Floats, reach: float) -> Floats:
-    """Return values summed within a reach, as shares of the greatest sum."""
+    """Return values blurred over a reach and normalised to a maximum of 1."""
     around = cv2.GaussianBlur(values.astype(np.float32), (0, 0), reach)
     return np.asarray(around / max(float(around.max()), 1e-6), np.float32)
 
 
 def _depth(mask: NDArray[np.bool_]) -> Floats:
-    """Return the distance to the object's edge, in rims; 0 off the object."""
+    """Return the distance to the object's edge in units of the rim's width; 0 off the object."""
     return np.asarray(depth_of(mask, 3) / max(_RIM * extent_of(mask), 1.5), np.float32)
 
 
 def _point(
     row: np.intp, column: np.intp, step: Floats, normals: Floats, mask: NDArray[np.bool_], gain: float
 ) -> Point:
-    """Return a point of the small map in pixels of the large one, at the nearest pixel of the object."""
+    """Return a pixel of the reduced map as the nearest point on the object in the full map."""
     x, y = (column + 0.5) / step[0], (row + 0.5) / step[1]
     at = min(int(y), mask.shape[0] - 1), min(int(x), mask.shape[1] - 1)
     if not mask[at]:

@@ -1,4 +1,4 @@
-"""Tiling: a seamless map of a seamless drawing."""
+"""Tiling: predict a seamless map of a seamless drawing."""
 
 from dataclasses import replace
 from functools import partial
@@ -28,17 +28,17 @@ from normalgan.inference.vectors import lengths, unit
 __all__ = ["MOST_TILED", "predict_tile"]
 
 _BESIDE = 0.25
-"""How much of its repeats is worked on around a drawing, as a share of its longer side."""
+"""Margin of repeats that is processed around a drawing, as a fraction of its longer side."""
 MOST_TILED = int(MOST_WORKED / (1 + 2 * _BESIDE))
-"""Longest side in pixels at which a drawing is worked on that is repeated."""
+"""Maximum longer side in pixels at which a repeating drawing is processed."""
 _CLOSED = 0.8
-"""Share of the ink that must enclose something for that to be the object."""
+"""Minimum fraction of the ink that must lie in enclosed areas for them to be the object."""
 _ALL = 0.9
-"""Share of a tile that lines enclose from which all of it is the object."""
+"""Enclosed fraction of a tile above which the whole tile is object."""
 _SURE = 0.5
-"""Vectors that are longer belong to the object."""
+"""Minimum length of a predicted vector on the object."""
 _STEEPEST = 0.2
-"""Least nz, of a unit vector, that a slope is taken from."""
+"""Minimum nz, relative to the vector's length, for computing slopes."""
 
 
 def predict_tile(
@@ -50,31 +50,33 @@ def predict_tile(
     longest: int | None = None,
     upsample: Upsampler | None = None,
 ) -> NormalMap:
-    """Predict the normal map of a drawing that repeats; the map repeats in the same directions.
+    """Return the normal map of a repeating drawing; the map repeats in the same directions.
 
-    The network treats its input as a single round object. So it sees the repeated drawing in
-    overlapping windows, weighted towards their centres. An edge of one window is in the centre
-    of another, and opposite tilts cancel. All other steps see enough of the repeats around the drawing to
+    The network treats its input as a single round object. The repeated drawing is therefore predicted in
+    overlapping windows, weighted towards their centres, so that the edge of one window is at the centre of
+    another and opposite tilts cancel. All other steps process a margin of repeats around the drawing, so they
     treat an edge like any other place.
 
     Args:
         backend: the network.
         picture: the drawing.
-        tile: the directions in which it repeats.
-        mask: (h, w), the object, of any size; `OUTLINE` or `MODEL`, as `preparation.prepare` has them; None
-            takes the drawing's opacity if that shows the object, else the area that the repeated drawing's
-            lines enclose; if they leave much open, the whole drawing.
-        hints: in pixels of the drawing.
-        longest: longer side of the map in pixels; None keeps the drawing's own size.
-        upsample: replaces the network's own step to the drawing's size.
+        tile: directions in which the drawing repeats.
+        mask: mask of the object (h, w), of any size; or the source `OUTLINE` or `MODEL`, as in
+            `preparation.prepare`. None uses the drawing's opacity if it shows the object, otherwise the area
+            that the lines of the repeated drawing enclose, or the whole drawing if many lines are open.
+        hints: hints in pixels of the drawing, or None.
+        longest: longer side of the map in pixels; None keeps the drawing's size.
+        upsample: replaces the network's own upsampler.
 
     Raises:
-        InputError: if there is no line in it, or the network sees no object.
+        InputError: if the drawing has no lines, or the network sees no object.
     """
     shape = fitted(picture.shape, longest)
     worked = fitted_within(shape, MOST_TILED)
     if isinstance(mask, str) and mask == READER:
-        raise InputError("a tile takes no mask from the reader; use a file, outline or model for its mask.")
+        raise InputError(
+            "the reader cannot find the mask of a repeating drawing; use a file, outline or model."
+        )
     page = picture.resized(worked, partial(resize_tile, tile=tile))
     room = (round(_BESIDE * max(worked)),) * 2
     opacity = None if page.alpha is None else wrapped(page.alpha, tile, room)
@@ -123,14 +125,14 @@ def predict_tile(
 
 
 def _object(mask: MaskOrSource, ink: Floats, tile: Tile) -> BoolMask | None:
-    """Return the object of a drawing (H, W) whose opacity does not tell; None leaves it to the model."""
+    """Return the object of a drawing (H, W) without a silhouette; None uses the model's own segmentation."""
     if isinstance(mask, np.ndarray):
         return np.asarray(resize(mask.astype(np.float32), ink.shape) > 0.5)
     return None if mask == MODEL else _outlined(ink, tile)
 
 
 def _frame_of(around: Floats, window: Window) -> Frame:
-    """Return the frame of a whole picture (H, W) at the scale of a window."""
+    """Return a frame around a whole picture (H, W) at the scale of a window."""
     pixel = round(window.frame.side) / window.frame.size
     size = ceil(max(around.shape) / pixel)
     side = size * pixel
@@ -138,33 +140,33 @@ def _frame_of(around: Floats, window: Window) -> Frame:
 
 
 def _outlined(ink: Floats, tile: Tile) -> BoolMask:
-    """Return the area that the lines (H, W) of a repeated drawing enclose, or all of it if many are open."""
+    """Return the area that the lines (H, W) of a repeating drawing enclose; all of it if many are open."""
     half = ink.shape[0] // 2, ink.shape[1] // 2
     repeated = wrapped(ink, tile, half)
     enclosed = decide(repeated, None).mask
     if repeated[enclosed].sum() < _CLOSED * repeated.sum():
         return np.ones(ink.shape, np.bool_)
     mask = middle(enclosed, tile, half)
-    # Cracks between enclosed areas are not air: stones lie on the ground of a texture.
+    # Gaps between enclosed areas, such as joints between stones, are part of the surface too.
     return np.ones(ink.shape, np.bool_) if mask.mean() > _ALL else mask
 
 
 def _part(frame: Frame, origin: tuple[int, int], shape: tuple[int, int]) -> tuple[slice, slice]:
-    """Return where in a frame the drawing (H, W) itself is."""
+    """Return the rows and columns of a frame that the drawing (H, W) itself occupies."""
     pixel = round(frame.side) / frame.size
     top, left = (round((o - round(f)) / pixel) for o, f in zip(origin, (frame.top, frame.left), strict=True))
     return np.s_[top : top + round(shape[0] / pixel), left : left + round(shape[1] / pixel)]
 
 
 def _levelled(predicted: Floats, own: Floats, tile: Tile) -> Floats:
-    """Remove a prediction's mean slope along the directions that repeat.
+    """Return a prediction without its mean slope along the directions that repeat.
 
-    A repeated surface cannot rise overall, because it would jump at each edge.
+    A repeating surface cannot rise overall, because it would jump at each edge.
 
     Args:
         predicted: (S, S, 3), vectors whose length is the probability of an object.
-        own: (h, w, 3), for the drawing itself.
-        tile: the directions in which it repeats.
+        own: (h, w, 3), the part of the prediction that belongs to the drawing itself.
+        tile: directions in which the drawing repeats.
     """
     sure = own[lengths(own) > _SURE]
     if not len(sure):
@@ -179,7 +181,7 @@ def _levelled(predicted: Floats, own: Floats, tile: Tile) -> Floats:
 
 
 def _enlarged(preds: NormalMap, shape: tuple[int, int], tile: Tile) -> NormalMap:
-    """Return a map resized to (H, W) pixels that still repeats."""
+    """Return a map resized to (H, W) so that it still repeats."""
     larger = partial(resize_tile, shape=shape, tile=tile)
     return replace(
         preds,

@@ -1,4 +1,4 @@
-"""Unrolling: where places of a surface lie when it is made flat, so that patterns on it narrow at its rim."""
+"""Unrolling: flatten a surface, so that patterns placed on it get narrower towards the rim."""
 
 from math import ceil
 from typing import cast
@@ -11,28 +11,28 @@ from normalgan.arrays import BoolMask, Doubles, Floats
 __all__ = ["unroll"]
 
 _SIDE = 64
-"""Most cells along a side of the grid on which a surface is unrolled; it bends slowly."""
+"""Maximum number of cells along a side of the grid; a coarse grid is enough, because the result is smooth."""
 _LEAST = 0.3
-"""Least nz that is believed: a pixel of the map is at most three of the surface, or patterns would alias."""
+"""Minimum nz, so that a pixel of the map covers at most three pixels of the surface; more would alias."""
 _SLACK = 1e-3
-"""How much cells off the object hold together, so that the grid goes on beyond its rim."""
+"""Weight of steps off the object, which continue the grid past the rim."""
 _GROUND = 1e-6
-"""Pull of every cell to its place; without it all of them could move together."""
+"""Weight of a pull of every cell towards its position, without which all cells could move together."""
 
 
 def unroll(normals: Floats, mask: BoolMask) -> Floats:
-    """Return how far (H, W, 2) each place of a surface moves, right and down in pixels, when it is made flat.
+    """Return the displacement (H, W, 2) of each pixel, right and down, when the surface is flattened.
 
-    On average the object stays where it is.
-    A step in the picture is longer on the surface, by 1 / nz, in the direction in which the surface leans. No
-    flat map keeps all lengths; this one has the least squared difference from these steps.
+    The mean displacement of the object is zero. A step in the direction in which the surface leans is longer
+    on the surface than in the picture, by a factor of 1 / nz. No flat map preserves all lengths; this one
+    fits them in the least-squares sense.
 
     Args:
-        normals: (H, W, 3), unit.
+        normals: (H, W, 3), unit normals.
         mask: (H, W), the object.
 
     Example:
-        On a cylinder, what is seen at 0.8 of the radius lies an arc of 0.93 radii from the middle:
+        On a cylinder, a point at 0.8 of the radius is 0.93 radii from the axis, measured along the surface:
 
         >>> x = np.tile((np.arange(200) - 99.5) / 100, (200, 1))
         >>> cylinder = np.dstack([x, 0 * x, np.sqrt(1 - x**2)]).astype(np.float32)
@@ -40,7 +40,7 @@ def unroll(normals: Floats, mask: BoolMask) -> Floats:
         >>> round(0.8 + float(moved[100, 179, 0] - moved[100, 99, 0]) / 100, 2)
         0.93
     """
-    from scipy import sparse  # here: it takes a while to import
+    from scipy import sparse  # here because it is slow to import
     from scipy.sparse.linalg import splu
 
     height, width = mask.shape
@@ -68,9 +68,10 @@ def unroll(normals: Floats, mask: BoolMask) -> Floats:
 
 
 def _cells(normals: Floats, mask: BoolMask, side: int) -> tuple[Doubles, Doubles]:
-    """Return how much of each cell (h, w) is object, and how much longer steps there are on the surface.
+    """Return the fraction of object in each cell (h, w), and the stretch (h, w, 2, 2) of each cell.
 
-    The latter is (h, w, 2, 2): how much farther a step to the right, and one down, goes right and down.
+    The stretch is the additional displacement (right, down) of a unit step to the right and of a unit step
+    down.
     """
     below, beyond = (-extent % side for extent in mask.shape)
     seen = np.dstack([normals * mask[..., None], mask.astype(np.float32)])

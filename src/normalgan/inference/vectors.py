@@ -1,4 +1,4 @@
-"""Vectors: fast normalisation of large vector fields, plane by plane."""
+"""Vectors: fast normalisation of large vector fields."""
 
 import cv2
 import numpy as np
@@ -13,11 +13,11 @@ _SUM = np.ones((1, 3), np.float32)
 
 
 def lengths(vectors: Floats) -> Floats:
-    """Return the lengths (H, W) of vectors (H, W, 3), float32."""
-    # Not by cv2.magnitude: its last bits depend on where in the memory the result lies.
+    """Return the lengths (H, W) of float32 vectors (H, W, 3)."""
+    # cv2.magnitude is not used, because its last bits depend on the memory alignment of the result.
     out = np.empty(vectors.shape[:2], np.float32)
     for strip in strips(vectors.shape):
-        # OpenCV adds up the three of a pixel in half the time that NumPy takes.
+        # OpenCV sums the three channels in half the time of NumPy.
         squares = cv2.transform(vectors[strip] * vectors[strip], _SUM)
         np.sqrt(squares.reshape(out[strip].shape), out=out[strip])
     return out
@@ -26,12 +26,12 @@ def lengths(vectors: Floats) -> Floats:
 def unit(
     vectors: Floats, front: bool = False, out: Floats | None = None, length: Floats | None = None
 ) -> Floats:
-    """Return unit vectors (H, W, 3) of float32 ones.
+    """Return float32 vectors (H, W, 3) scaled to unit length.
 
     Args:
         vectors: (H, W, 3).
-        front: whether those shorter than 1e-8 are to face the viewer; else they become zero.
-        out: (H, W, 3), where the result is written, possibly the vectors themselves; None makes a new array.
+        front: whether vectors shorter than 1e-8 are replaced by (0, 0, 1); otherwise they become zero.
+        out: (H, W, 3), array for the result, which may be ``vectors``; None allocates a new array.
         length: (H, W), from `lengths`, if already computed.
 
     >>> unit(np.array([[[0, 0, 2], [0, 0, 0]]], np.float32)).tolist()
@@ -48,7 +48,7 @@ def unit(
         everywhere = bool(there.all())
         if not everywhere:
             scale *= there
-        # Three planes alike: NumPy takes many times as long to stretch one over the last axis.
+        # NumPy takes many times as long to broadcast over the last axis.
         np.multiply(vectors[strip], cv2.merge([scale, scale, scale]), out=out[strip])
         if front and not everywhere:
             out[strip][..., 2] += ~there

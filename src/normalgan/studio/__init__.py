@@ -1,3 +1,3 @@
-"""The studio: a page in the browser to draw, pin normals, light and export; served to this machine alone."""
+"""The studio: a page for drawing, pinning normals, lighting and exporting, served to this machine only."""
 
 __all__ = []

@@ -1,4 +1,4 @@
-"""App: the studio as an ASGI application: its page and its API."""
+"""App: the ASGI application that serves the studio's page and API."""
 
 import asyncio
 import mimetypes
@@ -38,7 +38,7 @@ from normalgan.version import __version__
 __all__ = ["build_app"]
 
 _AUTOSAVES = 50
-_SENTENCES = {404: "there is nothing at this address.", 405: "this address does not take that method."}
+_SENTENCES = {404: "there is nothing at this address.", 405: "this address does not accept that method."}
 
 
 def build_app(
@@ -51,9 +51,9 @@ def build_app(
 
     Args:
         predictor: predicts the drawings.
-        projects: the saved projects; unsaved work goes into a folder below.
-        port: the port it is served at.
-        opened: what the page opens first, as `normalgan.studio.projects.opening.find_opened` gives it.
+        projects: the saved projects; unsaved work goes into a subfolder.
+        port: the port that serves the application.
+        opened: what the page opens first, from `normalgan.studio.projects.opening.find_opened`; or None.
     """
     predictions = PredictionRoutes(predictor)
     autosaved = DocumentStore(projects.folder / "autosave")
@@ -81,13 +81,13 @@ def build_app(
         exception_handlers={InputError: _on_input_error, HTTPException: _known, ClientDisconnect: _left},
         lifespan=lifespan,
     )
-    app.router.redirect_slashes = False  # an empty name is none, and not the list of all
+    app.router.redirect_slashes = False  # an empty name is an error, not the list of all
     return app
 
 
 def _page_routes() -> tuple[str, list[BaseRoute]]:
-    """Return the page's routes, and the prefix of its cacheable files."""
-    mimetypes.add_type("text/javascript", ".js")  # some machines call it a plain text, which browsers refuse
+    """Return the page's routes, and the URL prefix of its cacheable files."""
+    mimetypes.add_type("text/javascript", ".js")  # some machines map it to text/plain, which browsers refuse
     kept = f"/page/{version_of([*PAGE.rglob('*.*'), CLAY_FILE, Path(structures.__file__)])}"
     text = (PAGE / "index.html").read_text(encoding="utf-8")
     page = markup(with_limits(with_export_menu(text)), PAGE).replace('"/page/', f'"{kept}/')
@@ -96,7 +96,7 @@ def _page_routes() -> tuple[str, list[BaseRoute]]:
         return HTMLResponse(page)
 
     async def clay(_: Request) -> Response:
-        return FileResponse(CLAY_FILE)  # the viewer's lit view looks like the previews of `generate`
+        return FileResponse(CLAY_FILE)  # so that the lit view looks like the previews of `generate`
 
     files = StaticFiles(directory=PAGE)
     served = [
@@ -115,12 +115,12 @@ def _page_routes() -> tuple[str, list[BaseRoute]]:
 
 
 def _structure(kind: structures.Kind, _: Request) -> Response:
-    """Answer with a built-in structure; not async, as it may be made first."""
+    """Return a built-in structure; not async, because it may have to be computed first."""
     return Response(structures.tile_bytes(kind), media_type="application/octet-stream")
 
 
 def _about_route(predictor: Predictor) -> Route:
-    """Return the route that describes the model and the limits of a drawing."""
+    """Return the route that describes the model and the limits of requests."""
     facts = {
         "version": __version__,
         "model": {"name": predictor.name, "size": predictor.model.size, "confidence": predictor.confident},
@@ -135,7 +135,7 @@ def _about_route(predictor: Predictor) -> Route:
 
 
 def _opened_routes(opened: Opened | None) -> list[Route]:
-    """Return the routes of the drawing or project that the page opens first."""
+    """Return the routes for the drawing or project that the page opens first."""
 
     async def first(_: Request) -> Response:
         return JSONResponse(opened and {name: value for name, value in opened.items() if name != "content"})
@@ -150,7 +150,7 @@ def _opened_routes(opened: Opened | None) -> list[Route]:
 
 def _import_route() -> Route:
     """Return the route that imports a picture file as a drawing or as layers."""
-    importing = asyncio.Semaphore(1)  # one at a time: it may take a gigabyte
+    importing = asyncio.Semaphore(1)  # one import at a time, because it may take a gigabyte
 
     async def import_(request: Request) -> Response:
         check_type(request, "image/", "application/octet-stream")
@@ -178,4 +178,4 @@ def _known(_: Request, error: Exception) -> Response:
 
 
 def _left(_: Request, error: Exception) -> Response:
-    return failed("the request broke off.", 400)  # nobody reads it
+    return failed("the request was cut off.", 400)  # the client is gone, so nobody reads this

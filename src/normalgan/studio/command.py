@@ -1,4 +1,4 @@
-"""normalgan studio: draw, pin normals, light and export in the browser, with an exported model."""
+"""normalgan studio: draw, pin normals, light and export in the browser."""
 
 import threading
 import webbrowser
@@ -22,10 +22,10 @@ __all__ = ["build_parser", "run", "studio"]
 
 
 def run(arguments: list[str]) -> int:
-    """Serve the studio until it is ended, and return the exit code.
+    """Serve the studio until it is stopped, and return the exit code.
 
     Raises:
-        InputError: if something that was given cannot be used.
+        InputError: if an argument is invalid.
     """
     return studio(build_parser().parse_args(arguments))
 
@@ -45,36 +45,36 @@ def build_parser() -> LightParser:
         help="what to open: a project's name, a .normalgan file, or a drawing",
     )
     parser.add_argument(
-        "--model", type=str | None, help="a model that normalgan export wrote; by default the package's own"
+        "--model", type=str | None, help="model written by normalgan export; by default the shipped model"
     )
     parser.add_argument(
         "--port",
         type=int,
         default=8400,
-        help="port on this machine (default %(default)s); 0 takes a free one",
+        help="port on this machine (default %(default)s); 0 picks a free one",
     )
     parser.add_argument(
         "--address",
         default="127.0.0.1",
-        help="where to listen (default %(default)s); 0.0.0.0 in a container, whose port is published on "
-        "127.0.0.1 of its host",
+        help="address to listen on (default %(default)s); in a container use 0.0.0.0, and publish the port "
+        "on 127.0.0.1 of the host",
     )
     parser.add_argument(
-        "--projects", type=str | None, help="folder of the projects; by default in the user's folder for data"
+        "--projects", type=str | None, help="folder of the projects; by default in the user's data folder"
     )
     parser.add_argument("--no-browser", action="store_true", help="only print the address")
     return parser
 
 
 def studio(settings: Namespace) -> int:
-    """Serve the studio until it is ended, and return the exit code.
+    """Serve the studio until it is stopped, and return the exit code.
 
     Raises:
-        InputError: if something cannot be used.
+        InputError: if a setting is invalid.
     """
     keep_memory()
     OUTPUTS.load_entry_points()
-    decoding.start()  # while the model is loaded
+    decoding.start()  # starts up while the model is loaded
     store = DocumentStore(
         Path(settings.projects) if settings.projects else user_data_path("normalgan", False)
     )
@@ -83,9 +83,9 @@ def studio(settings: Namespace) -> int:
         port = listening.getsockname()[1]
         app = build_app(Predictor(find_model(settings.model, [".onnx"])), store, port, opened)
         address = f"http://127.0.0.1:{port}/"
-        print(f"The studio is at {address} (Ctrl-C ends it).", flush=True)
+        print(f"The studio is at {address} (Ctrl-C stops it).", flush=True)
         if not settings.no_browser:
-            # Some browsers return only when they are closed.
+            # Some browsers only return when they are closed.
             threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
         serve(app, listening)
     return 0

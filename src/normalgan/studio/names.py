@@ -10,15 +10,15 @@ LONGEST = 80
 _DEVICES = frozenset(
     ["con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in "0123456789¹²³")]
 )
-"""On Windows these are no files, whatever follows after a dot."""
-_MOST_BYTES = 200  # file systems allow 255, of which a suffix and a temporary name take some
+"""Device names on Windows, which cannot be file names, with or without a suffix."""
+_MOST_BYTES = 200  # file systems allow 255; a suffix and a temporary name need some of them
 
 
 def check_name(name: str) -> str:
-    """Return a name in Unicode's composed form.
+    """Return a valid name in Unicode's composed form (NFC).
 
     Raises:
-        InputError: if it holds anything but letters, digits, spaces, - and _, or is too long.
+        InputError: if the name has characters other than letters, digits, spaces, - and _, or is too long.
 
     >>> check_name("Fuchs im Schnee_2")
     'Fuchs im Schnee_2'

@@ -1,4 +1,4 @@
-"""Page files: preloaded modules and versioned addresses, so that the page loads fast."""
+"""Page files: preload modules and version addresses, so that the page loads fast."""
 
 import hashlib
 import posixpath
@@ -15,11 +15,11 @@ _SCRIPT = re.compile(r'^<script type="module" src="([^"]*/)([\w.]+)"></script>',
 
 
 def modules_of(folder: Path, first: str) -> list[str]:
-    """Return the modules that a module imports, itself first, in the order in which a browser finds them.
+    """Return a module and all modules that it imports, in the order in which a browser discovers them.
 
     Args:
-        folder: of all modules.
-        first: the one that the page loads, as a path in that folder.
+        folder: folder of all modules.
+        first: path of the module that the page loads, relative to the folder.
     """
     found = [first]
     for name in found:
@@ -32,11 +32,11 @@ def modules_of(folder: Path, first: str) -> list[str]:
 def markup(text: str, folder: Path) -> str:
     """Return a page that preloads all modules of its scripts.
 
-    Without that, a browser asks for a module only after the one that imports it has arrived.
+    Without preloading, a browser requests a module only after the module that imports it has arrived.
 
     Args:
-        text: the page.
-        folder: of its modules.
+        text: HTML of the page.
+        folder: folder of the modules.
     """
     scripts = list(_SCRIPT.finditer(text))
     needed = dict.fromkeys(

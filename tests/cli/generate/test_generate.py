@@ -192,7 +192,7 @@ def test_one_bad_file_stops_no_other(here: Path, capsys: pytest.CaptureFixture[s
     assert said.out.split() == [str(Path("out/fox_normal.png"))]
     assert [path.name for path in Path("out").iterdir()] == ["fox_normal.png"]
     assert "text.png is not an image that can be read" in said.err
-    assert "white.png: no line is seen in it" in said.err
+    assert "white.png: no lines were found in it" in said.err
     assert "2 of 3 sketches could not be used" in said.err
 
 
@@ -387,7 +387,7 @@ def test_a_hole_is_cut_where_a_point_says(here: Path, capfd: pytest.CaptureFixtu
     assert generate("fox.png", "other.png", "--hole", "170,90") == 2
     assert "a hole is a point of one drawing, but there are 2" in capfd.readouterr().err
     assert generate("fox.png", "--hole", "170,90", "--mask", "model") == 2
-    assert "its mask does not come from its lines" in capfd.readouterr().err
+    assert "the mask does not come from the lines" in capfd.readouterr().err
 
 
 @pytest.mark.parametrize(

@@ -96,11 +96,13 @@ def test_the_picture_beside_a_layered_file_is_its_export(
     assert generate("in") == 0
     assert written("normals") == {"fox_normal.png", "owl_normal.png", "hen_normal.png"}
     assert np.asarray(Image.open("normals/fox_normal.png")).shape[:2] == (200, 300)
-    assert f"{Path('in/fox.ora')} is left out, as fox.png beside it is its export." in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert f"{Path('in/fox.ora')} is skipped, because fox.png next to it is its export." in said
     assert generate("in/fox.ora", "in/fox.png", "--layers", "-o", "layers") == 0
     assert written("layers") == {"fox_normal.ora"}
     assert (
-        f"{Path('in/fox.png')} is left out, as fox.ora beside it has its layers." in capsys.readouterr().err
+        f"{Path('in/fox.png')} is skipped, because fox.ora next to it has its layers."
+        in capsys.readouterr().err
     )
     assert generate("in/fox.ora", "-o", "alone") == 0
     assert np.asarray(Image.open("alone/fox_normal.png")).shape[:2] == (80, 120)
@@ -146,7 +148,7 @@ def test_existing_maps_can_be_skipped(here: Path, capsys: pytest.CaptureFixture[
     assert generate("fox.png", "owl.png", "--skip-existing") == 0
     said = capsys.readouterr()
     assert said.out.split() == [str(Path("normals/owl_normal.png"))]
-    assert "1 of 2 sketches have a map already" in said.err
+    assert "1 of 2 sketches already have a map" in said.err
     assert Path("normals/fox_normal.png").stat().st_mtime_ns == before
     assert generate("fox.png", "--skip-existing") == 0
 
@@ -200,7 +202,7 @@ def test_a_map_goes_to_standard_output(here: Path, capfdbinary: pytest.CaptureFi
     for arguments, sentence in (
         (["fox.png", "owl.png"], b"standard output holds one map, but there are 2"),
         (["fox.png", "broken.png"], b"standard output holds one map, but there are 2"),  # nor is one painted
-        (["fox.png", "--height", "png"], b"standard output holds the map alone"),
+        (["fox.png", "--height", "png"], b"standard output only holds the map"),
         (["fox.png", "--watch"], b"standard output holds one map; --watch"),
     ):
         assert generate(*arguments, "-o", "-") == 2
@@ -215,7 +217,7 @@ def test_no_folder_is_made_of_the_name_of_a_file(
 ) -> None:
     draw("fox.png")
     assert generate("fox.png", "-o", f"out/{name}") == 2
-    assert f"{name} is not a map's name, which ends in .png, .exr" in capsys.readouterr().err
+    assert f"{name} is not a supported file name for a map; use .png, .exr" in capsys.readouterr().err
     assert not Path("out").exists()
     Path("out", name).mkdir(parents=True)
     assert generate("fox.png", "-o", f"out/{name}") == 0
@@ -258,7 +260,7 @@ def test_a_watch_predicts_saved_drawings_until_the_folder_is_removed(
     names = [Path(line).name for line in said.out.split()]
     assert names == ["fox_normal.png", "owl_normal.png", "fox_normal.png"]
     assert "half.png cannot be read as an image" in said.err
-    assert "the folder in that is watched is gone." in said.err
+    assert "the watched folder in no longer exists." in said.err
 
 
 def test_a_watch_begins_empty_and_survives_names_that_clash(
@@ -286,7 +288,7 @@ def test_a_watch_begins_empty_and_survives_names_that_clash(
     said = capsys.readouterr()
     assert [Path(line).name for line in said.out.split()] == ["fox_normal.png", "owl_normal.png"]
     assert said.err.count("would be written twice") == 2  # of each drawing once
-    assert "the folder my.art that is watched is gone." in said.err
+    assert "the watched folder my.art no longer exists." in said.err
     assert "no sketch" not in said.err
 
 
@@ -389,7 +391,7 @@ def test_a_watch_predicts_all_drawings_of_a_shared_frame_again(
 def test_a_watch_refuses_a_common_height_scale(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     draw("in/fox.png")
     assert generate("in", "--watch", "--height", "png", "--height-scale", "batch") == 2
-    assert "--height-scale batch needs all drawings, and --watch never has them" in capsys.readouterr().err
+    assert "--height-scale batch needs all drawings at once" in capsys.readouterr().err
 
 
 @pytest.mark.slow  # two processes, of which one converts fifty drawings
@@ -441,7 +443,7 @@ def test_a_link_to_nothing_is_named_and_the_rest_is_converted(
     draw("in/fox.png")
     Path("in/owl.png").symlink_to("gone.png")
     assert generate("in") == 1
-    assert "in/owl.png is a link to gone.png, which is not there." in capsys.readouterr().err
+    assert "in/owl.png is a link to gone.png, which does not exist." in capsys.readouterr().err
     assert written("normals") == {"fox_normal.png"}
     for word in ("in/owl.png", "in/o*.png"):
         assert generate(word) == 2

@@ -21,12 +21,12 @@ LINES = {"styles": LINE_DRAWINGS}
         (
             'Parser key "styles" element 1:\n  Not a valid subclass of LineDrawing. Got value: 3\n'
             "  Subclass types expect one of:\n  - a class path (str)",
-            'argument "styles", item 1: 3 is no LineDrawing; known: Brush, ',
+            'argument "styles", item 1: 3 is not a LineDrawing; known: Brush, ',
         ),
         (
             'Parser key "others":\n  Not a valid subclass of LineDrawing. Got value: 3\n'
             "  Subclass types expect one of:\n  - a class path (str)",
-            'argument "others": 3 is no LineDrawing.',
+            'argument "others": 3 is not a LineDrawing.',
         ),
         (
             'Parser key "others":\n  Expected a dot import path string: Silhouete',
@@ -49,7 +49,7 @@ def test_a_wrong_item_of_a_list_is_one_sentence(message: str, sentence: str) -> 
 @pytest.mark.parametrize(
     ("message", "sentence"),
     [
-        ("unrecognized arguments: b.png", "b.png is one argument too many."),
+        ("unrecognized arguments: b.png", "unexpected argument b.png."),
         ("argument --alpha: ignored explicit argument '3'", "--alpha takes no value, not 3."),
         (
             "argument shell: invalid choice: 'fish' (choose from 'bash', 'zsh')",

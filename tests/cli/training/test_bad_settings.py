@@ -46,10 +46,10 @@ def test_an_unknown_plugin_in_a_file_is_answered_by_its_near_miss(tmp_path: Path
         ("model: {hint_sampler: HintSampler}", ["HintSampler is abstract; name a class that defines all of"]),
         (
             "data: {lines: normalgan.hints.NoHints}",
-            ["normalgan.hints.NoHints is no LineDrawing; known: Brush,"],
+            ["normalgan.hints.NoHints is not a LineDrawing; known: Brush,"],
         ),
         ("data: {source: Pairs}", ["Pairs needs its settings files; give them in init_args."]),
-        ("model: {hint_sampler: 3}", ["3 is no HintSampler", "CurvatureHints"]),
+        ("model: {hint_sampler: 3}", ["3 is not a HintSampler", "CurvatureHints"]),
         ("model: {generator_optimizer: RMSProp}", ["no Optimizer named 'RMSProp'. Did you mean RMSprop?"]),
         ("model: {lr_scheduler: {class_path: StepLR}}", ["model.lr_scheduler", "missing: step_size"]),
         ("trainer: {callbacks: [{class_path: EarlyStoping}]}", ["Did you mean EarlyStopping?"]),
@@ -84,7 +84,7 @@ def test_an_unknown_plugin_in_a_file_is_answered_by_its_near_miss(tmp_path: Path
         ("model: {generator: {classpath: UNetGenerator}}", ["'classpath' in it. Did you mean class_path?"]),
         ("data:\n\tsize: 3", ["bad.yaml is not YAML: line 2: ", "; indent with spaces."]),
         ("just words", ["bad.yaml holds no settings"]),
-        ("\x00\x01", ["bad.yaml is not a text in YAML"]),
+        ("\x00\x01", ["bad.yaml is not YAML text"]),
     ],
 )
 def test_a_bad_setting_is_one_sentence(tmp_path: Path, yaml: str, words: list[str]) -> None:
@@ -134,7 +134,7 @@ def test_options_are_checked_like_settings(bench: Bench, tmp_path: Path) -> None
 @pytest.mark.parametrize("setting", ["max_epochs", "max_steps", "limit_train_batches"])
 def test_a_run_that_would_train_nothing_is_refused(bench: Bench, tmp_path: Path, setting: str) -> None:
     done = bench.run("fit", tmp_path / "run", f"--trainer.{setting}", 0)
-    done.refused(f"trainer.{setting} is 0, so fit would train nothing; give more, or leave it out.")
+    done.refused(f"trainer.{setting} is 0, so fit would train nothing; increase or omit it.")
 
 
 @pytest.mark.slow  # builds a run

@@ -111,7 +111,7 @@ def test_weights_that_cannot_be_used(
     predict("--data.size", 64).refused("ours.onnx was trained at 256 pixels, not 64")
     predict("--ckpt_path", "gone.safetensors").refused("there is no model gone.safetensors")
     bench.run("fit", tmp_path / "run", "--ckpt_path", weights).refused("holds only weights")
-    bench.run("test", tmp_path / "run").refused("test needs a trained model: --ckpt_path")
+    bench.run("test", tmp_path / "run").refused("test needs a trained model; pass --ckpt_path")
     bench.run("test", tmp_path / "run", "--ckpt_path", "shipped").refused("trained at 256 pixels, not 32")
     bad = tmp_path.parent / f"{tmp_path.name}.safetensors"
     bad.write_bytes(weights.read_bytes()[:-9000])

@@ -48,7 +48,7 @@ def test_a_checkpoint_that_lightning_would_prefer_is_named(
 ) -> None:
     (tmp_path / "hpc_ckpt_1.ckpt").write_bytes(b"unchecked")
     more = ("--ckpt_path", trained / "checkpoints" / "last.ckpt") if command == "test" else ()
-    bench.run(command, tmp_path, *more).refused("hpc_ckpt_1.ckpt in place of any other checkpoint")
+    bench.run(command, tmp_path, *more).refused("hpc_ckpt_1.ckpt instead of any other checkpoint")
 
 
 def test_sigusr1_stops_between_batches_and_requeues_the_job(

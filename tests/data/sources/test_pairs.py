@@ -392,7 +392,7 @@ def test_a_source_of_pairs_that_loads_something_else_is_told() -> None:
         (make_flat, "shows nothing but its background"),
         (break_file, "cannot be read as an image: it begins as a PNG and is cut short or damaged"),
         (give_a_hint_off_the_object, "the hint at x 2, y 1 lies off the object"),
-        (erase_sketch, "no line is seen in it"),
+        (erase_sketch, "no lines were found in it"),
     ],
 )
 def test_a_bad_pair_is_left_out_and_named_and_alone_it_stops_the_run(

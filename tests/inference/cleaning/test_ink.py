@@ -80,7 +80,7 @@ def test_a_clean_drawing_stays_as_it_is() -> None:
 
 def test_strokes_are_the_ink_as_they_are() -> None:
     assert np.abs(clean(Picture(grey(INK), None), None).ink - INK).max() < 1e-6
-    with pytest.raises(InputError, match="no line is seen"):
+    with pytest.raises(InputError, match="no lines were found"):
         clean(Picture(grey(0 * INK), None), None)
 
 
@@ -169,7 +169,7 @@ def test_dust_is_left_out() -> None:
 
 @pytest.mark.parametrize("level", [0.0, 0.5, 1.0])
 def test_an_empty_sheet_is_refused(level: float) -> None:
-    with pytest.raises(InputError, match="no line is seen"):
+    with pytest.raises(InputError, match="no lines were found"):
         cleaned_of(Picture(np.full((50, 60, 3), level, np.float32), None))
 
 
@@ -194,7 +194,7 @@ def test_a_grey_drawing_has_the_ink_of_one_with_a_touch_of_colour(painted: bool)
 
 
 def test_what_is_transparent_all_over_has_no_line() -> None:
-    with pytest.raises(InputError, match="no line is seen in it"):
+    with pytest.raises(InputError, match="no lines were found in it"):
         prepare(Picture(np.zeros((40, 40, 3), np.float32), np.zeros((40, 40), np.float32)), 64)
 
 

@@ -269,7 +269,7 @@ def test_a_frame_without_lines_is_left_flat_and_named(here: Path, capsys: pytest
     animate("blink.png", [pen(FRAMES[0]), np.full((80, 120), 255, np.uint8), pen(FRAMES[1])])
     Path("x").mkdir()
     assert generate("blink.png") == 0
-    assert "frame 2: it is left flat, as no line is seen in it" in capsys.readouterr().err
+    assert "frame 2: it is left flat, because no lines were found in it" in capsys.readouterr().err
     frames, _, _ = frames_of("normals/blink_normal.png")
     assert (frames[1][..., :3] == (128, 128, 255)).all()
     grain = np.full((80, 120), 255, np.uint8)

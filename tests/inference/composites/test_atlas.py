@@ -191,7 +191,7 @@ def test_sprites_without_pixels_or_outside_the_sheet_do_not_cost_the_others(tmp_
             phaser("other.png").replace("sheet.png", "b.png"),
             "has the sprites of other.png, b.png; none of these",
         ),
-        (SPINE.replace("200", "300"), "is of a sheet of 300 × 100 pixels, but sheet.png has 200 × 100"),
+        (SPINE.replace("200", "300"), "is for a sheet of 300 × 100 pixels, but sheet.png has 200 × 100"),
     ],
 )
 def test_other_files_are_named_by_what_they_look_like(
@@ -207,5 +207,5 @@ def test_the_atlas_of_an_svg_is_in_its_own_units(tmp_path: Path) -> None:
     frames = json.dumps({"frames": {"a": {"frame": {"x": 50, "y": 0, "w": 49.6, "h": 50}}}})
     found = read(tmp_path, frames, units=(100, 50)).cells[0]
     assert (found.left, found.top, found.width, found.height) == (100, 0, 99, 100)
-    with pytest.raises(InputError, match="is of a sheet of 100 × 90 pixels"):
+    with pytest.raises(InputError, match="is for a sheet of 100 × 90 pixels"):
         read(tmp_path, frames, units=(100, 90))

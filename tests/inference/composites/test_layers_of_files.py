@@ -190,7 +190,7 @@ def test_layers_that_nothing_can_be_seen_on_are_left_out_and_named(
     found = read_layers(Path("normals/fox_normal.ora")).layers
     assert [each.name for each in found] == ["body", "hand", "hat"]
     said = capsys.readouterr().err
-    assert "layer 'mist': it is left out, as no line is seen in it" in said
+    assert "layer 'mist': it is left out, because no lines were found in it" in said
     assert "some frames or layers of 1 of 1 sketches could not be used" in said
 
 

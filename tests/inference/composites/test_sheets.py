@@ -223,12 +223,15 @@ def test_cells_can_share_a_frame(here: Path) -> None:
         (["--sheet", "four"], "sheet is 'four'; give columns x rows, such as 4x3"),
         (["--sheet", "0x3"], "sheet is '0x3'; give columns x rows"),
         (["--sheet", "96x2"], "the cells of sheet.png would be 3 × 96 pixels"),
-        (["--sheet", "3x2", "--split", "auto"], "--sheet and --split each say where the drawings"),
-        (["--sheet", "3x2", "--size", "64"], "a sheet of pixels keeps its packing"),
+        (
+            ["--sheet", "3x2", "--split", "auto"],
+            "--sheet and --split each give the positions of the drawings",
+        ),
+        (["--sheet", "3x2", "--size", "64"], "a sheet of pixels keeps its layout"),
         (["--split", "by hand"], "expected"),
         (["--atlas", "none.json"], "there is no atlas none.json"),
-        (["--atlas", "empty"], "empty holds no atlas for sheet.png; it is named sheet.json"),
-        (["--atlas", "other.json"], "is of a sheet of 200 × 200 pixels, but sheet.png has 288 × 192."),
+        (["--atlas", "empty"], "empty has no atlas for sheet.png; its name must be sheet.json"),
+        (["--atlas", "other.json"], "is for a sheet of 200 × 200 pixels, but sheet.png has 288 × 192."),
         (
             ["--atlas", "outside.json"],
             "the sprite 'a' at x 280, y 0 with 96 × 96 pixels lies outside of sheet.png",
@@ -238,7 +241,7 @@ def test_cells_can_share_a_frame(here: Path) -> None:
         (["--atlas", "nothing.json"], "lists 0 sprites for sheet.png; it needs 1 to 4096"),
         (
             ["--atlas", "style.json"],
-            "style.json looks like a CSS style sheet; atlases that can be read are JSON",
+            "style.json looks like a CSS style sheet; supported atlas formats are JSON",
         ),
         (["--atlas", "strange.json"], "has the sprites of a.png, b.png; none of these is sheet.png."),
         (["--sheet", "1x1", "--mask", "outline", "--hints", "far.json"], "far.json"),
@@ -275,7 +278,7 @@ def test_a_cell_that_cannot_be_painted_is_named_and_the_others_are(
     grain[40, 40] = 250
     Image.fromarray(np.hstack([pen(SPRITES[0]), grain])).save("sheet.png")
     assert generate("sheet.png", "--sheet", "2x1", "--alpha") == 1
-    assert "row 1, column 2: it is left flat, as no line is seen in it" in capsys.readouterr().err
+    assert "row 1, column 2: it is left flat, because no lines were found in it" in capsys.readouterr().err
     assert pixels("normals/sheet_normal.png")[:, 96:, 3].max() == 0
 
 
@@ -289,7 +292,7 @@ def test_a_tiny_sprite_of_an_atlas_is_named(here: Path, capsys: pytest.CaptureFi
     Path("sheet.json").write_text(json.dumps(told))
     assert generate("sheet.png", "--atlas", "sheet.json") == 1
     said = capsys.readouterr().err
-    assert "spark: it is left flat, as it is 6 × 7 pixels; a drawing needs at least 8 a side" in said
+    assert "spark: it is left flat, because it is 6 × 7 pixels; a drawing needs at least 8 a side" in said
     assert "nothing" not in said
     told["frames"] = {name: told["frames"][name] for name in ("spark", "nothing")}
     Path("sheet.json").write_text(json.dumps(told))

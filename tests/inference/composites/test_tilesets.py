@@ -151,7 +151,7 @@ def test_a_tileset_of_tiled_says_where_the_tiles_are(here: Path, name: str, text
         ("500x500", "has 0 tiles of 500 × 500"),
         ("map.tmx", "map.tmx is not a tileset of Tiled"),
         ("collection.tsx", "collection of pictures"),
-        ("other.tsx", "is of a picture of 64 × 64 pixels, but tiles.png has 128 × 96"),
+        ("other.tsx", "is for a picture of 64 × 64 pixels, but tiles.png has 128 × 96"),
         ("broken.tsx", "broken XML"),
     ],
 )

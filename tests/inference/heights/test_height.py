@@ -173,12 +173,10 @@ def test_it_takes_under_a_second_of_the_processor_at_256() -> None:
 
 def test_what_cannot_be_integrated_is_refused() -> None:
     normals, mask, _ = ellipsoid(16, 0.9, 0.9, 0.9)
-    with pytest.raises(
-        InputError, match=r"normals of shape \(16, 16, 2\) do not go with a mask of \(16, 16\)"
-    ):
+    with pytest.raises(InputError, match=r"normals of shape \(16, 16, 2\) do not match a mask of \(16, 16\)"):
         integrate(normals[..., :2], mask)
     normals[8, 8] = np.nan
-    with pytest.raises(InputError, match="not a number"):
+    with pytest.raises(InputError, match="is not finite"):
         integrate(normals, mask)
 
 

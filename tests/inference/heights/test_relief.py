@@ -77,5 +77,5 @@ def test_what_makes_no_relief_is_refused() -> None:
     height, mask = dome()
     with pytest.raises(InputError, match="the mask is empty"):
         relief_mesh(height, mask & False)
-    with pytest.raises(InputError, match=r"heights of \(39, 40\) do not go with a mask of \(40, 40\)"):
+    with pytest.raises(InputError, match=r"heights of \(39, 40\) do not match a mask of \(40, 40\)"):
         relief_mesh(height[1:], mask)

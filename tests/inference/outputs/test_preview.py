@@ -116,7 +116,7 @@ def test_what_cannot_be_lit_is_refused() -> None:
     normals, mask = ball(16)
     with pytest.raises(InputError, match="not a direction"):
         shade(normals, (0, 0, 0))
-    with pytest.raises(InputError, match=r"shape \(16, 16, 3\) does not go with an opacity of \(15, 16\)"):
+    with pytest.raises(InputError, match=r"shape \(16, 16, 3\) does not match an opacity of \(15, 16\)"):
         lit(normals, mask[1:], 0)
-    with pytest.raises(InputError, match="one picture or more, not 0"):
+    with pytest.raises(InputError, match="at least one frame, not 0"):
         turn(normals, mask, 0)

@@ -55,7 +55,7 @@ def test_no_hints_are_no_hints(tmp_path: Path) -> None:
             '[{"x": 1, "y": 2, "normal": [0.6, 0, -0.8]}]',
             r"\[0.6, 0, -0.8\] of hint 1 of .*, at x 1, y 2, looks away from the viewer; its z must be 0 o",
         ),
-        ("\x80", "are not a text"),
+        ("\x80", "are not text"),
         ("[" * 100_000, "are not a list of hints"),
         ("[" + "9" * 5000 + "]", "are not a list of hints"),
         ('[{"x": 1' + "0" * 400 + ', "y": 2, "normal": [0, 0, 1]}]', "and a normal of three numbers"),

@@ -79,7 +79,7 @@ def test_the_oldest_tabs_planes_are_forgotten() -> None:
         kept.take(tab, read(number, None, ALL), pixels, number)
     nothing = memoryview(b"")
     kept.take("c", read(4, 3, [0, 0, 0, 0]), nothing, 4)
-    with pytest.raises(BehindError, match="send it all"):
+    with pytest.raises(BehindError, match="send all of it"):
         kept.take("a", read(5, 1, [0, 0, 0, 0]), nothing, 5)
     kept.take("b", read(6, 2, [0, 0, 0, 0]), nothing, 6, keep=False)
     kept.take("b", read(7, 2, [0, 0, 0, 0]), nothing, 7)

@@ -240,7 +240,7 @@ def test_exports_and_heights_are_of_all_layers(model: Path, tmp_path: Path) -> N
         ([layer(1, "a", BACK), layer(1, "b", BACK)], "two layers have the same id."),
         ([layer(-1, "a", BACK)], "layers[0].id is -1; it should be greater than or equal to 0."),
         ([layer(1, "", BACK), layer(2, "b", BACK)], "a layer among others has a name."),
-        ([layer(1, "a", BACK), layer(2, "b", BACK[:60])], "the layers are of different sizes"),
+        ([layer(1, "a", BACK), layer(2, "b", BACK[:60])], "the layers have different sizes"),
     ],
 )
 def test_layers_that_cannot_be_used_are_told_so(

@@ -203,7 +203,7 @@ def test_what_cannot_come_in_layers_is_said_and_nothing_changes(studio: Studio, 
     (tmp_path / "half.psd").write_bytes(encode_layers("psd", SHAPE, STACK)[:200])
     with studio.saying("Couldn't import “half.psd”: "):
         studio.page.set_input_files("#import-file", files=tmp_path / "half.psd")
-    # A layer on which no line is seen is there, and what it lacks is said.
+    # A layer without lines is imported, with a warning.
     white = DecodedLayer("blank", (), 255, 40, 40, 1, 0, np.full((60, 60, 4), 255, np.uint8))
     (tmp_path / "blank.ora").write_bytes(encode_layers("ora", SHAPE, [STACK[1], white]))
     with studio.repainting():

@@ -194,7 +194,7 @@ def test_what_is_said_about_a_map_can_be_read_from_its_header(model: Path, tmp_p
         assert findings(client.post("/api/predict", json=asking(2))) == []
     said, *_ = findings(answer)
     assert said["code"] == "guessed"
-    assert said["words"].startswith("no object is seen among its lines")
+    assert said["words"].startswith("no object was found among its lines")
     assert " " not in answer.headers["x-findings"]
 
 
@@ -376,7 +376,7 @@ def test_a_stroke_gives_a_structure_that_is_built_in_or_a_picture(model: Path, t
         fields = asking(next(numbers), areas=[{**stroke, "structure": own}], structures=small)
         answer = client.post("/api/predict", json=fields)
         assert answer.status_code == 400
-        assert "a structure is 64 × 64 pixels; it has 128 a side" in answer.json()["error"]
+        assert "a structure is 64 × 64 pixels; it must have 128 a side" in answer.json()["error"]
 
 
 def test_a_layer_and_a_region_take_a_form(model: Path, tmp_path: Path) -> None:

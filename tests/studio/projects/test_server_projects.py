@@ -133,9 +133,9 @@ def test_a_project_is_not_overwritten_unseen(client: TestClient) -> None:
 @pytest.mark.parametrize(
     ("content", "sentence"),
     [
-        ({"a": 1}, "that is not a project of the studio"),
-        ({**document(), "format": "psd"}, "that is not a project of the studio"),
-        (document(version=6), "the project is of another version; this studio knows 1 to 5"),
+        ({"a": 1}, "that is not a studio project"),
+        ({**document(), "format": "psd"}, "that is not a studio project"),
+        (document(version=6), "the project has an unknown version; this studio supports 1 to 5"),
         (document(version=4), "the project is damaged: pictures is missing."),
         (document(width=2), "width is 2; it should be greater than or equal to 16."),
         (document(height="9"), 'height is "9"'),
@@ -258,7 +258,7 @@ def test_a_project_whose_name_came_decomposed_is_opened_and_kept(client: TestCli
 def test_a_folder_that_cannot_be_used_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     with pytest.raises(
-        InputError, match=r"projects cannot be kept in .*file.sub: .*; give another --projects"
+        InputError, match=r"projects cannot be saved in .*file.sub: .*; give another --projects"
     ):
         DocumentStore(tmp_path / "file" / "sub")
 
@@ -281,7 +281,7 @@ def test_a_project_a_file_or_a_drawing_is_opened(tmp_path: Path) -> None:
         (str(tmp_path / "huge.normalgan"), "huge.normalgan has more than 20971520 bytes"),
         ("cat", "there is neither a project nor a file called cat"),
         ("../fox", "there is neither a project nor a file called ../fox"),
-        (str(tmp_path / "bad.normalgan"), "bad.normalgan: that is not a project of the studio"),
+        (str(tmp_path / "bad.normalgan"), "bad.normalgan: that is not a studio project"),
         (str(tmp_path / "bad.png"), "bad.png is not an image that can be read"),
     ):
         with pytest.raises(InputError, match=sentence):

@@ -71,11 +71,11 @@ SMALL = b64(png(np.full((15, 40), 255, np.uint8)))
         ({"picture": b64(png(circle())[:200])}, "the picture cannot be read as an image"),
         (
             {"picture": b64(bomb(60000, 60000))},
-            "the picture is 60000 × 60000 pixels; in the studio it has 16",
+            "the picture is 60000 × 60000 pixels; the studio accepts 16",
         ),
         ({"picture": b64(bomb(2048, 2048))}, "the picture cannot be read as an image"),
         ({"picture": SMALL}, "the picture is 40 × 15 pixels"),
-        ({"picture": WHITE}, "no line is seen in it"),
+        ({"picture": WHITE}, "no lines were found in it"),
         ({"mask": SMALL}, "the mask is 40 × 15 pixels"),
         ({"mask": b64(png(np.full((50, 50), 255, np.uint8)))}, "the mask is 50 × 50 pixels, but its sketch"),
         ({"mask": BLACK}, "the mask is empty"),
@@ -232,7 +232,7 @@ def test_a_failure_of_ours_is_one_sentence_too(
     monkeypatch.setattr("normalgan.studio.predictions.predictor.finish", fail)
     answer = client.post("/api/predict", json=asking(10, hints=[{"x": 3, "y": 3, "normal": [0, 0, 1]}]))
     assert answer.status_code == 500
-    assert answer.json() == {"error": "the server failed: RuntimeError; the terminal says more."}
+    assert answer.json() == {"error": "the server failed: RuntimeError; see the terminal for details."}
     assert answer.headers["x-content-type-options"] == "nosniff"
     assert capsys.readouterr().err == "normalgan: studio: RuntimeError: /secret/path\n"
 

@@ -72,7 +72,7 @@ def test_another_page_is_refused(client: TestClient, headers: dict[str, str]) ->
         client.put("/api/autosave/a", json=document(), headers=headers),
     ):
         assert answer.status_code == 403
-        assert "another page has asked" in answer.json()["error"]
+        assert "the request comes from another page" in answer.json()["error"]
     assert client.get("/api/autosave").json() == []
 
 

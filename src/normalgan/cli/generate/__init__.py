@@ -1,3 +1,3 @@
-"""normalgan generate: its options, and the drawings that it goes through."""
+"""normalgan generate: options, and processing of the named drawings."""
 
 __all__ = []

@@ -1,4 +1,4 @@
-"""DrawingBatch: the drawings of normalgan generate, predicted once or whenever they are saved."""
+"""DrawingBatch: predict the drawings of normalgan generate once, or whenever they are saved."""
 
 import sys
 import time
@@ -25,18 +25,18 @@ from normalgan.progress import progress_bar
 __all__ = ["DrawingBatch", "Found"]
 
 _POLL_SECONDS = 0.5
-"""Seconds between two looks at the watched folders."""
+"""Seconds between two checks of the watched folders."""
 
 
 @dataclass(frozen=True)
 class Found:
-    """The drawings that a command names, and those that it cannot use.
+    """The drawings that a command names, and errors about unusable ones.
 
     Args:
         jobs: the drawings to predict.
-        missing: an error for each argument without a drawing.
-        clashing: drawings that would be written to one file.
-        left_out: warnings about layered files and their exports.
+        missing: an error for each argument that matches no drawing.
+        clashing: an error for each drawing that would be written to the same file as another.
+        left_out: messages about layered files or their exports that are skipped.
     """
 
     jobs: list[Job]
@@ -46,18 +46,18 @@ class Found:
 
     @property
     def notices(self) -> list[str]:
-        """The lines to print while a folder is watched; a missing file may still come, so none is for it."""
+        """The messages to print while watching, without missing files, which may still arrive."""
         return [*self.left_out, *map(str, self.clashing)]
 
 
 class DrawingBatch:
-    """How the drawings of a command are processed.
+    """Processes the drawings of a command.
 
     Args:
         settings: the arguments of `normalgan generate`.
-        writer: writes the maps.
-        packing: how the drawings of a sheet are found.
-        holes: x and y of points in regions that are not part of the object.
+        writer: writes the outputs.
+        packing: layout of the drawings in a sheet.
+        holes: x and y of points whose regions are flipped between object and hole.
     """
 
     def __init__(
@@ -74,14 +74,14 @@ class DrawingBatch:
         self._held: list[Held] = []
 
     def without_existing(self, jobs: Sequence[Job]) -> list[Job]:
-        """Return the jobs that have no map yet; say how many have."""
+        """Return the jobs that do not have a map yet; print the number of those that have."""
         left = [job for job in jobs if not self._has_map(job)]
         if len(left) < len(jobs):
-            tell(f"{len(jobs) - len(left)} of {len(jobs)} sketches have a map already.")
+            tell(f"{len(jobs) - len(left)} of {len(jobs)} sketches already have a map.")
         return left
 
     def list_jobs(self, jobs: Sequence[Job]) -> int:
-        """Print what would be read and written, and return how many drawings could not be used."""
+        """Print what would be read and written, and return the number of unusable drawings."""
         failed = 0
         for job in jobs:
             extras = [f" with {each}" for each in job.files.beside]
@@ -89,7 +89,7 @@ class DrawingBatch:
                 target = self._target(job)
                 there = next(each for each in target.absolute().parents if each.is_dir())
                 with suppress(FileNotFoundError):
-                    (there / target.name).lstat()  # refuses a name that is too long
+                    (there / target.name).lstat()  # raises an error if the name is too long
             except (InputError, OSError) as error:
                 failed += 1
                 tell(_sentence(job, error))
@@ -98,12 +98,12 @@ class DrawingBatch:
         return failed
 
     def predict(self, predictor: Predictor, jobs: Sequence[Job], alone: bool = False) -> None:
-        """Predict drawings, and print the outcome of each.
+        """Predict drawings, and print the result of each.
 
         Args:
             predictor: the network.
             jobs: the drawings.
-            alone: whether an error of a drawing is raised, because it is the only one.
+            alone: whether there is only one drawing, so that its error is raised instead of printed.
         """
         settings = self._settings
         work = JobPredictor(
@@ -148,29 +148,29 @@ class DrawingBatch:
         find: Callable[[], Found],
         found: Found,
     ) -> None:
-        """Predict drawings whenever they are saved, until Ctrl-C; those that share a frame all together.
+        """Predict drawings whenever they are saved, until Ctrl-C; drawings that share a frame all at once.
 
         Raises:
-            RunError: if a folder that was named was removed.
+            RunError: if a named folder was removed.
         """
         folders = [Path(word) for word in self._settings.sketches if Path(word).is_dir()]
-        tell("watching; Ctrl-C ends it.")
+        tell("watching; Ctrl-C stops it.")
         printed, known = set(found.notices), set[Path]()
         while True:
             time.sleep(_POLL_SECONDS)
             for place in folders:
                 if not place.exists():
-                    raise RunError(f"the folder {place} that is watched is gone.")
+                    raise RunError(f"the watched folder {place} no longer exists.")
             jobs, now = {}, set[str]()
             try:
                 found = find()
                 jobs, now = {job.files.drawing: job for job in found.jobs}, set(found.notices)
-            except InputError as error:  # such as a map that would be written over a new drawing
+            except InputError as error:  # for example, a map would overwrite a new drawing
                 now = {str(error)}
             for each in sorted(now - printed):
                 tell(each)
             printed = now
-            # The map of a drawing that was deleted or renamed is not a drawing either.
+            # The maps of deleted or renamed drawings are not drawings either.
             known |= set(jobs)
             kept = set(without_companions(sorted(known), companions_of(self._outputs.ending)))
             jobs = {path: job for path, job in jobs.items() if path in kept}
@@ -180,11 +180,11 @@ class DrawingBatch:
                     self.predict(
                         predictor, [*jobs.values()] if self._share_frame else [jobs[each] for each in saved]
                     )
-                except InputError as error:  # such as frames of several sizes, until all are saved
+                except InputError as error:  # for example, frames differ in size until all are saved
                     tell(error)
 
     def read(self, jobs: Iterable[Job]) -> dict[Path, list[Path]]:
-        """Return the drawings, each with its hints, mask and other files."""
+        """Return the drawings, each with its other input files, such as hints and mask."""
         files = [job.files for job in jobs]
         return {
             each.drawing: [*each.beside, *self._packing.beside(each.drawing, each.below)] for each in files
@@ -192,15 +192,15 @@ class DrawingBatch:
 
     @property
     def _share_frame(self) -> bool:
-        """Whether drawings in separate files share a frame."""
+        """Whether drawings in separate files are framed by one square."""
         return self._settings.frame == "shared" and not self._packing.given and not self._settings.layers
 
     def code(self, predicted: int, unusable: int) -> int:
-        """Write outputs that needed all drawings, report how many failed, and return the exit code.
+        """Write the held outputs, print the number of failures, and return the exit code.
 
         Args:
-            predicted: number of drawings that were to be predicted.
-            unusable: number of drawings that were found to be unusable before.
+            predicted: number of drawings that were passed to `predict`.
+            unusable: number of drawings that were found unusable before.
         """
         self._writer.write_held(self._held)
         failed, total = self._failed + unusable, predicted + unusable
@@ -220,11 +220,11 @@ class DrawingBatch:
         try:
             return self._target(job).exists()
         except InputError:
-            return False  # the error is raised when it is predicted
+            return False  # the error is raised by the prediction
 
 
 def _sentence(job: Job, error: Exception) -> InputError:
-    """Return an error in a sentence that names the drawing; raise it again if it is a mistake of ours."""
+    """Return an error as a message that names the drawing; re-raise errors that are bugs."""
     if isinstance(error, OSError):
         return unwritable(f"the normal map cannot be written to {job.target}: {error.strerror}.", error)
     if not isinstance(error, InputError):

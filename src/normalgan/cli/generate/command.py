@@ -1,4 +1,4 @@
-"""normalgan generate: from drawings to normal maps by a model as ONNX, without torch."""
+"""normalgan generate: predict normal maps for drawings with an ONNX model, without torch."""
 
 import math
 import sys
@@ -37,15 +37,15 @@ __all__ = ["run"]
 
 
 def run(arguments: list[str]) -> int:
-    """Predict and write the maps; return the exit code, 1 if some of several drawings could not be used.
+    """Predict and write the maps; return the exit code, which is 1 if some of several drawings failed.
 
     Raises:
-        InputError: if nothing can be done: a setting or the only drawing cannot be used.
+        InputError: if a setting or the only drawing is invalid.
     """
     parser = build_parser(engine_of(arguments))
     options = [option for action in parser._actions for option in action.option_strings]
     settings = parser.parse_args(as_shell_means(arguments, options))
-    decoding.start()  # while the model is loaded
+    decoding.start()  # starts up while the model is loaded
     packing = _packing(settings)
     _check_explained(settings, packing)
     holes = _points(settings.hole or ())
@@ -62,7 +62,7 @@ def run(arguments: list[str]) -> int:
     jobs, wrong = found.jobs, [*found.missing, *found.clashing]
     if wrong and not jobs:
         raise wrong[0]
-    if piped is not None and len(jobs) > 1:  # refused before they are predicted
+    if piped is not None and len(jobs) > 1:  # refused before anything is predicted
         raise _not_one(len(jobs))
     if holes and len(jobs) > 1:
         raise InputError(f"a hole is a point of one drawing, but there are {len(jobs)}; name one.")
@@ -73,7 +73,7 @@ def run(arguments: list[str]) -> int:
     batch = DrawingBatch(settings, writer, packing, holes)
     for each in (*found.left_out, *wrong):
         tell(each)
-    # Before the first prediction, so that drawings saved meanwhile are predicted again.
+    # Created before the first prediction, so that drawings saved during it are predicted again.
     watcher = Watcher(batch.read(jobs) if settings.watch else {})
     if settings.skip_existing and piped is None:
         jobs = batch.without_existing(jobs)
@@ -91,37 +91,35 @@ def run(arguments: list[str]) -> int:
 
 
 def _packing(settings: Namespace) -> Packing:
-    """Return how drawings are found in a file.
+    """Return the packing that the settings describe.
 
     Raises:
-        InputError: if its settings contradict each other.
+        InputError: if the settings contradict each other.
     """
     packed = settings.sheet or settings.split or settings.atlas or settings.tileset
     if settings.tile and (packed or settings.layers):
         raise InputError(
-            "--tile repeats a whole drawing; leave --sheet, --split, --atlas, --tileset and --layers out."
+            "--tile repeats a whole drawing; omit --sheet, --split, --atlas, --tileset and --layers."
         )
     if settings.tileset and settings.frame == "shared":
-        raise InputError("--tileset shows the model each tile with its neighbours; leave --frame shared out.")
+        raise InputError("--tileset shows the model each tile with its neighbours; omit --frame shared.")
     if settings.tile and settings.frame == "shared":
-        raise InputError("--tile shows the model each drawing with its repeats; leave --frame shared out.")
+        raise InputError("--tile shows the model each drawing with its repeats; omit --frame shared.")
     if settings.form and (settings.tile or settings.tileset):
-        raise InputError(
-            "--form gives an object an edge, and what repeats has none; leave --tile and --tileset out."
-        )
+        raise InputError("--form needs an object with an edge, so it does not work with --tile or --tileset.")
     if settings.form and settings.hints:
-        raise InputError("--form replaces what hints say; leave one of the two out.")
+        raise InputError("--form overrides hints; use only one of the two.")
     if settings.pixel_art and settings.size is not None:
-        raise InputError("--pixel-art keeps the drawing's own pixels, and so its size; leave --size out.")
+        raise InputError("--pixel-art keeps the drawing's own pixels, and therefore its size; omit --size.")
     if settings.layers and packed:
         raise InputError(
-            "--layers predicts each layer as a whole; leave --sheet, --split, --atlas and --tileset out."
+            "--layers predicts each layer as a whole; omit --sheet, --split, --atlas and --tileset."
         )
     return Packing(settings.sheet, settings.split, settings.atlas, settings.tileset)
 
 
 def _check_explained(settings: Namespace, packing: Packing) -> None:
-    """Raise `InputError` if options of the mask contradict other options."""
+    """Raise `InputError` if options about the mask contradict other options."""
     given = [
         option
         for option, value in (
@@ -133,8 +131,8 @@ def _check_explained(settings: Namespace, packing: Packing) -> None:
     ]
     if given and (packing.given or settings.layers or settings.tile or settings.frame == "shared"):
         raise InputError(
-            f"{given[0]} is about the mask of a single drawing; leave --sheet, --split, --atlas, --tileset, "
-            "--layers, --tile and --frame shared out."
+            f"{given[0]} is about the mask of a single drawing; omit --sheet, --split, --atlas, --tileset, "
+            "--layers, --tile and --frame shared."
         )
     if settings.explain is not None and Path(settings.explain).is_file():
         raise InputError(f"--explain {settings.explain} is a file; name a folder.")
@@ -144,7 +142,7 @@ def _outputs(settings: Namespace) -> Outputs:
     """Return the outputs to write.
 
     Raises:
-        InputError: if its settings contradict each other.
+        InputError: if the settings contradict each other.
     """
     output = Path(settings.output)
     form = format_of(output, settings.format) if is_file_name(output) else settings.format
@@ -153,9 +151,9 @@ def _outputs(settings: Namespace) -> Outputs:
     except OutOfRangeError as error:
         raise InputError(f"--{error.setting.replace('_', '-')} {error.verdict}") from None
     if settings.watch and outputs.whole_batch:
-        raise InputError("--height-scale batch needs all drawings, and --watch never has them; give pixels.")
+        raise InputError("--height-scale batch needs all drawings at once, unlike --watch; give pixels.")
     if settings.output == STDOUT and outputs.beside:
-        raise InputError("standard output holds the map alone; give -o a folder for the rest.")
+        raise InputError("standard output only holds the map; use -o with a folder for other outputs.")
     if settings.output == STDOUT and (settings.watch or settings.dry_run):
         raise InputError("standard output holds one map; --watch and --dry-run need a folder (-o).")
     return outputs
@@ -165,7 +163,7 @@ def _points(given: Sequence[str]) -> list[tuple[float, float]]:
     """Return x and y of each point.
 
     Raises:
-        InputError: if one is not a point.
+        InputError: if a text is not a point.
 
     >>> _points(["12,40.5"])
     [(12.0, 40.5)]
@@ -185,7 +183,7 @@ def _points(given: Sequence[str]) -> list[tuple[float, float]]:
 
 
 def _find(settings: Namespace, outputs: Outputs, packing: Packing, content: bytes | None) -> Found:
-    """Return the inputs that a command names."""
+    """Return the drawings that a command names."""
     folder = Path(settings.output)
     files, missing = find_many(
         settings.sketches,
@@ -212,20 +210,20 @@ def _find(settings: Namespace, outputs: Outputs, packing: Packing, content: byte
 
 
 class _Piped:
-    """Standard output as the sink of a single map, checked to be the only one."""
+    """A sink that writes a single map to standard output."""
 
     def __init__(self) -> None:
         self._files: list[bytes] = []
 
     def __call__(self, _: Path, content: bytes) -> None:
-        """Take a file."""
+        """Hold a file until `release`."""
         self._files.append(content)
 
     def release(self) -> None:
         """Write the map.
 
         Raises:
-            InputError: if there is none, or more than one.
+            InputError: if there is not exactly one map.
         """
         if len(self._files) != 1:
             raise _not_one(len(self._files))
@@ -238,7 +236,7 @@ def _not_one(maps: int) -> InputError:
 
 
 def _one_thread_each() -> None:
-    """Let OpenCV compute in the thread that calls it: drawings share the cores, not the parts of one."""
+    """Make OpenCV single-threaded, because the drawings are already processed in parallel."""
     import cv2
 
     cv2.setNumThreads(1)

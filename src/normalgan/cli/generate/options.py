@@ -1,4 +1,4 @@
-"""The command line of normalgan generate, in sections."""
+"""Options of normalgan generate."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -18,7 +18,7 @@ __all__ = ["as_shell_means", "build_parser", "engine_of"]
 
 
 def engine_of(arguments: Sequence[str]) -> Engine | None:
-    """Return the engine that a command line names; None if it names no known one.
+    """Return the engine that a command line names; None if it names no known engine.
 
     >>> engine_of(["fox.png", "--engine", "unreal"])
     'unreal'
@@ -35,7 +35,7 @@ def build_parser(engine: Engine | None = None) -> LightParser:
     """Return the parser of the command line.
 
     Args:
-        engine: its conventions are the defaults, which the user can overrule.
+        engine: engine whose conventions are the defaults of the output options.
     """
     parser = LightParser(
         prog="normalgan generate",
@@ -49,7 +49,7 @@ def build_parser(engine: Engine | None = None) -> LightParser:
         "-o",
         "--output",
         default="normals",
-        help="folder where the maps go (default %(default)s); for one drawing also a file, or - for standard "
+        help="output folder (default %(default)s); for a single drawing also a file, or - for standard "
         "output",
     )
     parser.add_argument("--dry-run", action="store_true", help="only print what would be read and written")
@@ -68,33 +68,33 @@ def _add_drawing(parser: LightParser) -> None:
     group.add_argument(
         "--model",
         type=str | None,
-        help="a file or an address of a model that normalgan export wrote; by default the package's own",
+        help="file or address of a model written by normalgan export; by default the shipped model",
     )
     group.add_argument(
         "--hints",
         type=str | None,
-        help="a file of hints, or a folder of <sketch>_hints.png or .json",
+        help="file of hints, or folder of <sketch>_hints.png or .json files",
     )
     group.add_argument(
         "--mask",
         type=str | None,
-        help="where the object is: a file, a folder of <sketch>_mask.png, outline (all that lines enclose), "
-        "reader (a small network decides on each region), or model (the model's guess); by default the "
-        "drawing's opacity if that shows the object, else reader",
+        help="mask of the object: a file, a folder of <sketch>_mask.png files, outline (all that lines "
+        "enclose), reader (a small network decides on each region), or model (the model's own segmentation); "
+        "by default the drawing's opacity if it shows the object, otherwise reader",
     )
     group.add_argument(
         "--hole",
         type=str,
         action="append",
         metavar="X,Y",
-        help="a point of the drawing; the region that lines enclose there becomes a hole, or object if it is "
-        "a hole; may be given several times",
+        help="point of the drawing whose enclosed region becomes a hole, or object if it is a hole; can be "
+        "given several times",
     )
     group.add_argument("--single", action="store_true", help="predict all figures of a page as one object")
     group.add_argument(
         "--explain",
         type=str | None,
-        help="a folder for pictures that show how each mask was found: ink, votes on regions, presence",
+        help="folder for pictures that show how each mask was found: ink, votes on regions, presence",
     )
     group.add_argument(
         "--size",
@@ -102,95 +102,95 @@ def _add_drawing(parser: LightParser) -> None:
         help="longer side of the map in pixels; by default the drawing's, 1024 for an SVG",
     )
     group.add_argument(
-        "--strength", type=Strength, default=1.0, help="factor of the map's slopes (default %(default)s)"
+        "--strength", type=Strength, default=1.0, help="factor applied to the slopes (default %(default)s)"
     )
     group.add_argument(
         "--form",
         type=str | None,
         metavar="KIND",
-        help="a form for each whole object: round, flat (a face with a bevelled edge) or hollow; "
-        "flat,bevel=0.1,strength=1 says how far the edge reaches inwards, and how far the form replaces what "
-        "is predicted; by default a bevel of 0.2 (of round and hollow 1) and a strength of 0.7",
+        help="form of each whole object: round, flat (a face with a bevelled edge) or hollow; optionally "
+        "with bevel (width of the edge) and strength, such as flat,bevel=0.1,strength=1; the default bevel "
+        "is 0.2 (1 for round and hollow) and the strength 0.7",
     )
     group.add_argument(
         "--detail",
         type=ClosedUnitInterval,
         default=0.0,
-        help="how much of the drawing's own shading is added as relief, 0 to 1 (default %(default)s)",
+        help="strength of the relief added from the drawing's own shading, 0 to 1 (default %(default)s)",
     )
     group.add_argument(
         "--pixel-art",
         action="store_true",
-        help="one normal for each art pixel, in 25 directions; thin dark outlines are flat",
+        help="give each art pixel one of 25 normals; thin dark outlines are flat",
     )
     group.add_argument(
         "--tile",
         type=Tile | None,
         metavar=choices(Tile),
-        help="the drawing repeats side by side (x), one above the other (y) or both, and so do its maps",
+        help="directions in which the drawing repeats: x, y or both; its maps repeat in the same way",
     )
 
 
 def _add_folders(parser: LightParser) -> None:
     group = parser.add_argument_group("Folders")
     group.add_argument(
-        "--recursive", action="store_true", help="search subfolders too, and mirror them in the output"
+        "--recursive", action="store_true", help="search subfolders too, and mirror them in the output folder"
     )
-    group.add_argument("--skip-existing", action="store_true", help="leave out drawings that have a map")
+    group.add_argument("--skip-existing", action="store_true", help="skip drawings that already have a map")
     group.add_argument(
         "--watch",
         action="store_true",
-        help="keep running, and predict each drawing when it is saved; Ctrl-C ends it",
+        help="keep running, and predict each drawing when it is saved; Ctrl-C stops it",
     )
 
 
 def _add_sheets(parser: LightParser) -> None:
     group = parser.add_argument_group("Several drawings in one file")
-    group.add_argument("--sheet", type=str | None, help="a sprite sheet: columns x rows, such as 4x3")
+    group.add_argument("--sheet", type=str | None, help="grid of a sprite sheet: columns x rows, such as 4x3")
     group.add_argument(
         "--split",
         type=Literal["auto"] | None,
         metavar="auto",
-        help="auto finds a sheet's drawings: islands of opacity or of connected lines",
+        help="auto finds the drawings of a sheet: opaque islands or connected lines",
     )
     group.add_argument(
         "--atlas",
         type=str | None,
-        help="the file with the places of a sheet's sprites, from TexturePacker, Aseprite, libGDX, Spine, "
+        help="file with the positions of a sheet's sprites, from TexturePacker, Aseprite, libGDX, Spine, "
         "Starling, Phaser, Cocos2d, Unity or Godot, or a folder of such files",
     )
     group.add_argument(
         "--tileset",
         type=str | None,
         metavar="SIZE",
-        help="a tileset: width x height of a tile, such as 16x16 or 16x16,margin=1,spacing=2; or a tileset "
-        "of Tiled (.tsx, .tsj), or a folder of such files; or own, the tileset of an Aseprite file",
+        help="tileset: width x height of a tile, such as 16x16 or 16x16,margin=1,spacing=2; a Tiled tileset "
+        "(.tsx, .tsj) or a folder of them; or own for the tileset of an Aseprite file",
     )
     group.add_argument(
         "--layers",
         action="store_true",
-        help="predict each visible layer of a PSD, KRA, ORA or Aseprite file separately, and write them as a "
-        "layered file; with --bits 16, --engine or another --format, each layer has a file of its own",
+        help="predict each visible layer of a PSD, KRA, ORA or Aseprite file separately, and write a layered "
+        "file; with --bits 16, --engine or another --format, each layer is written to its own file",
     )
     group.add_argument(
         "--frame",
         type=Literal["own", "shared"] | None,
         metavar="{own,shared}",
-        help="what the model is shown: own makes each drawing as large as possible; shared shows the same "
-        "square of all, so that what stands still does not flicker; by default shared for an animation, else "
-        "own",
+        help="framing of the model's input: own enlarges each drawing as far as possible; shared uses the "
+        "same square for all, so that still parts do not flicker; the default is shared for animations, "
+        "otherwise own",
     )
 
 
 def as_shell_means(arguments: Sequence[str], options: Sequence[str]) -> list[str]:
-    """Return arguments in which a file whose name begins with a dash is not taken for an option.
+    """Return arguments changed so that file names that start with a dash are not parsed as options.
 
-    After ``--`` nothing is an option. Before it, an argument that names an existing file and no option is
-    that file.
+    Everything after ``--`` is a file name. Before it, an argument that names an existing file and is not an
+    option is a file name.
 
     Args:
-        arguments: what the shell gave.
-        options: what the parser knows.
+        arguments: arguments from the shell.
+        options: options that the parser knows.
     """
     out: list[str] = []
     for i, each in enumerate(arguments):

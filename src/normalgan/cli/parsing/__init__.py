@@ -1,3 +1,3 @@
-"""How all commands parse: settings, configuration files, options that several share, and error messages."""
+"""Parsing shared by all commands: settings, configuration files, common options and error messages."""
 
 __all__ = []

@@ -1,4 +1,4 @@
-"""Configuration files: checked before the parser reads them."""
+"""Configuration files: check them before the parser reads them."""
 
 import os
 import re
@@ -21,12 +21,12 @@ def check_config(path: str | Path, sections: Collection[str] = ()) -> None:
     """Check a configuration file.
 
     Args:
-        path: the file.
-        sections: the keys that group settings.
+        path: path of the file.
+        sections: keys that must hold groups of settings.
 
     Raises:
-        InputError: if it is missing, cannot be read, is not YAML, holds no settings, or is too large or too
-            deep.
+        InputError: if the file is missing, cannot be read, is not YAML, holds no settings, or is too large or
+            too deeply nested.
     """
     content = _read(Path(path))
     if not isinstance(content, dict):
@@ -34,7 +34,7 @@ def check_config(path: str | Path, sections: Collection[str] = ()) -> None:
             f"the configuration {path} holds no settings; it must be like {{data: {{size: 64}}}}."
         )
     if sections and not {"rows", "base"}.isdisjoint(content):
-        raise InputError(f"{path} is a plan of a comparison; give it to normalgan benchmark --config.")
+        raise InputError(f"{path} is a benchmark plan; pass it to normalgan benchmark --config.")
     for section in sections:
         if section in content and not isinstance(content[section], (dict, str)):
             is_now = "is empty" if content[section] is None else f"is {content[section]!r}"
@@ -42,22 +42,22 @@ def check_config(path: str | Path, sections: Collection[str] = ()) -> None:
 
 
 def load_bounded(text: str, load: Callable[[str], Any], safe: bool = False) -> Any:
-    """Return the content of a YAML text, from a file or an argument.
+    """Return the content of a YAML text from a file or an argument.
 
     Args:
-        text: what to load.
-        load: the parser's own way of loading, which knows its numbers.
-        safe: whether it may not read the environment, which may hold secrets.
+        text: YAML text.
+        load: the parser's own YAML loader, which has its own rules for numbers.
+        safe: whether reading environment variables, which may hold secrets, is refused.
 
     Raises:
-        InputError: if it is too large when expanded, or names a variable that cannot be read.
+        InputError: if the text is too large when expanded, or names a variable that cannot be read.
     """
-    # Most are a word or a number; a short text without an anchor cannot expand to much.
+    # Most texts are a word or a number. A short text without an anchor cannot expand to much.
     if "&" in text or len(text) > 100:
         if len(text) > MOST_SETTINGS:
-            raise InputError(f"a setting has more than {MOST_SETTINGS} bytes; no settings need as many.")
+            raise InputError(f"a setting has more than {MOST_SETTINGS} bytes, which is the limit.")
         if excess := yaml_limit_error(text):
-            raise InputError(f"a setting {excess}; settings need no such thing.")
+            raise InputError(f"a setting {excess}; simplify it.")
     loaded = load(text)
     return with_environment(loaded, safe) if "${" in text else loaded
 
@@ -65,11 +65,11 @@ def load_bounded(text: str, load: Callable[[str], Any], safe: bool = False) -> A
 def with_environment(value: Any, safe: bool = False) -> Any:
     """Return settings with ``${NAME}`` replaced by the environment variable of that name.
 
-    ``${oc.env:NAME}`` and ``${oc.env:NAME,default}``, as OmegaConf writes them, mean the same.
+    OmegaConf's ``${oc.env:NAME}`` and ``${oc.env:NAME,default}`` are supported too.
 
     Args:
-        value: settings: nested lists and mappings.
-        safe: whether to refuse to read the environment.
+        value: settings as nested lists and mappings.
+        safe: whether reading environment variables is refused.
 
     Raises:
         InputError: if a variable is not set, or the braces hold something else.
@@ -82,11 +82,11 @@ def with_environment(value: Any, safe: bool = False) -> Any:
 
 
 def with_shipped_configs(arguments: list[str]) -> tuple[list[str], list[str]]:
-    """Return the arguments with each configuration as one ``--config=PATH``, and the paths.
+    """Return the arguments with each configuration normalised to ``--config=PATH``, and the paths.
 
     Args:
-        arguments: a command's arguments; ``--config`` may be spelled in any way, and name one of the
-            package.
+        arguments: arguments of a command; ``--config`` may have any spelling and may name a shipped
+            configuration.
 
     >>> given = ["fit", "-c", "a.yaml", "--config=b.yaml", "-cc.yaml", "--data.size", "64"]
     >>> with_shipped_configs(given)[0]
@@ -107,7 +107,7 @@ def with_shipped_configs(arguments: list[str]) -> tuple[list[str], list[str]]:
 
 def _variable(found: re.Match[str], safe: bool) -> str:
     if safe:
-        raise InputError(f"a configuration names {found[0][:60]}, and --safe-config reads no environment.")
+        raise InputError(f"a configuration reads {found[0][:60]}, which --safe-config does not allow.")
     named = re.fullmatch(r"(oc\.env:)?\s*([A-Za-z_]\w*)\s*(?:,(.*))?", found[1])
     if named is None or (named[3] is not None and not named[1]):
         raise InputError(
@@ -120,16 +120,16 @@ def _variable(found: re.Match[str], safe: bool) -> str:
 
 
 def _read(path: Path) -> Any:
-    """Return the content of a file."""
+    """Return the content of a configuration file."""
     if not path.exists():
         names, given = shipped_names(), path.with_suffix("")
         hint = did_you_mean(given.as_posix(), names) or did_you_mean(given.name, names)
-        hint = hint or f" Those of the package, such as paper and quickstart, are in {shipped_folder()}."
+        hint = hint or f" The shipped ones, such as paper and quickstart, are in {shipped_folder()}."
         raise InputError(f"there is no configuration file {path}.{hint}")
     try:
         text = read_named(path, "the configuration", MOST_SETTINGS).decode("utf-8")
         if excess := yaml_limit_error(text):
-            raise InputError(f"the configuration {path} {excess}; settings need no such thing.")
+            raise InputError(f"the configuration {path} {excess}; simplify it.")
         return load_yaml(text)
     except yaml.MarkedYAMLError as error:
         line = f"line {error.problem_mark.line + 1}: " if error.problem_mark else ""
@@ -139,4 +139,4 @@ def _read(path: Path) -> Any:
         advice = "; indent with spaces" if r"'\t'" in problem else ""
         raise InputError(f"the configuration {path} is not YAML: {line}{problem}{advice}.") from None
     except (yaml.YAMLError, UnicodeDecodeError):
-        raise InputError(f"the configuration {path} is not a text in YAML.") from None
+        raise InputError(f"the configuration {path} is not YAML text.") from None

@@ -1,4 +1,4 @@
-"""Parser errors: turn the parser's long messages into one sentence."""
+"""Parser errors: rewrite the parser's long messages as a single sentence."""
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -21,10 +21,10 @@ _KINDS = {
     "Iterable": "a list",
     "dict": "a mapping",
 }
-"""Plain words for the Python types of settings."""
+"""Plain words for Python types."""
 _OF_A_CLASS = ("class_path", "init_args")
 _FEW = 16
-"""Longer lists of names are not printed."""
+"""Maximum number of names that a message lists."""
 
 
 def explain(
@@ -34,15 +34,15 @@ def explain(
     options: Mapping[str, str] | None = None,
     choices: Mapping[str, str] | None = None,
 ) -> str:
-    r"""Return jsonargparse's message about a mistake as one sentence, with a suggestion.
+    r"""Return a jsonargparse error message as one sentence, with a suggestion.
 
     Args:
-        message: several lines, each deeper into the types that were tried.
-        plugins: the classes that can be named, by the last part of the setting that names one.
-        settings: every setting there is, in dots.
-        options: of a command without configurations: how a shell spells each setting that is an option. None
-            names settings in dots, as files and options do.
-        choices: the values of each option that takes only some, as ``--help`` shows them.
+        message: the message, whose lines go deeper and deeper into the types that were tried.
+        plugins: classes that can be named, by the last part of the setting that names them.
+        settings: dotted names of all settings.
+        options: command-line spelling of each setting, for commands without configurations; None uses dotted
+            names.
+        choices: accepted values of options that only take certain values, as shown by ``--help``.
 
     >>> explain('Parser key "data.size":\n  Expected a <class \'int\'>. Got value: large', {})
     'argument "data.size": expected a whole number, not large.'
@@ -76,8 +76,8 @@ def explain(
         return f"{found[1]} is a group of settings{inside} and {found[2]} is not a file of them."
     if found := re.search(r"Importing '(.+?)' is not allowed", message):
         return (
-            f"{where}--safe-config does not allow {found[1]}; it takes registered classes and a few of "
-            "torch and Lightning."
+            f"{where}--safe-config does not allow {found[1]}; it only allows registered classes and "
+            "some of torch and Lightning."
         )
     if found := re.search(r"Not of type \w+: (.*)does not conform to restriction (.+)", message):
         value = found[1].strip() or _given(message)
@@ -101,9 +101,9 @@ def explain(
 
 
 def refusal(error: Exception) -> str:
-    r"""Return a class's complaint about its settings as one sentence.
+    r"""Return a class's own error message about its settings as one sentence.
 
-    jsonargparse lists it among the reasons why each other type of the setting did not fit.
+    jsonargparse buries it in a list of reasons why all other types of the setting did not fit.
 
     >>> tried = "Does not validate against any of the Union subtypes\n  - size is 0.\n  - Expected a None"
     >>> refusal(ValueError(tried))
@@ -125,7 +125,7 @@ def refusal(error: Exception) -> str:
 
 
 def _spelled(key: str, options: Mapping[str, str] | None) -> str:
-    """Return how an error names a setting: the option of a shell, if there is one."""
+    """Return the name of a setting in error messages: its command-line option, if it has one."""
     head, dot, rest = key.partition(".")
     option = (options or {}).get(head)
     return f"{option}{dot}{rest}" if option else f'argument "{key}"'
@@ -140,13 +140,13 @@ def _no_setting(message: str, name: str, settings: Sequence[str]) -> str:
 def _no_option(message: str, options: Mapping[str, str]) -> str:
     given = message.removeprefix("unrecognized arguments: ").split()[0]
     if not given.startswith("-"):
-        return f"{given} is one argument too many."
+        return f"unexpected argument {given}."
     name = given.partition("=")[0]
     return f"there is no option {name}.{did_you_mean(name, options.values())}"
 
 
 def _misused(message: str, options: Mapping[str, str], choices: Mapping[str, str]) -> str:
-    """Return what argparse says about arguments and the number of their values; nothing if it is other."""
+    """Return the explanation of an argparse error about arguments and their values; empty for others."""
     if found := re.search(r"the following arguments are required: (.+)", message):
         return f"missing: {', '.join(options.get(each, each) for each in found[1].split(', '))}."
     if found := re.fullmatch(r"ambiguous option: (\S+) could match (.+), (\S+)", message):
@@ -162,11 +162,11 @@ def _misused(message: str, options: Mapping[str, str], choices: Mapping[str, str
 
 
 def _of_a_class(message: str, registry: Registry[Any] | None) -> str:
-    """Return what is wrong with a class that was named; empty if the message is about something else."""
+    """Return the explanation of an error about a named class; empty for other errors."""
     if found := re.search(r"but (\S+) is abstract", message):
         return f"{found[1]} is abstract; name a class that defines all of its methods."
     if found := re.search(r"Import path (\S+) does not correspond to a subclass of (\w+)", message):
-        return f"{found[1]} is no {found[2]}{_known(registry)}."
+        return f"{found[1]} is not a {found[2]}{_known(registry)}."
     if found := re.search(r"Expected a dot import path string: (.+)", message):
         return _unknown(registry, found[1]) if registry else f"no class named {found[1]!r}."
     if found := re.search(r"Problem with given class_path '(.+?)':\s+(?!\s|Parser key)(.+)", message):
@@ -177,12 +177,12 @@ def _of_a_class(message: str, registry: Registry[Any] | None) -> str:
         elsewhere = where_classes_are_looked_for(found[1]) if missing else ""
         return f"{found[1]} cannot be imported ({found[2]}){advice}{elsewhere}"
     if found := re.search(r"Not a valid subclass of (\w+)", message):
-        return f"{_given(message)} is no {found[1]}{_known(registry)}."
+        return f"{_given(message)} is not a {found[1]}{_known(registry)}."
     return ""
 
 
 def _of_its_settings(path: str, problem: str) -> str:
-    """Return what is wrong with the settings of a class that was found; empty if it was not found."""
+    """Return the explanation of an error about the settings of a class; empty if the class was not found."""
     if found := re.match(r"Group '(.+)' does not accept option '(.+)'", problem):
         return f"{found[1]}.{found[2]} is not a setting of it; write class_path and init_args."
     if found := re.match(r"the following arguments are required: ([^)]+)", problem):
@@ -201,7 +201,7 @@ def _unknown(registry: Registry[Any], name: str) -> str:
 
 
 def _wanted(message: str) -> Iterable[str]:
-    """Yield the accepted values, in the words of `_KINDS` if it has them."""
+    """Yield the accepted values, in plain words from `_KINDS` where possible."""
     for text in re.findall(r"Expected an? (.+?)(?:\. Got value.*)?$", message, re.MULTILINE):
         if text.startswith(("path but", "dot import path")):
             continue
@@ -218,6 +218,6 @@ def _wanted(message: str) -> Iterable[str]:
 
 def _given(message: str) -> str:
     given = str(re.findall(r"G(?:ot|iven) value: (.*)", message)[-1])
-    # How jsonargparse shows the value of an option in dots.
+    # jsonargparse's representation of the value of a dotted option.
     nested = re.fullmatch(r"NestedArg\(key='.*', val='(.*)'\)", given)
     return nested[1] if nested else given

@@ -1,4 +1,4 @@
-"""LightParser: the parser of commands without Lightning, and what all parsers do with settings of classes."""
+"""LightParser: the parser of commands without Lightning, and the base class of all parsers."""
 
 import argparse
 import re
@@ -19,28 +19,27 @@ __all__ = ["LightParser", "OwnDefaultsParser", "choices"]
 
 
 class OwnDefaultsParser(ArgumentParser):
-    """Stops the settings of one class from passing to another class that replaces it.
+    """A parser that does not carry the default settings of a class over to a class that replaces it.
 
-    When another class is named, jsonargparse keeps every setting that both classes have, even one that was
-    only the first class's default (https://github.com/mauvilsa/jsonargparse/issues/460). A brush, for
-    example, got the default line width of another style. A setting from an option is still kept when another
-    option names the new class.
+    When another class is named, jsonargparse keeps every setting that both classes have, even if it was only
+    a default of the first class (https://github.com/mauvilsa/jsonargparse/issues/460). A brush, for example,
+    got the default line width of another style. Settings that were given as options are still kept.
     """
 
     def add_argument(self, *names: Any, **how: Any) -> Any:
-        """Add an argument; where files with settings are given, `_Overlay` reads them."""
+        """Add an argument; configuration files are read by `_Overlay`."""
         if how.get("action") in ("config", ActionConfigFile):
             how["action"] = _Overlay
         return super().add_argument(*names, **how)
 
     @staticmethod
     def suggestion(message: str, settings: Iterable[str]) -> str:
-        """Return what was meant by a setting that a class does not have, to be part of a longer message."""
+        """Return a suggestion for an unknown setting of a class, as part of a longer message."""
         unknown = re.fullmatch(r"Option '(.+)' is not accepted", message)
         return did_you_mean(unknown[1], settings) if unknown else ""
 
     def _choices(self) -> dict[str, str]:
-        """Return the values of each option that takes only some, as ``--help`` shows them."""
+        """Return the accepted values of options that only take certain values, as shown by ``--help``."""
         return {
             name: action.metavar
             for action in self._actions
@@ -49,19 +48,19 @@ class OwnDefaultsParser(ArgumentParser):
         }
 
     def exit(self, status: int = 0, message: str | None = None) -> NoReturn:
-        """End the command in a way that cannot be confused with ``sys.exit`` in a plug-in."""
+        """Raise `CommandExit`, which cannot be confused with a plug-in's ``sys.exit``."""
         if message:
             print(message, file=sys.stderr, end="")
         raise CommandExit(status)
 
     def get_defaults(self, *given: Any, **how: Any) -> Namespace:
-        """Return all defaults; for a class that is a default, only what was set: parsing adds the rest."""
+        """Return all defaults; of default classes only the explicit arguments, as parsing adds the rest."""
         defaults = super().get_defaults(*given, **how)
         for key, value in list(defaults.items(branches=True)):
             if isinstance(value, Namespace) and "class_path" in value and "init_args" in value:
                 try:
                     chosen = self.get_default(key)
-                except KeyError:  # a class within another
+                except KeyError:  # a nested class
                     continue
                 set_here = chosen.get("init_args", {}) if isinstance(chosen, dict | Namespace) else {}
                 for name in set(vars(value.init_args)) - set(dict(set_here.items())):
@@ -70,13 +69,13 @@ class OwnDefaultsParser(ArgumentParser):
 
 
 class LightParser(OwnDefaultsParser):
-    """Reports mistakes in one sentence, with a suggestion for typos."""
+    """A parser that reports errors in one sentence, with suggestions for typos."""
 
     plugins: Mapping[str, Registry[Any]] = {}
-    """The registry behind each setting that names a plug-in."""
+    """Registries of the settings that name plug-ins."""
 
     def __init__(self, *args: Any, **settings: Any) -> None:
-        # jsonargparse's own formatter adds the type of each option in Python's notation.
+        # jsonargparse's own formatter would add the Python type of each option.
         super().__init__(*args, formatter_class=argparse.HelpFormatter, **settings)
 
     def error(self, message: str, ex: Exception | None = None) -> NoReturn:
@@ -89,7 +88,7 @@ class LightParser(OwnDefaultsParser):
         super().error(message + self.suggestion(message, settings), ex)
 
     def _options(self) -> dict[str, str]:
-        """Return the long option of each setting that is one."""
+        """Return the long option of each setting that has one."""
         long = {
             action.dest: [name for name in action.option_strings if name.startswith("--")]
             for action in self._actions
@@ -98,7 +97,7 @@ class LightParser(OwnDefaultsParser):
 
 
 def choices(kind: Any) -> str | None:
-    """Return how ``--help`` shows an option's value: its choices; None if it also takes other values.
+    """Return the choices of an option for ``--help``; None if the option also takes other values.
 
     >>> choices(Literal["png", "exr"] | None), choices(Literal["batch"] | float)
     ('{png,exr}', None)
@@ -111,7 +110,7 @@ def choices(kind: Any) -> str | None:
 
 
 class _Overlay(ActionConfigFile):
-    """Drops the settings of each class that a file replaces, and reads the file."""
+    """An action that drops the settings of classes that a file replaces, and then reads the file."""
 
     def __call__(self, parser: Any, settings: Any, file: Any, option: Any = None) -> None:
         if Path(file).is_file():
@@ -120,7 +119,7 @@ class _Overlay(ActionConfigFile):
 
 
 def _drop_replaced(settings: Any, named: object) -> None:
-    """Drop the settings of replaced classes, at any depth."""
+    """Drop the settings of replaced classes at any depth."""
     if not (isinstance(settings, Namespace) and isinstance(named, Mapping)):
         return
     another = "class_path" in named and _class_name(named) != _class_name(settings)
@@ -132,5 +131,5 @@ def _drop_replaced(settings: Any, named: object) -> None:
 
 
 def _class_name(spec: Any) -> str:
-    """Return a class's short name: packages show a class in other places than where it is defined."""
+    """Return the short name of a class, because a class may be exported from several modules."""
     return str(spec.get("class_path")).rpartition(".")[2]

@@ -1,4 +1,4 @@
-"""Types of the numbers that light commands take: the parser checks their range, and `--help` names it."""
+"""Number types with ranges, for the options of commands without Lightning."""
 
 from jsonargparse.typing import restricted_number_type
 
@@ -7,12 +7,12 @@ from normalgan.inference.reading.drawings import LARGEST, SMALLEST
 __all__ = ["Degrees", "Margin", "ModelSide", "Side", "Strength"]
 
 Side = restricted_number_type("Side", int, [(">=", SMALLEST), ("<=", LARGEST)])
-"""Pixels of a map or a drawing."""
+"""Side of a map or a drawing in pixels."""
 ModelSide = restricted_number_type("ModelSide", int, (">=", 8))
-"""Pixels of the pictures that a network is shown."""
+"""Side of a network's input in pixels."""
 Strength = restricted_number_type("Strength", float, [(">=", 0), ("<=", 100)])
-"""What slopes are multiplied by."""
+"""Factor applied to slopes."""
 Margin = restricted_number_type("Margin", float, [(">=", 0), ("<", 0.5)])
-"""Share of a side that is left free."""
+"""Margin as a fraction of a side."""
 Degrees = restricted_number_type("Degrees", float, [(">=", 1), ("<=", 120)])
-"""A field of view."""
+"""Field of view in degrees."""

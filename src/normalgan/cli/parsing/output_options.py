@@ -1,4 +1,4 @@
-"""Output options: options of the commands that write normal maps, from the registry of outputs."""
+"""Output options: add an option for every registered output to the commands that write normal maps."""
 
 import argparse
 from collections.abc import Iterator
@@ -30,12 +30,12 @@ def add_output_options(
     """Add the options that `outputs_of` reads.
 
     Args:
-        group: group of the options in the help.
-        section: prefix of their names, such as ``output.``; empty spells them for a shell.
-        form: default format of the map; None takes it from the name of the output file.
+        group: argument group in the help.
+        section: prefix of the option names, such as ``output.``; empty uses command-line spelling.
+        form: default format of the map; None uses the ending of the output file.
 
     Raises:
-        InputError: if a plug-in's option is taken.
+        InputError: if the name of a plug-in's option is already taken.
     """
     formats: Any = Format if form else Format | None
     form_help = _descriptions(Normal)["format"].rstrip(".")
@@ -45,7 +45,7 @@ def add_output_options(
     for kind in (Normal, *OUTPUTS):
         for option in _options(kind):
             if section and option.name == "engine":
-                continue  # it changes defaults, which generate does itself
+                continue  # it changes defaults, which only generate supports
             name = option.name if section else option.name.replace("_", "-")
             flag = option.type is bool and not section
             how: dict[str, Any] = {"action": "store_true"}
@@ -83,6 +83,6 @@ def _options(kind: type[Output]) -> Iterator[_Option]:
 
 
 def _descriptions(kind: type[Output]) -> dict[str, str]:
-    """Return the descriptions of an output's settings from its docstring."""
+    """Return the descriptions of an output's settings, from its docstring."""
     found = parse(kind.__doc__ or "", style=DocstringStyle.GOOGLE).params
     return {each.arg_name: " ".join((each.description or "").split()) for each in found}

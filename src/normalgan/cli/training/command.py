@@ -1,4 +1,4 @@
-"""The training commands: LightningCLI with our defaults, plug-ins and answers to mistakes."""
+"""The training commands: LightningCLI with our defaults, plug-ins and error messages."""
 
 import signal
 import sys
@@ -80,7 +80,7 @@ _DEFAULTS = {
     "model.hint_sampler": {"class_path": "normalgan.hints.CurvatureHints"},
     "model.objective": {"class_path": "normalgan.losses.Wasserstein"},
     "model.reconstruction": {"class_path": "normalgan.losses.L1AndHints"},
-    # Named, so that an overlay or a single option can change one of their settings.
+    # Named explicitly, so that an overlay or an option can change a single setting of a class.
     "model.generator_optimizer": _OPTIMIZER,
     "model.discriminator_optimizer": _OPTIMIZER,
     "trainer.logger": {
@@ -96,29 +96,29 @@ _DEFAULTS = {
 
 
 class NormalGANCLI(LightningCLI):
-    """fit, validate, test, predict, and render.
+    """Runs one of the commands fit, validate, test, predict and render.
 
     The file that ``ckpt_path`` names determines the model: a checkpoint, safetensors or ONNX. ``last`` and
-    ``best`` name checkpoints in the run's folder, ``shipped`` the weights that come with the package; predict
-    uses these if none are named. The path is taken out of the settings before Lightning sees it, because
-    Lightning would build whatever class a checkpoint names. Only fit gets it back, after the checkpoint was
+    ``best`` name checkpoints in the run's folder, and ``shipped`` names the shipped weights, which are the
+    default of predict. The path is removed from the settings before Lightning sees it, because Lightning
+    would build any class that a checkpoint names. Only fit gets it back, after the checkpoint has been
     checked.
 
-    There is one parser for the command instead of Lightning's parser of subcommands, which checks each
-    setting twice and so doubles the time of parsing.
+    Each command has a parser of its own instead of Lightning's subcommands, which check each setting twice
+    and double the parsing time.
 
     Args:
-        command: the Trainer's method that is run.
-        arguments: its options.
+        command: method of the Trainer that is run.
+        arguments: arguments of the command.
         held: resources to release when the command ends, such as the lock of the run's folder.
-        safe: whether configurations may not say where the run writes.
+        safe: whether configurations are restricted as with ``--safe-config``.
     """
 
     def __init__(self, command: str, arguments: list[str], held: ExitStack, safe: bool = False) -> None:
         self.command = command
         self.held = held
         self.safe = safe
-        self.saved: SavedModel | None = None  # None if the command makes a new model, or needs none
+        self.saved: SavedModel | None = None  # None if the command creates a new model or needs none
         super().__init__(
             NormalGAN,
             MeshDataModule,
@@ -141,8 +141,8 @@ class NormalGANCLI(LightningCLI):
     def __deepcopy__(self, memo: object) -> Self:
         """Return the command itself.
 
-        A callback that averages weights copies the model. The model's factories of optimizers, which
-        jsonargparse makes, refer to the command, and so to the trainer, the data and the run's lock.
+        Callbacks that average weights copy the model. Its optimizer factories, which jsonargparse creates,
+        refer to the command, and so to the trainer, the data and the run's lock.
         """
         return self
 
@@ -154,7 +154,7 @@ class NormalGANCLI(LightningCLI):
             self._print_outcome()
 
     def _print_outcome(self) -> None:
-        """Print why nothing was trained or training stopped early, if so, and which checkpoint is best."""
+        """Print why nothing was trained or training stopped early, if applicable, and the best checkpoint."""
         resumed = self.saved.checkpoint if self.saved else None
         progress = resumed.progress if resumed else {"global_step": 0, "epoch": -1}
         trained, most = progress["epoch"] + 1, self.trainer.max_epochs
@@ -171,28 +171,28 @@ class NormalGANCLI(LightningCLI):
                 print(f"Training stopped early. {reason.removesuffix(' Signaling Trainer to stop.')}")
         for callback in self.trainer.checkpoint_callbacks:
             if isinstance(callback, ModelCheckpoint) and callback.monitor and callback.best_model_path:
-                best = callback.best_model_score  # None if nothing was trained after it was resumed
+                best = callback.best_model_score  # None if a resumed run did not train any further
                 score = "" if best is None else f" ({callback.monitor} {float(best):.4g})"
                 print(printable(f"The best checkpoint is {callback.best_model_path}{score}."))
 
     @property
     def stopped(self) -> str:
-        """What is said after Ctrl-C: how to resume, if there is something to resume from."""
+        """The message after Ctrl-C, which says how to resume if there is a checkpoint."""
         last = Path(checkpoint_folder(self.config["trainer"]["default_root_dir"])) / "last.ckpt"
         return f"stopped; resume with --ckpt_path {last}." if self.command == "fit" and last.exists() else ""
 
     def add_arguments_to_parser(self, parser: LightningArgumentParser) -> None:
         """Add our settings and the command's options."""
-        # Else 120 lines stand before any help.
+        # The default usage text would put 120 lines before the help.
         parser.usage = f"%(prog)s [--config FILE]... [{SAFE_CONFIG}] [--SETTING VALUE]..."
         _add_settings(parser)
-        # What the data module provides is not an option.
+        # Values that the data module provides are not options.
         provided: set[str | int] = {"train_dataloaders", "val_dataloaders", "dataloaders"}
         skip = {"model", "datamodule", *provided}
         self._options = parser.add_method_arguments(RenderingTrainer, self.command, skip=skip)
 
     def parse_arguments(self, parser: LightningArgumentParser, args: Any) -> None:
-        """Parse, and take the model's settings from the file given by ``ckpt_path``."""
+        """Parse the arguments, and take the model's settings from the file that ``ckpt_path`` names."""
         super().parse_arguments(parser, args)
         _check_groups(parser, self.config)
         seed = self.config["seed_everything"]
@@ -228,9 +228,9 @@ class NormalGANCLI(LightningCLI):
         check_left_behind(config["trainer"]["default_root_dir"])
         keep_earlier_logs(config["trainer"])
         if command in {"predict", "render"}:
-            config["trainer"]["logger"] = False  # it would leave files without anything logged
+            config["trainer"]["logger"] = False  # it would create files, but nothing is logged
         if command == "test":
-            config["verbose"] = False  # Lightning's own list of figures would bury our table
+            config["verbose"] = False  # Lightning's own list of metrics would bury our table
         if command in {"fit", "test"}:
             check_writable(checkpoints.parent)
         if command == "fit":
@@ -241,7 +241,7 @@ class NormalGANCLI(LightningCLI):
                 self.held.enter_context(one_run_in(checkpoints.parent))
 
     def instantiate_classes(self) -> None:
-        """Build model, data and trainer, and report their errors as bad settings."""
+        """Build model, data and trainer, and report their errors as errors in the settings."""
         try:
             super().instantiate_classes()
         except InputError:
@@ -270,13 +270,13 @@ class NormalGANCLI(LightningCLI):
             check_others(callbacks, root, resumed, known)
 
     def instantiate_trainer(self, **kwargs: Any) -> Trainer:
-        """Build the trainer with our progress bar, our summary and the writer of predicted maps."""
+        """Build the trainer with our progress bar, model summary and writer of predicted maps."""
         own: dict[type[Callback], type[Callback]] = {
             RichProgressBar: WideProgressBar,
             RichModelSummary: NetworkSummary,
         }
         callbacks = self.config_init["trainer"]["callbacks"]
-        # A copy: the trainer adds its own to the list.
+        # A copy, because the trainer adds its own callbacks to the list.
         given = list(callbacks) if isinstance(callbacks, list) else [callbacks]
         plugins = self.config_init["trainer"]["plugins"] or []
         plugins = with_slurm(plugins if isinstance(plugins, list) else [plugins])
@@ -290,14 +290,14 @@ class NormalGANCLI(LightningCLI):
         return trainer
 
     def _use_settings_of(self, saved: SavedModel, given: Mapping[str, Any]) -> None:
-        """Replace settings by those of a saved model, and warn of given ones that are ignored."""
+        """Replace settings with those of a saved model, and warn about given settings that are ignored."""
         if lost := ignored_settings(given, saved.trained):
             names = ", ".join(f"model.{name}" for name in lost)
             warnings.warn(
                 f"{saved.path} was trained with other settings, which are kept: {names}.", stacklevel=2
             )
         try:
-            # Parsed again, because its classes may differ from those that were set here.
+            # Parsed again, because the saved classes may differ from the given ones.
             self.config = self.parser.parse_object(saved.settings, self.config)
         except InputError as error:
             raise InputError(f"the model in {saved.path} cannot be built here: {error}") from error
@@ -307,8 +307,8 @@ def run(arguments: list[str]) -> int:
     """Run one of the training commands.
 
     Raises:
-        InputError: if an argument cannot be used.
-        KeyboardInterrupt: if it was stopped.
+        InputError: if an argument is invalid.
+        KeyboardInterrupt: if the command was stopped.
     """
     arguments, section = asked_for(arguments)
     safe = SAFE_CONFIG in arguments
@@ -330,7 +330,7 @@ def run(arguments: list[str]) -> int:
         except CommandExit as stop:
             return int(stop.code or 0)
         except SystemExit as stop:
-            if isinstance(stop.__context__, KeyboardInterrupt):  # Lightning makes exit(1) of it
+            if isinstance(stop.__context__, KeyboardInterrupt):  # Lightning turns it into exit(1)
                 raise KeyboardInterrupt(command.stopped if command else "") from None
             raise
     sys.stdout.flush()
@@ -341,7 +341,7 @@ def resolved_settings(arguments: list[str]) -> dict[str, Any]:
     """Return all settings that ``fit`` would train with, as ``--print_config`` prints them.
 
     Args:
-        arguments: the options of ``fit``.
+        arguments: arguments of ``fit``.
 
     Raises:
         InputError: if ``fit`` would refuse them.
@@ -357,15 +357,15 @@ def resolved_settings(arguments: list[str]) -> dict[str, Any]:
 
 @contextmanager
 def _reading_settings(safe: bool = False) -> Iterator[ExitStack]:
-    """Inside this context plug-ins are loaded, and YAML is limited in size and depth.
+    """Load plug-ins, and limit the size and depth of YAML within the context.
 
     Args:
-        safe: whether to import and build only known classes.
+        safe: whether only known classes may be imported and built.
     """
     with warnings.catch_warnings(), ExitStack() as held:
         filter_warnings()
         load_plugins()
-        # Lightning lets jsonargparse read any URL, data: and http: too, in place of settings.
+        # Lightning lets jsonargparse read settings from any URL, even data: and http:.
         set_parsing_settings(config_read_mode_fsspec_enabled=False)
         if safe:
             allow_known_classes_only(held)
@@ -376,7 +376,7 @@ def _reading_settings(safe: bool = False) -> Iterator[ExitStack]:
 
 
 def _check_groups(parser: LightningArgumentParser, config: Namespace) -> None:
-    """Refuse a single value where a group of settings belongs, which jsonargparse accepts from a file."""
+    """Raise `InputError` if a group of settings is a single value, which jsonargparse accepts from a file."""
     names = [action.dest for action in parser._actions]
     for group in (a.dest for a in parser._actions if a.help == "Path to a configuration file."):
         if isinstance(value := config.get(group), str | int | float | list):
@@ -385,23 +385,24 @@ def _check_groups(parser: LightningArgumentParser, config: Namespace) -> None:
 
 
 def _add_settings(parser: LightningArgumentParser) -> None:
-    """Add settings and defaults to a parser that has those of model, data and trainer.
+    """Add our settings and defaults to a parser that has those of model, data and trainer.
 
-    Folders follow from the run's folder, and the size of the networks from that of the pictures.
+    Output folders are derived from the run's folder, and the size of the networks from the size of the
+    pictures.
     """
     parser.add_lightning_class_args(ModelCheckpoint, "checkpoint")
     parser.add_lightning_class_args(PictureLogger, "pictures")
     parser.add_lightning_class_args(TestReport, "report")
     group = parser.add_argument_group("What predict writes for each drawing")
-    group.add_argument("--output.folder", type=str, default="normals", help="where the maps go")
+    group.add_argument("--output.folder", type=str, default="normals", help="output folder of the maps")
     group.add_argument(
-        "--output.strength", type=Strength, default=1.0, help="what the slopes of the map are multiplied by"
+        "--output.strength", type=Strength, default=1.0, help="factor applied to the slopes of the map"
     )
     add_output_options(group, "output.")
     parser.set_defaults(_DEFAULTS)
     for action in parser._actions:
         if action.dest in _DEFAULTS:
-            action.required = False  # it has a default here, if not in Python
+            action.required = False  # it has a default on the command line, though not in Python
     root = "trainer.default_root_dir"
     parser.link_arguments(root, "trainer.logger.init_args.save_dir", compute_fn=run_folder)
     parser.link_arguments(root, "checkpoint.dirpath", compute_fn=checkpoint_folder)
@@ -410,19 +411,19 @@ def _add_settings(parser: LightningArgumentParser) -> None:
 
 
 class _ParserBuiltError(Exception):
-    """Stops building a command line once its parser is there."""
+    """Raised to stop building a command line once its parser exists."""
 
 
 class _ParserAlone(NormalGANCLI):
-    """Stops before anything is parsed."""
+    """A command line that stops before anything is parsed."""
 
     def parse_arguments(self, parser: LightningArgumentParser, args: Any) -> None:
-        """Give the parser back."""
+        """Raise the exception that carries the parser."""
         raise _ParserBuiltError(parser)
 
 
 def training_parser(command: str) -> Parser:
-    """Return the parser of a training command, to list its settings: the site, shell completion."""
+    """Return the parser of a training command, for tools that list its settings."""
     try:
         _ParserAlone(command, [], ExitStack())
     except _ParserBuiltError as built:
@@ -432,10 +433,10 @@ def training_parser(command: str) -> Parser:
 
 
 def _check_configs(arguments: list[str]) -> list[str]:
-    """Look at the configurations before anything in them is used; return the parser's arguments.
+    """Check the configurations before anything in them is used; return the normalised arguments.
 
     Raises:
-        InputError: if one is invalid.
+        InputError: if a configuration is invalid.
     """
     arguments, configs = with_shipped_configs(arguments)
     for given in configs:

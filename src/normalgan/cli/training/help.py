@@ -1,4 +1,4 @@
-"""Help of the training commands: a page that needs no imports, and the choice of a section."""
+"""Help of the training commands: an overview that needs no imports, and one page per section."""
 
 import re
 from collections.abc import Sequence
@@ -11,41 +11,41 @@ COMMANDS = {
     "fit": "train a generator on rendered meshes",
     "validate": "measure a checkpoint on the validation split",
     "test": "measure a checkpoint on the test split: table, baselines, gallery",
-    "predict": "predict normal maps for sketches of your own",
+    "predict": "predict normal maps for your own sketches",
     "render": "only render the training samples to disk",
 }
-"""The training commands and what each does."""
+"""The training commands and their descriptions."""
 
 SECTIONS = {
     "trainer": "devices, precision, epochs, logger, callbacks: Lightning's Trainer",
-    "model": "networks, hints, losses and their optimisers",
-    "data": "meshes, animals or sketches, their pictures, split, cache and augmentation",
+    "model": "networks, hints, losses and optimisers",
+    "data": "meshes, animals or sketches; rendering, split, cache and augmentation",
     "checkpoint": "which checkpoints are kept: Lightning's ModelCheckpoint",
-    "pictures": "the pictures that the logger is given while training",
+    "pictures": "pictures that are logged during training",
     "report": "what test writes",
     "output": "what predict writes",
 }
-"""The groups of settings and what each holds."""
+"""The groups of settings and their descriptions."""
 
 ALL = "all"
-"""Asks for the settings of every section."""
+"""Section name that selects the settings of all sections."""
 
 _MOST_USED = {
-    "--config NAME|FILE": "settings: a YAML file, or one of the package, such as paper; repeats",
-    "--data.meshes PATH": "folder, file or pattern of meshes to learn from",
-    "--data.source CLASS": "what to learn from in place of meshes, such as Pairs of pictures",
+    "--config NAME|FILE": "YAML file of settings, or a shipped one such as paper; can be repeated",
+    "--data.meshes PATH": "folder, file or pattern of training meshes",
+    "--data.source CLASS": "source of training data other than meshes, such as Pairs",
     "--data.prediction.sketches PATH": "drawings to predict",
-    "--output.folder FOLDER": "where their normal maps go",
-    "--data.size PIXELS": "side of the pictures",
-    "--data.batch_size N": "samples of a training step",
-    "--trainer.max_epochs N": "how long to train",
-    "--trainer.default_root_dir FOLDER": "where the run is kept",
+    "--output.folder FOLDER": "output folder of the normal maps",
+    "--data.size PIXELS": "side of the pictures in pixels",
+    "--data.batch_size N": "number of samples per training step",
+    "--trainer.max_epochs N": "duration of training",
+    "--trainer.default_root_dir FOLDER": "folder of the run",
     "--model.generator CLASS": "the network that predicts",
-    "--model.hint_sampler CLASS": "where hints are put while training",
-    "--ckpt_path FILE|last|best": "what to resume, to measure or to predict with",
-    "--seed_everything N": "another number gives another run",
-    "--print_config": "print the settings that result, and exit",
-    "--safe-config": "let configurations name known classes only",
+    "--model.hint_sampler CLASS": "sampler that places hints during training",
+    "--ckpt_path FILE|last|best": "model to resume, measure or predict with",
+    "--seed_everything N": "seed of the run",
+    "--print_config": "print the resulting settings and exit",
+    "--safe-config": "only let configurations name known classes",
 }
 _SAMPLES, _MODEL = frozenset({"fit", "validate", "test", "render"}), frozenset(COMMANDS) - {"render"}
 _USED_BY = {
@@ -61,20 +61,20 @@ _USED_BY = {
     "--ckpt_path FILE|last|best": _MODEL,
     "--seed_everything N": {"fit"},
 }
-"""The commands for which a setting is of use; all of them, unless it is named here."""
+"""The commands that use a setting; settings not listed here are used by all."""
 
 
 def asked_for(arguments: Sequence[str]) -> tuple[list[str], str | None]:
-    """Return the arguments with a plain ``--help``, and the section after it.
+    """Return the arguments with a plain ``--help``, and the section that followed it.
 
     Args:
         arguments: a training command and its arguments.
 
     Returns:
-        The section is empty if help was asked for and none was named, and None if no help was asked for.
+        The arguments and the section, which is empty if ``--help`` names none, and None without ``--help``.
 
     Raises:
-        InputError: if there is no such section.
+        InputError: if the section does not exist.
 
     >>> asked_for(["fit", "--help", "model"]), asked_for(["fit", "--help=all"]), asked_for(["fit", "-h"])
     ((['fit', '--help'], 'model'), (['fit', '--help'], 'all'), (['fit', '--help'], ''))
@@ -100,10 +100,10 @@ def asked_for(arguments: Sequence[str]) -> tuple[list[str], str | None]:
 
 
 def overview(command: str) -> str:
-    """Return the page that ``--help`` alone shows: the settings most used, and how to see the others."""
+    """Return the output of a plain ``--help``: the most used settings, and how to list the others."""
     does = COMMANDS[command]
     see = {f"normalgan {command} --help {name}": what for name, what in SECTIONS.items()}
-    see[f"normalgan {command} --help {ALL}"] = "all of these, and the classes that they can name"
+    see[f"normalgan {command} --help {ALL}"] = "all of these, and the classes they can name"
     see[f"normalgan {command} --model.generator.help UNetGenerator"] = "the settings of a class"
     return "\n".join(
         [
@@ -124,7 +124,7 @@ def overview(command: str) -> str:
 
 
 def _rows(table: dict[str, str]) -> list[str]:
-    # The text of a name that is longer than the column is on the next line.
+    # The description of a long name goes on the next line.
     width = 34
     return [
         f"  {name:{width}}  {what}" if len(name) <= width else f"  {name}\n  {'':{width}}  {what}"

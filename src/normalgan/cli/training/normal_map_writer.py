@@ -1,4 +1,4 @@
-"""NormalMapWriter: what `normalgan predict` leaves on disk."""
+"""NormalMapWriter: write the maps of `normalgan predict`."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -24,12 +24,12 @@ __all__ = ["NormalMapWriter"]
 
 
 class NormalMapWriter(BasePredictionWriter):
-    """Writes ``<name>_normal.png`` for each sketch, at the sketch's own size; flat off the object.
+    """Writes ``<name>_normal.png`` for each sketch, at the sketch's own size and flat off the object.
 
     Args:
-        folder: where the maps go.
-        outputs: what is written; None writes the map as PNG.
-        strength: factor of the map's slopes.
+        folder: output folder.
+        outputs: outputs to write; None writes the map as PNG.
+        strength: factor applied to the slopes of the map.
     """
 
     def __init__(
@@ -46,14 +46,14 @@ class NormalMapWriter(BasePredictionWriter):
         self._upsample = enlarge
 
     def setup(self, trainer: Trainer, pl_module: LightningModule, stage: str) -> None:
-        """Make sure that the maps can be written before anything is computed.
+        """Check that the maps can be written before anything is computed.
 
         Raises:
-            InputError: if they cannot.
+            InputError: if they cannot be written.
         """
         if stage != "predict":
             return
-        # A module of another author has no refiner.
+        # A third-party module has no refiner.
         refined = isinstance(pl_module, NormalGAN) and pl_module.refined
         self._upsample = upsampler(refined=refined, threads=torch.get_num_threads())
         drawings = _data_of(trainer).drawings
@@ -62,7 +62,7 @@ class NormalMapWriter(BasePredictionWriter):
         self._failed, self._total = 0, len(jobs) + len(drawings.unusable)
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
-            # Only a try tells: permissions do not show that a disk is full or mounted read-only.
+            # Permissions do not show that a disk is full or read-only, so a file is written.
             with TemporaryFile(dir=self.folder) as probe:
                 probe.write(b"0")
         except OSError as error:
@@ -86,11 +86,11 @@ class NormalMapWriter(BasePredictionWriter):
         batch_idx: int,
         dataloader_idx: int,
     ) -> None:
-        """Write the files of one batch's drawings, each atomically.
+        """Write the outputs of a batch of drawings, each file atomically.
 
         Raises:
-            InputError: if the only drawing cannot be used; one of several is named, and the rest are
-                predicted.
+            InputError: if the only drawing is invalid; if there are several, an invalid one is reported and
+                skipped.
         """
         drawings = _data_of(trainer).drawings
         for name, preds in zip(batch["name"], prediction, strict=True):
@@ -108,10 +108,10 @@ class NormalMapWriter(BasePredictionWriter):
                 tell(f"warning: {job.files.drawing}: {predicted.warning}.")
 
     def on_predict_end(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        """Say where the maps are.
+        """Print where the maps are.
 
         Raises:
-            RunError: if some of several drawings could not be used.
+            RunError: if some of several drawings were invalid.
         """
         self._writer.write_held(self._held)
         if trainer.is_global_zero:

@@ -1,4 +1,4 @@
-"""Parser: Lightning's, with error messages for people."""
+"""Parser: Lightning's parser with readable error messages."""
 
 import re
 from argparse import HelpFormatter
@@ -21,7 +21,7 @@ _section: ContextVar[str | None] = ContextVar("_section", default=None)
 
 @contextmanager
 def help_of(section: str | None) -> Iterator[None]:
-    """Let ``--help`` list only the settings of one section; None lists all."""
+    """Restrict ``--help`` to the settings of one section within the context; None lists all."""
     token = _section.set(section)
     try:
         yield
@@ -30,11 +30,11 @@ def help_of(section: str | None) -> Iterator[None]:
 
 
 _RANGED = re.compile(r"Annotated\[(\w+(?:\[[\w,\s]*\])?),(\s+[^\[\]]*)\]")
-"""A type with a range, which reads well without the word."""
+"""Pattern of types with a range, from which error messages drop the word Annotated."""
 
 
 class Parser(OwnDefaultsParser, LightningArgumentParser):
-    """Reports mistakes in one sentence, with a suggestion for typos."""
+    """A parser that reports errors in one sentence, with suggestions for typos."""
 
     def error(self, message: str, ex: Exception | None = None) -> NoReturn:
         """Raise `InputError` instead of printing a usage page."""
@@ -43,16 +43,16 @@ class Parser(OwnDefaultsParser, LightningArgumentParser):
         super().error(message + self.suggestion(message, self._settings()), ex)
 
     def dump(self, *given: Any, **how: Any) -> str:
-        """Return settings as text, as they were parsed: to check them again is a tenth of reading them."""
-        if "skip_none" in how:  # Lightning's word for it, which jsonargparse has renamed
+        """Return settings as text without validating them again, which would take a tenth of parsing."""
+        if "skip_none" in how:  # Lightning's name for it, which jsonargparse has renamed
             how["skip_unset"] = how.pop("skip_none")
         text: str = super().dump(*given, **{"skip_validation": True, **how})
         return text
 
     def format_help(self, formatter: HelpFormatter | None = None) -> str:
-        """Return the help, with the command directly after the program in the usage line.
+        """Return the help with the command directly after the program name in the usage line.
 
-        The help of a command ends with the plug-ins that its settings can name. Within `help_of` only one
+        The help ends with the plug-ins that the command's settings can name. Within `help_of`, only one
         section is shown.
         """
         self.prog = self.prog.replace(" [options]", "")

@@ -1,4 +1,4 @@
-"""--safe-config: configurations from others name known classes only, and do not say where a run writes."""
+"""--safe-config: restrict configurations to known classes, and keep them from setting output paths."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -15,22 +15,22 @@ from normalgan.weights.local_classes import no_local_classes
 __all__ = ["SAFE_CONFIG", "allow_known_classes_only", "check_outputs"]
 
 SAFE_CONFIG = "--safe-config"
-"""The option under which only registered classes are imported and built."""
+"""The option that restricts configurations to registered classes."""
 _OUTPUTS = (
     *("trainer.default_root_dir", "trainer.logger", "trainer.model_registry", "checkpoint.filename"),
     *("data.cache", "output.folder", "cluster"),
 )
-"""Settings that write, or run elsewhere: they are taken from the command line alone."""
+"""Settings that write files or run code elsewhere, which are only accepted on the command line."""
 
 
 def allow_known_classes_only(held: ExitStack) -> None:
-    """Import and build only registered classes, and a few of torch and Lightning.
+    """Allow only registered classes, and some classes of torch and Lightning, to be imported and built.
 
-    jsonargparse checks each class or function that a setting names; within a process this cannot be relaxed
-    again.
+    jsonargparse checks each class or function that a setting names. The restriction cannot be lifted within
+    the process.
 
     Args:
-        held: ends the exclusion of classes in the working directory.
+        held: stack whose exit makes the working directory importable again.
     """
     held.enter_context(no_local_classes())
     set_parsing_settings(
@@ -42,30 +42,30 @@ def allow_known_classes_only(held: ExitStack) -> None:
 
 
 def check_outputs(parser: ArgumentParser, arguments: Sequence[str], settings: Namespace) -> None:
-    """Check that no configuration says where the run writes, or names an address to fetch.
+    """Check that no configuration sets an output path or names an address to fetch.
 
     Args:
-        parser: the command's parser.
-        arguments: its arguments.
-        settings: the settings that they and the configurations give.
+        parser: parser of the command.
+        arguments: arguments of the command.
+        settings: settings from the arguments and the configurations.
 
     Raises:
-        InputError: if one does.
+        InputError: if a configuration does.
     """
     own = parser.parse_args(_set_here(arguments))
     for name in _OUTPUTS:
         if settings.get(name) != own.get(name):
             raise InputError(
-                f"a configuration sets {name}, and {SAFE_CONFIG} takes it from the command line alone: "
-                f"give --{name}."
+                f"a configuration sets {name}, which {SAFE_CONFIG} only accepts on the command line; "
+                f"pass --{name}."
             )
     checkpoint = settings.get("ckpt_path")
     if own.get("ckpt_path") != checkpoint and is_address(str(checkpoint)):
-        raise InputError(f"{SAFE_CONFIG} fetches no address that a configuration names: {checkpoint}.")
+        raise InputError(f"{SAFE_CONFIG} does not fetch an address from a configuration: {checkpoint}.")
 
 
 def _set_here(arguments: Sequence[str]) -> list[str]:
-    """Return the arguments that set outputs directly, not through a configuration file.
+    """Return the arguments that set output paths directly, not through a configuration file.
 
     >>> _set_here(["--trainer", "theirs.yaml", "--output.folder", "maps", "--data.cache=cache"])
     ['--output.folder=maps', '--data.cache=cache']
@@ -81,10 +81,10 @@ def _set_here(arguments: Sequence[str]) -> list[str]:
 
 
 def _names_file(value: object) -> bool:
-    """Return whether a setting, or a part of it, names a file, from which a class may be read."""
+    """Return whether a setting, or a part of it, names a file, which could contain a class."""
     if isinstance(value, str):
         within = load_yaml(value)
-        # os.path, because pathlib raises an error for a long text that is not a path.
+        # os.path is used because pathlib raises an error for a long text that is not a path.
         return os.path.isfile(os.path.expanduser(value)) or (within != value and _names_file(within))  # noqa: PTH111, PTH113
     parts = value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ()
     return any(map(_names_file, parts))

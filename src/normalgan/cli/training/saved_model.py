@@ -1,4 +1,4 @@
-"""SavedModel: the model in the file that ``--ckpt_path`` names, with the settings it was trained with."""
+"""SavedModel: the model in the file that ``--ckpt_path`` names, with its training settings."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -16,13 +16,13 @@ __all__ = ["SavedModel", "announce", "find_saved_model", "ignored_settings", "re
 
 @dataclass(frozen=True)
 class SavedModel:
-    """A model that was read from a file.
+    """A model read from a file.
 
     Args:
         path: path of the file.
-        trained: the settings of the model when it was trained.
-        checkpoint: the checkpoint that fit resumes; None for other commands.
-        weights: what other commands load into the generator.
+        trained: the model's settings during training.
+        checkpoint: checkpoint that fit resumes; None for other commands.
+        weights: weights that other commands load into the generator.
     """
 
     path: Path
@@ -32,7 +32,7 @@ class SavedModel:
 
     @property
     def settings(self) -> dict[str, Any]:
-        """The settings, by section, that replace those of the command."""
+        """The settings, by section, that replace the command's."""
         if self.weights is None:
             return {"model": self.trained}
         return {
@@ -42,13 +42,13 @@ class SavedModel:
 
     @property
     def folders(self) -> set[str]:
-        """The folders that the checkpoint's callbacks wrote to."""
+        """The folders that callbacks of the checkpointed run wrote to."""
         callbacks = self.checkpoint.callbacks.values() if self.checkpoint else ()
         return {str(state.get("dirpath")) for state in callbacks if isinstance(state, Mapping)}
 
 
 def announce(model: SavedModel, command: str) -> None:
-    """Tell which weights a command uses, unless it was given a checkpoint."""
+    """Print which weights a command uses, unless they come from a given checkpoint."""
     if model.weights is not None and model.path.suffix.lower() in SUFFIXES:
         whose = "that come with the package" if model.path == SHIPPED else f"in {model.path}"
         notes = model.weights.notes
@@ -56,20 +56,20 @@ def announce(model: SavedModel, command: str) -> None:
 
 
 def find_saved_model(command: str, name: str | None, root: str | None) -> Path | None:
-    """Return the file of the model that a command uses; None if it needs none.
+    """Return the path of the model that a command uses; None if it does not need a model.
 
     Args:
-        command: the training command.
-        name: the value of ``--ckpt_path``: a file, ``last``, ``best`` or ``shipped``.
-        root: the folder of the run.
+        command: name of the training command.
+        name: value of ``--ckpt_path``: a file, ``last``, ``best`` or ``shipped``; or None.
+        root: folder of the run.
 
     Raises:
-        InputError: if there is no such file, or none was named and the command needs one.
+        InputError: if the file does not exist, or the command needs a model and none was named.
     """
     if name is None and command in {"fit", "render"}:
         return None
     if name is None and command != "predict":
-        raise InputError(f"{command} needs a trained model: --ckpt_path names a file that fit saved.")
+        raise InputError(f"{command} needs a trained model; pass --ckpt_path with a file that fit saved.")
     if name in {"last", "best"}:
         name = str(named_checkpoint(Path(checkpoint_folder(root)) / "last.ckpt", name))
     return find_model(name, names=("last", "best", SHIPPED_NAME))
@@ -80,12 +80,12 @@ def read_saved_model(path: Path, command: str, size: int, default_size: int) -> 
 
     Args:
         path: path of a checkpoint, or of weights.
-        command: the training command.
-        size: size of the pictures, in pixels; unless it is the default, it must be that of the model.
-        default_size: that default.
+        command: name of the training command.
+        size: side of the pictures in pixels; must be the model's, unless it is the default.
+        default_size: default side of the pictures.
 
     Raises:
-        InputError: if the file cannot be used.
+        InputError: if the file is invalid.
     """
     if path.suffix.lower() in SUFFIXES:
         if command == "fit":
@@ -114,11 +114,11 @@ def _to_predict(path: Path, command: str, weights: Weights) -> SavedModel:
 
 
 def ignored_settings(given: Mapping[str, Any], trained: Mapping[str, Any]) -> list[str]:
-    """Return the names of given settings, in dots, that differ from those of a model's training.
+    """Return the dotted names of given settings that differ from the settings of a model's training.
 
     Args:
-        given: settings of the model that the command was given, nested.
-        trained: those that it was trained with.
+        given: model settings given to the command, nested.
+        trained: settings of the model's training, nested.
 
     >>> ignored_settings({"n_critic": 5, "seed": 0}, {"n_critic": 5, "seed": 1})
     ['seed']
@@ -135,7 +135,7 @@ def ignored_settings(given: Mapping[str, Any], trained: Mapping[str, Any]) -> li
 
 
 def _same_class(a: Mapping[str, Any], b: Mapping[str, Any]) -> bool:
-    """Compare by package and name, because a package may export a class from several modules."""
+    """Compare classes by package and name, because a package may export a class from several modules."""
     one, other = (str(spec.get("class_path")).split(".") for spec in (a, b))
     return (one[0], one[-1]) == (other[0], other[-1])
 

@@ -1,4 +1,4 @@
-"""SLURM: one job that is stopped, requeued and started again continues one run."""
+"""SLURM: let a job that is stopped and requeued continue its run."""
 
 import os
 import signal
@@ -18,14 +18,14 @@ __all__ = ["check_left_behind", "requeued_on_signal", "restarted_from", "with_sl
 
 
 def with_slurm(plugins: Iterable[object]) -> list[object]:
-    """Return the trainer's plugins, under SLURM with its environment, whose requeue is ours.
+    """Return the trainer's plugins; under SLURM, with an environment that does not requeue by itself.
 
-    Lightning's own saves ``hpc_ckpt_1.ckpt`` within a signal's handler, perhaps between the steps of two
-    networks, and later commands in that folder, test too, load it in place of the checkpoint that they were
-    given. `StoppedCheckpoint` does it between batches.
+    Lightning's requeue saves ``hpc_ckpt_1.ckpt`` in a signal handler, possibly between the steps of the two
+    networks. Later commands in the same folder, even test, then load it instead of the given checkpoint.
+    `StoppedCheckpoint` saves and requeues between batches.
 
     Raises:
-        InputError: if SLURM does not say how many tasks a node has.
+        InputError: if SLURM does not set the number of tasks per node.
     """
     given = list(plugins)
     if not SLURMEnvironment.detect() or any(isinstance(each, ClusterEnvironment) for each in given):
@@ -35,7 +35,7 @@ def with_slurm(plugins: Iterable[object]) -> list[object]:
     except RuntimeError as error:
         tasks = os.environ["SLURM_NTASKS"]
         raise InputError(
-            f"SLURM has {tasks} tasks (--ntasks) and does not say how many a node; pass "
+            f"SLURM has {tasks} tasks (--ntasks) but no number of tasks per node; pass "
             f"--ntasks-per-node={tasks} to sbatch or srun instead, or set SLURM_JOB_NAME=bash for one."
         ) from error
 
@@ -68,29 +68,29 @@ def requeued_on_signal() -> Iterator[None]:
 
 
 def check_left_behind(root: str | None) -> None:
-    """Refuse a run's folder with a checkpoint of Lightning's own requeue, which under SLURM wins unchecked.
+    """Check that a run's folder has no checkpoint of Lightning's own requeue, which it would load unchecked.
 
     Raises:
-        InputError: if there is one.
+        InputError: if the folder has such a checkpoint.
     """
     left = sorted(Path(run_folder(root)).glob("hpc_ckpt_*.ckpt"))
     if left and SLURMEnvironment.detect():
         raise InputError(
-            f"under SLURM, Lightning would use {left[-1]} in place of any other checkpoint; move it into "
+            f"under SLURM, Lightning would use {left[-1]} instead of any other checkpoint; move it into "
             f"{checkpoint_folder(root)}, and name it with --ckpt_path to resume it."
         )
 
 
 def restarted_from(root: str | None) -> Path | None:
-    """Return the checkpoint from which a job that SLURM has started again continues its run.
+    """Return the checkpoint from which a requeued job continues its run.
 
-    That is the newer of ``last.ckpt`` and ``stopped.ckpt``, so that a job shorter than an epoch advances.
+    This is the newer of ``last.ckpt`` and ``stopped.ckpt``, so that jobs shorter than an epoch make progress.
 
     Args:
-        root: the folder of the run.
+        root: folder of the run.
 
     Returns:
-        None if the job was not started again, or saved nothing before.
+        The path of the checkpoint; None if the job was not requeued, or nothing was saved before.
     """
     if os.environ.get("SLURM_RESTART_COUNT", "0") == "0":
         return None

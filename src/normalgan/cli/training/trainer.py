@@ -1,4 +1,4 @@
-"""The trainer of the training commands: Lightning's with `render`, without settings that have no effect."""
+"""The trainer of the training commands: Lightning's Trainer with `render`, and checks of its settings."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -30,35 +30,33 @@ _INSTEAD = {
     "gradient_clip_algorithm": "model.gradient_clip, which is a norm",
     "accumulate_grad_batches": "a larger data.batch_size",
 }
-"""Settings of the trainer that do nothing under manual optimisation, and what does that instead."""
+"""Trainer settings that have no effect under manual optimisation, and what to use instead."""
 _LENGTHS = ("max_epochs", "max_steps", "limit_train_batches")
-"""Settings of the trainer that say how long to train."""
+"""Trainer settings that limit the duration of training."""
 _PLAIN_DDP = ("auto", "ddp", "ddp_spawn", "ddp_fork", "ddp_notebook")
-"""Names under which several processes do not look for parameters that a step leaves untouched."""
+"""Names of strategies that do not look for parameters unused in a step."""
 _OF_A_COMMAND = ("ckpt_path", "weights_only")
-"""Settings of one command, not of its run."""
+"""Settings of a command that are not saved with its run."""
 _LOGS = "lightning_logs"
-"""Where Lightning's loggers write by default, in the run's folder."""
+"""Default subfolder of Lightning's loggers in the run's folder."""
 _DEVICES: Mapping[str, tuple[type[Accelerator], ...]] = {
     "gpu": (CUDAAccelerator, MPSAccelerator),
     "cuda": (CUDAAccelerator,),
     "mps": (MPSAccelerator,),
     "tpu": (XLAAccelerator,),
 }
-"""The devices that each name of an accelerator may mean; the processor is always there."""
+"""The devices that an accelerator's name may stand for; the CPU is always available."""
 
 
 def check_trainer(settings: Mapping[str, Any]) -> None:
-    """Refuse settings that do not work with manual optimisation, and a device that is not there.
+    """Check that settings work with manual optimisation, and that the device is available.
 
     Raises:
-        InputError: if such a setting was given; the sentence names the one to use.
+        InputError: if a setting does not work; the message names what to use instead.
     """
     for name, instead in _INSTEAD.items():
         if settings[name] not in {None, 1 if name == "accumulate_grad_batches" else None}:
-            raise InputError(
-                f"trainer.{name} cannot be used, because optimisers are stepped by hand; use {instead}."
-            )
+            raise InputError(f"trainer.{name} cannot be used, because optimisation is manual; use {instead}.")
     wanted = settings["accelerator"]
     devices = _DEVICES.get(wanted, ()) if isinstance(wanted, str) else ()
     if devices and not any(each.is_available() for each in devices):
@@ -69,28 +67,28 @@ def check_trainer(settings: Mapping[str, Any]) -> None:
 
 
 def check_trains(settings: Mapping[str, Any]) -> None:
-    """Refuse settings that train nothing, under which ``fit`` would end as if it had trained.
+    """Check that the settings train at all; otherwise ``fit`` would end as if it had trained.
 
     Raises:
-        InputError: if there is one.
+        InputError: if a setting limits training to nothing.
     """
     for name in _LENGTHS:
         if settings[name] == 0:
             raise InputError(
-                f"trainer.{name} is 0, so fit would train nothing; give more, or leave it out. "
-                "To make the samples only, use normalgan render."
+                f"trainer.{name} is 0, so fit would train nothing; increase or omit it. "
+                "To only render samples, use normalgan render."
             )
 
 
 def check_strategy(trainer: Trainer, given: object) -> None:
-    """Refuse to train two networks by plain DDP, which Lightning also takes for several devices by itself.
+    """Check that two networks are not trained with plain DDP, Lightning's default for several devices.
 
     Args:
         trainer: the trainer.
-        given: the setting of its strategy.
+        given: setting of the strategy.
 
     Raises:
-        InputError: if it would; it ends with an error at the first step.
+        InputError: if the strategy is plain DDP, which fails at the first step.
     """
     if isinstance(trainer.strategy, DDPStrategy) and given in _PLAIN_DDP:
         name = "auto (ddp)" if given == "auto" else given
@@ -102,13 +100,13 @@ def check_strategy(trainer: Trainer, given: object) -> None:
 
 
 def keep_earlier_logs(settings: Mapping[str, Any]) -> None:
-    """Let each command log into a ``metrics.csv`` of its own: ``lightning_logs/version_N``.
+    """Let each command log to its own ``lightning_logs/version_N/metrics.csv``.
 
-    Our default for TensorBoard, the run's folder itself, stays when another logger is named. A CSVLogger
-    deletes the table that it finds there: a resumed run or a test would delete what was logged before.
+    Our default folder for TensorBoard, the run's folder itself, remains set when another logger is named. A
+    CSVLogger deletes an existing table there, so a resumed run or a test would delete earlier logs.
 
     Args:
-        settings: the trainer's; changed.
+        settings: settings of the trainer; changed in place.
     """
     given = settings["logger"]
     for logger in given if isinstance(given, list) else [given]:
@@ -120,32 +118,32 @@ def keep_earlier_logs(settings: Mapping[str, Any]) -> None:
 
 
 class RenderingTrainer(Trainer):
-    """How and where to train: Lightning's Trainer."""
+    """Lightning's Trainer, with a `render` command."""
 
     def render(self, model: NormalGAN, datamodule: MeshDataModule, cluster: str | None = None) -> None:
-        """Render the samples of every split to disk, and stop there.
+        """Render the samples of all splits to disk without training.
 
         Args:
             model: not used.
-            datamodule: which samples.
-            cluster: a Dask cluster to render on instead of this machine: tcp://host:port, a scheduler file
-                (.json), or local:N for N processes here.
+            datamodule: data module whose samples are rendered.
+            cluster: Dask cluster to render on instead of this machine: tcp://host:port, a scheduler file
+                (.json), or local:N for N local processes.
         """
         datamodule.render(cluster)
 
 
 class SaveConfig(SaveConfigCallback):
-    """Saves the settings of training in the run's folder; a later test does not overwrite them."""
+    """Saves the settings of training in the run's folder, where a later test does not overwrite them."""
 
     def setup(self, trainer: Trainer, pl_module: LightningModule, stage: str) -> None:
-        """Write them when training starts."""
+        """Save the settings when training starts."""
         if stage == "fit":
             super().setup(trainer, pl_module, stage)
 
     def save_config(self, trainer: Trainer, pl_module: LightningModule, stage: str) -> None:
-        """Write the settings into the run's folder, wherever its loggers write.
+        """Write the settings to the run's folder, regardless of where its loggers write.
 
-        The checkpoint that was resumed is left out, so that the settings start a new run, and a later command
+        The path of a resumed checkpoint is left out, so that the settings start a new run and a later command
         can name its own checkpoint.
         """
         path = Path(trainer.default_root_dir) / self.config_filename
@@ -156,7 +154,7 @@ class SaveConfig(SaveConfigCallback):
         self.parser.save(settings, path, skip_unset=False, overwrite=True, multifile=self.multifile)
 
     def on_train_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        """Write the batch size that is used, if a callback such as BatchSizeFinder has changed it."""
+        """Update the saved batch size if a callback such as BatchSizeFinder has changed it."""
         size = getattr(getattr(trainer, "datamodule", None), "batch_size", None)
         if self.config is None or size is None or self.config["data"]["batch_size"] == size:
             return

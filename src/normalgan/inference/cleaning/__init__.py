@@ -1,3 +1,3 @@
-"""Cleaning: from colours and opacity to ink."""
+"""Cleaning: extract a drawing's ink from its colours and opacity."""
 
 __all__ = []

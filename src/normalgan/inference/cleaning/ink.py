@@ -1,4 +1,4 @@
-"""Ink: the lines of a drawing, and the object where the opacity of the drawing shows it."""
+"""Extract the ink of a drawing, and the object's silhouette where the opacity shows it."""
 
 from dataclasses import dataclass
 
@@ -14,21 +14,21 @@ from normalgan.inference.reading.picture import Picture
 __all__ = ["Cleaned", "clean"]
 
 _LEAST = 0.3
-"""Least ink of a line."""
+"""Minimum ink of a pixel on a line."""
 _JOINT, _GRAIN = (9, 0.035), 0.06
-"""A line on a surface is narrower than these pixels, or than this share of the longer side; and how much its
-grain differs in brightness."""
+"""Greatest width of a joint in pixels and as a fraction of the longer side (the larger one applies);
+brightness variation of a surface's grain."""
 _LEAST_SEEN = 0.02
-"""How much a pixel counts that the reader takes for paper, as it does most joints of a wall."""
+"""Weight of a pixel that the reader takes for paper, as it does for most joints of a wall."""
 
 
 @dataclass(frozen=True)
 class Cleaned:
-    """A drawing's ink.
+    """The ink of a drawing, and its silhouette if the opacity shows one.
 
     Args:
-        ink: (H, W) in [0, 1], lines about 1 and paper 0.
-        silhouette: (H, W), the object, if the drawing's opacity shows it.
+        ink: (H, W) in [0, 1], close to 1 on lines and 0 on paper.
+        silhouette: (H, W), mask of the object, or None if the opacity does not show the object.
     """
 
     ink: Floats
@@ -36,16 +36,17 @@ class Cleaned:
 
 
 def clean(picture: Picture, reading: Reading | None, repeats: bool = False) -> Cleaned:
-    """Return the ink of a drawing: a photo, a scan, pencil, chalk, coloured, painted or transparent.
+    """Return the ink of a drawing in any medium: photo, scan, pencil, chalk, paint or transparent PNG.
 
     Args:
         picture: the drawing.
-        reading: the reader's output for it, at any size; None if it holds only dark strokes on white.
-        repeats: whether it may be a surface that goes on beyond its edges, such as bricks. The reader takes
-            one for ground.
+        reading: the reader's output for the drawing, at any size; None if the drawing is dark strokes on
+            white.
+        repeats: whether the drawing may be a surface that continues past its edges, such as bricks. The
+            reader takes such a surface for background.
 
     Raises:
-        LackingError: if it holds no line.
+        LackingError: if the drawing has no lines.
     """
     silhouette = None
     ink = 1 - picture.colour.min(-1) if reading is None else reading.ink_at(picture)
@@ -56,19 +57,20 @@ def clean(picture: Picture, reading: Reading | None, repeats: bool = False) -> C
         ink = np.maximum(np.where(silhouette, ink, 0), contour(silhouette))
     if float(ink.max()) < _LEAST:
         raise LackingError(
-            "no line is seen in it; a sketch needs lines that differ from their paper.", "no_lines"
+            "no lines were found in it; a sketch needs lines that stand out from the paper.", "no_lines"
         )
     return Cleaned(np.asarray(ink, np.float32), silhouette)
 
 
 def _of_surface(ink: Floats, grey: Floats) -> Floats:
-    """Return the ink (H, W) of a surface: the areas of the reader's ink, and thin lines, dark or light.
+    """Return the ink (H, W) of a surface: the solid areas of the reader's ink, plus thin joints.
 
-    Joints are all dark or all light: whichever the reader's ink follows, or if it has none, stand out more.
-    They are found by the top-hat transform of Serra, "Image Analysis and Mathematical Morphology", 1982.
+    Joints are either all dark or all light. The polarity that agrees with the reader's ink is used; without
+    ink, the one with more contrast. Joints are found with the top-hat transform (Serra, "Image Analysis and
+    Mathematical Morphology", 1982).
 
     Args:
-        ink: (H, W) in [0, 1], by the reader, to which close lines are one.
+        ink: (H, W) in [0, 1], the reader's ink, in which lines that are close together merge.
         grey: (H, W), brightness.
     """
     width = max(_JOINT[0], round(_JOINT[1] * max(grey.shape)))

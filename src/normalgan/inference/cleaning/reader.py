@@ -31,32 +31,31 @@ __all__ = [
 ]
 
 SIDES = 256, 384
-"""Smallest and largest longer side, in pixels, of the pictures that the network sees."""
+"""Minimum and maximum longer side of the network's input, in pixels."""
 NEARER = 1.5, 2.5
-"""Least and most by which a second look enlarges: below, it shows little more; above, it takes long."""
+"""Minimum and maximum enlargement of the second pass: less would add little detail, more would be slow."""
 PAPER = 0.15
-"""Paper about the drawing in a second look, as a share of its longer side, as in training."""
+"""Margin around the drawing in the second pass, as a fraction of its longer side, as in training."""
 STRIDE = 32
-"""The sides of these pictures are multiples of this many pixels."""
+"""The sides of the network's input are multiples of this number of pixels."""
 GREY = np.array([0.299, 0.587, 0.114], np.float32)
-"""Shares of red, green and blue in the brightness of a picture."""
+"""Weights of red, green and blue in the luminance."""
 ONE_TONE = 0.08
-"""Largest difference of brightness between neighbours in an area of one tone, with grain and uneven light."""
+"""Maximum brightness difference between neighbours within one tone, allowing for grain and uneven light."""
 DOUBT = 0.1
-"""Least share of ink, and of paper, in an area that is in doubt; pale lines are less of a page."""
+"""Minimum fraction of ink, and of paper, in an ambiguous area; pale lines make up less of a page."""
 WINDOW, FLAT = 9, 1e-3
-"""Side, in pixels of the network, of the square in which ink follows brightness; and the variance of that
-below which there is nothing to follow."""
+"""Side of the guided filter's window in network pixels, and the variance below which it averages instead."""
 
 
 @dataclass(frozen=True)
 class Reading:
-    """What the network finds in a picture, at the scale at which it saw the drawing.
+    """The network's output for a picture, at the scale of the network's input.
 
     Args:
         ink: (h, w), probability that a pixel is a line of a drawing.
-        presence: (h, w), probability that it belongs to an object; holes do not.
-        middle: (2, h, w), x and y of the middle of its object, as shares of the picture's sides.
+        presence: (h, w), probability that a pixel belongs to an object; holes do not.
+        middle: (2, h, w), x and y of the centre of the pixel's object, as fractions of the picture's sides.
     """
 
     ink: Floats
@@ -64,19 +63,22 @@ class Reading:
     middle: Floats
 
     def presence_at(self, shape: tuple[int, int]) -> Floats:
-        """Return the presence at a size of (H, W) pixels."""
+        """Return the presence resized to (H, W) pixels."""
         return _enlarged(self.presence, shape)
 
     def ink_at(self, picture: Picture) -> Floats:
-        """Return the lines (H, W) in [0, 1] of the picture that was read, at any size of it.
+        """Return the ink (H, W) in [0, 1] at the picture's own size.
 
-        The network sees the lines of a large drawing blurred. Nearby, ink is a linear function of brightness
-        and of its steps, where areas without an outline meet; their slopes add the detail that the network
-        was not shown: He, Sun and Tang, "Guided Image Filtering", 2013, equations 14 to 16, at the network's
-        size as in He and Sun, "Fast Guided Filter", 2015.
+        The network's ink is blurred for large drawings. A guided filter restores the detail: within a window,
+        ink is a linear function of the brightness and of the brightness gradient, which marks where areas
+        without an outline meet. The coefficients are fitted at the network's size and applied at full size.
 
         Args:
-            picture: (H, W), that was read.
+            picture: (H, W), the picture that this reading is of, at any size.
+
+        References:
+            He, Sun, Tang 2013, "Guided Image Filtering", equations 14 to 16.
+            He, Sun 2015, "Fast Guided Filter".
         """
         grey = np.asarray(over_paper(picture) @ GREY, np.float32)
         small = reduced(grey, (self.ink.shape[0], self.ink.shape[1]))
@@ -97,10 +99,11 @@ class Reading:
 
 
 def read(picture: Picture) -> Reading:
-    """Return the network's output; a small drawing on a large page is looked at a second time, from nearer.
+    """Return the network's output; a small drawing on a large page gets a second pass on an enlarged crop.
 
     Args:
-        picture: the raw drawing; transparent parts become white, or black if the edge of the rest is light.
+        picture: the raw drawing; transparent parts become white, or black if the opaque part has a light
+            edge.
     """
     colour = over_paper(picture)
     page = _look(colour)
@@ -109,7 +112,7 @@ def read(picture: Picture) -> Reading:
 
 
 def _around_drawing(page: Reading, shape: tuple[int, int]) -> tuple[slice, slice] | None:
-    """Return rows and columns of a picture (H, W) that hold the drawing; None if they show little more."""
+    """Return the rows and columns of a picture (H, W) to crop to; None if a crop adds little detail."""
     rows, columns = np.nonzero((page.ink > 0.5) | (page.presence > 0.5))
     if not len(rows):
         return None
@@ -124,12 +127,12 @@ def _around_drawing(page: Reading, shape: tuple[int, int]) -> tuple[slice, slice
 
 
 def _shown_share(side: float) -> float:
-    """Return how much of the detail of a picture, whose longer side is ``side`` pixels, the network sees."""
+    """Return the scale at which the network sees a picture with this longer side in pixels; at most 1."""
     return min(SIDES[1] / side, 1.0)
 
 
 def _put_in(page: Reading, part: Reading, window: tuple[slice, slice], shape: tuple[int, int]) -> Reading:
-    """Return the reading of a picture (H, W) with that of a part of it in its place, at the part's scale."""
+    """Return the reading of a picture (H, W) with the reading of a crop pasted in, at the crop's scale."""
     start, end = np.array([[at.start, at.stop] for at in window]).T
     within = np.array(part.ink.shape)
     scale = within / (end - start)
@@ -163,9 +166,9 @@ def _look(colour: Floats) -> Reading:
 
 
 def _by_tone(ink: Floats, grey: Floats) -> Floats:
-    """Return ink (h, w) of which each area of one tone is all or nothing, where the network is unsure.
+    """Return ink (h, w) in which each ambiguous area of one tone is entirely ink or entirely paper.
 
-    Dark paint may be ink or not, but not both, or there would be edges inside it.
+    Dark paint that was partly ink would have edges inside it.
 
     Args:
         ink: (h, w) in [0, 1].
@@ -186,12 +189,12 @@ def _mean(values: Floats) -> Floats:
 
 
 def _steps(grey: Floats) -> Floats:
-    """Return how much brightness (h, w) differs between the neighbours of each pixel."""
+    """Return the range (h, w) of the brightness in the 3 × 3 neighbourhood of each pixel."""
     return np.asarray(cv2.morphologyEx(grey, cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8)), np.float32)
 
 
 def reduced(values: Floats, shape: tuple[int, int]) -> Floats:
-    """Return a picture (H, W) or (H, W, C) at a size that the network sees, (h, w)."""
+    """Return a picture (H, W) or (H, W, C) resized to (h, w), the size of the network's input."""
     method = cv2.INTER_AREA if max(shape) < max(values.shape) else cv2.INTER_LINEAR
     return np.asarray(cv2.resize(values, shape[::-1], interpolation=method), np.float32)
 
@@ -201,7 +204,7 @@ def _enlarged(values: Floats, shape: tuple[int, int]) -> Floats:
 
 
 def over_paper(picture: Picture) -> Floats:
-    """Return colours (h, w, 3) over white, or over black if the edge of the opaque part is light."""
+    """Return colours (h, w, 3) composited over white, or over black if the opaque part has a light edge."""
     if picture.alpha is None:
         return picture.colour
     alpha = picture.alpha
@@ -213,7 +216,7 @@ def over_paper(picture: Picture) -> Floats:
 
 @cache
 def _session() -> "InferenceSession":
-    import onnxruntime  # takes a third of a second, which a given mask saves
+    import onnxruntime  # takes a third of a second, and a given mask makes it unnecessary
 
     options = onnxruntime.SessionOptions()
     options.log_severity_level = 4

@@ -1,4 +1,4 @@
-"""Silhouette: whether a drawing's transparency shows the object's outline or only its ink."""
+"""Silhouette: decide whether a drawing's opacity shows the whole object or only its ink."""
 
 import cv2
 import numpy as np
@@ -11,21 +11,21 @@ from normalgan.inference.regions import around, depth_of, extent_of
 __all__ = ["contour", "enclosed_by", "is_silhouette"]
 
 _SHEET = 0.995
-"""Share of a picture from which what is opaque is the sheet: one with rounded corners or a torn edge."""
+"""Opaque fraction of a picture above which the opaque part is paper with rounded corners or a torn edge."""
 _SURE = 0.05
-"""How much larger the share of ink must be to be one of lines: that of a black shape is 1 or nearly so."""
+"""Margin by which ink must exceed coverage for the opaque part to be lines; a black shape has ink near 1."""
 
 
 def is_silhouette(picture: Picture, reading: Reading | None = None) -> bool:
-    """Return whether what is opaque is an object and not just its lines, by the reader.
+    """Return whether the opaque part is an object and not just its lines, according to the reader.
 
-    If it is an object, nearly all of the object is opaque, and part of it is ink. If it is lines, nearly all
-    of it is ink, and part of the object is opaque. This is right for 94 in 100 of 418 rendered pictures,
-    sheets and small figures.
+    If the opaque part is an object, it covers nearly all of the object and is only partly ink. If it is
+    lines, it is nearly all ink and covers only part of the object. This is right for 94 % of 418 rendered
+    pictures, sheets and small figures.
 
     Args:
         picture: the drawing.
-        reading: of the drawing; None asks the reader.
+        reading: the reader's output for the drawing; None runs the reader.
     """
     if picture.alpha is None:
         return False
@@ -34,7 +34,7 @@ def is_silhouette(picture: Picture, reading: Reading | None = None) -> bool:
         return False
     extent = extent_of(opaque)
     if reading is None or extent < max(opaque.shape) / 2:
-        # The reader sees little of what is small on a page.
+        # At page scale a small figure has too few pixels for the reader.
         box = around(opaque, extent // 8 + 2)
         picture = Picture(np.ascontiguousarray(picture.colour[box]), np.ascontiguousarray(picture.alpha[box]))
         reading = read(picture)
@@ -47,7 +47,7 @@ def is_silhouette(picture: Picture, reading: Reading | None = None) -> bool:
 
 
 def enclosed_by(barrier: BoolMask) -> BoolMask:
-    """Return the barrier (H, W) and all that cannot be reached past it from the picture's edge."""
+    """Return the barrier (H, W) and all pixels that it separates from the picture's edge."""
     reached = cv2.copyMakeBorder(barrier.view(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
     cv2.floodFill(reached, None, (0, 0), 2, flags=4)
     inside: BoolMask = reached[1:-1, 1:-1] != 2
@@ -55,6 +55,6 @@ def enclosed_by(barrier: BoolMask) -> BoolMask:
 
 
 def contour(silhouette: BoolMask) -> Floats:
-    """Return a line just inside a silhouette (H, W), about a 250th of its extent wide, ink 1."""
+    """Return the ink (H, W) of a line just inside a silhouette, about 1/250 of its extent wide."""
     width = max(extent_of(silhouette) / 250, 1.5)
     return np.where(silhouette, np.clip(width + 0.5 - depth_of(silhouette), 0, 1), 0).astype(np.float32)

@@ -1,3 +1,3 @@
-"""Several drawings in one file: sheets of sprites, animations, layers."""
+"""Composites: files with several drawings, such as sprite sheets, animations and layered files."""
 
 __all__ = []

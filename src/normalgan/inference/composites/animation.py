@@ -20,22 +20,22 @@ __all__ = ["PAGES", "Kind", "count_parts", "encode_animation", "kind_of", "movin
 Kind = Literal["gif", "webp", "png"]
 """Formats of animations; APNG has the ending .png too."""
 PAGES: Literal["pages"] = "pages"
-"""In place of the kind of an animation: several pictures that do not follow one another in time."""
+"""Returned instead of an animation's kind for a file with several pages, which are not a sequence in time."""
 _MOST_CHUNKS = 1000
 _EXTENSION, _CONTROL, _IMAGE, _END = 0x21, 0xF9, 0x2C, 0x3B
 
 
 def moving_kind(path: Path, content: bytes | None = None) -> Kind | Literal["pages"] | None:
-    """Return the kind of an animation, or `PAGES` of several pages; None of one picture.
+    """Return the kind of an animation, `PAGES` for a multi-page file, or None for a single picture.
 
-    Only the marks between the pictures are looked at; nothing is decoded.
+    Only headers are read; nothing is decoded.
 
     Args:
-        path: its file, or its name in messages.
-        content: its content, if it has been read already.
+        path: the file, or its name in messages.
+        content: content of the file, if it has been read already.
 
     Raises:
-        InputError: if it is a GIF that ends within a frame, which a decoder would truncate silently.
+        InputError: if the file is a GIF that ends within a frame, which a decoder would truncate silently.
     """
     if content is None and (path.suffix.lower() not in MOVING or not path.is_file()):
         return None
@@ -46,7 +46,7 @@ def moving_kind(path: Path, content: bytes | None = None) -> Kind | Literal["pag
                 return "png" if _frames_of_apng(file) > 1 else None
             if start.startswith((b"II", b"MM")):
                 return PAGES if _pages_of_tiff(file) > 1 else None
-        if start[4:6] == b"\xe0\xa5":  # Aseprite: what it shows goes into a PNG that moves
+        if start[4:6] == b"\xe0\xa5":  # Aseprite: its frames are written as an animated PNG
             return "png" if int.from_bytes(start[6:8], "little") > 1 else None
         if start[4:12] == b"ftypavis":  # AVIF
             return "png"
@@ -56,11 +56,11 @@ def moving_kind(path: Path, content: bytes | None = None) -> Kind | Literal["pag
             return None
         return "gif" if _frames_of_gif(path, content or read_bounded(path, MOST_BYTES)) > 1 else None
     except OSError:
-        return None  # reading the drawing raises the error
+        return None  # the error is raised when the drawing is read
 
 
 def kind_of(path: Path) -> Kind:
-    """Return the kind of an animation by its file's name."""
+    """Return the kind of an animation from its file name."""
     match path.suffix.lower():
         case ".gif":
             return "gif"
@@ -71,7 +71,7 @@ def kind_of(path: Path) -> Kind:
 
 
 def count_parts(content: bytes) -> int:
-    """Return how many pages or frames a file has; 1 for AVIF, which does not record it at its start.
+    """Return the number of pages or frames of a file; 1 for AVIF, whose header does not record it.
 
     Raises:
         InputError: as `moving_kind` does.
@@ -92,7 +92,7 @@ def count_parts(content: bytes) -> int:
 
 
 def _frames_of_apng(file: BinaryIO) -> int:
-    """Return how many frames a PNG has; the number is stored before the pixels."""
+    """Return the number of frames of a PNG, which is stored before the pixels."""
     file.seek(8)
     for _ in range(_MOST_CHUNKS):
         head = file.read(8)
@@ -105,7 +105,7 @@ def _frames_of_apng(file: BinaryIO) -> int:
 
 
 def _frames_of_webp(file: BinaryIO) -> int:
-    """Return how many frames a WebP has: its chunks that hold one."""
+    """Return the number of frames of a WebP by counting its frame chunks."""
     file.seek(12)
     count = 0
     while len(head := file.read(8)) == 8:
@@ -116,7 +116,7 @@ def _frames_of_webp(file: BinaryIO) -> int:
 
 
 def _pages_of_tiff(file: BinaryIO) -> int:
-    """Return how many pages a TIFF has, without its small copies and masks (TIFF 6.0, sections 2 and 8)."""
+    """Return the number of pages of a TIFF, without thumbnails and masks (TIFF 6.0, sections 2 and 8)."""
     file.seek(0)
     head = file.read(16)
     order: Literal["little", "big"] = "little" if head[:2] == b"II" else "big"
@@ -130,7 +130,7 @@ def _pages_of_tiff(file: BinaryIO) -> int:
         entries = int.from_bytes(file.read(count), order)
         table = file.read(entries * entry + offset) if entries < _MOST_CHUNKS else b""
         if len(table) < entries * entry + offset:
-            break  # cut short: decoding it raises the error
+            break  # truncated: the error is raised when the file is decoded
         tags = [table[at : at + entry] for at in range(0, entries * entry, entry)]
         value = entry - (8 if big else 4)
         kinds = [
@@ -144,7 +144,7 @@ def _pages_of_tiff(file: BinaryIO) -> int:
 
 
 def _frames_of_gif(path: Path, data: bytes) -> int:
-    """Return how many frames a GIF has."""
+    """Return the number of frames of a GIF."""
     count = 0
     try:
         at = _after_head(data)
@@ -155,24 +155,24 @@ def _frames_of_gif(path: Path, data: bytes) -> int:
                 at = _after_blocks(data, at + 11 + _table(data[at + 9]))
                 count += 1
             else:
-                return count  # what follows is not GIF any more; browsers show what was before
+                return count  # trailing garbage: browsers show the frames before it
     except IndexError:
         raise InputError(f"{path} is broken: it ends within its frame {count + 1}.") from None
     return count
 
 
 def _after_head(data: bytes) -> int:
-    """Return where the blocks of a GIF begin."""
+    """Return the offset of the first block of a GIF."""
     return 13 + _table(data[10])
 
 
 def _table(flags: int) -> int:
-    """Return the bytes of a table of colours."""
+    """Return the size of a colour table in bytes."""
     return 3 * 2 ** ((flags & 7) + 1) if flags & 0x80 else 0
 
 
 def _after_blocks(data: bytes, at: int) -> int:
-    """Return where the blocks end that begin at ``at``."""
+    """Return the offset after the sub-blocks that start at ``at``."""
     while data[at]:
         at += data[at] + 1
         if at >= len(data):
@@ -183,13 +183,13 @@ def _after_blocks(data: bytes, at: int) -> int:
 def encode_animation(
     kind: Kind, frames: Sequence[NDArray[np.uint8]], durations: Sequence[int], loop: int
 ) -> bytes:
-    """Return frames (H, W, 3) or (H, W, 4) as a file; WebP and PNG keep every colour, a GIF 256 a frame.
+    """Return the content of an animation file; WebP and PNG are lossless, GIF has 256 colours per frame.
 
     Args:
-        kind: kind of the file.
-        frames: one at least.
-        durations: milliseconds that each is shown.
-        loop: how often all are shown; 0 is for ever.
+        kind: format of the file.
+        frames: (H, W, 3) or (H, W, 4) each; at least one.
+        durations: duration of each frame in milliseconds.
+        loop: number of times the animation plays; 0 loops forever.
     """
     images = [Image.fromarray(each) for each in frames]
     match kind:
@@ -202,13 +202,13 @@ def encode_animation(
 
 
 def _gif(images: Sequence[Image.Image], durations: Sequence[int], loop: int, transparent: bool) -> bytes:
-    """Return a GIF with every frame, even if it equals the one before."""
+    """Return a GIF with every frame, even if consecutive frames are equal."""
     file = io.BytesIO()
-    # What a frame leaves transparent must not show the one before.
+    # The previous frame must not show through transparent pixels.
     shown = 2 if transparent else 1
     once = {} if loop == 1 else {"loop": loop}
-    # Pillow joins equal frames and adds up their durations. Each lasts one hundredth of a second here, so
-    # that the sum is their number; then they are repeated, with their own durations.
+    # Pillow merges equal frames and sums their durations. Each frame is saved with a duration of 1/100 s, so
+    # the sum is the number of merged frames. They are then repeated with their own durations.
     images[0].save(file, "GIF", save_all=True, append_images=images[1:], duration=10, disposal=shown, **once)
     data, waits = file.getvalue(), iter(durations)
     at = _after_head(data)
@@ -231,9 +231,9 @@ def _gif(images: Sequence[Image.Image], durations: Sequence[int], loop: int, tra
 
 
 def _webp(images: Sequence[Image.Image], durations: Sequence[int], loop: int) -> bytes:
-    """Return a WebP of whole frames, encoded separately: libwebp would join equal ones.
+    """Return a WebP whose frames are encoded separately, because libwebp merges equal frames.
 
-    The container is that of RFC 9649, section 2.7.
+    The container follows RFC 9649, section 2.7.
     """
     width, height = images[0].size
     canvas = (width - 1).to_bytes(3, "little") + (height - 1).to_bytes(3, "little")
@@ -245,7 +245,7 @@ def _webp(images: Sequence[Image.Image], durations: Sequence[int], loop: int) ->
         at = still.index(b"VP8L", 12)
         pixels = still[at : at + 8 + int.from_bytes(still[at + 4 : at + 8], "little")]
         wait = min(duration, 0xFFFFFF).to_bytes(3, "little")
-        # At the canvas's upper left, not blended with the frame before, which stays until then.
+        # The frame lies at the canvas's upper left and replaces the previous one without blending.
         frames.append(
             _chunk(b"ANMF", bytes(6) + canvas + wait + b"\x02" + pixels + b"\0" * (len(pixels) % 2))
         )
@@ -257,16 +257,16 @@ def _webp(images: Sequence[Image.Image], durations: Sequence[int], loop: int) ->
 
 
 def _chunk(name: bytes, content: bytes) -> bytes:
-    """Return a chunk of RIFF, of an even length."""
+    """Return a RIFF chunk, padded to an even length."""
     return name + len(content).to_bytes(4, "little") + content + b"\0" * (len(content) % 2)
 
 
 def _apng(
     images: Sequence[Image.Image], frames: Sequence[NDArray[np.uint8]], durations: Sequence[int], loop: int
 ) -> bytes:
-    """Return a PNG with every frame, even if it equals the one before."""
-    # Pillow joins equal frames whose disposal is the same. Whether a frame is cleared before the next one is
-    # drawn makes no difference to what is seen, as Pillow draws what was cleared too.
+    """Return an animated PNG with every frame, even if consecutive frames are equal."""
+    # Pillow merges equal frames that have the same disposal, so equal frames get alternating ones. The
+    # disposal is not visible, because Pillow also draws the cleared pixels.
     disposals = [0]
     for before, each in pairwise(frames):
         disposals.append(1 - disposals[-1] if np.array_equal(before, each) else 0)

@@ -1,4 +1,4 @@
-"""Atlas: the positions of a sheet's sprites, from another program's file."""
+"""Atlas: read the positions of a sheet's sprites from another program's file."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,18 +18,18 @@ from normalgan.inference.composites.sheets import MOST_CELLS
 __all__ = ["ENDINGS", "MOST_BYTES", "AtlasCells", "read_atlas"]
 
 MOST_BYTES = 2**24
-"""Larger atlases are refused; each sprite takes some three hundred bytes."""
+"""Maximum size of an atlas in bytes; each sprite takes about 300."""
 _ALIKE = 0.01
-"""Share by which the proportions of an SVG and of the sheet in its atlas may differ."""
+"""Maximum relative difference between the aspect ratios of an SVG and of the sheet in its atlas."""
 
 
 @dataclass(frozen=True)
 class AtlasCells:
-    """The sprites of a sheet.
+    """The sprites that an atlas lists for a sheet.
 
     Args:
-        cells: where they lie; those that share a place once.
-        warnings: the faults of the others, by name, each a part of a sentence.
+        cells: positions of the usable sprites, without duplicates.
+        warnings: reasons why other sprites are left out; each is part of a sentence and names its sprite.
     """
 
     cells: list[Cell]
@@ -39,19 +39,18 @@ class AtlasCells:
 def read_atlas(
     path: Path, shape: tuple[int, int], sheet: Path, units: tuple[float, float] | None = None
 ) -> AtlasCells:
-    """Return where the sprites of a sheet lie.
+    """Return the positions of a sheet's sprites.
 
-    A sprite without pixels is left out. One outside the sheet is left out and named.
+    Empty sprites are left out. Sprites outside the sheet are left out with a warning.
 
     Args:
         path: the atlas, in any format of `atlas_formats.FORMATS`.
         shape: (H, W) of the sheet in pixels.
-        sheet: its file.
-        units: (width, height) of a sheet that is drawn at any size, such as an SVG, in its own units; None of
-            one of pixels.
+        sheet: file of the sheet.
+        units: (width, height) of a vector sheet (SVG) in its own units; None for a sheet of pixels.
 
     Raises:
-        InputError: if it cannot be read, disagrees with the sheet, or leaves no sprite.
+        InputError: if the atlas cannot be read, does not match the sheet, or has no usable sprite.
     """
     try:
         pages = parse_atlas(read_named(path, "the atlas", MOST_BYTES))
@@ -92,7 +91,7 @@ def read_atlas(
 
 
 def _page_of(pages: list[Page], sheet: Path, path: Path) -> Page:
-    """Return the sprites that an atlas lists for a sheet, by the sheet's name if it has several."""
+    """Return the sprites that an atlas lists for a sheet; an atlas of several sheets must name it."""
     named = next((each for each in pages if each.image == sheet.name), None)
     if named is not None:
         return named
@@ -105,7 +104,7 @@ def _page_of(pages: list[Page], sheet: Path, path: Path) -> Page:
 def _scale(
     page: Page, shape: tuple[int, int], sheet: Path, path: Path, units: tuple[float, float] | None
 ) -> tuple[float, float]:
-    """Return the pixels for each unit of an atlas, across and down.
+    """Return the number of pixels per unit of an atlas, horizontally and vertically.
 
     Raises:
         InputError: if the atlas belongs to a sheet of a different size.
@@ -117,7 +116,7 @@ def _scale(
     scale = width / size[0], height / size[1]
     if units is None or abs(scale[0] / scale[1] - 1) > _ALIKE + 1 / min(shape):
         raise InputError(
-            f"the atlas {path} is of a sheet of {size[0]:g} × {size[1]:g} pixels, but {sheet} has "
+            f"the atlas {path} is for a sheet of {size[0]:g} × {size[1]:g} pixels, but {sheet} has "
             f"{width} × {height}."
         )
     return scale

@@ -1,4 +1,4 @@
-"""Atlas formats: the table of file formats for the positions of a sheet's sprites."""
+"""Atlas formats: parsers for the files that list the positions of a sheet's sprites."""
 
 import json
 import math
@@ -15,20 +15,20 @@ __all__ = ["ENDINGS", "FORMATS", "Format", "Frame", "Page", "UnreadableAtlasErro
 
 
 class UnreadableAtlasError(Exception):
-    """An atlas that cannot be read; its text goes after the atlas's name."""
+    """An atlas that cannot be read; the message continues a sentence that begins with the atlas's name."""
 
 
 @dataclass(frozen=True)
 class Frame:
-    """Where a sprite lies in its sheet, in the units of the atlas.
+    """The position of a sprite in its sheet, in the units of the atlas.
 
     Args:
-        name: as the atlas has it.
+        name: name of the sprite in the atlas.
         left: first column.
         top: first row.
         width: columns in the sheet.
         height: rows in the sheet.
-        turned: number of clockwise quarter turns.
+        turned: rotation of the sprite, in clockwise quarter turns.
     """
 
     name: str
@@ -44,9 +44,9 @@ class Page:
     """The entries of an atlas for one sheet.
 
     Args:
-        image: name of the sheet's file without its folder; empty if the atlas does not name it.
-        size: (width, height) of the sheet, if the atlas gives it.
-        frames: its sprites; None in place of one that has no position, by its name.
+        image: file name of the sheet without its folder; empty if the atlas does not name it.
+        size: (width, height) of the sheet; None if the atlas does not give it.
+        frames: name and position of each sprite; the position is None if the atlas gives none.
     """
 
     image: str
@@ -55,12 +55,12 @@ class Page:
 
 
 class Format(NamedTuple):
-    """A format of atlases.
+    """A file format of atlases.
 
     Args:
-        name: in a sentence.
-        endings: endings of its files.
-        parse: takes a text and returns its pages, or None if the text is in another format.
+        name: name of the format in messages.
+        endings: file endings of the format.
+        parse: returns the pages of a text, or None if the text is in another format.
     """
 
     name: str
@@ -73,13 +73,13 @@ _QUARTER = 90
 
 
 def parse_atlas(content: bytes) -> list[Page]:
-    """Return the pages of an atlas of any format of `FORMATS`.
+    """Return the pages of an atlas in any format of `FORMATS`.
 
     Args:
-        content: content of its file.
+        content: content of the atlas file.
 
     Raises:
-        UnreadableAtlasError: if it is broken, or has another format.
+        UnreadableAtlasError: if the file is broken or in an unknown format.
     """
     text = _text(content)
     for each in FORMATS:
@@ -87,7 +87,7 @@ def parse_atlas(content: bytes) -> list[Page]:
         if pages is not None:
             return pages
     known = ", ".join(each.name for each in FORMATS)
-    raise UnreadableAtlasError(f"{_looks_like(content, text)}; atlases that can be read are {known}")
+    raise UnreadableAtlasError(f"{_looks_like(content, text)}; supported atlas formats are {known}")
 
 
 def _text(content: bytes) -> str:
@@ -102,7 +102,7 @@ def _text(content: bytes) -> str:
 
 
 def _number(value: Any) -> float | None:
-    """Return a number, which some programs write as text, or None."""
+    """Return a JSON value as a number, or None; some programs write numbers as strings."""
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         return None
     try:
@@ -113,7 +113,7 @@ def _number(value: Any) -> float | None:
 
 
 def _frame(name: str, box: list[Any], turned: int = 0, upright: bool = False) -> tuple[str, Frame | None]:
-    """Return a frame of left, top, width and height; if ``upright``, the size before rotation."""
+    """Return a named frame from left, top, width and height; ``upright`` sizes are those before rotation."""
     left, top, width, height = [_number(each) for each in box] if len(box) == 4 else [None] * 4
     if left is None or top is None or width is None or height is None or min(width, height) < 0:
         return name, None
@@ -128,12 +128,12 @@ def _size(width: Any, height: Any) -> tuple[float, float] | None:
 
 
 def _name(image: Any) -> str:
-    """Return the name of a sheet's file without its folder."""
+    """Return the file name of a sheet without its folder."""
     return PurePosixPath(image.replace("\\", "/")).name if isinstance(image, str) else ""
 
 
 def _quarters(rotated: Any, clockwise: bool = True) -> int:
-    """Return a sprite's clockwise rotation in quarter turns from its atlas entry."""
+    """Return the clockwise quarter turns that an atlas entry's rotation stands for."""
     if isinstance(rotated, str):
         rotated = {"true": True, "y": True, "yes": True}.get(rotated.strip().lower(), rotated)
     degrees = _QUARTER if rotated is True else _number(rotated) or 0
@@ -142,7 +142,7 @@ def _quarters(rotated: Any, clockwise: bool = True) -> int:
 
 
 def _json(text: str) -> list[Page] | None:
-    """Parse TexturePacker's JSON (hash, array or several sheets) and similar files."""
+    """Parse TexturePacker's JSON (hash, array or multi-pack) and similar formats."""
     if not text.lstrip().startswith(("{", "[")):
         return None
     try:
@@ -151,12 +151,12 @@ def _json(text: str) -> list[Page] | None:
         raise UnreadableAtlasError("is nested too deeply") from None
     except json.JSONDecodeError as error:
         raise UnreadableAtlasError(
-            f"is broken JSON: line {error.lineno}, column {error.colno} is not what JSON has there"
+            f"is broken JSON: line {error.lineno}, column {error.colno} is a syntax error"
         ) from None
     if isinstance(content, list):
         content = {"frames": content}
     textures = content.get("textures")
-    if isinstance(textures, list):  # Phaser has frames in each, Godot sprites
+    if isinstance(textures, list):  # the key is "frames" in Phaser, "sprites" in Godot
         return [_json_page(each) for each in textures if isinstance(each, dict)]
     if isinstance(content.get("images"), list):
         if not isinstance(content.get("frames"), list):
@@ -187,12 +187,12 @@ def _json_frame(name: str, entry: Any) -> tuple[str, Frame | None]:
     box = next((entry[key] for key in ("frame", "region") if isinstance(entry.get(key), dict)), entry)
     sides = [[box.get(short, box.get(long))] for short, long in (("w", "width"), ("h", "height"))]
     found = [box.get("x"), box.get("y"), *sides[0], *sides[1]]
-    # TexturePacker and Aseprite give the size that the sprite has upright.
+    # TexturePacker and Aseprite give the size before rotation.
     return _frame(name, found, _quarters(entry.get("rotated")), upright=True)
 
 
 def _easel(images: list[Any], frames: list[Any]) -> list[Page]:
-    """Return the pages of EaselJS, whose frames are lists: x, y, width, height, number of the image."""
+    """Return the pages of an EaselJS file, whose frames are lists: x, y, width, height, image index."""
     pages = [Page(_name(each), None, []) for each in images]
     for number, each in enumerate(frames, 1):
         box = each if isinstance(each, list) else []
@@ -207,7 +207,7 @@ def _xml(text: str) -> list[Page] | None:
     if "<TextureAtlas" not in text:
         return None
     if "<!ENTITY" in text:
-        raise UnreadableAtlasError("declares entities, which are not read")
+        raise UnreadableAtlasError("declares entities, which are not supported")
     try:
         root = Tree.fromstring(text.lstrip())
     except (Tree.ParseError, ValueError) as error:
@@ -219,7 +219,7 @@ def _xml(text: str) -> list[Page] | None:
             long = each.tag == "SubTexture"
             keys = ("x", "y", "width", "height") if long else ("x", "y", "w", "h")
             name = each.get("name" if long else "n", str(number))
-            # Both give the size that the sprite has in the sheet.
+            # Both formats give the size of the sprite as it lies in the sheet.
             turned = _quarters(each.get("rotated" if long else "r"))
             frames.append(_frame(name, [each.get(key) for key in keys], turned))
         size = _size(atlas.get("width"), atlas.get("height"))
@@ -228,7 +228,7 @@ def _xml(text: str) -> list[Page] | None:
 
 
 def _plist(text: str) -> list[Page] | None:
-    """Parse the property lists of Cocos2d, in their formats 0 to 3."""
+    """Parse a Cocos2d property list (formats 0 to 3)."""
     if "<plist" not in text:
         return None
     try:
@@ -265,10 +265,11 @@ _GDX = re.compile(r"^\s*([a-z]+)\s*:\s*(.*?)\s*$", re.MULTILINE)
 
 
 def _gdx(text: str) -> list[Page] | None:
-    """Parse the text of libGDX and Spine.
+    """Parse the text format of libGDX and Spine.
 
-    A page begins with the sheet's name, a region with its own; lines with a colon are about them, and an
-    empty line ends a page. Source: https://esotericsoftware.com/spine-atlas-format.
+    A page starts with the sheet's name and a region with the region's name. The lines with a colon that
+    follow are their attributes. An empty line ends a page. Source:
+    https://esotericsoftware.com/spine-atlas-format.
     """
     keys = {match[1] for match in _GDX.finditer(text)}
     if "bounds" not in keys and not {"xy", "size"} <= keys:
@@ -295,7 +296,7 @@ def _gdx(text: str) -> list[Page] | None:
 def _gdx_frame(name: str, about: dict[str, str]) -> tuple[str, Frame | None]:
     given = about.get("bounds") or f"{about.get('xy', '')},{about.get('size', '')}"
     index = about.get("index", "-1")
-    # The packer turns counterclockwise and gives the size that the sprite has upright.
+    # The packer rotates counterclockwise and gives the size before rotation.
     turned = _quarters(about.get("rotate"), clockwise=False)
     name = name if index == "-1" else f"{name}_{index}"
     return _frame(name, re.findall(_NUMBER, given), turned, upright=True)
@@ -305,7 +306,7 @@ _PLACE = ";".join([_NUMBER] * 4)
 
 
 def _unity(text: str) -> list[Page] | None:
-    """Parse TexturePacker's sheets for Unity, whose y counts from the lower edge."""
+    """Parse a TexturePacker sheet for Unity, in which y is measured from the lower edge."""
     about = dict(re.findall(r"^:(\w+)=(.*?)\s*$", text, re.MULTILINE))
     size = re.findall(_NUMBER, about.get("size", ""))
     if "texture" not in about or len(size) != 2:
@@ -322,10 +323,10 @@ _ROW = re.compile(rf"^\s*\"?(.+?)\"?\s*(?:=\s*|[,;\t]){_BOX}(?:[,;\t ].*)?$")
 
 
 def _lines(text: str) -> list[Page] | None:
-    """Parse text with a sprite a line: ``name = x y width height``, or with commas."""
+    """Parse text with one sprite per line: ``name = x y width height``, or comma-separated."""
     lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith(("#", "//"))]
     found = [_ROW.match(line) for line in lines]
-    # The first line may name the columns.
+    # The first line may be a header.
     frames = [_frame(match[1], list(match.groups()[1:5])) for match in found[not all(found[:1]) :] if match]
     return [Page("", None, frames)] if frames and len(frames) >= len(lines) - 1 else None
 
@@ -340,9 +341,9 @@ FORMATS = (
     Format("TexturePacker for Unity", (".tpsheet",), _unity),
     Format("lines of name, x, y, width, height", (".txt", ".csv"), _lines),
 )
-"""The formats, in the order in which a file is tried as each."""
+"""All formats, in the order in which they are tried."""
 ENDINGS = tuple(dict.fromkeys(["_atlas.json", *(end for each in FORMATS for end in each.endings)]))
-"""Endings of the atlas that belongs to a sheet, after the sheet's stem."""
+"""Endings that follow the sheet's stem in the name of its atlas."""
 
 _LOOKS = (
     (
@@ -363,12 +364,12 @@ _LOOKS = (
     ("looks like XML without a list of sprites", r"\A\s*<"),
     ("looks like YAML", r"\A(?:%YAML|---|[\w\"'-]+:(?:\s|$))"),
 )
-"""What to call a file that is not an atlas, and the pattern that recognises it; the first match counts."""
+"""Descriptions of files that are not atlases, with the pattern of each; the first match is used."""
 _BINARY = {b"\x89PNG": "PNG", b"\xff\xd8\xff": "JPEG", b"GIF8": "GIF", b"RIFF": "WebP", b"8BPS": "PSD"}
 
 
 def _looks_like(content: bytes, text: str) -> str:
-    """Return the kind of a file that is not an atlas, for a message."""
+    """Return a description of a file that is not an atlas, for a message."""
     picture = next((name for start, name in _BINARY.items() if content.startswith(start)), None)
     if picture is not None:
         return f"is a {picture} picture"
@@ -378,7 +379,7 @@ def _looks_like(content: bytes, text: str) -> str:
         return "is empty"
     if "\0" in text:
         return "is not text"
-    # A few thousand characters tell; a pattern over megabytes takes long.
+    # The first few thousand characters suffice; matching megabytes would be slow.
     start = text[:4096]
     return next(
         (words for words, pattern in _LOOKS if re.search(pattern, start, re.MULTILINE)),

@@ -1,4 +1,4 @@
-"""Cells: the positions and rotations of a sheet's drawings."""
+"""Cell: the position and rotation of a drawing in a sheet."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,13 +21,13 @@ class Cell:
     """The position of a drawing in a sheet.
 
     Args:
-        name: what to call it.
+        name: name of the drawing in messages.
         left: first column.
         top: first row.
         width: columns in the sheet.
         height: rows in the sheet.
-        turned: number of clockwise quarter turns in the sheet, by which packers save room.
-        own: (height, width), the part of the box that belongs to it; None if all is.
+        turned: rotation in the sheet, in clockwise quarter turns; packers rotate sprites to save space.
+        own: (height, width), mask of the pixels that belong to the drawing; None for all.
         tile: the directions in which the drawing repeats; None if it does not.
     """
 
@@ -42,19 +42,19 @@ class Cell:
 
     @property
     def box(self) -> tuple[slice, slice]:
-        """Rows and columns of the sheet."""
+        """The rows and columns of the sheet that the drawing occupies."""
         return slice(self.top, self.top + self.height), slice(self.left, self.left + self.width)
 
     def upright(self, part: NDArray[T]) -> NDArray[T]:
-        """Return its part of a sheet, (height, width, ...), as it was drawn."""
+        """Return the cell's part of a sheet, (height, width, ...), rotated upright."""
         return np.rot90(part, self.turned) if self.turned else part
 
     def turn(self, part: NDArray[T]) -> NDArray[T]:
-        """Return an upright array, turned as in the sheet; vectors in it keep their values."""
+        """Return an upright array rotated as in the sheet; vectors in it keep their values."""
         return np.rot90(part, -self.turned) if self.turned else part
 
     def local(self, hints: Hints) -> Hints | None:
-        """Return the sheet's hints that lie in it, in its own upright pixels; None if none does."""
+        """Return the sheet's hints in the cell, in upright pixels of the cell; None if there are none."""
         x, y = hints.points.T - np.array([[self.left], [self.top]], np.float32)
         inside = (x >= 0) & (x < self.width) & (y >= 0) & (y < self.height)
         if not inside.any():
@@ -63,7 +63,7 @@ class Cell:
         return Hints(points[inside].astype(np.float32), hints.normals[inside])
 
     def points(self, given: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
-        """Return the sheet's points (x, y) that lie in it, in its own upright pixels."""
+        """Return the sheet's points (x, y) in the cell, in upright pixels of the cell."""
         local = [(x - self.left, y - self.top) for x, y in given]
         inside = [
             (x, y)
@@ -73,13 +73,13 @@ class Cell:
         return [self._upright_point(x, y) for x, y in inside]
 
     def _upright_point(self, x: P, y: P) -> tuple[P, P]:
-        """Convert x and y from its box to its own upright pixels."""
+        """Convert x and y from pixels of the cell's box to upright pixels of the cell."""
         width, height = self.width, self.height
         for _ in range(self.turned):
             x, y, width, height = y, width - x, height, width
         return x, y
 
     def put(self, whole: NDArray[T], part: NDArray[T]) -> None:
-        """Write an upright array, (height, width, ...), into its part of a sheet's, where that is its own."""
+        """Write an upright array (height, width, ...) into the cell's own pixels of a whole sheet."""
         there = np.s_[:] if self.own is None else self.own
         whole[self.box][there] = self.turn(part)[there]

@@ -1,4 +1,4 @@
-"""Composition: composites the maps of parts that were predicted separately."""
+"""Composition: composite the maps of parts that were predicted separately."""
 
 import math
 from collections.abc import Sequence
@@ -13,21 +13,21 @@ from normalgan.inference.vectors import unit
 __all__ = ["compose", "tiled"]
 
 _THIN = np.float32(1 / 255)
-"""Opacity of what is too thin for the soft edge to leave any of it."""
+"""Opacity given to mask pixels whose soft edge has no opacity, such as very thin parts."""
 
 
 def compose(maps: Sequence[NormalMap]) -> NormalMap:
-    """Return one map of several parts of a drawing.
+    """Return the composite of the maps of a drawing's parts.
 
-    A part hides the parts behind it. Along its soft edge, and where it is translucent, its normals are
-    averaged with those behind, weighted by visibility (Porter and Duff's "over", 1984). Off all parts the
-    normals are extended from the nearest part, so that edges keep their normals.
+    A part hides the parts behind it. Along soft edges and where a part is translucent, its normals are
+    averaged with the normals behind it, weighted by visibility (Porter and Duff's "over", 1984). Outside all
+    parts, the normals come from the nearest part, so that edges keep their normals.
 
     Args:
-        maps: maps of the same size (H, W), back to front; a single one is returned unchanged.
+        maps: maps of the same size (H, W), back to front; a single map is returned unchanged.
 
     Raises:
-        ValueError: if there are none, or their sizes differ.
+        ValueError: if there are no maps or their sizes differ.
     """
     if not maps or len({each.mask.shape for each in maps}) > 1:
         raise ValueError(
@@ -41,7 +41,7 @@ def compose(maps: Sequence[NormalMap]) -> NormalMap:
         over = _opacity(front)
         alone = (over > 0) & ((over >= 1) | (seen <= 0))
         np.copyto(normals, front.extended, where=alone[..., None])
-        # Few pixels: those of the edges alone, unless the whole part is translucent.
+        # Only edge pixels, unless the whole part is translucent.
         mixed = np.nonzero((over > 0) & ~alone)
         if mixed[0].size:
             share = over[mixed][:, None]
@@ -64,7 +64,7 @@ def compose(maps: Sequence[NormalMap]) -> NormalMap:
 
 
 def tiled(pictures: Sequence[Floats]) -> Floats:
-    """Return pictures (H, W) side by side, in a square or nearly one; the rest is 0."""
+    """Return pictures (H, W) in a roughly square grid, padded with zeros."""
     columns = math.ceil(math.sqrt(len(pictures)))
     height, width = np.max([each.shape for each in pictures], axis=0)
     every = [np.pad(each, ((0, height - each.shape[0]), (0, width - each.shape[1]))) for each in pictures]
@@ -78,6 +78,6 @@ def _opacity(part: NormalMap) -> Floats:
 
 
 def _distance(part: NormalMap) -> Floats:
-    """Return how far (H, W), in pixels, each pixel is from a part."""
+    """Return the distance (H, W) of each pixel from a part, in pixels."""
     off = (_opacity(part) <= 0).astype(np.uint8)
     return np.asarray(cv2.distanceTransform(off, cv2.DIST_L2, 3), np.float32)

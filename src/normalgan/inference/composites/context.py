@@ -1,4 +1,4 @@
-"""Context: predicts each part of a drawing alone or among the others, by the network's confidence."""
+"""Context: predict each part of a drawing alone or among the others, whichever the network is surer of."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -14,16 +14,16 @@ from normalgan.inference.suggestion import uncertainty
 __all__ = ["Context", "Inferred", "context_of", "expected_error", "surest", "ways_to_see"]
 
 Inferred = tuple[Floats, Floats | None]
-"""What the network predicts, (S, S, 3), and its confidence κ, (S, S), if it has one."""
+"""The network's prediction (S, S, 3), and its confidence κ (S, S) or None."""
 
 
 @dataclass(frozen=True, eq=False)
 class Context:
-    """The network's view of all parts of a drawing.
+    """The network's input for all parts of a drawing together.
 
     Args:
-        frame: the square around all of them.
-        seen: (S, S), their lines.
+        frame: the square around all parts.
+        seen: (S, S), the lines of all parts.
     """
 
     frame: Frame
@@ -31,10 +31,10 @@ class Context:
 
 
 def context_of(parts: Iterable[Prepared]) -> Context:
-    """Return the lines of all parts of a drawing; the object of a part hides the lines behind it.
+    """Return the context of a drawing's parts; the object of a part hides the lines behind it.
 
     Args:
-        parts: parts of the same size, back to front; at least one. Each is read once and not kept.
+        parts: one or more parts of the same size, back to front. Each is read once and not kept.
     """
     parts = iter(parts)
     first = next(parts)
@@ -47,14 +47,14 @@ def context_of(parts: Iterable[Prepared]) -> Context:
 
 
 def ways_to_see(part: Prepared, context: Context | None) -> list[Prepared]:
-    """Return a part's map when shown alone, and when shown among the others; add hints afterwards.
+    """Return a part prepared alone, and prepared among the other parts; add hints afterwards.
 
-    If the network decides on the object, the part is shown alone; otherwise all other parts would count as
-    object.
+    If the network decides on the mask, the part is only shown alone, because all other parts would count as
+    object too.
 
     Args:
-        part: as `prepare` gives it.
-        context: the drawing that it is a part of; None if there are no other parts.
+        part: a prepared part, as returned by `prepare`.
+        context: the context of all parts; None if there are no other parts.
     """
     if context is None or part.mask is None:
         return [part]
@@ -64,14 +64,14 @@ def ways_to_see(part: Prepared, context: Context | None) -> list[Prepared]:
 def surest(
     ways: Sequence[Prepared], infer: Callable[[Prepared], Inferred]
 ) -> tuple[Prepared, Floats, Floats | None]:
-    """Return the view of a part for which the network expects the least error, and its prediction.
+    """Return the view of a part with the lowest expected error, its prediction and its confidence.
 
     A head without its body looks like a wedge, so a body part is best shown among the others. A figure in
-    front of scenery is complete, and the lines around it mislead. The network's confidence decides.
+    front of scenery is complete by itself, and the lines around it mislead. The network's confidence decides.
 
     Args:
-        ways: the part as the network can be shown it; of a network without confidence, the first is used.
-        infer: asks the network.
+        ways: views of the part; the first is used if the network has no confidence.
+        infer: runs the network.
     """
     inferred = [infer(each) for each in ways]
     errors = [expected_error(way, confidence) for way, (_, confidence) in zip(ways, inferred, strict=True)]
@@ -80,7 +80,7 @@ def surest(
 
 
 def expected_error(part: Prepared, confidence: Floats | None) -> float:
-    """Return the mean error that the network expects on the object, as a share of a right angle, or 0."""
+    """Return the mean expected error on the object as a fraction of a right angle; 0 if unknown."""
     if confidence is None or part.mask is None:
         return 0.0
     inside = part.frame.shrink(part.mask.astype(np.float32)) > 0.5

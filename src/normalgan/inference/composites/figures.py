@@ -1,4 +1,4 @@
-"""Figures: separate the objects of a page before any gap in them is closed."""
+"""Figures: find the separate objects of a page."""
 
 import cv2
 import numpy as np
@@ -15,29 +15,29 @@ from normalgan.inference.reading.drawings import SMALLEST
 __all__ = ["alike", "find_figures"]
 
 _ALIKE = 0.25
-"""Least share of the largest figure's area that a figure has; smaller areas are parts of their neighbour."""
+"""Minimum area of a figure, as a fraction of the largest figure's; smaller areas join their neighbour."""
 _OWN_MIDDLE = 0.35
-"""How far the middle that the reader sees may be from that of the figure's box, as a share of its span."""
+"""Maximum distance of the predicted object centre from the centre of the box, as a fraction of its span."""
 _ROOM = 0.04
-"""Margin about a figure, as a share of its span."""
+"""Margin around a figure, as a fraction of its span."""
 _LEAST = 0.4
-"""Least mean presence in a figure."""
+"""Minimum mean presence of a figure."""
 
 
 def find_figures(decision: Decision, reading: Reading, shape: tuple[int, int]) -> list[Cell]:
-    """Return the positions of a page's figures, in reading order; one if they are parts of one object.
+    """Return the cells of a page's figures in reading order; empty if the page shows a single object.
 
-    The reader sees for each pixel where the middle of its object is. An area that sees it outside of itself
-    is a part of a larger object. Areas that one line connects are one.
+    Areas connected by a line are one figure. The reader predicts the centre of each pixel's object; if an
+    area's predicted centre lies outside it, the area is part of a larger object.
 
     Args:
-        decision: on the whole page.
+        decision: the mask decision for the whole page.
         reading: the reader's output for the whole page.
-        shape: (H, W) of the drawing; figures are in its pixels.
+        shape: (H, W) of the drawing; the cells are in pixels of it.
     """
     size = decision.small.shape[0], decision.small.shape[1]
     presence = reading.presence_at(size)
-    # What one line connects is one area.
+    # Lines count as body, so that areas connected by a line are one.
     body = (presence > 0.5) | (decision.ink > INKED)
     count, found, measured, _ = cv2.connectedComponentsWithStats(body.astype(np.uint8), connectivity=8)
     labels, stats = np.asarray(found, np.int32), np.asarray(measured, np.int32)
@@ -60,7 +60,11 @@ def find_figures(decision: Decision, reading: Reading, shape: tuple[int, int]) -
 def _strangers(
     figure: NDArray[np.intp], boxes: NDArray[np.int32], reading: Reading, size: tuple[int, int]
 ) -> list[tuple[int, int]]:
-    """Return pairs of areas of one object: one whose middle the reader sees outside it, and the nearest."""
+    """Return pairs of areas that belong to one object.
+
+    The first area of a pair has its predicted centre outside itself; the second is the one nearest to that
+    centre.
+    """
     seen = [cv2.resize(each, size[::-1], interpolation=cv2.INTER_LINEAR) for each in reading.middle]
     there = figure >= 0
     counts = np.bincount(figure[there], minlength=len(boxes))
@@ -83,12 +87,12 @@ def _strangers(
 
 
 def _cells(figure: NDArray[np.intp], drawn: BoolMask, count: int, shape: tuple[int, int]) -> list[Cell]:
-    """Return a cell for each figure: its box, limited to the pixels nearer to it than to another figure.
+    """Return a cell for each figure: its box, restricted to the pixels for which it is the nearest figure.
 
     Args:
-        figure: (h, w), the number of each pixel's figure, -1 for none.
+        figure: (h, w), index of each pixel's figure, -1 for none.
         drawn: (h, w), lines and bodies.
-        count: number of the figures.
+        count: number of figures.
         shape: (H, W) of the drawing.
     """
     free = (figure < 0).astype(np.uint8)
@@ -113,6 +117,6 @@ def _cells(figure: NDArray[np.intp], drawn: BoolMask, count: int, shape: tuple[i
 
 
 def alike(cells: list[Cell]) -> bool:
-    """Return whether the islands of a page look like separate figures: at least two are of like size."""
+    """Return whether the islands of a page look like separate figures: at least two are of similar size."""
     areas: Floats = np.array([float(c.own.sum()) if c.own is not None else c.width * c.height for c in cells])
     return int((areas > _ALIKE * areas.max(initial=0)).sum()) > 1

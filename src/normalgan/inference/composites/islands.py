@@ -1,4 +1,4 @@
-"""Islands: find the drawings of a sheet without an atlas; connected parts are one drawing."""
+"""Islands: find the drawings of a sheet without an atlas, by connected components."""
 
 import cv2
 import numpy as np
@@ -19,28 +19,28 @@ from normalgan.inference.reading.picture import MOST_WORKED, fitted_within, resi
 __all__ = ["drawn", "find_islands", "in_rows"]
 
 _GAP = 0.004
-"""Half the gap across which parts count as connected, as a share of the sheet's longer side."""
+"""Half the widest gap across which parts count as connected, as a fraction of the sheet's longer side."""
 _FAINT = 8
-"""Largest opacity, of 255, that counts as transparent."""
+"""Highest opacity, out of 255, that counts as transparent."""
 _SMALL = 0.2
-"""A drawing that spans less than this share of the largest may be a part of the one beside it."""
+"""Span below which a drawing may be a part of a neighbour, as a fraction of the largest drawing's span."""
 _BESIDE = 0.1
-"""Largest distance from it, as a share of its span; farther away it is a separate drawing."""
+"""Greatest distance between a small part and its drawing, as a fraction of the drawing's span."""
 
 _Boxes = NDArray[np.intp]
 
 
 def find_islands(sheet: Decoded) -> list[Cell]:
-    """Return the drawings of a sheet, row by row: islands of opacity, or of connected lines.
+    """Return the cells of a sheet's drawings, row by row: opaque islands, or connected lines if it is opaque.
 
-    Parts on both sides of a narrow gap count as connected. A small part, such as an eye or a spark, joins the
-    large part next to it.
+    Lines with a narrow gap between them count as connected. A small part, such as an eye or a spark, joins
+    the large part next to it.
 
     Args:
-        sheet: its pixels, not reduced.
+        sheet: pixels of the sheet, not reduced.
 
     Raises:
-        InputError: if there are none, or too many.
+        InputError: if there are no drawings, or too many.
     """
     shape = sheet.pixels.shape[0], sheet.pixels.shape[1]
     opaque = _opaque(sheet)
@@ -74,13 +74,13 @@ def find_islands(sheet: Decoded) -> list[Cell]:
 
 
 def drawn(sheet: Decoded) -> BoolMask:
-    """Return where a sheet is opaque, or else its lines and the area they enclose, (H, W)."""
+    """Return a sheet's opaque pixels (H, W); if all are opaque, its lines and the area they enclose."""
     opaque = _opaque(sheet)
     return _lines(sheet) if opaque is None else opaque
 
 
 def _opaque(sheet: Decoded) -> BoolMask | None:
-    """Return where a sheet is opaque, (H, W); None if it has no opacity."""
+    """Return the opaque pixels (H, W) of a sheet; None if nothing is transparent."""
     pixels = sheet.pixels
     if pixels.ndim != 3 or pixels.shape[2] != 4 or pixels[..., 3].min() == 255:
         return None
@@ -96,7 +96,7 @@ def _lines(sheet: Decoded) -> BoolMask:
 
 
 def _owners(boxes: _Boxes) -> NDArray[np.intp]:
-    """Return for each part (left, top, right, bottom) the number of the drawing that it belongs to."""
+    """Return for each part (left, top, right, bottom) the index of the part that it is merged into."""
     spans = (boxes[:, 2:] - boxes[:, :2]).max(1)
     owner = np.arange(len(boxes))
     large = np.flatnonzero(spans >= _SMALL * spans.max())
@@ -106,7 +106,7 @@ def _owners(boxes: _Boxes) -> NDArray[np.intp]:
         nearest = int(np.argmin(away))
         if away[nearest] <= _BESIDE * spans[large[nearest]] or spans[part] < SMALLEST:
             owner[part] = large[nearest]
-    # What lies in the box of another, such as an eye in a head, is a part of it.
+    # A part inside the box of another, such as an eye in a head, belongs to it.
     for part in large:
         inside = (boxes[large, :2] <= boxes[part, :2]).all(1) & (boxes[large, 2:] >= boxes[part, 2:]).all(1)
         inside &= spans[large] > spans[part]
@@ -116,7 +116,7 @@ def _owners(boxes: _Boxes) -> NDArray[np.intp]:
 
 
 def in_rows(cells: list[Cell], noun: str = "drawing") -> list[Cell]:
-    """Return drawings in the order in which one reads, each named by a noun and its number."""
+    """Return cells in reading order, named by ``noun`` and numbered from 1."""
     if not cells:
         raise InputError(f"its drawings are smaller than {SMALLEST} pixels.")
     rows: list[list[Cell]] = []

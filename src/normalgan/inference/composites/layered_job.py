@@ -1,4 +1,4 @@
-"""Layered job: predicts each visible layer of a file, alone or among the others, and writes them all."""
+"""Layered job: predict each visible layer of a file and write the results."""
 
 import re
 from collections.abc import Iterable
@@ -26,7 +26,7 @@ from normalgan.inference.sprites import Sprite
 __all__ = ["LayeredJob", "goes_in_one", "layered_target"]
 
 _LONGEST = 48
-"""Characters of a layer's name in that of a file."""
+"""Maximum length of a layer's name within a file name."""
 
 
 @dataclass(frozen=True)
@@ -36,9 +36,9 @@ class LayeredJob:
     Args:
         predictor: the network.
         writer: writes their maps.
-        size: longer side of the maps in pixels; None is the drawing's.
-        shared: whether the frames of an animated layer share one frame and are smoothed over time.
-        strength: factor of all maps' slopes.
+        size: longer side of the maps in pixels; None keeps the drawing's size.
+        shared: whether all frames of an animated layer are framed by one square and smoothed over time.
+        strength: factor applied to the slopes of all maps.
         sprite: adapts each map to a sprite.
     """
 
@@ -50,15 +50,15 @@ class LayeredJob:
     sprite: Sprite = field(default_factory=Sprite)
 
     def __call__(self, job: Job, drawing: Drawing, target: Path) -> tuple[str, list[Held], bool]:
-        """Predict and write; return the warning, the waiting files, and whether a layer is missing.
+        """Predict and write the layers; return the warning, the held files, and whether a layer is missing.
 
         Args:
-            job: the file.
-            drawing: what is in it.
-            target: as `layered_target` gives it.
+            job: the job of the layered file.
+            drawing: content of the file.
+            target: path from `layered_target`.
 
         Raises:
-            InputError: if the file has no layers, or none of them can be predicted.
+            InputError: if the file has no layers, or no layer can be predicted.
             OSError: if a file cannot be written.
         """
         if job.files.hints is not None or isinstance(job.files.mask, Path):
@@ -77,7 +77,7 @@ class LayeredJob:
             name = next(layer.name for layer in drawn if layer.number == number)
             if isinstance(got, InputError):
                 failed.append(got)
-                said.append(f"layer {name!r}: it is left out, as {str(got).rstrip('.')}")
+                said.append(f"layer {name!r}: it is left out, because {str(got).rstrip('.')}")
                 continue
             layers, warning, waiting = result_of(got)
             predicted += layers
@@ -92,14 +92,14 @@ class LayeredJob:
         return "; ".join(said), held, found.notes.partial or bool(failed)
 
     def _context(self, job: Job, found: DecodedLayers, drawn: list[DecodedLayer]) -> Context | None:
-        """Return the network's view of all layers; None of a single one, and of an animation's."""
+        """Return the context of all layers; None for a single layer and for animations."""
         if len(found.durations) > 1:
             return None
 
         def prepared(layer: DecodedLayer) -> Prepared:
             return prepare_member(self.predictor, _member(job, layer, found.shape), self.size)
 
-        # Each is prepared again when it is predicted: all of a large file at once would fill the memory.
+        # Layers are prepared again for prediction: keeping all layers of a large file would fill the memory.
         parts = (each for _, each in stream(drawn, prepared) if isinstance(each, Prepared))
         first, second = next(parts, None), next(parts, None)
         return None if first is None or second is None else context_of(chain((first, second), parts))
@@ -107,7 +107,7 @@ class LayeredJob:
     def _predict(
         self, job: Job, found: DecodedLayers, number: int, context: Context | None
     ) -> tuple[list[DecodedLayer], str, list[Held]]:
-        """Return a layer's predictions frame by frame, the warning, and the waiting files."""
+        """Return a layer's predictions frame by frame, the warning, and the held files."""
         outputs = self.writer.outputs
         own = [layer for layer in found.layers if layer.number == number]
         members = [_member(job, layer, found.shape) for layer in own]
@@ -139,7 +139,7 @@ class LayeredJob:
         return predicted, said[0] if said else "", held
 
     def _among(self, member: Member, context: Context) -> NormalMap | InputError:
-        """Return the map of a layer, predicted alone or among the others, or its error."""
+        """Return the map of a layer predicted alone or among the others, or the error."""
         backend = self.predictor.backend
         try:
             ways = ways_to_see(prepare_member(self.predictor, member, self.size), context)
@@ -155,15 +155,15 @@ def _member(job: Job, layer: DecodedLayer, shape: tuple[int, int]) -> Member:
 
 
 def goes_in_one(outputs: Outputs) -> bool:
-    """Return whether predicted layers go into one layered file, of 8 bits and without an engine."""
+    """Return whether predicted layers go into one layered file, which is 8-bit and for no engine."""
     return outputs.normal.plain and outputs.normal.engine is None
 
 
 def layered_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
-    """Return the path of the predicted layers of a file, or of the first if each gets its own file.
+    """Return the path of the layered file, or of the first layer's file if each layer is written separately.
 
     Raises:
-        InputError: if the file has no layers, or one file was named for them.
+        InputError: if the file has no layers, or the user named a single output file.
     """
     if job.exact:
         raise InputError(f"{job.target} holds one map; --layers needs a folder (-o).")
@@ -172,7 +172,7 @@ def layered_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
         first = next((each for each in found.layers if not is_plain(each, found.shape)), found.layers[0])
         return _job_of(job, first, outputs.ending, len(found.durations)).target
     if drawing.layered is None:
-        drawing.layers  # noqa: B018 -- says that it has none, or that it is missing
+        drawing.layers  # noqa: B018 -- raises the error: the file has no layers, or is missing
     target = job.target.with_suffix(f".{drawing.layered}")
     if target.resolve() == drawing.path.resolve():
         raise overwritten(target)
@@ -180,7 +180,7 @@ def layered_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
 
 
 def _job_of(job: Job, layer: DecodedLayer, ending: str, frames: int) -> Job:
-    """Return the job of one layer, named after it, its groups, its place in the stack, and its frame."""
+    """Return the job of one layer; its file name has the layer's number, groups, name and frame."""
     name = re.sub(r"[^\w-]+", "-", "_".join((*layer.groups, layer.name))).strip("-_")[:_LONGEST]
     stem = f"{job.stem}_{layer.number + 1:02d}{'_' if name else ''}{name}"
     stem += f"_{layer.frame + 1:04d}" if frames > 1 else ""

@@ -1,6 +1,7 @@
-"""Layers: reads the layers of a file, and writes predicted ones as a layered file.
+"""Layers: read the layers of a file, and write predicted layers as a layered file.
 
-A PSD is written as PSD, a KRA or ORA as ORA, which Krita and GIMP open, an Aseprite file as an Aseprite file.
+PSD and Aseprite files are written back in their own format. KRA and ORA files are written as ORA, which both
+Krita and GIMP open.
 """
 
 import io
@@ -28,46 +29,46 @@ from normalgan.inference.regions import box_of
 __all__ = ["LayeredKind", "cut", "encode_layers", "is_plain", "layered_kind", "picture_of", "read_layers"]
 
 LayeredKind = Literal["psd", "ora", "aseprite"]
-"""Endings of layered files that can be written."""
+"""Formats of layered files that can be written."""
 _KINDS: dict[str, LayeredKind] = {"PSD": "psd", "Krita": "ora", "OpenRaster": "ora", "Aseprite": "aseprite"}
 _GROUND = (128, 128, 255, 0)
-"""A flat normal of which nothing is seen."""
+"""A fully transparent flat normal."""
 _THUMBNAIL = 256
 
 
 def layered_kind(path: Path, content: bytes | None = None) -> LayeredKind | None:
-    """Return the kind that the layers of a file are written back as; None if it has none.
+    """Return the format that a file's layers are written in; None if the file has no layers.
 
     Args:
-        path: its file, or its name in messages.
-        content: its content, if it has been read already.
+        path: the file, or its name in messages.
+        content: content of the file, if it has been read already.
     """
     try:
         with io.BytesIO(content) if content is not None else path.open("rb") as file:
             found = format_of(file.read(64))
     except OSError:
-        return None  # reading the drawing raises the error
+        return None  # the error is raised when the drawing is read
     return _KINDS.get(found.name) if found is not None else None
 
 
 def read_layers(path: Path, content: bytes | None = None) -> DecodedLayers:
-    """Read the visible layers of a .psd, .kra, .ora, .ase or .aseprite, the lowest first.
+    """Return the visible layers of a .psd, .kra, .ora, .ase or .aseprite file, bottom to top.
 
-    Hidden layers, adjustment layers and empty layers are left out. Each is
-    cropped to its opaque part, and has a place, an opacity and the names of its groups.
+    Hidden layers, adjustment layers and empty layers are left out. Each layer is cropped to its opaque part
+    and has a position, an opacity and the names of its groups.
 
     Args:
-        path: its file, or its name in messages.
-        content: its content, if it has been read already.
+        path: the file, or its name in messages.
+        content: content of the file, if it has been read already.
 
     Raises:
-        InputError: if it is missing or too large, has no visible layer, or has an unreadable one.
+        InputError: if the file is missing or too large, or has no visible layer or an unreadable one.
     """
     return decode_layers(str(path), read_content(path, content), (SMALLEST, LARGEST))
 
 
 def picture_of(layer: DecodedLayer, shape: tuple[int, int]) -> Picture:
-    """Return a layer as a drawing (H, W), transparent where it has nothing; its opacity does not count."""
+    """Return a layer as a drawing (H, W), transparent outside the layer; the layer's opacity is ignored."""
     picture = to_picture(Decoded(_on_canvas(layer, shape), shape))
     if max(shape) <= MOST_WORKED:
         return picture
@@ -75,12 +76,12 @@ def picture_of(layer: DecodedLayer, shape: tuple[int, int]) -> Picture:
 
 
 def is_plain(layer: DecodedLayer, shape: tuple[int, int]) -> bool:
-    """Return whether a layer covers all of a picture (H, W) in one colour, as a sheet of paper does."""
+    """Return whether a layer fills a picture (H, W) with a single colour, like a sheet of paper."""
     return layer.pixels.shape[:2] == shape and bool((layer.pixels == layer.pixels[:1, :1]).all())
 
 
 def cut(layer: DecodedLayer, pixels: NDArray[np.uint8]) -> DecodedLayer | None:
-    """Return a layer with new pixels (H, W, 4) of the whole picture, cropped to its opaque part, if any.
+    """Return a layer with new pixels (H, W, 4), cropped to their opaque part; None if nothing is opaque.
 
     >>> drawn = np.zeros((8, 8, 4), np.uint8)
     >>> drawn[2:4, 5] = 255
@@ -98,13 +99,13 @@ def cut(layer: DecodedLayer, pixels: NDArray[np.uint8]) -> DecodedLayer | None:
 def encode_layers(
     kind: LayeredKind, shape: tuple[int, int], layers: Sequence[DecodedLayer], durations: Sequence[int] = (0,)
 ) -> bytes:
-    """Return a layered file.
+    """Return the content of a layered file.
 
     Args:
-        kind: kind of the file.
+        kind: format of the file.
         shape: (H, W) of the picture.
-        layers: as `read_layers` gives them; frame by frame, in each the lowest first.
-        durations: milliseconds that each frame is shown; of more than one only Aseprite knows.
+        layers: layers as `read_layers` returns them, frame by frame and bottom to top.
+        durations: duration of each frame in milliseconds; only Aseprite files can have more than one frame.
     """
     match kind:
         case "psd":
@@ -136,7 +137,7 @@ _Node = DecodedLayer | tuple[str, list[DecodedLayer]]
 
 
 def _nodes(layers: Sequence[DecodedLayer], depth: int) -> Iterator[_Node]:
-    """Yield the layers in order; neighbours in one group at ``depth`` come together, with its name."""
+    """Yield the layers in order, with the layers of each group at ``depth`` as (group name, layers)."""
 
     def group(layer: DecodedLayer) -> str | None:
         return layer.groups[depth] if len(layer.groups) > depth else None
@@ -159,8 +160,10 @@ def _psd(shape: tuple[int, int], layers: Sequence[DecodedLayer]) -> bytes:
             if isinstance(node, DecodedLayer):
                 image = Image.fromarray(node.pixels)
                 own = parent.create_pixel_layer(image, top=node.top, left=node.left, opacity=node.opacity)
-                own.name = node.name or "Layer"  # in Unicode, with a substitute for the old name in Mac Roman
-                # What is clipped follows its base; if that could not be predicted, it stands alone.
+                # This sets the Unicode name, and a substitute for the legacy name in Mac Roman.
+                own.name = node.name or "Layer"
+                # A clipped layer follows its base layer; if the base could not be predicted, it is not
+                # clipped.
                 own.clipping = node.clipped_to >= 0 and node.clipped_to == base
                 base = base if own.clipping else node.number
             else:
@@ -190,14 +193,14 @@ def _openraster(shape: tuple[int, int], layers: Sequence[DecodedLayer]) -> bytes
             else:
                 each = Tree.Element("stack", {"name": _xml_text(node[0])})
                 add(each, node[1], depth + 1)
-            stack.insert(0, each)  # the first is the highest
+            stack.insert(0, each)  # ORA lists the top layer first
 
     add(Tree.SubElement(root, "stack"), layers, 0)
     merged = _merged(shape, layers)
     small = merged.copy()
     small.thumbnail((_THUMBNAIL, _THUMBNAIL))
     file = io.BytesIO()
-    with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:  # PNG is packed already
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:  # PNG is already compressed
         every = {
             "mimetype": b"image/openraster",
             "stack.xml": Tree.tostring(root, "utf-8", xml_declaration=True),
@@ -206,13 +209,13 @@ def _openraster(shape: tuple[int, int], layers: Sequence[DecodedLayer]) -> bytes
             "Thumbnails/thumbnail.png": _png(small),
         }
         for name, content in every.items():
-            # A fixed time: the same drawing gives the same bytes.
+            # ZipInfo has a fixed time stamp, so the same drawing gives the same bytes.
             archive.writestr(zipfile.ZipInfo(name), content)
     return file.getvalue()
 
 
 def _xml_text(text: str) -> str:
-    """Return a text without the characters that XML cannot hold."""
+    """Return a text with the characters that XML does not allow replaced by U+FFFD."""
     return re.sub(r"[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", "\ufffd", text)
 
 
@@ -224,7 +227,7 @@ def _png(image: Image.Image) -> bytes:
 
 def _aseprite(shape: tuple[int, int], layers: Sequence[DecodedLayer], durations: Sequence[int]) -> bytes:
     """Return an Aseprite file; https://github.com/aseprite/aseprite/blob/main/docs/ase-file-specs.md."""
-    # A layer is the same in all frames; what a frame shows of it may be paler.
+    # Aseprite has one opacity per layer for all frames, and one per cel that can only lower it.
     first = {layer.number: layer for layer in sorted(layers, key=lambda each: each.opacity)}
     numbers: dict[int, int] = {}
     chunks: list[bytes] = []
@@ -261,7 +264,7 @@ def _aseprite(shape: tuple[int, int], layers: Sequence[DecodedLayer], durations:
 
 def _ase_layer(name: str, kind: int, depth: int, opacity: int) -> bytes:
     text = name.encode()
-    # 3: visible and editable.
+    # Flags 3: visible and editable.
     return _ase_chunk(0x2004, struct.pack("<HHHHHHB3xH", 3, kind, depth, 0, 0, 0, opacity, len(text)) + text)
 
 

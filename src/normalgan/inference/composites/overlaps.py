@@ -1,4 +1,4 @@
-"""Overlaps: which of the sprites that overlap in a sheet each drawn pixel belongs to."""
+"""Overlaps: assign each drawn pixel of a sheet to one of the sprites whose boxes overlap there."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -15,22 +15,22 @@ from normalgan.inference.composites.islands import drawn
 __all__ = ["separate"]
 
 _HALF = 0.5
-"""Share of a connected part from which a sprite that holds it shows it, and not a neighbour's edge."""
+"""Fraction of a connected part that a box must hold to show the part itself, not just a neighbour's edge."""
 
 
 def separate(cells: Sequence[Cell], sheet: Decoded) -> tuple[list[Cell], list[str]]:
-    """Return cells that do not share a drawn pixel.
+    """Return cells that do not share any drawn pixel.
 
     Packers let the boxes of sprites overlap where their corners are empty. A connected part of the drawing
-    belongs to the box that holds most of it, and to the smaller one of two that hold as much.
+    belongs to the box that holds most of it; of two boxes that hold the same amount, to the smaller one.
 
     Args:
         cells: boxes in the sheet, which may overlap.
-        sheet: its pixels, not reduced.
+        sheet: pixels of the sheet, not reduced.
 
     Returns:
-        The cells in their order, overlapping ones with their own part marked, and a warning for each two
-        that show the same part.
+        The cells in the given order, overlapping ones with their own pixels marked, and a warning for each
+        pair that shows the same part.
     """
     counts = np.zeros(sheet.pixels.shape[:2], np.uint16)
     for cell in cells:
@@ -54,7 +54,7 @@ def separate(cells: Sequence[Cell], sheet: Decoded) -> tuple[list[Cell], list[st
         separated[i] = replace(cells[i], own=~other)
         shown = other & (_share(labels[box], sizes) >= _HALF)
         if not ((labels[box] > 0) & ~other).any():
-            shown = other  # it shows only a detail of another sprite
+            shown = other  # the box shows only a detail of another sprite
         if shown.any():
             first = cells[int(owner[box][shown][0])]
             warnings.append(
@@ -65,7 +65,7 @@ def separate(cells: Sequence[Cell], sheet: Decoded) -> tuple[list[Cell], list[st
 
 
 def _share(labels: NDArray[np.int32], sizes: NDArray[np.intp]) -> Floats:
-    """Return for each pixel (h, w) of a box the share of its connected part in the box; 0 off all parts."""
+    """Return the fraction (h, w) of each pixel's connected part that lies in the box; 0 off all parts."""
     found, where, counts = np.unique(labels, return_inverse=True, return_counts=True)
     share = np.where(found > 0, counts / sizes[found], 0).astype(np.float32)
     return np.asarray(share[where].reshape(labels.shape))

@@ -1,4 +1,4 @@
-"""Packing: how the drawings of a sheet are found: a grid, an atlas, or connected parts."""
+"""Packing: find the drawings of a sheet by a grid, an atlas, a tileset or connected components."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,24 +16,25 @@ from normalgan.inference.reading.drawings import find_companion
 __all__ = ["OWN", "Packing"]
 
 OWN = "own"
-"""The tileset that a file has of its own."""
+"""Value of ``tileset`` that selects the tileset stored in the drawing's own file."""
 
 _WAYS = ("sheet", "split", "atlas", "tileset")
 
 
 @dataclass(frozen=True)
 class Packing:
-    """How the drawings of a sheet are found.
+    """The layout of the drawings in a sheet; at most one argument is given.
 
     Args:
-        sheet: a grid, columns x rows, such as 4x3.
-        split: auto finds islands of opacity or of connected lines.
-        atlas: a file of any format of `atlas_formats.FORMATS`, or a folder of <sketch>.json or the like.
-        tileset: size of a tile, such as 16x16; a tileset of Tiled, or a folder of <sketch>.tsx or .tsj; or
-            own, the tileset of an Aseprite file.
+        sheet: a grid as columns x rows, such as 4x3.
+        split: auto finds opaque islands, or connected lines in an opaque sheet.
+        atlas: an atlas file in any format of `atlas_formats.FORMATS`, or a folder of <sketch>.json or
+            similar.
+        tileset: the size of a tile, such as 16x16; a Tiled tileset, or a folder of <sketch>.tsx or .tsj; or
+            own for the tileset of an Aseprite file.
 
     Raises:
-        InputError: if an option cannot be used, or more than one is given.
+        InputError: if an argument is invalid, or more than one is given.
     """
 
     sheet: str | None = None
@@ -42,43 +43,43 @@ class Packing:
     tileset: str | None = None
 
     def __post_init__(self) -> None:
-        """Refuse an invalid packing."""
+        """Raise `InputError` if the packing is invalid."""
         given = [name for name in _WAYS if getattr(self, name) is not None]
         if len(given) > 1:
             raise InputError(
-                f"{' and '.join(f'--{each}' for each in given)} each say where the drawings of a sheet are; "
-                "give one of them."
+                f"{' and '.join(f'--{each}' for each in given)} each give the positions of the drawings in a "
+                "sheet; use only one."
             )
         if self.sheet is not None:
             parse_grid(self.sheet)
         if self.split not in {None, "auto"}:
-            raise InputError(f"split is {self.split!r}; the one way to split a sheet by itself is auto.")
+            raise InputError(f"split is {self.split!r}; the only supported value is auto.")
         if self.atlas is not None and not Path(self.atlas).exists():
-            raise InputError(f"there is no atlas {self.atlas}; name a file, or a folder of them.")
+            raise InputError(f"there is no atlas {self.atlas}; name an atlas file, or a folder of atlases.")
         if self.tileset not in {None, OWN} and not Path(str(self.tileset)).exists():
             parse_tile_size(str(self.tileset))
 
     @property
     def given(self) -> bool:
-        """Whether any option says that drawings are sheets."""
+        """Whether drawings are sheets."""
         return any(getattr(self, each) is not None for each in _WAYS)
 
     def beside(self, path: Path, below: Path | None = None) -> list[Path]:
-        """Return the files that are read for a sheet: its atlas or its tileset's file, if it has one.
+        """Return the companion files of a sheet: its atlas or tileset file, if there is one.
 
         Args:
-            path: the sheet's file.
-            below: the subfolder of the atlases' folder to look in first.
+            path: file of the sheet.
+            below: subfolder of the atlas folder that is searched first.
         """
         named, endings = (self.atlas, ENDINGS) if self.tileset is None else (self.tileset, TILED)
         found = None if named is None else find_companion(path, Path(named), endings, below)
         return [] if found is None else [found]
 
     def tile_grid(self, path: Path, below: Path | None = None) -> TileGrid:
-        """Return the positions of a tileset's tiles; arguments are those of `beside`.
+        """Return the tile grid of a sheet; the arguments are those of `beside`.
 
         Raises:
-            InputError: if its file is missing or cannot be read.
+            InputError: if the tileset file is missing or cannot be read.
         """
         assert self.tileset is not None
         if not Path(self.tileset).exists():
@@ -86,7 +87,7 @@ class Packing:
         found = self.beside(path, below)
         if not found:
             raise InputError(
-                f"{self.tileset} holds no tileset for {path}; it is named {path.stem}.tsx, .tsj, .json or "
+                f"{self.tileset} has no tileset for {path}; its name must be {path.stem}.tsx, .tsj, .json or "
                 ".xml."
             )
         return read_tiled(found[0])
@@ -98,16 +99,16 @@ class Packing:
         below: Path | None = None,
         units: tuple[float, float] | None = None,
     ) -> AtlasCells:
-        """Return the cells of a sheet's drawings, and the faults of others.
+        """Return the cells of a sheet's drawings, with warnings about drawings that are left out.
 
         Args:
-            sheet: its pixels, not reduced.
-            path: its file.
-            below: as `beside` has it.
-            units: (width, height) of an SVG in its own units, in which its atlas may be.
+            sheet: pixels of the sheet, not reduced.
+            path: file of the sheet.
+            below: subfolder of the atlas folder that is searched first.
+            units: (width, height) of an SVG in its own units, which its atlas may use.
 
         Raises:
-            InputError: if it has none, or the grid or atlas does not match it.
+            InputError: if the sheet has no drawings, or the grid or atlas does not match it.
         """
         if self.sheet is not None:
             return AtlasCells(grid_cells(*parse_grid(self.sheet), sheet.shape, path), [])
@@ -116,7 +117,7 @@ class Packing:
         found = self.beside(path, below)
         if not found:
             raise InputError(
-                f"{self.atlas} holds no atlas for {path}; it is named {path.stem}.json, .xml, .plist, "
+                f"{self.atlas} has no atlas for {path}; its name must be {path.stem}.json, .xml, .plist, "
                 ".atlas, .tpsheet, .txt or .csv."
             )
         read = read_atlas(found[0], sheet.shape, path, units)

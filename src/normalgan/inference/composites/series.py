@@ -1,4 +1,4 @@
-"""Series: consistent predictions of related drawings, such as cells of a sheet or frames of an animation."""
+"""Series: predict related drawings consistently, such as cells of a sheet or frames of an animation."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -28,9 +28,9 @@ class Member:
 
     Args:
         picture: the drawing.
-        hints: in pixels of the drawing, or None.
-        mask: as `prepare` has it.
-        flips: x and y of points whose regions are flipped, as `prepare` has them.
+        hints: hints in pixels of the drawing, or None.
+        mask: the object or the source of the mask, as in `prepare`.
+        flips: x and y of points whose regions are flipped, as in `prepare`.
     """
 
     picture: Picture
@@ -46,27 +46,27 @@ def predict_series(
     steady: bool = False,
     size: int | None = None,
 ) -> Iterator[NormalMap | InputError]:
-    """Yield the map of each drawing, or its error.
+    """Yield the map of each drawing, or the error.
 
     Args:
         predictor: the network.
-        members: the drawings; of one size if ``shared``.
-        shared: show the network the same square of all: the one that holds the lines of all. Parts that do
-            not move then have the same pixels in each; and a drawing of few lines is not enlarged to fill it.
-        steady: average each drawing's normals with those of its neighbours in the series where they show the
-            same lines, so that still parts do not flicker; needs ``shared``. If the boxes of all drawings
-            have one size, each is shown about itself instead: the object moves as a whole.
-        size: longer side of the maps in pixels; None is the drawings'.
+        members: the drawings; with ``shared``, all of one size.
+        shared: whether all drawings are framed by one square that contains the lines of all. Parts that do
+            not move then have the same pixels in each input, and a drawing with few lines is not enlarged.
+        steady: whether the normals of consecutive drawings are averaged where their lines agree, so that
+            still parts do not flicker; needs ``shared``. If the bounding boxes of all drawings have the same
+            size, the object moves as a whole, and each drawing gets a frame of its own around it.
+        size: longer side of the maps in pixels; None keeps the drawings' size.
 
     Raises:
-        InputError: if ``shared``, and the sizes differ.
+        InputError: if ``shared`` is set and the sizes differ.
     """
     prepared = [got for _, got in stream(members, lambda each: prepare_member(predictor, each, size))]
     good = [i for i, each in enumerate(prepared) if isinstance(each, Prepared)]
     if shared and good:
         _check_sizes(members)
         bounds = [bounds_of(result_of(prepared[i]).ink) for i in good]
-        # An object that moves as a whole stands still in frames about itself, and fills them.
+        # An object that only moves as a whole is still in frames centred on it, and fills them.
         if not (steady and _of_one_size(bounds)):
             for i in good:
                 prepared[i] = reframed(result_of(prepared[i]), united(bounds))
@@ -93,16 +93,16 @@ def predict_series(
 
 
 def left_flat(error: InputError) -> str:
-    """Return the warning about a drawing that could not be predicted, a part of a sentence."""
-    return f"it is left flat, as {str(error).rstrip('.')}"
+    """Return the warning about a drawing that could not be predicted, as part of a sentence."""
+    return f"it is left flat, because {str(error).rstrip('.')}"
 
 
 def flat_map(shape: tuple[int, int], size: int | None = None) -> NormalMap:
-    """Return the map of a drawing (H, W) of which nothing is predicted: flat, and nowhere an object.
+    """Return a flat map without an object for a drawing (H, W).
 
     Args:
-        shape: shape of the drawing.
-        size: longer side of the map in pixels; None is the drawing's.
+        shape: (H, W) of the drawing.
+        size: longer side of the map in pixels; None keeps the drawing's size.
     """
     shape = fitted(shape, size)
     normals = np.zeros((*shape, 3), np.float32)
@@ -112,14 +112,14 @@ def flat_map(shape: tuple[int, int], size: int | None = None) -> NormalMap:
 
 
 def prepare_member(predictor: Predictor, member: Member, size: int | None = None) -> Prepared:
-    """Return one drawing of a series, cleaned and framed separately, without hints."""
+    """Return a drawing of a series, cleaned and framed separately, without hints."""
     widths = predictor.backend.line_widths
     given = member.picture, predictor.size, member.mask, None, size
     return prepare(*given, line_widths=widths, flips=member.flips)
 
 
 def _of_one_size(boxes: Sequence[Bounds]) -> bool:
-    """Return whether boxes have the same size, give or take the pixel that a soft edge may add."""
+    """Return whether boxes have the same size, to within the one pixel that a soft edge may add."""
     sizes = np.array([(bottom - top, right - left) for top, bottom, left, right in boxes])
     return bool((np.ptp(sizes, axis=0) <= 1).all())
 
@@ -130,5 +130,5 @@ def _check_sizes(members: Sequence[Member]) -> None:
         (height, width), (other_height, other_width) = sorted(sizes)[:2]
         raise InputError(
             f"drawings of {width} × {height} and {other_width} × {other_height} pixels cannot share a frame; "
-            "those of one size can, the others need --frame own."
+            "use --frame own for drawings of different sizes."
         )

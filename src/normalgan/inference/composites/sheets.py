@@ -1,4 +1,4 @@
-"""Sheets: several drawings in one picture; each is predicted separately and put back in its place."""
+"""Sheets: predict the drawings of a sheet separately and assemble the map of the sheet."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -26,16 +26,16 @@ from normalgan.inference.reading.picture import to_picture
 __all__ = ["MOST_CELLS", "drawings_in", "grid_cells", "parse_grid", "predict_sheet"]
 
 MOST_CELLS = 4096
-"""Drawings in one sheet; the largest atlases in use have some hundreds."""
+"""Maximum number of drawings in a sheet; the largest atlases in use have a few hundred."""
 _NAMED = 3
-"""Cells that a warning names; it counts the others."""
+"""Maximum number of cells that a warning names; the others are only counted."""
 
 
 def parse_grid(text: str) -> tuple[int, int]:
-    """Return columns and rows.
+    """Return the columns and rows of a grid such as ``4x3``.
 
     Raises:
-        InputError: if the text is not like ``4x3``.
+        InputError: if the text is not a grid.
 
     >>> parse_grid("4x3")
     (4, 3)
@@ -50,10 +50,10 @@ def parse_grid(text: str) -> tuple[int, int]:
 
 
 def grid_cells(columns: int, rows: int, shape: tuple[int, int], name: object) -> list[Cell]:
-    """Return the cells of a sheet (H, W) that is divided evenly, row by row.
+    """Return the cells of a sheet (H, W) that is divided into an even grid, row by row.
 
     Raises:
-        InputError: if it cannot be.
+        InputError: if the sheet cannot be divided evenly, or its cells would be too small.
     """
     height, width = shape
     if width % columns or height % rows:
@@ -83,16 +83,16 @@ def predict_sheet(
     flips: Sequence[tuple[float, float]] = (),
     said: Sequence[str] = (),
 ) -> NormalMap:
-    """Return the map of a sheet, each cell as if it had been cut out and predicted alone.
+    """Return the map of a sheet, predicting each cell as if it were a file of its own.
 
     Args:
         predictor: the network.
-        sheet: its pixels, not reduced.
-        cells: where its drawings are. Empty and tiny cells stay flat.
-        hints: in pixels of the sheet.
-        mask: (H, W) the objects; or where they come from, as `prepare` has it.
-        shared: whether the network is shown the same square of all cells, which are then of one size.
-        flips: x and y in pixels of the sheet, as `prepare` has them.
+        sheet: pixels of the sheet, not reduced.
+        cells: cells of the drawings. Empty and tiny cells stay flat.
+        hints: hints in pixels of the sheet.
+        mask: (H, W), the objects; or the source of the masks, as in `prepare`.
+        shared: whether all cells are framed by one square; they must then have the same size.
+        flips: x and y of points whose regions are flipped, in pixels of the sheet.
         said: other warnings about the sheet, each part of a sentence.
 
     Raises:
@@ -122,7 +122,7 @@ def drawings_in(
     mask: MaskOrSource,
     flips: Sequence[tuple[float, float]],
 ) -> list[tuple[Cell, Member]]:
-    """Return the drawing of each cell of a sheet, without empty cells; arguments as `predict_sheet`."""
+    """Return the non-empty cells of a sheet with their drawings; arguments as in `predict_sheet`."""
     members = [(cell, _member(cell, sheet.pixels, hints, mask, flips)) for cell in cells]
     return [(cell, member) for cell, member in members if member is not None]
 
@@ -130,7 +130,7 @@ def drawings_in(
 def _repeated(
     predictor: Predictor, drawn: Sequence[tuple[Cell, Member]]
 ) -> Iterator[tuple[Cell, NormalMap | InputError]]:
-    """Yield cells whose drawings repeat, each with its map or its error."""
+    """Yield each cell whose drawing repeats, with its map or the error."""
 
     def predict(each: tuple[Cell, Member]) -> NormalMap:
         cell, member = each
@@ -147,7 +147,7 @@ def _member(
     mask: MaskOrSource,
     flips: Sequence[tuple[float, float]],
 ) -> Member | None:
-    """Return the drawing in a cell; None if nothing is."""
+    """Return the drawing in a cell; None if the cell is empty."""
     part = pixels[cell.box].copy()
     clear = part.ndim == 3 and part.shape[2] == 4
     if cell.own is not None and not cell.own.all():
@@ -169,7 +169,7 @@ def _too_small(cell: Cell) -> InputError:
 
 
 def _ground(part: Pixels, own: BoolMask) -> NDArray[np.generic]:
-    """Return the paper's colour about a drawing: the colour of most of the edge of its own part."""
+    """Return the colour of the paper around a drawing: the median along the edge of its own pixels."""
     edge = own & (cv2.erode(own.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=0) == 0)
     return np.asarray(np.median(part[edge], axis=0)).astype(part.dtype)
 
@@ -177,12 +177,12 @@ def _ground(part: Pixels, own: BoolMask) -> NDArray[np.generic]:
 def _assembled(
     shape: tuple[int, int], predicted: Sequence[tuple[Cell, NormalMap]], findings: tuple[Finding, ...]
 ) -> NormalMap:
-    """Return the map of a sheet (H, W) from those of its cells."""
+    """Return the map of a sheet (H, W), assembled from the maps of its cells."""
     whole = flat_map(shape)
     sure = any(each.confidence is not None for _, each in predicted)
     confidence = np.zeros(shape, np.float32) if sure else None
     for cell, preds in predicted:
-        # Boxes of drawings of any shape overlap: each writes where it is.
+        # The boxes of irregular drawings overlap, so each drawing only writes its own pixels.
         there = cell.turn(preds.mask | (preds.alpha > 0)) if cell.own is not None else np.s_[:]
         whole.extended[cell.box][there] = cell.turn(preds.extended)[there]
         whole.mask[cell.box][there] = cell.turn(preds.mask)[there]

@@ -1,4 +1,4 @@
-"""Steadying: average an animation's frames where they show the same, so that still parts do not flicker."""
+"""Steadying: average the frames of an animation where they agree, so that still parts do not flicker."""
 
 from collections.abc import Sequence
 
@@ -11,28 +11,28 @@ from normalgan.inference.vectors import lengths
 __all__ = ["steadied"]
 
 _REACH = 4
-"""Frames before and after that a frame is averaged with, as far as they show the same."""
+"""Number of frames before and after a frame that it is averaged with, as far as they agree."""
 _AROUND = 1 / 32
-"""Standard deviation of the window, as a share of the network's side, in which frames are compared."""
+"""Standard deviation of the window for comparing frames, as a fraction of the network's side."""
 _ALIKE = 0.075
-"""Mean difference of the ink in a window from which two frames no longer show the same."""
+"""Mean difference of the ink in a window at which the weight of a frame has dropped to 1/e."""
 _SAME = 0.05
-"""Difference of two frames' normals, in radians, from which they belong to two surfaces."""
+"""Difference of two frames' normals, in radians, at which the weight has dropped to 1/e."""
 _PASSES = 3
-"""How often frames are averaged with their neighbours, because moving parts match in neighbours only."""
+"""Number of averaging passes. Moving parts only match in adjacent frames, so distant frames need several."""
 
 
 def steadied(seen: Sequence[Floats], preds: Sequence[Floats]) -> list[Floats]:
-    """Return the predictions for the frames of an animation, each averaged with its neighbours.
+    """Return the predictions for an animation, each frame averaged with its neighbours in time.
 
-    At each pixel a neighbour's weight is the similarity of its lines to those of the frame: the difference
-    of both drawings, blurred over a window. Blank paper is similar everywhere, so the normals must be similar
-    too: a ball that moved a few pixels is a different surface. Where something moves, a frame keeps its own;
-    in slow motion, frames farther apart count through the frames between them.
+    The weight of a neighbour at a pixel falls with the difference between the two drawings, blurred over a
+    window. Blank paper looks the same everywhere, so the normals must agree too: a ball that moved a few
+    pixels is a different surface. Where something moves, a frame keeps its own prediction. In slow motion,
+    distant frames contribute through the frames between them.
 
     Args:
-        seen: (S, S) each, the network's inputs, all in the same frame.
-        preds: (S, S, 3) each, its predictions.
+        seen: (S, S) each, the network's inputs, all framed by the same square.
+        preds: (S, S, 3) each, the network's predictions.
 
     Example:
         >>> still = np.zeros((32, 32), np.float32)

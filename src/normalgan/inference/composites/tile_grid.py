@@ -1,4 +1,4 @@
-"""Tile grid: the places of a tileset's tiles, from their size or from a file of Tiled."""
+"""Tile grid: the positions of a tileset's tiles, given by the tile size or by a Tiled file."""
 
 import json
 import re
@@ -17,9 +17,9 @@ from normalgan.inference.reading.drawings import SMALLEST
 __all__ = ["ENDINGS", "MOST_TILES", "TileGrid", "parse_tile_size", "read_tiled"]
 
 ENDINGS = (".tsx", ".tsj", ".json", ".xml")
-"""Endings of a picture's tileset file, after its stem."""
+"""Endings that follow a picture's stem in the name of its tileset file."""
 MOST_TILES = 16384
-"""Tiles in one picture; the largest sheets in use have some thousands."""
+"""Maximum number of tiles in a picture; the largest sheets in use have a few thousand."""
 _MOST_BYTES = 2**24
 _SIZE = re.compile(r"(\d{1,4})\s*[x×*]\s*(\d{1,4})((?:\s*,\s*(?:margin|spacing)\s*=\s*\d{1,4})*)")
 _EXAMPLE = "give width x height of a tile in pixels, such as 16x16 or 16x16,margin=1,spacing=2"
@@ -27,14 +27,14 @@ _EXAMPLE = "give width x height of a tile in pixels, such as 16x16 or 16x16,marg
 
 @dataclass(frozen=True)
 class TileGrid:
-    """The tiles of a picture, row by row; incomplete rows and columns are left out.
+    """The grid of a picture's tiles; incomplete rows and columns are left out.
 
     Args:
         width: width of a tile in pixels.
         height: height of a tile in pixels.
-        margin: pixels before the first tile, across and down.
+        margin: pixels before the first tile, horizontally and vertically.
         spacing: pixels between two tiles.
-        size: (width, height) of the picture by the tileset's file; None if it does not say.
+        size: (width, height) of the picture according to the tileset file; None if the file does not say.
     """
 
     width: int
@@ -44,7 +44,7 @@ class TileGrid:
     size: tuple[int, int] | None = None
 
     def counts(self, shape: tuple[int, int]) -> tuple[int, int]:
-        """Return the columns and rows of tiles of a picture (H, W), as Tiled counts them.
+        """Return the numbers of tile columns and rows of a picture (H, W), counted as in Tiled.
 
         >>> TileGrid(16, 16, margin=1, spacing=2).counts((34, 52))
         (2, 1)
@@ -53,21 +53,22 @@ class TileGrid:
         return width // (self.width + self.spacing), height // (self.height + self.spacing)
 
     def check(self, shape: tuple[int, int], name: object) -> str:
-        """Return a warning about a picture (H, W) whose last tiles are cut off; empty if none are.
+        """Return a warning if the last tiles of a picture (H, W) are cut off, otherwise an empty string.
 
         Raises:
-            InputError: if it has no tile, too many, tiny ones, or another size than the tileset's file says.
+            InputError: if the picture has no tiles or too many, if tiles are too small, or if the size
+                differs from the tileset file's.
         """
         height, width = shape
         if self.size is not None and self.size != (width, height):
             raise InputError(
-                f"the tileset is of a picture of {self.size[0]} × {self.size[1]} pixels, but {name} has "
+                f"the tileset is for a picture of {self.size[0]} × {self.size[1]} pixels, but {name} has "
                 f"{width} × {height}."
             )
         if min(self.width, self.height) < SMALLEST:
             raise InputError(
-                f"a tile of {self.width} × {self.height} pixels is too small; it has {SMALLEST} a side at "
-                "least."
+                f"a tile of {self.width} × {self.height} pixels is too small; "
+                f"the minimum is {SMALLEST} a side."
             )
         columns, rows = self.counts(shape)
         if not 0 < columns * rows <= MOST_TILES:
@@ -78,10 +79,10 @@ class TileGrid:
         left = [side - each[-1] - 1 for side, each in zip(shape, self.places(shape), strict=True)]
         if max(left) <= self.margin + self.spacing:
             return ""
-        return f"{left[1]} columns at the right and {left[0]} rows at the bottom hold no whole tile"
+        return f"{left[1]} columns at the right and {left[0]} rows at the bottom do not form a whole tile"
 
     def places(self, shape: tuple[int, int]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Return the rows and the columns of a picture (H, W) that lie in tiles, in order."""
+        """Return the indices of the pixel rows and pixel columns of a picture (H, W) that lie in tiles."""
         columns, rows = self.counts(shape)
         return self._lines(rows, self.height), self._lines(columns, self.width)
 
@@ -91,10 +92,10 @@ class TileGrid:
 
 
 def parse_tile_size(text: str) -> TileGrid:
-    """Return the grid that a text describes.
+    """Return the grid of a text such as ``16x16`` or ``16x16,margin=1,spacing=2``.
 
     Raises:
-        InputError: if the text is not like ``16x16`` or ``16x16,margin=1,spacing=2``.
+        InputError: if the text is not a tile size.
 
     >>> parse_tile_size("16x24,spacing=2")
     TileGrid(width=16, height=24, margin=0, spacing=2, size=None)
@@ -107,10 +108,10 @@ def parse_tile_size(text: str) -> TileGrid:
 
 
 def read_tiled(path: Path) -> TileGrid:
-    """Return the grid of a tileset of Tiled, as XML (.tsx) or JSON (.tsj).
+    """Return the grid of a Tiled tileset in XML (.tsx) or JSON (.tsj).
 
     Raises:
-        InputError: if it cannot be read, is not a tileset, or is a collection of pictures.
+        InputError: if the file cannot be read, is not a tileset, or is a collection of pictures.
     """
     text = read_named(path, "the tileset", _MOST_BYTES).decode("utf-8-sig", "replace")
     found = _json(text, path) if text.lstrip().startswith("{") else _xml(text, path)
@@ -138,7 +139,7 @@ def _xml(text: str, path: Path) -> dict[str, Any]:
     if "<tileset" not in text or "<map" in text:
         raise _no_tileset(path)
     if "<!ENTITY" in text:
-        raise InputError(f"the tileset {path} declares entities, which are not read.")
+        raise InputError(f"the tileset {path} declares entities, which are not supported.")
     try:
         root = Tree.fromstring(text.lstrip())
     except (Tree.ParseError, ValueError) as error:
@@ -158,7 +159,7 @@ def _no_tileset(path: Path) -> InputError:
 
 
 def _whole(value: Any) -> int | None:
-    """Return a whole number of 0 or more from XML text; None of anything else."""
+    """Return a non-negative integer from a JSON or XML value; None for anything else."""
     try:
         return max(int(value), 0)
     except (TypeError, ValueError, OverflowError):

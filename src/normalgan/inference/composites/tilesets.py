@@ -1,4 +1,4 @@
-"""Tilesets: each tile is predicted next to its possible neighbours, so that tiles fit together."""
+"""Tilesets: predict tiles together with their neighbours, so that the maps of adjacent tiles match."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -25,17 +25,17 @@ from normalgan.inference.vectors import unit
 __all__ = ["predict_tileset"]
 
 _REACH = 1 / 4
-"""How far into a tile its edge is adjusted to those that it fits, as a share of the tile."""
+"""Depth of the band at a tile's edge that is adjusted to matching edges, as a fraction of the tile."""
 _PASSES = 4
-"""Rounds of adjusting both directions: each disturbs the other a little at the corners."""
+"""Number of adjustment rounds; one is not enough, because each axis disturbs the other at the corners."""
 _USUAL = 0.9
-"""Share of the steps between the lines of a tile that are usual; an outline makes others."""
+"""Quantile of the colour steps between the pixel rows of a tile that is a usual step; outlines exceed it."""
 _ALIKE = 1 / 15
-"""Difference of two colours of a ground, in [0, 1]: a JPEG's noise is smaller."""
+"""Largest difference between two background colours, in [0, 1]; JPEG noise is smaller."""
 _ROUNDING = np.float32(1e-6)
-"""By which means of equal steps may differ."""
+"""Tolerance for rounding when the means of equal steps are compared."""
 _AXES: tuple[Tile, Tile] = ("y", "x")
-"""The ways in which tiles follow one another along each axis of an array."""
+"""Direction of repetition along each axis of an array."""
 
 
 def predict_tileset(
@@ -47,23 +47,23 @@ def predict_tileset(
     mask: MaskOrSource = None,
     sprite: Sprite | None = None,
 ) -> NormalMap:
-    """Return the map of a tileset; its tiles fit side by side wherever the drawing's do.
+    """Return the map of a tileset, in which tiles match wherever the drawn tiles do.
 
-    Two tiles fit if the step between their colours at the edge is no larger than steps inside both. A tile
-    that fits itself is predicted as a drawing that repeats. Tiles that fit their neighbours in the picture
-    are predicted together with them. At last all edges that may meet get the same normals.
+    Two tiles match if the colour step at their common edge is no larger than steps inside both tiles. A tile
+    that matches itself is predicted as a repeating drawing. Tiles that match their neighbours in the picture
+    are predicted together. Finally, all edges that may meet get the same normals.
 
     Args:
         predictor: the network.
-        sheet: its pixels, not reduced.
-        grid: where its tiles lie.
-        name: name of its file.
-        hints: in pixels of the sheet.
-        mask: (H, W) the objects; or where they come from, as `prepare` has it.
-        sprite: adapts the map to painted tiles.
+        sheet: pixels of the tileset, not reduced.
+        grid: positions of the tiles.
+        name: file name for messages.
+        hints: hints in pixels of the sheet.
+        mask: (H, W), the objects; or the source of the masks, as in `prepare`.
+        sprite: adapts the map to painted tiles; None leaves it as predicted.
 
     Raises:
-        InputError: if it does not fit the grid, or no tile can be predicted.
+        InputError: if the picture does not fit the grid, or no tile can be predicted.
     """
     said = grid.check(sheet.shape, name)
     rows, columns = grid.places(sheet.shape)
@@ -89,15 +89,15 @@ def predict_tileset(
 
 @dataclass(frozen=True)
 class _Tiles:
-    """The tiles of a picture without margin and spacing, and which of them fit.
+    """The tiles of a picture without margin and spacing, and which of them match.
 
     Args:
-        grid: their size.
-        counts: rows and columns.
-        drawn: (rows, columns), whether anything is drawn on each.
-        plain: (rows, columns), whether each is of one colour.
-        wraps: (2, rows, columns), whether each fits itself below, and to the right.
-        joins: (2, rows, columns), whether each fits the next one below, and to the right.
+        grid: grid that gives the size of the tiles.
+        counts: numbers of rows and columns.
+        drawn: (rows, columns), whether anything is drawn on a tile.
+        plain: (rows, columns), whether a tile has a single colour.
+        wraps: (2, rows, columns), whether a tile matches itself below, and to the right.
+        joins: (2, rows, columns), whether a tile matches the next one below, and to the right.
     """
 
     grid: TileGrid
@@ -109,7 +109,7 @@ class _Tiles:
 
     @classmethod
     def of(cls, picture: Picture, drawn: BoolMask, grid: TileGrid) -> "_Tiles":
-        """Return the tiles of a picture whose drawn pixels are (H, W)."""
+        """Return the tiles of a picture; ``drawn`` (H, W) marks the drawn pixels."""
         alpha = np.ones(picture.size, np.float32) if picture.alpha is None else picture.alpha
         cut = _cut(np.dstack([picture.colour * alpha[..., None], alpha, drawn]), grid)
         wraps, joins = np.zeros((2, 2, *cut.shape[:2]), np.bool_)
@@ -119,7 +119,8 @@ class _Tiles:
             beside, hard_beside = _fit(cut, behind, axis)
             itself, hard_itself = _fit(cut, cut, axis)
             beside[last] = hard_beside[last] = False
-            # A hard step may be a line at a tile's edge, or its end: that, if the tile goes on elsewhere.
+            # A hard step may be a line along the edge or the end of the object. It is the end if the tile has
+            # another continuation.
             goes_on = itself | beside, itself | np.roll(beside, 1, axis)
             joins[axis] = beside | (hard_beside & ~goes_on[0] & ~np.roll(goes_on[1], -1, axis))
             wraps[axis] = itself | (hard_itself & ~goes_on[0] & ~goes_on[1])
@@ -127,10 +128,10 @@ class _Tiles:
         return cls(grid, (cut.shape[0], cut.shape[1]), cut[..., 4].max((2, 3)) > 0, plain, wraps, joins)
 
     def cells(self) -> list[Cell]:
-        """Return the groups to predict: tiles that fit their neighbours together, others alone.
+        """Return the cells to predict: groups of matching tiles first, then tiles that are predicted alone.
 
-        A tile that needs no other, because it repeats wherever it fits one, comes after those that it is
-        shown with, and is predicted as it repeats.
+        A tile that repeats in every direction in which it has a matching neighbour does not need the
+        neighbour. It is predicted as a repeating drawing, which overrides its part of a group.
         """
         groups = connected(self.drawn.size, [(a, b) for _, a, b in self._neighbours()])
         together, alone = [], []
@@ -148,7 +149,7 @@ class _Tiles:
         return together + alone
 
     def fitted(self, normals: Floats, mask: BoolMask) -> Floats:
-        """Return normals (H, W, 3) that are equal at the edges of tiles that may meet."""
+        """Return normals (H, W, 3) adjusted to be equal along edges that may meet."""
         normals = normals.copy()
         edges = [self._edges(axis) for axis in (0, 1)]
         sides = self.grid.height, self.grid.width
@@ -161,13 +162,13 @@ class _Tiles:
         return normals
 
     def _neighbours(self) -> Iterable[tuple[int, int, int]]:
-        """Yield axis, tile and next tile of all that fit."""
+        """Yield the axis, the tile and the next tile of each matching pair."""
         for axis, row, column in np.argwhere(self.joins):
             tile = row * self.counts[1] + column
             yield int(axis), int(tile), int(tile + (1 if axis else self.counts[1]))
 
     def _repeated(self, tile: int) -> Tile | None:
-        """Return the directions in which a tile repeats itself; None if it needs neighbours."""
+        """Return the directions in which a tile repeats; None if it needs neighbours."""
         row, column = divmod(tile, self.counts[1])
         needs = [
             bool(self.joins[axis, row, column])
@@ -194,10 +195,8 @@ class _Tiles:
     def _edges(self, axis: int) -> list[list[tuple[int, int, int]]]:
         """Return groups of tile edges that may meet along an axis.
 
-        Each edge is the position of its tile along the axis and across it, and 0 for its first edge or 1 for
-        its second.
-
-        Two tiles that were predicted side by side, and meet no other, are not changed.
+        An edge is the tile's position along the axis, its position across it, and 0 for the first or 1 for
+        the second edge. Pairs of tiles that were predicted side by side and meet no other tile are left out.
         """
 
         def place(edge: int) -> tuple[int, int, int]:
@@ -222,9 +221,9 @@ class _Tiles:
 
 
 def _drawn(picture: Picture, grid: TileGrid) -> tuple[BoolMask, Floats | None]:
-    """Return the drawn pixels of a tileset, (H, W), and its opacity, if it shows the objects.
+    """Return the drawn pixels (H, W) of a tileset, and the opacity of the objects if it is known.
 
-    In an opaque tileset, white at most tile corners is paper, and another colour along all edges of most
+    In an opaque tileset, white at most tile corners is paper, and any other colour along all edges of most
     tiles is background. A tileset with neither, such as terrain, is all object.
     """
     if picture.alpha is not None:
@@ -250,15 +249,16 @@ def _cut(picture: Floats, grid: TileGrid) -> Floats:
 
 
 def _fit(before: Floats, behind: Floats, axis: int) -> tuple[BoolMask, BoolMask]:
-    """Return which tiles (rows, columns, h, w, 5) continue below (axis 0) or to the right (axis 1).
+    """Return which tiles (rows, columns, h, w, 5) match the next tile along an axis.
 
     Args:
-        before: colours times opacity, opacity, and whether something is drawn.
-        behind: the same of the tiles that follow.
-        axis: along which they follow.
+        before: premultiplied colours, opacity, and whether a pixel is drawn.
+        behind: the same channels of the next tiles.
+        axis: 0 for below, 1 for to the right.
 
     Returns:
-        Where the step at the edge is at most a usual step inside both tiles, and where at most the largest.
+        Two masks: whether the step at the edge is at most a usual step inside both tiles, and whether it is
+        at most the largest step inside both.
     """
     last, first = np.take(before, -1, 2 + axis), np.take(behind, 0, 2 + axis)
     there = last[..., 4] > 0, first[..., 4] > 0
@@ -275,12 +275,12 @@ def _fit(before: Floats, behind: Floats, axis: int) -> tuple[BoolMask, BoolMask]
 def _adjust(
     normals: Floats, weights: Floats, edges: Sequence[tuple[int, int, int]], sides: tuple[int, int]
 ) -> None:
-    """Give edges their mean normals, in place, and adjust the normals near them.
+    """Replace the normals along edges with their mean, in place, and blend the change into the tiles.
 
     Args:
         normals: (H, W, 3), the tiles stacked vertically.
-        weights: (H, W), how much each pixel counts in the mean.
-        edges: as `_Tiles._edges` has them.
+        weights: (H, W), weight of each pixel in the mean.
+        edges: a group of edges from `_Tiles._edges`.
         sides: height and width of a tile in this array.
     """
     length, width = sides
@@ -301,7 +301,7 @@ def _adjust(
 
 
 def _packed_hints(hints: Hints | None, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Hints | None:
-    """Return the hints that lie in tiles, in pixels of the tiles without the gaps."""
+    """Return the hints that lie in tiles, in pixels of the picture without margin and spacing."""
     if hints is None:
         return None
     x, y = np.floor(hints.points).astype(np.intp).T
@@ -318,9 +318,10 @@ def _spread(
     rows: NDArray[np.intp],
     columns: NDArray[np.intp],
 ) -> NormalMap:
-    """Return the map of a sheet from that of its tiles.
+    """Return the map of a sheet from the map of its tiles without gaps.
 
-    Edges of tiles are often repeated between them, against bleeding colours; there their normals are too.
+    Tile edges are often extruded into the gaps to avoid colour bleeding; their normals are extruded there
+    too.
     """
     if preds.mask.shape == sheet.shape:
         return preds
@@ -349,7 +350,7 @@ def _spread(
 
 
 def _nearest(lines: NDArray[np.intp], side: int) -> NDArray[np.intp]:
-    """Return for each of a side's pixels the number of the nearest of several lines."""
+    """Return for each pixel along a side the index of the nearest of several lines."""
     every = np.arange(side)
     behind = np.clip(np.searchsorted(lines, every), 1, len(lines) - 1)
     return np.where(every - lines[behind - 1] <= lines[behind] - every, behind - 1, behind)

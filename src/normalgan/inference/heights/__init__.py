@@ -1,3 +1,3 @@
-"""Heights: the surface of a normal map, and meshes of it."""
+"""Heights: integrate a normal map to a surface, and build meshes of it."""
 
 __all__ = []

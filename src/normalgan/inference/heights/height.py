@@ -16,15 +16,16 @@ from normalgan.inference.reading.picture import fitted, resize
 __all__ = ["integrate"]
 
 _SMALL = 16000
-"""Pixels up to which a map is solved at once."""
+"""Maximum number of pixels that are solved without a coarser level."""
 _ROUNDS, _TOLERANCE = 30, 1e-3
-"""Most rounds of weights and heights at the lowest size; the share of the energy whose change ends them."""
+"""Maximum number of reweighting rounds at the coarsest level; relative energy change that ends them."""
 _REFINED = 4
-"""Rounds at a size, after those at half of it."""
+"""Number of reweighting rounds at a finer level."""
 _LARGE, _SETTLED = 40_000, 2
-"""Pixels from which only what is fine is settled at a size, and rounds: the rest was at half of it."""
+"""Number of pixels above which a level is only relaxed, because the coarser level has settled the rest;
+number of rounds there."""
 _MOST = 1536
-"""Longest side that is solved; larger maps are reduced, and their heights enlarged."""
+"""Maximum longer side that is solved; larger maps are reduced, and their heights enlarged."""
 
 
 def integrate(
@@ -33,31 +34,34 @@ def integrate(
     jumps: float = 2.0,
     tile: Tile | None = None,
 ) -> Floats:
-    """Return the height of a surface above the plane of the picture, by bilateral normal integration.
+    """Return the height of a surface above the picture plane, by bilateral normal integration.
 
-    Least squares over all neighbours in the mask: along x, nz ∂h/∂x + nx = 0 at each side of a pixel, and
-    along y alike. Where the two sides of a pixel disagree, the one that fits counts more, and weights and
-    heights are found in turn; so a leg before a body keeps its distance, and a crease stays sharp.
+    A least-squares problem over all neighbouring pixels in the mask: nz ∂h/∂x + nx = 0 on each side of a
+    pixel along x, and likewise along y. Where the two sides of a pixel disagree, the better fitting side gets
+    more weight; weights and heights are updated alternately. This keeps the gap between a leg and the body
+    behind it, and creases stay sharp.
 
     Args:
-        normals: (H, W, 3) unit normals, x right, y up, z to the viewer. Zero where the height is unknown: the
-            surface is then as flat as its surroundings allow.
-        mask: (H, W) True on the object; it may have holes and several parts.
-        jumps: k of the paper, how readily the surface breaks; 0 gives plain Poisson integration.
-        tile: the ways in which the map is repeated: pixels at opposite edges are then neighbours, so that the
+        normals: (H, W, 3), unit normals, x right, y up, z to the viewer. Zero vectors mark unknown normals,
+            where the surface is as flat as its surroundings allow.
+        mask: (H, W), True on the object; it may have holes and several parts.
+        jumps: the paper's k, which controls how readily the surface breaks; 0 gives plain Poisson
+            integration.
+        tile: directions in which the map repeats; pixels at opposite edges are then neighbours, so that the
             heights repeat too.
 
     Returns:
-        (H, W) height in pixels towards the viewer, of mean zero over each connected part, zero off the mask.
+        (H, W), height in pixels towards the viewer, with mean zero over each connected part and zero off the
+        mask.
 
     Raises:
-        InputError: if the sizes differ or a normal on the object is not a number.
+        InputError: if the sizes differ or a normal on the object is not finite.
 
     References:
         Cao, Santo, Shi, Okura, Matsushita 2022, "Bilateral Normal Integration", ECCV.
 
     Example:
-        A plane that rises by one pixel a pixel to the right:
+        A plane that rises to the right by one pixel per pixel:
 
         >>> slope = np.broadcast_to(np.array([-1, 0, 1], np.float32) / np.sqrt(2), (2, 3, 3))
         >>> np.diff(integrate(slope, np.ones((2, 3), dtype=bool))[0]).round(3).tolist()
@@ -65,11 +69,11 @@ def integrate(
     """
     if normals.shape != (*mask.shape, 3):
         raise InputError(
-            f"normals of shape {normals.shape} do not go with a mask of {mask.shape}; "
+            f"normals of shape {normals.shape} do not match a mask of {mask.shape}; "
             "they are H × W × 3 and H × W."
         )
     if not np.isfinite(normals[mask]).all():
-        raise InputError("a normal on the object is not a number; heights need finite normals.")
+        raise InputError("a normal on the object is not finite; heights need finite normals.")
     if max(mask.shape) > _MOST:
         return _enlarged(normals, mask, jumps, tile)
     height = np.zeros(mask.shape, np.float32)
@@ -80,7 +84,7 @@ def integrate(
 
 
 def _centred(height: Floats, mask: NDArray[np.bool_], tile: Tile | None) -> Floats:
-    """Return heights (H, W) of mean zero over each connected part of a mask."""
+    """Return heights (H, W) shifted to mean zero over each connected part of a mask."""
     parts, count = _parts(mask, tile)
     means = np.zeros(count + 1, np.float32)
     means[1:] = ndimage.mean(height, parts, np.arange(1, count + 1))
@@ -88,8 +92,8 @@ def _centred(height: Floats, mask: NDArray[np.bool_], tile: Tile | None) -> Floa
 
 
 def _parts(mask: NDArray[np.bool_], tile: Tile | None) -> tuple[NDArray[np.int32], int]:
-    """Return the number of each pixel's connected part (H, W), from 1, and how many there are."""
-    found, count = ndimage.label(mask)  # by four neighbours, as heights are linked
+    """Return the label of each pixel's connected part (H, W), from 1, and the number of parts."""
+    found, count = ndimage.label(mask)  # 4-connected, like the links between heights
     parts = np.asarray(found, np.int32)
     down, across = repeats(tile)
     pairs = [np.stack([parts[-1], parts[0]])] if down else []
@@ -99,14 +103,14 @@ def _parts(mask: NDArray[np.bool_], tile: Tile | None) -> tuple[NDArray[np.int32
     one, other = np.concatenate(pairs, 1)
     both = (one > 0) & (other > 0)
     labels = connected(count + 1, np.column_stack([one[both], other[both]]))
-    # What is off the mask is joined with nothing, and stays number 0.
+    # Pixels off the mask are not connected to anything and keep label 0.
     return np.asarray(labels[parts], np.int32), int(labels.max())
 
 
 def _enlarged(normals: Floats, mask: NDArray[np.bool_], jumps: float, tile: Tile | None) -> Floats:
-    """Return the heights of a large map from those of a reduced one.
+    """Return the heights of a large map, computed at a reduced size and enlarged.
 
-    Little is lost, because the normals of a large drawing were enlarged from the network's size too.
+    Little is lost, because the normals of a large drawing were themselves enlarged from the network's size.
     """
     shape = fitted((mask.shape[0], mask.shape[1]), _MOST)
     there = resize(mask.astype(np.float32), shape) > 0
@@ -119,10 +123,10 @@ def _enlarged(normals: Floats, mask: NDArray[np.bool_], jumps: float, tile: Tile
 def _solved(
     normals: NDArray[np.float64], mask: NDArray[np.bool_], jumps: float, tile: Tile | None
 ) -> NDArray[np.float64]:
-    """Return the heights (n,) on the mask.
+    """Return the heights (n,) on the mask, solved recursively from coarse to fine.
 
-    Where the surface breaks is found at half the size first, and so on down to ten thousand pixels: there
-    each round is cheap, and distant pixels are only a few steps apart.
+    The breaks of the surface are found at the coarsest level, where each round is cheap and distant pixels
+    are only a few steps apart.
     """
     start, rounds = None, _ROUNDS
     if jumps and np.count_nonzero(mask) > _SMALL:

@@ -1,4 +1,4 @@
-"""Height pyramid: a normal map at half the size, and its heights brought back to full size."""
+"""Height pyramid: halve a normal map, and bring its heights back to full size."""
 
 from typing import Literal
 
@@ -11,18 +11,18 @@ from normalgan.inference.network.tile import Tile, repeats
 __all__ = ["Vectors", "double", "halve"]
 
 _STEEPEST = 0.2
-"""Least nz that a slope within a pixel is taken from: it only places the start of the next search."""
+"""Minimum nz for a slope within a pixel; the slope only affects the initial guess at the next level."""
 
 Vectors = NDArray[np.float64]
 
 
 def halve(normals: Vectors, mask: BoolMask, tile: Tile | None = None) -> tuple[Vectors, BoolMask]:
-    """Return a map at half the size: normals (h, w, 3), means over 2 × 2 pixels, and its mask.
+    """Return a map at half the size: its normals (h, w, 3), averaged over 2 × 2 pixels, and its mask.
 
     Args:
         normals: (H, W, 3), zero off the mask.
-        mask: (H, W).
-        tile: the ways in which the map is repeated.
+        mask: (H, W), the object.
+        tile: directions in which the map repeats.
     """
     for axis, goes_on in enumerate(repeats(tile)):
         if mask.shape[axis] % 2:
@@ -37,10 +37,10 @@ def halve(normals: Vectors, mask: BoolMask, tile: Tile | None = None) -> tuple[V
 
 
 def double(height: Vectors, normals: Vectors) -> Vectors:
-    """Return heights (H, W) of a map (H, W, 3) from those (h, w) at half its size.
+    """Return the heights (H, W) of a map (H, W, 3) from the heights (h, w) at half its size.
 
-    Each pixel becomes four, each on the plane through the old centre with its own normal, so that a jump
-    between pixels stays a jump.
+    Each pixel becomes four. Each of them lies on a plane through the old centre with its own normal, so that
+    a jump between pixels stays a jump.
     """
     rows, columns = normals.shape[:2]
     coarse = 2 * np.repeat(np.repeat(height, 2, 0)[:rows], 2, 1)[:, :columns]

@@ -1,4 +1,4 @@
-"""Multigrid: solves a sequence of similar sparse symmetric systems."""
+"""Multigrid: solve a sequence of similar sparse symmetric systems."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,18 +9,18 @@ __all__ = ["Relaxation", "Solver"]
 
 _Vector = NDArray[np.float64]
 _STEPS = 20
-"""Steps of a relaxation."""
+"""Number of conjugate gradient steps of a relaxation."""
 _SLOW = 8
-"""Steps from which a new multigrid pays: the old one was built for other weights."""
+"""Number of steps above which a new multigrid hierarchy pays off; the old one was built for other weights."""
 
 
 class Solver:
     """Conjugate gradients, preconditioned by algebraic multigrid (Ruge, Stüben 1987).
 
-    The multigrid hierarchy of one system is reused for the next ones while they are close enough.
+    The multigrid hierarchy of a system is reused for the following ones while they are similar enough.
 
     Args:
-        tolerance: tolerance of the residual, as a share of the right-hand side.
+        tolerance: tolerance of the residual relative to the right-hand side.
 
     Example:
         >>> matrix = sparse.csr_array(np.array([[2.0, -1.0], [-1.0, 2.0]]))
@@ -33,8 +33,8 @@ class Solver:
         self._cycle: LinearOperator | None = None
 
     def solve(self, matrix: sparse.csr_array, wanted: _Vector, start: _Vector) -> _Vector:
-        """Return the solution (n,) of a symmetric positive matrix (n, n) from a guess."""
-        # Imported here: it takes half a second, and only heights need it.
+        """Return the solution (n,) for a symmetric positive definite matrix (n, n), starting from a guess."""
+        # Imported here because it takes half a second and only heights need it.
         import pyamg
         from threadpoolctl import threadpool_limits
 
@@ -44,7 +44,7 @@ class Solver:
             nonlocal steps
             steps += 1
 
-        # On busy cores BLAS threads wait for one another: inner products took ten times all else.
+        # On busy cores, BLAS threads wait for each other: inner products took ten times as long as the rest.
         with threadpool_limits(1, user_api="blas"):
             if self._cycle is None:
                 self._cycle = pyamg.ruge_stuben_solver(matrix).aspreconditioner()
@@ -57,10 +57,10 @@ class Solver:
 
 
 class Relaxation:
-    """A few steps of conjugate gradients, preconditioned by the diagonal.
+    """A fixed number of conjugate gradient steps, preconditioned by the diagonal.
 
-    They smooth fine errors only. After a guess that is right at large scales this is enough, and takes less
-    time and memory.
+    They only reduce fine-scale errors. This is enough if the guess is right at large scales, and takes less
+    time and memory than `Solver`.
 
     Example:
         >>> matrix = sparse.csr_array(np.array([[2.0, -1.0], [-1.0, 2.0]]))
@@ -69,7 +69,7 @@ class Relaxation:
     """
 
     def solve(self, matrix: sparse.csr_array, wanted: _Vector, start: _Vector) -> _Vector:
-        """Return the solution (n,) of a symmetric positive matrix (n, n), nearer than a guess."""
+        """Return an improved guess (n,) of the solution for a symmetric positive definite matrix (n, n)."""
         scale = sparse.diags_array(1 / matrix.diagonal())
         solution, _ = cg(matrix, wanted, start, rtol=1e-4, maxiter=_STEPS, M=scale)
         return np.asarray(solution)

@@ -1,4 +1,4 @@
-"""Outline: the corners of an object's pixels, as triangles with a rim that is smooth."""
+"""Relief outline: triangulate the pixels of an object and smooth the rim."""
 
 from dataclasses import dataclass
 
@@ -9,18 +9,18 @@ from scipy import sparse
 __all__ = ["Corners", "corners_of"]
 
 _ROUNDS = 4
-"""Times that the rim is smoothed; more would eat thin legs and ears."""
+"""Number of times the rim is smoothed; more would erode thin legs and ears."""
 
 
 @dataclass(frozen=True)
 class Corners:
-    """The corners of all pixels of a mask.
+    """The triangle mesh of a mask's pixels, with pixel corners as vertices.
 
     Args:
-        place: (n, 2) x right and y down in pixels.
-        height: (n,) mean of the pixels around.
-        faces: (m, 3) triangles, counter-clockwise for a viewer in front (y up).
-        rim: (r, 2) edges at the outline and at holes, as the triangles run along them.
+        place: (n, 2), x right and y down in pixels.
+        height: (n,), mean height of the adjacent pixels.
+        faces: (m, 3), triangles, counter-clockwise for a viewer in front (y up).
+        rim: (r, 2), directed edges along the outline and holes, in the direction of the triangles.
     """
 
     place: NDArray[np.float64]
@@ -30,14 +30,14 @@ class Corners:
 
 
 def corners_of(height: NDArray[np.floating], mask: NDArray[np.bool_]) -> Corners:
-    """Return the corners of the pixels of a mask that is not empty.
+    """Return the corners of the pixels of a non-empty mask.
 
-    Where two pixels touch only at a corner, each has its own corner, so that every edge of the rim has one
+    Where two pixels touch only at a corner, each gets its own vertex, so that every rim edge has exactly one
     neighbour at each end.
 
     Args:
-        height: (H, W) of the pixels.
-        mask: (H, W).
+        height: (H, W), height of each pixel.
+        mask: (H, W), the object.
 
     Example:
         >>> one = corners_of(np.ones((1, 1)), np.ones((1, 1), dtype=bool))
@@ -45,7 +45,7 @@ def corners_of(height: NDArray[np.floating], mask: NDArray[np.bool_]) -> Corners
         (4, 2, 4)
     """
     rows, columns = np.nonzero(mask)
-    # Corner k of a pixel: 0 upper left, 1 upper right, 2 lower right, 3 lower left.
+    # Corners of a pixel: 0 upper left, 1 upper right, 2 lower right, 3 lower left.
     down, right = np.array([0, 0, 1, 1]), np.array([0, 1, 1, 0])
     place = np.stack([columns[:, None] + right, rows[:, None] + down], axis=-1)
     key = place[..., 1] * (mask.shape[1] + 1) + place[..., 0]
@@ -65,7 +65,7 @@ def corners_of(height: NDArray[np.floating], mask: NDArray[np.bool_]) -> Corners
 
 
 def _apart(mask: NDArray[np.bool_], place: NDArray[np.intp], rows: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Return (n, 4) 1 where a corner joins two pixels that touch nowhere else, at the lower one of them."""
+    """Return 1 (n, 4) where two pixels touch only at a corner, for the lower one of the two; otherwise 0."""
     around = np.pad(mask, 1)
     y, x = place[..., 1], place[..., 0]
     upper_left, upper_right = around[y, x], around[y, x + 1]
@@ -75,7 +75,7 @@ def _apart(mask: NDArray[np.bool_], place: NDArray[np.intp], rows: NDArray[np.in
 
 
 def _rim(corner: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Return the edges of pixels that no other pixel shares, counter-clockwise for a viewer in front."""
+    """Return the pixel edges that belong to a single pixel, counter-clockwise for a viewer in front."""
     edges = np.concatenate([corner[:, [a, b]] for a, b in ((0, 3), (3, 2), (2, 1), (1, 0))])
     count = int(corner.max()) + 1
     there, back = edges[:, 0] * count + edges[:, 1], edges[:, 1] * count + edges[:, 0]
@@ -84,7 +84,7 @@ def _rim(corner: NDArray[np.intp]) -> NDArray[np.intp]:
 
 
 def _smoothing(rim: NDArray[np.intp], count: int) -> sparse.csr_array:
-    """Return the matrix that takes each corner of the rim half-way to the middle of its two neighbours."""
+    """Return the matrix that moves each rim corner half-way to the midpoint of its two neighbours."""
     start, end = rim.T
     links = sparse.csr_array((np.full(len(rim), 0.25), (start, end)), shape=(count, count))
     own = np.ones(count)

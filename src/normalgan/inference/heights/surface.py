@@ -1,4 +1,4 @@
-"""Surface: the equations between the heights of neighbouring pixels, solved by reweighted least squares."""
+"""Surface: solve for the heights of a normal map by iteratively reweighted least squares."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -13,19 +13,19 @@ from normalgan.inference.network.tile import Tile, repeats
 __all__ = ["Links", "Surface", "breaks", "link"]
 
 _STEEPEST = 0.05
-"""Least nz that is believed (a slope of 20): at a contour the slope itself is infinite."""
+"""Minimum nz, a slope of 20; at a contour the true slope is infinite."""
 _SURE = 12.0
-"""Largest argument of the logistic: no neighbour loses its pull altogether, so that nothing floats freely."""
+"""Maximum argument of the logistic function; with a weight of 0, part of the surface could float freely."""
 _GROUND = 1e-9
-"""Pull of every height towards zero; without it the level of an object is undetermined."""
+"""Weight of a pull of every height towards zero, without which the level of an object is undetermined."""
 
 _RESIDUE = 1e-3
-"""What each round leaves of the equations: the next one begins there, with other weights."""
+"""Relative residual at which a round stops; the next round continues from there with new weights."""
 
 _BESIDE = 2
-"""Pixels on either side of a link between which the change of its normals is measured."""
+"""Number of pixels on either side of a link across which the change of the normals is measured."""
 _CHANGE, _NEARLY = 0.35, 0.97
-"""Least change at a contour, as a chord (20°), and the share of the largest one near it that is as good."""
+"""Minimum change at a contour, as a chord (20°), and as a fraction of the largest change nearby."""
 
 _Vector = NDArray[np.float64]
 _Index = NDArray[np.intp]
@@ -33,14 +33,14 @@ _Index = NDArray[np.intp]
 
 @dataclass(frozen=True)
 class Links:
-    """Pairs of neighbouring pixels, each from its left or lower one to its right or upper one.
+    """Links between neighbouring pixels, directed to the right and up.
 
     Args:
-        tail: number of the pixel that a link starts at.
-        head: number of the link where it ends.
-        axis: 0 along x, 1 along y.
-        before: number of the link that ends where this one starts; its own number if there is none.
-        after: number of the link that starts where this one ends; its own number if there is none.
+        tail: (links,), index of the pixel at the start of each link.
+        head: (links,), index of the pixel at its end.
+        axis: (links,), 0 along x, 1 along y.
+        before: (links,), index of the previous link along the axis; the link's own index if there is none.
+        after: (links,), index of the next link along the axis; the link's own index if there is none.
     """
 
     tail: _Index
@@ -51,9 +51,9 @@ class Links:
 
 
 def link(mask: NDArray[np.bool_], tile: Tile | None = None) -> Links:
-    """Return the links of the pixels of a mask (H, W), numbered row by row; row 0 is the top.
+    """Return the links between the pixels of a mask (H, W), which are numbered row by row from the top.
 
-    Where the mask is repeated, pixels at its edge are linked to those at the opposite one.
+    Where the mask repeats, pixels at opposite edges are linked.
 
     >>> links = link(np.array([[True, True], [True, False]]))
     >>> links.tail.tolist(), links.head.tolist(), links.axis.tolist()
@@ -77,20 +77,20 @@ def link(mask: NDArray[np.bool_], tile: Tile | None = None) -> Links:
 
 
 def breaks(normals: _Vector, mask: NDArray[np.bool_], tile: Tile | None = None) -> _Vector:
-    """Return 1 for each link at which a surface may break, 0 for the others, (links,) in the order of `link`.
+    """Return (links,) 1 for links at which the surface may break and 0 for others, in the order of `link`.
 
-    A surface breaks at an occluding contour, where its normals change within a few pixels. Along each row and
-    column these are the links with the largest change. Elsewhere a jump would be a tear.
+    A surface breaks at an occluding contour, where its normals change within a few pixels. These are the
+    links with the locally largest change along a row or column. Elsewhere a jump would be a tear.
 
     Args:
         normals: (H, W, 3), zero off the mask.
-        mask: (H, W).
-        tile: the ways in which it is repeated.
+        mask: (H, W), the object.
+        tile: directions in which the mask repeats.
     """
     down, across = repeats(tile)
     found = []
     for axis, way, goes_on in ((1, 1, across), (0, -1, down)):
-        # As `link` has them: to the right, and upwards.
+        # In the directions of `link`: to the right and up.
         def at(values: NDArray[Any], step: int, axis: int = axis, way: int = way) -> NDArray[Any]:
             return np.roll(values, -way * step, axis)
 
@@ -113,12 +113,12 @@ def breaks(normals: _Vector, mask: NDArray[np.bool_], tile: Tile | None = None) 
 
 
 class Surface:
-    """The surface of one normal map.
+    """The system of equations for the heights of one normal map.
 
     Args:
         normals: (H, W, 3), zero off the mask.
-        mask: (H, W).
-        tile: the ways in which it is repeated.
+        mask: (H, W), the object.
+        tile: directions in which the map repeats.
     """
 
     def __init__(self, normals: _Vector, mask: NDArray[np.bool_], tile: Tile | None = None) -> None:
@@ -128,7 +128,7 @@ class Surface:
         self.count = len(normals)
         steep = np.clip(normals[:, 2], _STEEPEST, 1)
         length = np.hypot(normals[:, 0], normals[:, 1])
-        # What was clamped stays of unit length: else a normal that faces away would have too much slope.
+        # Clamped normals keep unit length; otherwise a normal that faces away would be too steep.
         fit = np.minimum(1, np.sqrt(1 - steep**2) / np.maximum(length, 1e-9))
         tilt = normals[:, :2] * fit[:, None]
         ends = self.links.tail, self.links.head
@@ -143,14 +143,14 @@ class Surface:
         start: _Vector | None = None,
         solver: Solver | Relaxation | None = None,
     ) -> _Vector:
-        """Return the heights (n,).
+        """Return the heights (n,) of the pixels on the mask.
 
         Args:
-            jumps: as `normalgan.inference.heights.height.integrate` has it.
-            rounds: weights and heights are found at most this often.
-            tolerance: and until the energy changes by less than this share of it.
-            start: (n,) heights to begin with, which also tell where the surface breaks.
-            solver: solver of the equations of each round; None is multigrid.
+            jumps: as in `normalgan.inference.heights.height.integrate`.
+            rounds: maximum number of reweighting rounds.
+            tolerance: relative change of the energy that ends the rounds.
+            start: (n,), initial heights, which also give the initial weights; None starts from zero.
+            solver: solver for the equations of each round; None uses multigrid.
         """
         height = np.zeros(self.count) if start is None else start
         even = np.full(len(self.links.tail), 0.5)
@@ -167,13 +167,13 @@ class Surface:
         return height
 
     def _weights(self, errors: tuple[_Vector, _Vector], jumps: float) -> tuple[_Vector, _Vector]:
-        """Return how much each link counts for the normals at its two ends, (links,) each."""
-        # Towards an occluding contour the nearer surface turns away, so it drops where the normals lean.
-        # Else a bowl's walls drift apart at the ends of its front rim, the inner one to the front.
+        """Return the weights of each link for the normals at its two ends, (links,) each."""
+        # The nearer surface at an occluding contour turns away, so a break may only drop in the direction in
+        # which the normals lean. Otherwise the walls of a bowl drift apart at the ends of its front rim.
         rises = self.steep[0] * errors[0] + self.steep[1] * errors[1]
         ready = jumps * self.breaks * (rises * (self.tilt[0] + self.tilt[1]) <= 0)
         squared = errors[0] ** 2, errors[1] ** 2
-        # What the same normal says of the other side of its pixel.
+        # Errors of the same normals on the other side of their pixels.
         before, after = self.links.before, self.links.after
         own = np.arange(len(before))
         across = (
@@ -183,12 +183,12 @@ class Surface:
         return _logistic(ready * (across[0] - squared[0])), _logistic(ready * (across[1] - squared[1]))
 
     def _errors(self, height: _Vector) -> tuple[_Vector, _Vector]:
-        """Return each link's deviation from the slopes that the normals at its ends say, (links,)."""
+        """Return the deviation of each link from the slopes of the normals at its two ends, (links,) each."""
         rise = height[self.links.head] - height[self.links.tail]
         return self.steep[0] * rise + self.tilt[0], self.steep[1] * rise + self.tilt[1]
 
     def _system(self, *weights: _Vector) -> tuple[sparse.csr_array, _Vector]:
-        """Return the normal equations: the Laplacian of the weighted links, and the right-hand side."""
+        """Return the normal equations: the weighted graph Laplacian of the links and the right-hand side."""
         tail, head = self.links.tail, self.links.head
         stiff = weights[0] * self.steep[0] ** 2 + weights[1] * self.steep[1] ** 2
         pull = -weights[0] * self.steep[0] * self.tilt[0] - weights[1] * self.steep[1] * self.tilt[1]

@@ -1,3 +1,3 @@
-"""Jobs: which drawings to predict, and where their maps go."""
+"""Jobs: find the drawings to predict, and decide where their maps go."""
 
 __all__ = []

@@ -1,4 +1,4 @@
-"""Clashes: drawings whose maps would be one file."""
+"""Clashes: find drawings whose maps would be written to the same file."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
@@ -14,10 +14,10 @@ __all__ = ["without_clashes", "without_twins"]
 def without_twins(
     files: Sequence[DrawingFiles], layers: bool = False
 ) -> tuple[list[DrawingFiles], list[str]]:
-    """Drop one of each pair of a layered file and its export; return the rest, and the messages about it.
+    """Drop either the layered file or its export where both exist; return the rest and messages about it.
 
-    A paint program keeps ``fox.kra`` and exports ``fox.png`` beside it. The engine shows the picture, so the
-    map is made from it; ``layers`` are in the layered file alone.
+    An artist saves ``fox.kra`` and exports ``fox.png`` next to it. The engine displays the export, so the map
+    is predicted from the export, unless ``layers`` are to be predicted, which only the layered file has.
 
     Example:
         >>> pair = [DrawingFiles(Path("art", name)) for name in ("fox.kra", "fox.png")]
@@ -36,21 +36,21 @@ def without_twins(
             kept.append(each)
             continue
         why = "has its layers" if layers else "is its export"
-        said.append(f"{each.drawing} is left out, as {pair[layers].name} beside it {why}.")
+        said.append(f"{each.drawing} is skipped, because {pair[layers].name} next to it {why}.")
     return kept, said
 
 
 def without_clashes(
     jobs: Sequence[Job], written: Callable[[Job], Iterable[Path]]
 ) -> tuple[list[Job], list[InputError]]:
-    """Return the jobs with unique files, and the reason why each of the others is refused.
+    """Return the jobs whose output files are unique, and an error for each of the others.
 
-    If two drawings would be written to one file, neither is predicted, because nobody can tell which was
-    meant.
+    If two drawings would be written to the same file, neither is predicted, because it is unknown which one
+    was meant.
 
     Args:
-        jobs: the drawings.
-        written: the names of a drawing's outputs; called only for drawings whose maps may clash.
+        jobs: the jobs to check.
+        written: returns the output files of a job; only called for jobs whose maps may clash.
     """
     named = Counter(job.target for job in jobs)
     files = {i: set(written(job)) for i, job in enumerate(jobs) if named[job.target] > 1}

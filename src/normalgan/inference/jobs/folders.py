@@ -1,4 +1,4 @@
-"""Folders: find the named drawings, also in subfolders, and decide where their maps go."""
+"""Folders: find drawings by name, folder or glob, and decide which subfolders their maps go to."""
 
 import os
 from collections import defaultdict
@@ -15,15 +15,15 @@ __all__ = ["find_drawings", "search"]
 def find_drawings(
     source: str | Sequence[str], ending: str = "_normal.png", companions: Sequence[str] = ()
 ) -> list[Path]:
-    """Return the drawings in a folder, matched by a glob, or listed, in order.
+    """Return the named drawings in order.
 
     Args:
-        source: folder, glob, file or a list of them.
-        ending: outputs are named after the drawing's stem with this ending.
-        companions: as `search` has them.
+        source: a folder, glob or file, or a list of them.
+        ending: ending that follows a drawing's stem in the names of outputs.
+        companions: as in `search`.
 
     Raises:
-        InputError: if a name matches no drawing, or two drawings have the same name.
+        InputError: if a name matches no drawing, or two drawings have the same stem.
     """
     found, errors = search([source] if isinstance(source, str) else source, companions)
     if errors:
@@ -43,17 +43,19 @@ def search(
     leave_out: Path | None = None,
     may_be_empty: bool = False,
 ) -> tuple[dict[Path, Path], list[InputError]]:
-    """Return the named drawings in order, and the reasons why some names match none.
+    """Return the named drawings in order, and an error for each name that matches no drawing.
 
-    Each comes with the folder below the output that its map goes to: with ``recursive`` its path below the
-    named folder, otherwise empty. Drawings with the same name in different folders go to different folders.
+    Each drawing is mapped to the subfolder of the output folder that its map goes to. With ``recursive``,
+    this is its path below the named folder, otherwise it is empty. Drawings with the same name from different
+    folders get different subfolders.
 
     Args:
         words: files, folders and globs.
-        companions: a file next to a drawing, named its stem plus one of these, is not a drawing.
-        recursive: search folders to the bottom. Hidden files are ignored in every folder.
-        leave_out: a folder that is not searched: the output folder, if it lies inside a named one.
-        may_be_empty: whether a folder without a drawing is accepted, because drawings may arrive later.
+        companions: endings of files that accompany a drawing; a file named after a drawing's stem plus one of
+            them is not a drawing.
+        recursive: whether subfolders are searched too. Hidden files are ignored in every folder.
+        leave_out: folder that is not searched, usually the output folder.
+        may_be_empty: whether folders without drawings are accepted, because drawings may arrive later.
     """
     found: dict[Path, Path] = {}
     errors = []
@@ -74,7 +76,7 @@ def search(
             matches = [path for path in every if path.is_file() and not path.name.startswith("._")]
             here = dict.fromkeys(without_companions(matches, companions), Path())
         errors += [
-            InputError(f"{path} is a link to {path.readlink()}, which is not there.") for path in broken
+            InputError(f"{path} is a link to {path.readlink()}, which does not exist.") for path in broken
         ]
         if not here and not broken and not (may_be_empty and place.is_dir()):
             errors.append(
@@ -91,7 +93,7 @@ def _is_broken(path: Path) -> bool:
 
 
 def _below(folder: Path, leave_out: Path | None) -> Iterator[Path]:
-    """Yield the files below a folder."""
+    """Yield the files below a folder, except in hidden folders and in ``leave_out``."""
     left_out = None if leave_out is None else leave_out.resolve()
     for path, folders, names in os.walk(folder):
         here = Path(path)
@@ -102,7 +104,7 @@ def _below(folder: Path, leave_out: Path | None) -> Iterator[Path]:
 
 
 def _apart(found: dict[Path, Path]) -> dict[Path, Path]:
-    """Return the jobs, with drawings of one name from different folders put into separate folders."""
+    """Return the drawings with those of the same name from different folders in separate subfolders."""
     named = defaultdict(list)
     for path, below in found.items():
         named[below / path.stem].append(path)

@@ -1,4 +1,4 @@
-"""Jobs: which files are read for each drawing, and which are written."""
+"""Plan: decide which files are read for each drawing and which are written."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -36,24 +36,24 @@ FILES: dict[str, Literal["png", "exr", "tiff"]] = {
     **{".png": "png", ".apng": "png", ".gif": "png", ".webp": "png"},
     **{".exr": "exr", ".tif": "tiff", ".tiff": "tiff"},
 }
-"""Endings of a map's file, and the format of each; GIF and WebP hold animations."""
+"""Endings of map files and their formats; GIF and WebP hold animations."""
 _NO_MAPS = {
     *(each for each in SUFFIXES if each not in FILES),
     *(".avif", ".dds", ".hdr", ".jxl", ".ktx", ".ktx2", ".tga", ".avi", ".mov", ".mp4", ".webm", ".json"),
 }
-"""Endings that no output folder has: such a name means a file of a kind that is not written."""
+"""Endings of unsupported map files; an output with such an ending is not taken for a folder."""
 
 
 @dataclass(frozen=True)
 class DrawingFiles:
-    """A drawing and what belongs to it.
+    """The input files of a drawing.
 
     Args:
-        drawing: its file, or a name for standard input.
-        content: the content of standard input.
-        hints: the file of its hints.
-        mask: the file of its mask, or one of the sources of masks.
-        below: the folder below the output that its map goes to.
+        drawing: file of the drawing, or a name for standard input.
+        content: content of standard input; None for a file.
+        hints: file of the hints, or None.
+        mask: file of the mask, a mask source, or None.
+        below: subfolder of the output folder that the map goes to.
     """
 
     drawing: Path
@@ -64,7 +64,7 @@ class DrawingFiles:
 
     @property
     def beside(self) -> list[Path]:
-        """The files that are read besides the drawing."""
+        """The files that are read in addition to the drawing."""
         return [each for each in (self.hints, self.mask) if isinstance(each, Path)]
 
 
@@ -73,10 +73,10 @@ class Job:
     """One drawing to predict.
 
     Args:
-        files: what is read.
-        target: the normal map.
-        stem: stem of the names of all other outputs.
-        exact: whether the user named the file of the map, so that its kind is settled.
+        files: input files.
+        target: path of the normal map.
+        stem: stem of the file names of all other outputs.
+        exact: whether the user named the map's file, which fixes its format.
     """
 
     files: DrawingFiles
@@ -85,11 +85,11 @@ class Job:
     exact: bool = False
 
     def beside(self, ending: str) -> Path:
-        """Return the name of another output of the drawing, such as ``_input.png``."""
+        """Return the path of another output of the drawing; ``ending`` is, for example, ``_input.png``."""
         return self.target.with_name(self.stem + ending)
 
     def numbered(self, number: int, ending: str) -> "Job":
-        """Return the job of one frame, counted from 1; ``ending`` is that of a map's name."""
+        """Return the job of one frame, numbered from 1; ``ending`` is the ending of a map's name."""
         stem = f"{self.stem}_{number:04d}"
         return Job(self.files, self.target.with_name(stem + ending), stem)
 
@@ -97,15 +97,15 @@ class Job:
 def find_files(
     sketches: str | Sequence[str], hints: str | None = None, mask: str | None = None
 ) -> list[DrawingFiles]:
-    """Return the named drawings, each with its hints and its mask; normal maps beside them are left out.
+    """Return the named drawings with their hints and masks; normal maps next to them are skipped.
 
     Args:
         sketches: files, folders and globs.
         hints: a file or a folder.
-        mask: a file, a folder, or one of the sources of masks.
+        mask: a file, a folder or a mask source.
 
     Raises:
-        InputError: if something is missing.
+        InputError: if a file or folder is missing.
     """
     drawings = find_drawings(sketches, "_normal.png", companions_of("_normal.png"))
     return _with_companions([DrawingFiles(drawing) for drawing in drawings], hints, mask)
@@ -121,20 +121,20 @@ def find_many(
     folder: Path,
     may_be_empty: bool = False,
 ) -> tuple[list[DrawingFiles], list[InputError]]:
-    """Return the named drawings, and the reasons why some names match none.
+    """Return the named drawings, and an error for each name that matches no drawing.
 
     Args:
-        sketches: files, folders and globs; ``-`` is ``content``.
-        ending: ending of a normal map's name; files that end so are not drawings.
-        hints: as `find_files` has them.
-        mask: as `find_files` has it.
-        content: what standard input holds.
-        recursive: search folders to the bottom.
-        folder: where the maps go; it is not searched.
+        sketches: files, folders and globs; ``-`` stands for ``content``.
+        ending: ending of a normal map's name; files with this ending are not drawings.
+        hints: as in `find_files`.
+        mask: as in `find_files`.
+        content: content of standard input.
+        recursive: whether subfolders are searched too.
+        folder: output folder, which is not searched.
         may_be_empty: whether a folder may have no drawings.
 
     Raises:
-        InputError: if a file of hints or of the mask is missing.
+        InputError: if a file or folder of hints or masks is missing.
     """
     named = [each for each in sketches if each != STDIN]
     found, wrong = search(named, companions_of(ending), recursive, folder, may_be_empty)
@@ -145,7 +145,7 @@ def find_many(
 
 
 def companions_of(ending: str) -> tuple[str, ...]:
-    """Return the files next to a drawing that are named after it and are not drawings.
+    """Return the name suffixes of files that accompany a drawing, such as ``_hints``.
 
     Args:
         ending: ending of a normal map's name, such as ``_normal.png``.
@@ -172,18 +172,18 @@ def plan(
     may_clash: bool = False,
     also_read: Sequence[Path] = (),
 ) -> list[Job]:
-    """Return the jobs: the drawings to predict, and their outputs.
+    """Return a job for each drawing.
 
     Args:
         files: the drawings.
-        folder: where everything goes.
+        folder: output folder.
         ending: ending of a normal map's name, such as ``_normal.png``.
         others: endings of the other outputs.
-        may_clash: whether two drawings may go to one file, because the caller handles it.
-        also_read: other files that are read, such as the model.
+        may_clash: whether two drawings may have the same output file, because the caller handles it.
+        also_read: other input files, such as the model.
 
     Raises:
-        InputError: if something that is read would be written over, or two files would have one name.
+        InputError: if an input would be overwritten, or two outputs would have the same name.
     """
     jobs = [
         Job(each, folder / each.below / f"{each.drawing.stem}{ending}", each.drawing.stem) for each in files
@@ -193,44 +193,44 @@ def plan(
 
 
 def is_file_name(output: Path) -> bool:
-    """Return whether an output is the name of a map's file, and no folder.
+    """Return whether an output path is a map's file name, not a folder.
 
     Raises:
-        InputError: if it is the name of a file of a kind that is not written.
+        InputError: if it has the ending of an unsupported file format.
     """
     if output.is_dir():
         return False
     if output.suffix.lower() in _NO_MAPS:
         raise InputError(
-            f"{output} is not a map's name, which ends in .png, .exr, .tif or .tiff, or if it moves in .gif, "
-            ".webp or .apng; name such a file, or a folder (-o)."
+            f"{output} is not a supported file name for a map; use .png, .exr, .tif or .tiff, for an "
+            "animation .gif, .webp or .apng, or name a folder (-o)."
         )
     return output.suffix.lower() in FILES
 
 
 def format_of(target: Path, asked: str | None) -> Literal["png", "exr", "tiff"]:
-    """Return the format of a map by the ending of its file.
+    """Return the format of a map from its file name.
 
     Args:
-        target: the file.
+        target: path of the map.
         asked: the requested format, or None.
 
     Raises:
-        InputError: if they disagree.
+        InputError: if the file name and the requested format disagree.
     """
     found = FILES[target.suffix.lower()]
     if asked not in {None, found}:
-        raise InputError(f"{target} is not {asked}; name a file of that kind, or leave --format out.")
+        raise InputError(f"{target} is not {asked}; name a file of that kind, or omit --format.")
     return found
 
 
 def plan_file(
     files: Sequence[DrawingFiles], target: Path, others: Sequence[str] = (), also_read: Sequence[Path] = ()
 ) -> Job:
-    """Return the job of the one drawing whose map goes to a file of a given name; see `plan`.
+    """Return the job of a single drawing whose map goes to a named file; see `plan`.
 
     Raises:
-        InputError: if there are several, or something that is read would be written over.
+        InputError: if there are several drawings, or an input would be overwritten.
     """
     if len(files) != 1:
         raise InputError(f"{target} is one file, but there are {len(files)} sketches; name a folder (-o).")
@@ -240,13 +240,13 @@ def plan_file(
 
 
 def check_writable(jobs: Sequence[Job]) -> None:
-    """Raise `InputError` if a map cannot be written to its place."""
+    """Raise `InputError` if a map's path cannot be written."""
     for target in (job.target for job in jobs if job.target.is_dir()):
         raise InputError(f"the normal map cannot be written to {target}: it is a folder.")
     for folder in {job.target.parent for job in jobs}:
         there = next(each for each in (folder, *folder.absolute().parents) if each.exists())
         try:
-            # Only an attempt tells: permissions do not say that a disk is full or mounted read-only.
+            # Permissions do not show that a disk is full or read-only, so a file is written.
             with TemporaryFile(dir=there) as probe:
                 probe.write(b"0")
         except OSError as error:
@@ -256,14 +256,14 @@ def check_writable(jobs: Sequence[Job]) -> None:
 
 
 def overwritten(path: Path) -> InputError:
-    """Return the error about an output that is one of the inputs."""
+    """Return the error for an output that is also an input."""
     return InputError(f"{path} is an input and would be overwritten; give another folder (-o) or --suffix.")
 
 
 def _companions(
     read: Sequence[DrawingFiles], named: str | None, kind: str, endings: Sequence[str]
 ) -> list[Path | None]:
-    """Return the file of hints or of the mask for each drawing, if there is one."""
+    """Return the hints or mask file of each drawing, or None."""
     if named is None:
         return [None] * len(read)
     source = Path(named)

@@ -1,4 +1,4 @@
-"""Watching: find files that were saved since the last look and are complete."""
+"""Watching: find files that were saved since the last check and are complete."""
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -6,17 +6,17 @@ from pathlib import Path
 __all__ = ["Stamp", "Watcher"]
 
 Stamp = tuple[tuple[Path, int, int] | None, ...]
-"""State of a drawing and of all files that are read for it, which changes when one is saved."""
+"""State of a drawing and of all files read for it; it changes when one of them is saved."""
 
 
 class Watcher:
-    """Finds drawings that are new or were saved again, or whose hints or masks were.
+    """Finds drawings that were added or saved again, or whose hints or mask were saved.
 
-    A program takes a while to save: a file is ready when two successive checks find it unchanged. Files are
-    polled, because network folders send no notifications.
+    Saving takes a while, so a file counts as complete when two successive checks find it unchanged. Files are
+    polled, because network folders do not send notifications.
 
     Args:
-        files: the finished drawings, each with the other files read for it.
+        files: drawings that are already done, each with the other files read for it.
 
     Example:
         >>> from tempfile import TemporaryDirectory
@@ -34,7 +34,7 @@ class Watcher:
         self._last: dict[Path, Stamp | None] = {}
 
     def saved(self, files: Mapping[Path, Iterable[Path]]) -> list[Path]:
-        """Return the drawings to predict; each once."""
+        """Return the drawings to predict now."""
         now = {path: _stamp(path, beside) for path, beside in files.items()}
         settled = [
             path

@@ -1,4 +1,4 @@
-"""Writing: the outputs of a job go to its sink, which is files by default."""
+"""Writing: pass the outputs of jobs to a sink, which writes files by default."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -14,11 +14,11 @@ from normalgan.inference.outputs.output_set import Outputs
 __all__ = ["Held", "Sink", "Writer"]
 
 Sink = Callable[[Path, bytes], None]
-"""Takes a file: its path and its content. `write_bytes` writes it whole or not at all."""
+"""Called with the path and the content of each file. The default, `write_bytes`, writes atomically."""
 
 
 class Held(NamedTuple):
-    """A file that waits for the scale that it shares with others."""
+    """A file that is held back until the scale that it shares with other files is known."""
 
     path: Path
     content: Scaled
@@ -29,30 +29,30 @@ class Writer:
     """Writes the outputs of jobs.
 
     Args:
-        outputs: what is written.
-        sink: where each file goes.
+        outputs: the outputs to write.
+        sink: called with each file.
     """
 
     outputs: Outputs = field(default_factory=Outputs)
     sink: Sink = write_bytes
 
     def write(self, job: Job, preds: NormalMap) -> list[Held]:
-        """Write the files of a drawing; return those that wait for other drawings.
+        """Write the files of a drawing; return the files that are held back for other drawings.
 
         Raises:
             OSError: if a file cannot be written.
         """
         held = self.write_others(job, preds)
-        self.write_map(job, preds)  # last, so that where there is a map, there is the rest too
+        self.write_map(job, preds)  # last, so that an existing map implies that its other outputs exist
         return held
 
     def write_others(self, job: Job, preds: NormalMap, hold: bool = False) -> list[Held]:
-        """Write all but the map; return what waits for other drawings.
+        """Write all files except the map; return the files that are held back for other drawings.
 
         Args:
-            job: the drawing.
-            preds: its map.
-            hold: whether the drawing shares its scale with others, such as the frames of an animation.
+            job: job of the drawing.
+            preds: map of the drawing.
+            hold: whether the drawing shares its scale with others, like the frames of an animation.
         """
         held = []
         for ending, content in self.outputs.encode_others(preds):
@@ -69,20 +69,21 @@ class Writer:
         self.sink(job.target, content)
 
     def write_sidecar(self, target: Path) -> None:
-        """Write the file by which an engine imports a map, unless it exists.
+        """Write the engine's import file for a map, unless it exists.
 
-        An existing file of Unity or Godot holds the id that scenes refer to, and perhaps changed settings.
+        An existing import file of Unity or Godot holds the id that scenes refer to, and possibly changed
+        settings.
         """
-        # Of the whole path: two folders may each have a normals/fox_NormalMap.png, and their ids must differ.
+        # The id depends on the absolute path, because two folders may each have a normals/fox_NormalMap.png.
         found = self.outputs.normal.sidecar(target.absolute())
         if found is not None and (found[0].suffix == ".py" or not found[0].exists()):
             self.sink(*found)
 
     def write_held(self, held: Sequence[Held]) -> None:
-        """Write files with one scale for all: the largest of all.
+        """Write held files with a common scale, the largest of all.
 
         Raises:
-            OSError: if one cannot be written.
+            OSError: if a file cannot be written.
         """
         most = max((content.spread for _, content in held), default=0.0)
         for path, content in held:

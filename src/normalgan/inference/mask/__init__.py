@@ -1,3 +1,3 @@
-"""Mask: the object in a drawing, given as a picture or found in the lines."""
+"""Mask: the object in a drawing, given as a picture or found from the lines."""
 
 __all__ = []

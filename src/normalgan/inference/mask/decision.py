@@ -1,4 +1,4 @@
-"""Decision: find the object from the lines, the reader's presence and the user's flips, and explain it."""
+"""Decision: find the object from the lines, the reader's presence and the user's flips."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,36 +19,36 @@ from normalgan.inference.regions import depth_of, extent_of
 __all__ = ["INKED", "OPEN", "REACH", "SIDE", "UNSURE", "Decision", "decide"]
 
 SIDE = 512
-"""Longest side in pixels at which areas are voted on, and twice the shortest; the ink gives their edge."""
+"""Longer side in pixels at which regions are voted on: at most this, and at least half of it."""
 _OFF, _LEAST_OFF = 2.5, 2.0
-"""How far the edge found at that size may be off, in its pixels; and at least, in pixels of the drawing."""
+"""Tolerance of the edge in pixels of the vote, and its minimum in pixels of the drawing."""
 INKED = 0.35
-"""Least ink of a line."""
+"""Minimum ink of a line."""
 UNSURE = 0.15, 0.7, 0.02
-"""Mean presence between which the reader is unsure of a region; and the least share of the object to warn."""
+"""Range of mean presence in which a region is ambiguous, and minimum fraction of the object for a warning."""
 OPEN = 0.2
-"""Share of the object's longer side over which its edge may have no line before that is reported."""
+"""Length of an edge without a line that is reported, as a fraction of the object's longer side."""
 REACH = 4
-"""How far from an edge a line bounds it, in pixels of the vote."""
+"""Maximum distance between an edge and the line that bounds it, in pixels of the vote."""
 _NEAR = 0.01
-"""How far from a region a point that flips it may lie, as a share of the longer side: on its outline."""
+"""Maximum distance of a flip's point from its region, as a fraction of the longer side, so that a point on
+the outline works too."""
 
 
 @dataclass(frozen=True)
 class Decision:
-    """The object in a drawing, and how it was found; arrays are at the size of the vote.
+    """The object in a drawing, and how it was found; (h, w) is the size of the vote.
 
     Args:
         ink: (h, w) in [0, 1], the lines.
-        presence: (h, w) in [0, 1], of the reader; None if it was not asked.
-        regions: (h, w), the number of the region between lines that each pixel lies in; 0 on lines.
-        votes: (N,), the mean presence of each region.
+        presence: (h, w) in [0, 1], the reader's presence; None if the reader was not used.
+        regions: (h, w), index of the region between lines that each pixel lies in; 0 on lines.
+        votes: (N,), mean presence of each region.
         enclosed: (N,), whether lines enclose the region on all sides.
         small: (h, w), the object.
         mask: (H, W), the object at the drawing's size.
-        coverage: (H, W) in [0, 1], how much of each pixel that is.
-        unsure: regions that may or may not be object, and edges without a line; places are in pixels of the
-            ink as it was given.
+        coverage: (H, W) in [0, 1], coverage of each pixel by the object.
+        unsure: findings about ambiguous regions and edges without a line; places are in pixels (H, W).
     """
 
     ink: Floats
@@ -62,14 +62,14 @@ class Decision:
     unsure: tuple[Finding, ...]
 
     def explain(self) -> dict[str, NDArray[np.uint8]]:
-        """Return each stage as a picture (h, w) or (h, w, 3) of uint8, RGB, by the stage's name."""
+        """Return a picture of each stage by name, (h, w) or (h, w, 3) RGB, uint8."""
         stages = {"regions": self._votes_picture()}
         if self.presence is not None:
             stages["presence"] = np.rint(255 * self.presence).astype(np.uint8)
         return stages
 
     def _votes_picture(self) -> NDArray[np.uint8]:
-        """Return enclosed regions from red (hole) to green (object), each with its vote in percent."""
+        """Return a picture of the enclosed regions from red (hole) to green (object), labelled in percent."""
         share = np.clip(self.votes, 0, 1)[:, None]
         colours = (1 - share) * np.array([230, 70, 60]) + share * np.array([90, 200, 90])
         colours[~self.enclosed] = 255
@@ -84,18 +84,18 @@ class Decision:
 
 
 def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, float]] = ()) -> Decision:
-    """Return the object by the lines and the reader's presence.
+    """Find the object from the lines and the reader's presence.
 
-    Each region that lines enclose is object or hole as a whole, by its mean presence. Where an outline is
-    open, presence tells pixel by pixel. Without a reading, all that lines enclose is object.
+    A region that lines enclose is entirely object or entirely hole, depending on its mean presence. Where an
+    outline is open, presence decides for each pixel. Without a reading, all enclosed regions are object.
 
     Args:
         ink: (H, W) in [0, 1], the lines.
-        reading: of the picture; None leaves it to the lines.
-        flips: x and y of points; the enclosed region at each becomes a hole, or object if it is a hole.
+        reading: the reader's output; None decides by the lines alone.
+        flips: x and y of points whose enclosed regions change from object to hole, or from hole to object.
 
     Raises:
-        InputError: if there is no enclosed region at a point.
+        InputError: if a point lies in no enclosed region.
 
     Example:
         >>> ink = np.zeros((64, 64), np.float32)
@@ -105,7 +105,7 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
         [1, 0]
     """
     shape = (ink.shape[0], ink.shape[1])
-    # In a small drawing, lines are connected only between pixels.
+    # A small drawing is enlarged, because its lines may only connect at a subpixel scale.
     side = min(max(*shape, SIDE // 2), SIDE)
     size = fitted(shape, side)
     small_ink = ink if size == shape else resize(ink, size)
@@ -120,7 +120,7 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
     enclosed = _enclosed(stats, size)
     solid = np.where(enclosed[regions], votes[regions] > 0.5, presence > 0.5) & ~inked
     small = solid | (inked & (presence > 0.5))
-    # A hole has a line around it.
+    # A hole must be enclosed by lines, so other gaps in the object are filled.
     small |= enclosed_by(small) & ~enclosed[regions] & ~inked
     settled = np.zeros(count, bool)
     for x, y in flips:
@@ -139,7 +139,7 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
 
 
 def _enclosed(stats: NDArray[np.int32], size: tuple[int, int]) -> BoolMask:
-    """Return which regions do not reach the picture's edge; number 0 is the lines."""
+    """Return which regions do not touch the picture's edge; index 0, the lines, is False."""
     left, top = stats[:, cv2.CC_STAT_LEFT], stats[:, cv2.CC_STAT_TOP]
     right, bottom = left + stats[:, cv2.CC_STAT_WIDTH], top + stats[:, cv2.CC_STAT_HEIGHT]
     enclosed: BoolMask = (left > 0) & (top > 0) & (right < size[1]) & (bottom < size[0])
@@ -150,7 +150,7 @@ def _enclosed(stats: NDArray[np.int32], size: tuple[int, int]) -> BoolMask:
 def _region_at(
     x: float, y: float, shape: tuple[int, int], regions: NDArray[np.int32], enclosed: BoolMask
 ) -> int:
-    """Return the number of the enclosed region at a point of the drawing, or of the nearest one."""
+    """Return the index of the enclosed region at a point of the drawing, or of the nearest one."""
     height, width = regions.shape
     column, row = x * width / shape[1], y * height / shape[0]
     reach = int(_NEAR * max(height, width)) + 1
@@ -177,7 +177,7 @@ def _unsure(
     total: int,
     shape: tuple[int, int],
 ) -> list[Finding]:
-    """Return the finding about regions that the reader is unsure of, the largest first, if any."""
+    """Return the finding about ambiguous regions, the largest first; empty if there are none."""
     low, high, share = UNSURE
     doubtful = asked & (votes > low) & (votes < high) & (sizes > share * max(total, 1))
     numbers = np.flatnonzero(doubtful)
@@ -189,9 +189,9 @@ def _unsure(
 
 
 def _open(small: BoolMask, inked: BoolMask, shape: tuple[int, int]) -> list[Finding]:
-    """Return the finding about the longest part of an object's edge without a line, if it is long."""
+    """Return the finding about the longest part of the object's edge without a line; empty if it is short."""
     reach = np.ones((2 * REACH + 1, 2 * REACH + 1), np.uint8)
-    # What the picture's border cuts off needs no line there.
+    # An object that the picture's border cuts off does not need a line there.
     bounded = cv2.dilate(inked.astype(np.uint8), reach, borderValue=1)
     inner = cv2.erode(small.astype(np.uint8), np.ones((3, 3), np.uint8))
     free = (small & (inner == 0) & (bounded == 0)).astype(np.uint8)
@@ -209,7 +209,7 @@ def _open(small: BoolMask, inked: BoolMask, shape: tuple[int, int]) -> list[Find
 
 
 def _deepest(region: BoolMask) -> tuple[int, int]:
-    """Return x and y of the pixel of a region that is farthest from its edge."""
+    """Return x and y of the pixel of a region that is farthest from the region's edge."""
     depth = depth_of(region, 3)
     row, column = np.unravel_index(int(depth.argmax()), depth.shape)
     return int(column), int(row)

@@ -1,4 +1,4 @@
-"""Edge: find an object's edge to a fraction of a pixel from its outline at the drawing's own size."""
+"""Edge: find an object's edge with subpixel accuracy from its outline."""
 
 from functools import lru_cache
 from typing import Any
@@ -15,32 +15,33 @@ from normalgan.inference.regions import around, depth_of, extent_of
 __all__ = ["snap", "soft_edge"]
 
 _PALEST = 0.35
-"""Least ink of a line at its darkest."""
+"""Minimum ink at the darkest place of a line."""
 _LARGE = 1024
-"""Longest side at which regions and lines are separated; larger drawings are decided at half their size."""
+"""Maximum longer side at which regions and lines are separated; larger drawings are halved first."""
 _MERGED = 1.5
-"""Width of the ink where two lines meet in a tip, as a multiple of a line's width."""
+"""Minimum width of the ink where two lines meet in a tip, as a multiple of the line width."""
 _TIP = 0.25
-"""Longest tip, as a share of what the object spans."""
+"""Maximum length of a tip, as a fraction of the object's extent."""
 _TOUCHING, _FINER = 1.3, 1.25
-"""How far from the inside a line's middle may be, in halves of its width; and the step between widths."""
+"""Maximum distance of a line's centre from the inside, in half widths, and the ratio between width bins."""
 _WINDOW = 14
-"""Reach in pixels up to which dilation is faster than a distance transform."""
+"""Maximum reach in pixels at which dilation is faster than a distance transform."""
 _CROSS = cv2.getStructuringElement(cv2.MORPH_CROSS, (3, 3))
 _SQUARE, _WIDE = np.ones((3, 3), np.uint8), np.ones((5, 5), np.uint8)
 
 
 def snap(mask: BoolMask, ink: Floats, reach: float) -> Floats:
-    """Return the coverage (H, W) of an object whose mask is accurate to a few pixels.
+    """Return the exact coverage (H, W) of an object whose mask is accurate to a few pixels.
 
-    Lines divide the drawing into regions, and each region belongs to the object or not, as most of it does.
-    Where a gap joins two regions, inside and outside meet half-way between the places where the mask is sure.
-    The outline's ink is part of the object, so the edge is the ink's outer edge, as soft as that.
+    Lines divide the drawing into regions, and each region is assigned to the object or the background by
+    majority. Where a gap connects two regions, inside and outside meet half-way between the pixels where the
+    mask is certain. The outline's ink is part of the object, so the object's edge is the outer edge of the
+    ink and just as soft.
 
     Args:
         mask: (H, W), the object, whose edge may be off by ``reach`` pixels.
         ink: (H, W) in [0, 1], the lines.
-        reach: how far the mask's edge may be from the outer edge of the line that it follows, in pixels.
+        reach: maximum distance in pixels between the mask's edge and the outer edge of the line it follows.
 
     Example:
         >>> ink = np.zeros((32, 32), np.float32)
@@ -54,7 +55,7 @@ def snap(mask: BoolMask, ink: Floats, reach: float) -> Floats:
     covered = np.zeros(mask.shape, np.float32)
     if not mask.any():
         return covered
-    # A tip may be as far outside of the mask.
+    # The margin leaves space for a tip outside the mask.
     box = around(mask, int(_TIP * extent_of(mask)) + int(reach) + 4)
     lines = ink[box]
     darkest = cv2.dilate(lines, _WIDE)
@@ -68,14 +69,14 @@ def _body(mask: BoolMask, ink: Floats, inked: BoolMask, reach: float) -> BoolMas
     """Return the object with all of its ink, from its mask and the drawing's lines.
 
     Args:
-        mask: (H, W), the object, whose edge may be off.
+        mask: (H, W), the object, whose edge may be inaccurate.
         ink: (H, W) in [0, 1], the lines.
         inked: (H, W), where there is more ink than paper.
-        reach: how far the mask's edge may be off, in pixels.
+        reach: maximum error of the mask's edge in pixels.
     """
     shape = (mask.shape[0], mask.shape[1])
     if max(shape) > _LARGE:
-        # Half the size decides everything except the last pixels.
+        # Half size settles everything except the last two pixels at the edge.
         half = ((shape[0] + 1) // 2, (shape[1] + 1) // 2)
         small = resize(ink, half)
         rough = _body(resize(mask.astype(np.float32), half) > 0.5, small, small > _PALEST, reach / 2)
@@ -86,7 +87,7 @@ def _body(mask: BoolMask, ink: Floats, inked: BoolMask, reach: float) -> BoolMas
 
 
 def _finish(rough: BoolMask, inked: BoolMask) -> BoolMask:
-    """Return the object with the ink at its edge, which is off by at most two pixels."""
+    """Return the object with its edge corrected to the ink, where the edge is off by at most two pixels."""
     lines = inked.view(np.uint8)
     grown = np.asarray(cv2.dilate(rough.view(np.uint8), _WIDE), np.uint8)
     shrunk = np.asarray(cv2.erode(rough.view(np.uint8), _WIDE), np.uint8)
@@ -110,11 +111,11 @@ def soft_edge(mask: BoolMask) -> Floats:
 
 
 def _divide(mask: BoolMask, inked: BoolMask, reach: float) -> BoolMask:
-    """Return the object's pixels between the lines."""
+    """Return the pixels of the object that are not on lines."""
     free = ~inked
     count, found = cv2.connectedComponents(free.view(np.uint8), connectivity=4)
     labels = np.asarray(found, np.int32)
-    # Of a region in which the mask is surely right on one side only, all is on that side.
+    # A region with certain pixels on one side of the mask's edge only lies entirely on that side.
     within, beyond = ~_near(~mask, reach, 3), ~_near(mask, reach, 3)
     size, held, core, rest = _region_sums(labels, count, mask, within, beyond)
     whole = (core == 0) | (rest == 0)
@@ -125,7 +126,7 @@ def _divide(mask: BoolMask, inked: BoolMask, reach: float) -> BoolMask:
 
 
 def _meet(mask: BoolMask, mixed: BoolMask, sure: BoolMask, reach: float) -> BoolMask:
-    """Return the object's pixels in regions with a gap: inside and outside grow until they meet."""
+    """Return the object's pixels in regions with a gap, by growing inside and outside until they meet."""
     free = mixed.astype(np.uint8)
     one: NDArray[np.uint8] = (mixed & sure & mask).astype(np.uint8)
     other: NDArray[np.uint8] = (mixed & sure & ~mask).astype(np.uint8)
@@ -137,10 +138,10 @@ def _meet(mask: BoolMask, mixed: BoolMask, sure: BoolMask, reach: float) -> Bool
 
 
 def _own_ink(mask: BoolMask, inside: BoolMask, inked: BoolMask) -> BoolMask:
-    """Return the ink of an object: the lines that bound it, each to its own width, and those in it.
+    """Return the ink of an object: the lines that bound it, in their full width, and the lines inside it.
 
-    A line is treated as discs along its middle. A disc belongs to the object if it touches its inside, or if
-    its middle is in the mask, as that of a leg that is a single line.
+    A line is treated as discs along its centre line. A disc belongs to the object if it touches the inside,
+    or if its centre is in the mask, as for a leg drawn as a single line.
     """
     lines = inked.view(np.uint8)
     depth = cv2.distanceTransform(lines, cv2.DIST_L2, 5)
@@ -156,19 +157,19 @@ def _own_ink(mask: BoolMask, inside: BoolMask, inked: BoolMask) -> BoolMask:
         centres[rows[alike], columns[alike]] = True
         box = around(centres, int(most) + 1)
         own[box] |= _near(centres[box], most, 5)
-    # Discs leave out the corners of a line.
+    # Discs do not cover the corners of a line.
     for _ in range(2):
         own = (cv2.dilate(own.view(np.uint8), _SQUARE) > 0) & inked
     return own
 
 
 def _tips(body: BoolMask, inked: BoolMask) -> BoolMask:
-    """Return the tips where two lines of an outline meet, beyond the area that they enclose.
+    """Return the tips where two lines of an outline meet, outside the area that they enclose.
 
-    A line that shot beyond its goal is as wide as any; where two meet, their ink is wider.
+    An overshooting line has the usual width; where two lines meet, the ink is wider.
 
     Args:
-        body: (H, W), the object without its tips.
+        body: (H, W), the object without tips.
         inked: (H, W), the lines.
     """
     loose = inked & ~body
@@ -186,13 +187,14 @@ def _tips(body: BoolMask, inked: BoolMask) -> BoolMask:
 
 
 def _soft(body: BoolMask, inked: BoolMask, share: Floats) -> Floats:
-    """Return the coverage of each pixel: that of the ink, or an anti-aliased edge."""
+    """Return the coverage of each pixel: the ink's at an inked edge, otherwise an anti-aliased edge."""
     covered = soft_edge(body)
-    outside = cv2.dilate((~body).view(np.uint8), _CROSS) > 0  # no farther: a thin line's inner edge is inside
+    # By one pixel only, because the inner edge of a thin line is inside.
+    outside = cv2.dilate((~body).view(np.uint8), _CROSS) > 0
     line = cv2.dilate((body & inked).view(np.uint8), _WIDE) > 0
     rim = body & inked & outside
     covered[rim] = share[rim]
-    # Two pixels beyond its ink a soft line has ended.
+    # The soft edge of a line extends at most two pixels beyond its ink.
     fringe = ~body & ~inked & line
     covered[fringe] = share[fringe]
     covered[body & ~rim & line] = 1
@@ -200,12 +202,12 @@ def _soft(body: BoolMask, inked: BoolMask, share: Floats) -> Floats:
 
 
 def _region_sums(labels: NDArray[Any], count: int, *marked: BoolMask) -> NDArray[np.intp]:
-    """Return the number of pixels of each region, and of those marked in each of N pictures, (1 + N, count).
+    """Return for each region the number of pixels, and of pixels marked in each of N masks, (1 + N, count).
 
     Args:
-        labels: of any shape, the region of each pixel.
-        count: of regions.
-        marked: of the same shape.
+        labels: region of each pixel, of any shape.
+        count: number of regions.
+        marked: masks of the same shape.
     """
     kinds = 2 ** len(marked)
     codes = labels * kinds
@@ -217,7 +219,7 @@ def _region_sums(labels: NDArray[Any], count: int, *marked: BoolMask) -> NDArray
 
 
 def _near(marked: BoolMask, reach: float, metric: int) -> BoolMask:
-    """Return the pixels (H, W) at most ``reach`` from a marked one, by OpenCV's distances of a metric."""
+    """Return the pixels (H, W) at most ``reach`` from a marked one; ``metric`` is OpenCV's mask size."""
     if reach <= _WINDOW:
         found: BoolMask = cv2.dilate(marked.view(np.uint8), _disc(reach, metric)) > 0
         return found
@@ -226,8 +228,8 @@ def _near(marked: BoolMask, reach: float, metric: int) -> BoolMask:
 
 @lru_cache(128)
 def _disc(reach: float, metric: int) -> NDArray[np.uint8]:
-    """Return the pixels (K, K) that are at most ``reach`` from the middle one."""
-    most = int(reach / 0.95)  # OpenCV takes a step to the side for 0.955 of a pixel, or for one
+    """Return the pixels (K, K) that are at most ``reach`` from the central one."""
+    most = int(reach / 0.95)  # a step to the side counts as 0.955 or 1 pixel in OpenCV
     middle = np.ones((2 * most + 1, 2 * most + 1), np.uint8)
     middle[most, most] = 0
     return np.asarray(cv2.distanceTransform(middle, cv2.DIST_L2, metric) <= reach, np.uint8)

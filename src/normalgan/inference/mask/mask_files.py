@@ -1,4 +1,4 @@
-"""Mask files: pictures that say where the object is in a drawing, and the names of the other sources."""
+"""Mask files: pictures that mark the object in a drawing, and the names of other mask sources."""
 
 from pathlib import Path
 from typing import Literal
@@ -20,31 +20,29 @@ __all__ = [
 ]
 
 MaskSource = Literal["outline", "model", "reader"]
-"""Where a mask may come from: what lines enclose, the network of normals, or the reader's vote."""
+"""Sources of a mask: the area that lines enclose, the normal network, or the reader's vote."""
 OUTLINE: MaskSource = "outline"
 MODEL: MaskSource = "model"
 READER: MaskSource = "reader"
 SOURCES: dict[str, MaskSource] = {OUTLINE: OUTLINE, MODEL: MODEL, READER: READER}
-"""The sources by the words that users give."""
+"""The sources by the names that users type."""
 MaskOrSource = BoolMask | MaskSource | None
-"""The object (h, w), or where it comes from; None is the opacity if that tells, else the reader."""
+"""The object (h, w), or a source; None uses the opacity if it shows the object, otherwise the reader."""
 
 ENDINGS = ("_mask.png", ".png")
-"""What the mask of a drawing is named, after its stem, in the order in which they are looked for."""
+"""Endings that follow a drawing's stem in the name of its mask, in the order of the search."""
 
 
 def mask_of(picture: Picture, shape: tuple[int, int], name: str = "the mask") -> BoolMask:
-    """Return the object (H, W) of a mask picture: its opaque part, or else its white part.
-
-    If anything is transparent, only the opacity counts, not the colour.
+    """Return the object (h, w) of a mask picture: its opaque part, or the white part of an opaque picture.
 
     Args:
-        picture: of the mask.
+        picture: picture of the mask.
         shape: (H, W) of the drawing.
-        name: what to call the mask in an error.
+        name: name of the mask in error messages.
 
     Raises:
-        InputError: if it is of another size, or empty.
+        InputError: if the mask is empty or has a different size than the drawing.
 
     Example:
         >>> import numpy as np
@@ -67,11 +65,11 @@ def mask_of(picture: Picture, shape: tuple[int, int], name: str = "the mask") ->
 
 
 def load_mask(path: Path, shape: tuple[int, int]) -> BoolMask:
-    """Read the mask (h, w) of a drawing of (H, W) pixels; see `mask_of`.
+    """Return the mask (h, w) of a drawing (H, W) from a file; see `mask_of`.
 
-    A mask above the working size is reduced.
+    A mask larger than the working size is reduced.
 
     Raises:
-        InputError: if it cannot be used.
+        InputError: if the file is not a usable mask.
     """
     return mask_of(read_picture(path), shape, f"the mask {path}")

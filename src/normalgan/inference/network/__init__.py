@@ -1,3 +1,3 @@
-"""Network: its backends, its input, and its map at the drawing's size."""
+"""Network: backends, framing of the input, and upsampling of the output."""
 
 __all__ = []

@@ -1,4 +1,4 @@
-"""Backend: a network that predicts the coarse map of a prepared drawing, by ONNX Runtime or torch."""
+"""Backend: protocol of networks that predict the coarse map of a prepared drawing."""
 
 from typing import Protocol
 
@@ -14,28 +14,28 @@ class Backend(Protocol):
 
     @property
     def size(self) -> int:
-        """Side in pixels of the pictures that it takes and predicts."""
+        """Side of the input and the output in pixels."""
         ...
 
     @property
     def line_widths(self) -> LineWidths:
-        """The lines that it is shown as they were drawn, in pixels of its pictures."""
+        """Range of line widths, in pixels of the input, that are kept as drawn."""
         ...
 
     @property
     def upsample(self) -> Upsampler:
-        """The step from that size to a drawing's."""
+        """The upsampler from the network's size to the drawing's."""
         ...
 
     def predict(self, sketch: Floats, hints: Floats | None = None) -> tuple[Floats, Floats | None]:
-        """Return the prediction for one sketch, and its confidence.
+        """Return the prediction for a sketch and its confidence.
 
         Args:
-            sketch: (S, S) ink in [0, 1].
-            hints: (4, S, S) unit normals at the hints, and where they are; None for no hints.
+            sketch: (S, S), ink in [0, 1].
+            hints: (4, S, S), unit normals at the hints and the mask of the hints; None for no hints.
 
         Returns:
-            (S, S, 3) vectors in camera space, whose length is the probability of an object, and the
+            Vectors (S, S, 3) in camera space, whose length is the probability of an object, and the
             confidence κ (S, S) or None.
         """
         ...

@@ -1,4 +1,4 @@
-"""Framing: the square of a drawing that a model is shown, and the way back."""
+"""Framing: crop a drawing to the model's square input, and map predictions back."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -17,14 +17,14 @@ __all__ = ["Frame", "bounds_of"]
 
 @dataclass(frozen=True)
 class Frame:
-    """The square of a drawing that a model is shown, and the way back.
+    """The square of a drawing that is the model's input.
 
     Args:
         shape: (H, W) of the drawing.
         left: x of the square's left edge in pixels of the drawing; may be negative.
-        top: y of its top edge; may be negative.
-        side: its side in pixels of the drawing.
-        size: its side in pixels of the model.
+        top: y of the square's top edge in pixels of the drawing; may be negative.
+        side: side of the square in pixels of the drawing.
+        size: side of the square in pixels of the model.
     """
 
     shape: tuple[int, ...]
@@ -35,35 +35,35 @@ class Frame:
 
     @classmethod
     def around(cls, ink: Floats, size: int, margin: float = 0.06) -> Self:
-        """Return the frame that holds the lines of a drawing (H, W) as training samples are held.
+        """Return the frame around the lines of a drawing, with the same margin as in training.
 
         Args:
-            ink: the drawing.
-            size: side of the model's pictures.
-            margin: share of the frame left free at each side.
+            ink: (H, W), the drawing.
+            size: side of the model's input in pixels.
+            margin: margin at each side, as a fraction of the frame.
         """
         return cls.about(bounds_of(ink), ink.shape, size, margin)
 
     @classmethod
     def about(cls, bounds: Bounds, shape: tuple[int, ...], size: int, margin: float = 0.06) -> Self:
-        """Return the frame that holds a box of a drawing (H, W), as `around` does the box of its lines."""
+        """Return the frame around a box of a drawing (H, W); see `around`."""
         top, bottom, left, right = bounds
         side = max(bottom - top, right - left) / (1 - 2 * margin)
         return cls(shape, (left + right - side) / 2, (top + bottom - side) / 2, side, size)
 
     def cut(self, ink: Floats) -> Floats:
-        """Return the model's input for a drawing (H, W), (size, size) ink in [0, 1]."""
+        """Return the model's input for a drawing (H, W): ink (size, size) in [0, 1]."""
         shown = self.shrink(ink)
         return np.asarray(np.minimum(shown / _darkness(shown), 1), np.float32)
 
     def marked(self, ink: Floats) -> NDArray[np.bool_]:
-        """Return where `cut` gives more than half."""
+        """Return the pixels (size, size) where `cut` returns more than 0.5."""
         shown = self.shrink(ink)
         return np.asarray(shown > 0.5 * _darkness(shown))
 
     def shrink(self, picture: Floats) -> Floats:
-        """Return the frame's part of a picture (H, W) at the model's size, (size, size), zero beyond it."""
-        # Averaging over areas keeps thin lines; it needs whole pixels, so first the square is cut out.
+        """Return the frame's part of a picture (H, W) resized to (size, size), padded with zeros."""
+        # Area averaging keeps thin lines, but only works on whole pixels, so the square is cropped first.
         side = round(self.side)
         left, top = round(self.left), round(self.top)
         square = np.zeros((side, side), np.float32)
@@ -74,11 +74,11 @@ class Frame:
         return np.asarray(cv2.resize(square, (self.size, self.size), interpolation=method), np.float32)
 
     def cut_points(self, points: NDArray[np.floating], normals: Floats) -> Floats:
-        """Return hints (4, size, size) for the model: unit normals, averaged within a pixel, and their mask.
+        """Return the model's hints (4, size, size): unit normals, averaged within each pixel, and their mask.
 
         Args:
-            points: (K, 2), x right and y down in pixels of the drawing, whose first has its middle at 0.5.
-            normals: (K, 3), unit.
+            points: (K, 2), x right and y down in pixels of the drawing; the first pixel's centre is at 0.5.
+            normals: (K, 3), unit normals.
         """
         corner = np.array([round(self.left), round(self.top)])
         x, y = np.floor((points - corner) * self.size / round(self.side)).astype(int).T
@@ -90,9 +90,9 @@ class Frame:
         return np.concatenate([unit, hinted], axis=-1).transpose(2, 0, 1)
 
     def restore(self, predicted: Floats) -> Floats:
-        """Map a prediction (size, size, C) back to the drawing's place and size, (H, W, C)."""
+        """Return a prediction (size, size, C) mapped back to the drawing (H, W, C)."""
         scale = round(self.side) / self.size
-        # Maps pixel centres of the model to those of the drawing.
+        # This maps pixel centres of the model to pixel centres of the drawing.
         x0, y0 = round(self.left) + (scale - 1) / 2, round(self.top) + (scale - 1) / 2
         placed = np.array([[scale, 0, x0], [0, scale, y0]], np.float64)
         h, w = self.shape
@@ -100,17 +100,17 @@ class Frame:
 
 
 def _darkness(shown: Floats) -> float:
-    """Return how dark most lines of a shrunken drawing are; 1 if there are none.
+    """Return the median ink of the lines of a shrunken drawing; 1 if there are none.
 
-    Averaging makes thin lines pale; training samples have lines as dark as ink, so the darker half of the
-    lines is brought back to that.
+    Averaging makes thin lines pale, but lines in training samples are fully dark. Dividing by the median
+    restores the darker half of the lines.
     """
     lines = shown[shown > 0.1]
     return max(median(lines), 0.1) if lines.size else 1.0
 
 
 def bounds_of(ink: Floats) -> Bounds:
-    """Return the box of the lines of a drawing (H, W) that has some.
+    """Return the bounding box of the lines of a drawing (H, W) that has lines.
 
     >>> bounds_of(np.pad(np.ones((2, 3), np.float32), 1))
     (1, 3, 1, 4)

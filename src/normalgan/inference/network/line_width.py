@@ -1,4 +1,4 @@
-"""Line width: redraw lines at a width that the model was trained on."""
+"""Line width: redraw lines at a width that the model knows from training."""
 
 import cv2
 import numpy as np
@@ -12,28 +12,28 @@ from normalgan.line_widths import DRAWN_WIDTH, LineWidths
 __all__ = ["areas", "line_width", "middle", "render_model_input"]
 
 _FINER = 4
-"""Pixels a side, for each pixel of the model, at which lines are thinned."""
+"""Resolution at which lines are thinned, as a multiple of the model's."""
 _ROUGH = 2
-"""The same for a first look: whether all lines are far from too thin and too wide."""
+"""Resolution of the quick test for lines that need no redrawing, as a multiple of the model's."""
 _THIN = 0.02
-"""Least half width of an area, as a share of the model's side; what is thinner is a line."""
+"""Minimum half width of an area, as a fraction of the model's side; thinner parts are lines."""
 
 
 def render_model_input(ink: Floats, frame: Frame, widths: LineWidths) -> Floats:
-    """Return the model's input for a drawing (H, W): (size, size) ink in [0, 1].
+    """Return the model's input for a drawing: ink (size, size) in [0, 1].
 
-    Narrow lines are made thicker. Wide ones are redrawn along their middle, which loses some of their
-    character. Filled areas are drawn as their outline.
+    Narrow lines are thickened. Wide lines are redrawn along their centre line, which loses some of their
+    character. Filled areas are replaced by their outline.
 
     Args:
-        ink: (H, W).
-        frame: the square that the model is shown.
-        widths: widths of the lines that the model knows.
+        ink: (H, W), the drawing.
+        frame: the square of the drawing that is the model's input.
+        widths: range of line widths that the model knows.
     """
     if _is_known(ink, frame, widths):
         return frame.cut(ink)
     whole = _finer(frame, _FINER).marked(ink)
-    # Empty parts, which are most of the frame of a long drawing, are skipped.
+    # Empty parts, which make up most of the frame of a long drawing, are skipped.
     box = around(whole, 2 * _FINER)
     inked = whole[box]
     depth = depth_of(inked)
@@ -60,10 +60,10 @@ def render_model_input(ink: Floats, frame: Frame, widths: LineWidths) -> Floats:
 
 
 def _is_known(ink: Floats, frame: Frame, widths: LineWidths) -> bool:
-    """Return whether all lines have a known width and none is a filled area.
+    """Return whether all lines have a known width and there are no filled areas.
 
-    The test uses half the resolution, where a width is exact to one pixel. It returns False if a pixel could
-    make the difference.
+    The test runs at half the resolution, where a width is accurate to one pixel. It returns False if one
+    pixel could make the difference.
     """
     marked = _finer(frame, _ROUGH).marked(ink)
     inked = marked[around(marked, 1)]
@@ -77,7 +77,7 @@ def _finer(frame: Frame, times: int) -> Frame:
 
 
 def line_width(inked: BoolMask) -> float:
-    """Return the usual width in pixels of the lines of a drawing (H, W), from the length of their edges.
+    """Return the median width of the lines of a drawing (H, W) in pixels.
 
     >>> inked = np.zeros((60, 60), bool)
     >>> inked[10:15] = inked[30:35] = True
@@ -89,23 +89,24 @@ def line_width(inked: BoolMask) -> float:
 
 
 def _width(inked: BoolMask, depth: Floats) -> float:
-    # Pixels as far inside as their neighbours or farther lie on the middle of a line.
+    # Pixels at least as deep inside the ink as their neighbours lie on the centre line.
     ridge = inked & (depth >= cv2.dilate(depth, np.ones((3, 3), np.uint8)) - np.float32(1e-4))
     return median(2 * depth[ridge] - 1) if ridge.any() else 0.0
 
 
 def areas(inked: BoolMask, width: float, depth: Floats, side: int) -> BoolMask:
-    """Return the parts of a drawing (H, W) too thick for a line, when most lines are ``width`` wide.
+    """Return the parts (H, W) of a drawing that are too thick to be lines.
 
-    A patch that is thick for the most part is an area with all its thin parts: a silhouette's legs.
+    A connected patch that is mostly thick is an area including its thin parts, such as the legs of a
+    silhouette.
 
     Args:
-        inked: (H, W).
+        inked: (H, W), the ink.
         width: width of most lines in pixels.
-        depth: (H, W), how far inside the ink each pixel lies.
+        depth: (H, W), distance of each pixel from the edge of the ink.
         side: side of the whole picture in pixels.
     """
-    thickest = min(max(1.5 * width, _THIN * side), 0.035 * side)  # half the width that is none of a line
+    thickest = min(max(1.5 * width, _THIN * side), 0.035 * side)  # maximum half width of a line
     core: BoolMask = depth > thickest
     if not core.any():
         return core
@@ -113,26 +114,27 @@ def areas(inked: BoolMask, width: float, depth: Floats, side: int) -> BoolMask:
     thick: BoolMask = inked & np.asarray(away <= 1.2 * thickest)
     count, found = cv2.connectedComponents(inked.astype(np.uint8), connectivity=8)
     labels = np.asarray(found, np.int32)
-    whole = np.maximum(np.bincount(labels.ravel(), minlength=count), 1)  # ink may be everywhere
+    whole = np.maximum(np.bincount(labels.ravel(), minlength=count), 1)  # there may be no paper
     share = np.bincount(labels[thick], minlength=count) / whole
     return np.asarray(thick | (inked & (share > 0.5)[labels]))
 
 
 def middle(inked: BoolMask, width: float, thick: BoolMask) -> BoolMask:
-    """Return lines one pixel wide: the middle of the lines of a drawing (H, W), the outline of its areas.
+    """Return one-pixel lines (H, W): the centre lines of a drawing's lines and the outlines of its areas.
 
-    Zhang and Suen, "A Fast Parallel Algorithm for Thinning Digital Patterns", 1984, as scikit-image has it.
+    Uses scikit-image's implementation of Zhang and Suen 1984, "A Fast Parallel Algorithm for Thinning Digital
+    Patterns".
 
     Args:
-        inked: (H, W).
+        inked: (H, W), the ink.
         width: width of most lines in pixels.
-        thick: (H, W), its areas.
+        thick: (H, W), the areas, from `areas`.
     """
-    from skimage.morphology import skeletonize  # takes half a second, and most drawings do without
+    from skimage.morphology import skeletonize  # takes half a second, and most drawings do not need it
 
-    blur = max(width / 4, 0.5)  # a line's rough edges would grow hairs
+    blur = max(width / 4, 0.5)  # a skeleton has spurs where edges are rough
     smooth = cv2.GaussianBlur(inked.astype(np.float32), (0, 0), blur) > 0.5
-    # It loses lines that are thin beside the others, such as the eyes of a face with a thick outline.
+    # The blur erases lines much thinner than the others, such as the eyes of a face with a thick outline.
     lost = inked & (cv2.distanceTransform((~smooth).view(np.uint8), cv2.DIST_L2, 5) > blur)
     if lost.any():
         smooth |= inked & (cv2.distanceTransform((~lost).view(np.uint8), cv2.DIST_L2, 5) <= blur)

@@ -1,4 +1,4 @@
-"""OnnxBackend: a generator as ONNX, run by ONNX Runtime; no torch."""
+"""OnnxBackend: run a generator in ONNX format with ONNX Runtime, without torch."""
 
 import threading
 from collections.abc import Iterable
@@ -26,32 +26,32 @@ __all__ = [
 ]
 
 PATIENCE = 300.0
-"""Seconds by the clock for one picture."""
+"""Maximum wall-clock time for one picture, in seconds."""
 MEMORY = 2**31
-"""Bytes that all models of a process may take together in all threads; ours takes some 7e8 in eight."""
+"""Memory limit in bytes for all models of a process; the shipped model takes about 7e8 in eight threads."""
 SMALLEST, LARGEST = 8, 2048
-"""Least and greatest side in pixels of a model's pictures."""
+"""Minimum and maximum side of a model's input in pixels."""
 
 
 class OnnxBackend:
-    """A generator as ONNX: sketches and hints in, normals and an optional confidence out. A `Backend`.
+    """A `Backend` that runs a generator in ONNX format.
 
     Args:
-        path: file that `normalgan export` wrote.
-        threads: threads of one run; 0 takes all cores.
+        path: file written by `normalgan export`.
+        threads: number of threads per run; 0 uses all cores.
 
     Raises:
-        InputError: if it is not such a file.
+        InputError: if the file is not a generator written by `normalgan export`.
     """
 
     def __init__(self, path: Path, threads: int = 0) -> None:
-        onnxruntime.disable_telemetry_events()  # on by default on Windows
+        onnxruntime.disable_telemetry_events()  # telemetry is on by default on Windows
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = threads
-        options.log_severity_level = 4  # we report errors in one sentence
-        # Threads that wait by spinning take the cores from what comes after a run, and from a browser.
+        options.log_severity_level = 4  # errors are reported as exceptions only
+        # Spinning threads would slow down the steps after a run, and the browser.
         options.add_session_config_entry("session.intra_op.allow_spinning", "0")
-        options.add_session_config_entry("session.use_env_allocators", "1")  # the one with a limit
+        options.add_session_config_entry("session.use_env_allocators", "1")  # the one with a memory limit
         try:
             content = read_bounded(path)
             folds = check_graph(str(path), content)
@@ -61,18 +61,18 @@ class OnnxBackend:
                 options,
                 providers=["CPUExecutionProvider"],
                 disabled_optimizers=None if folds else ["ConstantFolding"],
-                enable_fallback=0,  # else what goes wrong is printed, and tried again with the same provider
+                enable_fallback=0,  # the fallback would print the error and retry with the same provider
             )
-            # Texts are decoded when they are asked for: any of them may be none.
+            # ONNX Runtime decodes strings on access, and any of them may be invalid.
             inputs = {each.name: each.shape for each in self._session.get_inputs()}
             self._outputs = [each.name for each in self._session.get_outputs()]
             self.notes: dict[str, str] = self._session.get_modelmeta().custom_metadata_map
-            """What the file says about itself."""
+            """Metadata of the file."""
         except InputError:
             raise
         except OSError as error:
             raise InputError(f"the model {path} cannot be read: {error.strerror}.") from None
-        except Exception as error:  # ONNX Runtime's own classes of errors have no common base
+        except Exception as error:  # ONNX Runtime's exceptions have no common base class
             if wants_memory(error):
                 raise RunError(
                     f"there is too little memory to load the model {path}; close other programs."
@@ -82,26 +82,27 @@ class OnnxBackend:
             ) from error
         self._path = path
         self.size = _side_of(path, inputs, self._outputs)
-        """Side of the model's pictures in pixels."""
+        """Side of the input and the output in pixels."""
         try:
             self.line_widths = line_widths_of(self.notes)
         except InputError as error:
             raise with_subject(path, error) from error
-        """The lines that it is shown as they were drawn, in pixels of its pictures."""
+        """Range of line widths, in pixels of the input, that are kept as drawn."""
         self.upsample = upsampler(refined=self.notes.get("refined") == "true", threads=threads)
-        """The step from that size to a drawing's."""
+        """The upsampler from the network's size to the drawing's."""
 
     def predict(self, sketch: Floats, hints: Floats | None = None) -> tuple[Floats, Floats | None]:
-        """Return the normals predicted for one sketch, (S, S, 3), and the confidence (S, S) if there is one.
+        """Return the normals (S, S, 3) predicted for a sketch, and the confidence (S, S) or None.
 
-        One at a time: in a batch the last bits of a picture would depend on its neighbours.
+        Sketches are not batched, because in a batch the last bits of a prediction depend on the other
+        sketches.
 
         Args:
-            sketch: (S, S) ink in [0, 1].
-            hints: (4, S, S) unit normals at the hints, and where they are; None for no hints.
+            sketch: (S, S), ink in [0, 1].
+            hints: (4, S, S), unit normals at the hints and the mask of the hints; None for no hints.
 
         Raises:
-            InputError: if the output is not that of a generator, or the model takes too long.
+            InputError: if the output is invalid, or the model takes too much time or memory.
         """
         if hints is None:
             hints = np.zeros((4, self.size, self.size), np.float32)
@@ -122,21 +123,21 @@ class OnnxBackend:
         return np.ascontiguousarray(normal), np.asarray(outputs[1][0, 0]) if len(outputs) > 1 else None
 
     def _run(self, names: list[str], given: dict[str, Floats]) -> list[Floats]:
-        """Return the outputs of these names, unless that takes too long."""
+        """Return the named outputs; raise `InputError` if the run fails or exceeds a limit."""
         run = onnxruntime.RunOptions()
         run.log_severity_level = 4
         late = threading.Event()
 
         def end() -> None:
             late.set()
-            run.terminate = True  # it is looked at between operators
+            run.terminate = True  # ONNX Runtime checks it between operators
 
         clock = threading.Timer(PATIENCE, end)
         clock.daemon = True
         clock.start()
         try:
             return [np.asarray(output) for output in self._session.run(names, given, run)]
-        except Exception as error:  # as above
+        except Exception as error:  # no common base class, as above
             if late.is_set():
                 why = f"takes more than {PATIENCE:.0f} seconds to predict"
             elif wants_memory(error):
@@ -162,7 +163,7 @@ def _limit_memory() -> None:
 
 
 def _side_of(path: Path, inputs: dict[str, list[Any]], outputs: list[str]) -> int:
-    """Return the side in pixels of a model's pictures; raise `InputError` if it is not a generator."""
+    """Return the side of a model's input in pixels; raise `InputError` if it is not a generator."""
     side = (inputs.get("sketch") or [None])[-1]
     fits = [_fits(inputs.get(name), channels, side) for name, channels in (("sketch", 1), ("hints", 4))]
     if len(inputs) != 2 or not all(fits) or "normal" not in outputs:
@@ -179,13 +180,13 @@ def _side_of(path: Path, inputs: dict[str, list[Any]], outputs: list[str]) -> in
 
 
 def _listed(names: Iterable[str]) -> str:
-    """Return names as they can be shown: a file may hold any number of any length."""
+    """Return names for a message, shortened, because a file may hold any number of names of any length."""
     text = ", ".join(islice(names, 9))
     return "".join(each if each.isprintable() else "?" for each in text[:200])
 
 
 def _fits(shape: list[object] | None, channels: int, side: object) -> bool:
-    """Return whether an input takes pictures, one or several, of these channels and this side."""
+    """Return whether an input takes a single picture, or a batch, of ``channels`` channels and this side."""
     if shape is None or not isinstance(side, int) or len(shape) != 4:
         return False
     return (shape[0] == 1 or not isinstance(shape[0], int)) and shape[1:] == [channels, side, side]

@@ -1,7 +1,7 @@
-"""Check the bytes of an ONNX file before ONNX Runtime loads it.
+"""Check an ONNX file before ONNX Runtime loads it.
 
-A generator is one graph without branches. Operators that run other graphs could run for ever, nested
-functions could stand for any number of nodes, and external weights could be anyone's files.
+A generator is a single graph without control flow. Operators that run other graphs could loop forever, nested
+functions could expand to any number of nodes, and external weights could be any file.
 """
 
 import math
@@ -12,28 +12,28 @@ from normalgan.errors import InputError
 __all__ = ["MOST_NODES", "check_graph"]
 
 MOST_NODES = 20_000
-"""More operators than any generator has; a large one has some hundreds."""
+"""Maximum number of operators; a large generator has a few hundred."""
 _VARINT, _FIXED64, _BYTES, _FIXED32 = 0, 1, 2, 5
 _DOMAINS = (b"", b"ai.onnx")
 _FOLDED = {"Constant", "Cast", "Identity", "Reshape", "Transpose", "Squeeze", "Unsqueeze"}
-"""Operators that make nothing larger than they are given."""
+"""Operators whose output is never larger than their input."""
 
 
 def check_graph(name: str, content: bytes) -> bool:
-    """Look through an ONNX file, as deep as its format goes and without copies.
+    """Check an ONNX file and return whether constant folding is safe.
 
-    The numbers below are those of the fields in ONNX's definition, onnx.proto.
+    The field numbers in this module are those of onnx.proto. The file is parsed without copies.
 
     Args:
-        name: what to call it in an error.
-        content: the file.
+        name: name of the file in error messages.
+        content: content of the file.
 
     Returns:
-        Whether what its weights alone decide may be computed on loading, which knows no limits: it may not
-        if a small weight says how large a tensor is to be made.
+        Whether constants may be folded when the model is loaded, which no memory limit covers. They may not
+        if the value of a small weight can determine the size of a large tensor.
 
     Raises:
-        InputError: if it is not ONNX, or holds what no generator needs.
+        InputError: if the file is not ONNX, or holds something that a generator does not need.
     """
     folds = True
     try:
@@ -54,13 +54,14 @@ def check_graph(name: str, content: bytes) -> bool:
 
 
 class _RefusedError(Exception):
-    """What a file holds that no generator needs."""
+    """Raised for a feature that a generator does not need; the message names the feature."""
 
 
 def _check_nodes(graph: memoryview) -> bool:
-    """Return whether no constant computed from the weights is larger than they are."""
+    """Check the nodes of a graph; return whether all constants are at most as large as the weights."""
     count, given = 0, {_field(value, 1) for number, value in _fields(graph) if number == 11}
-    given -= {_field(value, 8) for number, value in _fields(graph) if number == 5}  # a weight may be one too
+    # Weights may be listed as inputs too.
+    given -= {_field(value, 8) for number, value in _fields(graph) if number == 5}
     folds = True
     for number, value in _fields(graph):
         match number:
@@ -105,16 +106,16 @@ def _check_tensor(tensor: memoryview) -> None:
             sides += _varints(value)
         elif number == 13 or (number == 14 and _varints(value) != [0]):
             raise _RefusedError("weights that lie in another file")
-    if math.prod(sides) > 2 * len(tensor):  # the smallest numbers take four bits
+    if math.prod(sides) > 2 * len(tensor):  # the smallest data type has four bits
         raise _RefusedError(f"weights of {' × '.join(map(str, sides[:8]))} numbers, which are not there")
 
 
 def _fields(message: memoryview) -> Iterator[tuple[int, memoryview]]:
-    """Yield the number and the bytes of each field of a protobuf message.
+    """Yield the number and the content of each field of a protobuf message.
 
     Raises:
-        ValueError: if it is not one.
-        IndexError: if it is cut short.
+        ValueError: if the bytes are not a protobuf message.
+        IndexError: if the message is truncated.
     """
     at = 0
     while at < len(message):
@@ -135,12 +136,12 @@ def _fields(message: memoryview) -> Iterator[tuple[int, memoryview]]:
 
 
 def _field(message: memoryview, number: int) -> bytes:
-    """Return a field of a message, empty if it has none."""
+    """Return the content of a message's field; empty if the message does not have the field."""
     return next((bytes(value) for found, value in _fields(message) if found == number), b"")
 
 
 def _varint(message: memoryview, at: int) -> tuple[int, int]:
-    """Return a whole number of variable length, and where it ends."""
+    """Return the varint at an offset, and the offset after it."""
     value = 0
     for shift in range(0, 70, 7):
         byte = message[at]
@@ -152,7 +153,7 @@ def _varint(message: memoryview, at: int) -> tuple[int, int]:
 
 
 def _varints(values: memoryview) -> list[int]:
-    """Return the numbers of a field, one or packed."""
+    """Return the numbers of a field of one varint or of packed varints."""
     found, at = [], 0
     while at < len(values):
         value, at = _varint(values, at)

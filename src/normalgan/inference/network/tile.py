@@ -1,4 +1,4 @@
-"""Tile: a picture that repeats across its edges."""
+"""Tile: pad, crop and resize pictures that repeat across their edges."""
 
 from typing import Any, Literal, get_args
 
@@ -13,19 +13,19 @@ from normalgan.inference.reading.picture import resize
 __all__ = ["Tile", "check_tile", "middle", "repeats", "resize_tile", "wrapped"]
 
 Tile = Literal["both", "x", "y"]
-"""Directions in which a picture repeats: side by side (x), one above the other (y)."""
+"""Directions in which a picture repeats: horizontally (x), vertically (y) or both."""
 _REACH = 4
-"""Pixels beyond an edge that are kept when a picture is enlarged; interpolation needs two."""
+"""Padding in pixels when a picture is enlarged; interpolation needs two."""
 
 
 def check_tile(tile: str | None) -> None:
-    """Raise `InputError` if a drawing cannot be repeated so."""
+    """Raise `InputError` if ``tile`` is not a valid direction."""
     if tile is not None and tile not in get_args(Tile):
         raise InputError(f"tile is {tile!r}; a drawing is repeated along x, y or both.")
 
 
 def repeats(tile: Tile | None) -> tuple[bool, bool]:
-    """Return whether the map repeats vertically, and whether horizontally.
+    """Return whether the map repeats vertically, and whether it repeats horizontally.
 
     >>> repeats("x"), repeats(None)
     ((False, True), (False, False))
@@ -34,7 +34,7 @@ def repeats(tile: Tile | None) -> tuple[bool, bool]:
 
 
 def wrapped(picture: NDArray[Any], tile: Tile | None, beside: tuple[int, int]) -> NDArray[Any]:
-    """Return a picture (H, W, …) extended at each edge by its own repetition.
+    """Return a picture (H, W, …) padded with its own repeats.
 
     >>> wrapped(np.array([[1, 2, 3]]), "x", (1, 1)).tolist()
     [[3, 1, 2, 3, 1]]
@@ -46,7 +46,7 @@ def wrapped(picture: NDArray[Any], tile: Tile | None, beside: tuple[int, int]) -
 
 
 def middle(picture: NDArray[Any], tile: Tile | None, beside: tuple[int, int]) -> NDArray[Any]:
-    """Return the middle of a picture that `wrapped` has extended; its inverse.
+    """Return a picture without the padding of `wrapped`.
 
     >>> middle(np.array([[3, 1, 2, 3, 1]]), "x", (1, 1)).tolist()
     [[1, 2, 3]]
@@ -56,13 +56,13 @@ def middle(picture: NDArray[Any], tile: Tile | None, beside: tuple[int, int]) ->
 
 
 def resize_tile(picture: Floats, shape: tuple[int, int], tile: Tile | None) -> Floats:
-    """Return a picture (H, W) or (H, W, C) with another (H, W) that is repeated as before; see `resize`."""
-    if tile is None or shape[0] <= picture.shape[0]:  # averages over areas do not reach across an edge
+    """Return a repeating picture (H, W) or (H, W, C) resized so that it still repeats; see `resize`."""
+    if tile is None or shape[0] <= picture.shape[0]:  # area averaging does not reach across an edge
         return resize(picture, shape)
     around = wrapped(picture, tile, (_REACH, _REACH))
     down, right = (picture.shape[axis] / shape[axis] for axis in (0, 1))
     top, left = (_REACH if there else 0 for there in repeats(tile))
-    # From the middles of the pixels of the larger picture to those of the smaller one.
+    # This maps pixel centres of the larger picture to pixel centres of the smaller one.
     back = np.array([[right, 0, left + (right - 1) / 2], [0, down, top + (down - 1) / 2]], np.float64)
     flags = cv2.INTER_CUBIC | cv2.WARP_INVERSE_MAP
     return np.asarray(

@@ -1,4 +1,4 @@
-"""TorchBackend: a generator as a torch module; the one module of this package that knows torch."""
+"""TorchBackend: run a generator as a torch module; the only module of this package that imports torch."""
 
 import numpy as np
 import torch
@@ -14,15 +14,15 @@ __all__ = ["TorchBackend", "channels_last"]
 
 
 class TorchBackend:
-    """A generator in torch: sketches and hints in, normals and an optional confidence out. A `Backend`.
+    """A `Backend` that runs a torch module.
 
     Args:
-        generator: predicts (N, 3, S, S), or 4 channels of which the last is the confidence. It is put into
-            evaluation: dropout is off, statistics are fixed.
-        size: side of its pictures in pixels.
-        device: where it predicts.
-        refined: whether the refiner of the package was trained for it.
-        line_widths: the lines that it is shown as they were drawn, in its pixels.
+        generator: network with outputs (N, 3, S, S), or (N, 4, S, S) with the confidence as last channel. It
+            is set to evaluation mode.
+        size: side of the input and the output in pixels.
+        device: device on which the network runs.
+        refined: whether the package's refiner was trained for this generator.
+        line_widths: range of line widths, in pixels of the input, that are kept as drawn.
     """
 
     def __init__(
@@ -41,14 +41,14 @@ class TorchBackend:
         self._device = device
 
     def predict(self, sketch: Floats, hints: Floats | None = None) -> tuple[Floats, Floats | None]:
-        """Return the normals predicted for one sketch, (S, S, 3), and the confidence (S, S) if there is one.
+        """Return the normals (S, S, 3) predicted for a sketch, and the confidence (S, S) or None.
 
         Args:
-            sketch: (S, S) ink in [0, 1].
-            hints: (4, S, S) unit normals at the hints, and where they are; None for no hints.
+            sketch: (S, S), ink in [0, 1].
+            hints: (4, S, S), unit normals at the hints and the mask of the hints; None for no hints.
 
         Raises:
-            InputError: if the generator predicts other than 3 or 4 channels, or maps of another size.
+            InputError: if the output does not have 3 or 4 channels of the input's size.
         """
         if hints is None:
             hints = np.zeros((4, self.size, self.size), np.float32)
@@ -61,5 +61,5 @@ class TorchBackend:
 
 
 def channels_last(preds: Tensor) -> Floats:
-    """Return normals (3, S, S) of any device and precision as an array (S, S, 3) of float32."""
+    """Return a tensor (3, S, S) of any device and precision as a float32 array (S, S, 3)."""
     return np.ascontiguousarray(preds.float().cpu().numpy().transpose(1, 2, 0))

@@ -1,4 +1,4 @@
-"""Upsampling: bring a map to the drawing's size, refined by the drawing's lines and rim."""
+"""Upsampling: enlarge a predicted map to the drawing's size, and refine it with the drawing's lines."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -29,13 +29,13 @@ __all__ = [
 ]
 
 CELL = 4
-"""Side of a cell in pixels; sides of its pictures are multiples of it."""
+"""Sides of the refiner's input are multiples of this number of pixels."""
 RIM = 16
-"""Largest distance from the silhouette, in pixels, that its input gives."""
+"""Maximum distance from the silhouette, in pixels, that the refiner's input distinguishes."""
 _ENLARGED = 1.2
-"""How much larger than the model's a map must be to be refined."""
+"""Minimum scale, in pixels per pixel of the model, at which maps are refined."""
 _LARGEST = 4.0
-"""Largest scale, in pixels for each pixel of the model, that is refined; the rest is enlarging."""
+"""Maximum scale of the refiner's input, in pixels per pixel of the model; larger maps are interpolated."""
 
 
 @dataclass(frozen=True)
@@ -43,9 +43,9 @@ class Coarse:
     """The network's prediction at its own size.
 
     Args:
-        normals: (S, S, 3), unit; zero where the network predicted nothing.
-        known: (S, S), where they are to be kept; True somewhere.
-        needed: (S, S), where the object is.
+        normals: (S, S, 3), unit normals; zero where the network predicted nothing.
+        known: (S, S), mask of the reliable normals; at least one pixel is True.
+        needed: (S, S), mask of the object.
     """
 
     normals: Floats
@@ -54,35 +54,34 @@ class Coarse:
 
 
 class Upsampler(Protocol):
-    """The step from the network's size to the drawing's; `pipeline.predict` accepts another one."""
+    """Enlarges predictions to the drawing's size; `pipeline.predict` accepts a custom one."""
 
     def __call__(self, coarse: Coarse, prepared: Prepared, mask: BoolMask) -> Floats:
-        """Return normals (h, w, 3) at the size and place of ``prepared.ink``, of any length.
+        """Return normals (h, w, 3), of any length, aligned with ``prepared.ink``.
 
         Args:
-            coarse: what was predicted in the square ``prepared.frame``.
-            prepared: the drawing: its lines (h, w), its frame, what the network was shown.
-            mask: (h, w), the object, not empty. Off it normals matter only for what blends across its edge.
+            coarse: the prediction in the square ``prepared.frame``.
+            prepared: the prepared drawing.
+            mask: (h, w), the object; not empty. Normals off the object only matter for blending at its edge.
         """
         ...
 
 
 def enlarge(coarse: Coarse, prepared: Prepared, mask: BoolMask) -> Floats:
-    """Fill missing normals and enlarge by interpolation only; an `Upsampler`."""
+    """An `Upsampler` that fills missing normals and interpolates."""
     return prepared.frame.restore(extend(coarse.normals, coarse.known, coarse.needed))
 
 
 class Refiner:
-    """Fills missing normals, enlarges them, and refines them at the drawing's size; an `Upsampler`.
+    """An `Upsampler` that refines the enlarged normals with a small network.
 
-    Enlarging blends the two sides of a line and misses the rim, where a surface turns away within one pixel
-    of the model. A small network sees the enlarged normals, the lines, the mask and the distance from the
-    silhouette at the drawing's size, and adds the difference.
-    It is read when it is first called.
+    Interpolation blends the two sides of a line and misses the rim, where a surface turns away within one
+    pixel of the model. At the drawing's size, the refiner sees the enlarged normals, the lines, the mask and
+    the distance from the silhouette, and predicts the correction. It is loaded on first use.
 
     Args:
-        path: network that ``tools/train_refiner.py`` wrote.
-        threads: threads of one run; 0 takes all cores.
+        path: network written by ``tools/train_refiner.py``.
+        threads: number of threads per run; 0 uses all cores.
     """
 
     def __init__(self, path: Path = REFINER, threads: int = 1) -> None:
@@ -90,17 +89,17 @@ class Refiner:
 
     @cached_property
     def _session(self) -> "InferenceSession":
-        import onnxruntime  # late: it starts threads, and training needs none of them
+        import onnxruntime  # imported here because it starts threads, which training does not need
 
         options = onnxruntime.SessionOptions()
         options.intra_op_num_threads = self._threads
-        options.add_session_config_entry("session.intra_op.allow_spinning", "0")  # as for the network
-        # Where that one is of ONNX, both work in the same memory, one after the other.
+        options.add_session_config_entry("session.intra_op.allow_spinning", "0")  # as in OnnxBackend
+        # Shares the arena of an ONNX generator, because the two run one after the other.
         options.add_session_config_entry("session.use_env_allocators", "1")
         return onnxruntime.InferenceSession(self._path, options, providers=["CPUExecutionProvider"])
 
     def __call__(self, coarse: Coarse, prepared: Prepared, mask: BoolMask) -> Floats:
-        """Return normals (h, w, 3) at the drawing's size and place, as `Upsampler` says."""
+        """Return refined normals (h, w, 3); see `Upsampler`."""
         normals = enlarge(coarse, prepared, mask)
         scale = prepared.frame.side / prepared.frame.size
         if scale <= _ENLARGED:
@@ -110,7 +109,7 @@ class Refiner:
         return normals
 
     def _refined(self, normals: Floats, ink: Floats, mask: BoolMask, factor: float) -> Floats:
-        """Return enlarged normals (H, W, 3), refined at ``factor`` times their size."""
+        """Return enlarged normals (H, W, 3) refined at ``factor`` times their size."""
         h, w = mask.shape
         if factor < 1:
             shape = (max(round(w * factor), 1), max(round(h * factor), 1))
@@ -128,22 +127,22 @@ class Refiner:
 
 
 def upsampler(*, refined: bool, threads: int = 1) -> Upsampler:
-    """Return the step to the drawing's size for a model.
+    """Return the upsampler of a model.
 
     Args:
-        refined: whether the model is one that the refiner of the package was trained for.
-        threads: threads of the refiner; 0 takes all cores.
+        refined: whether the package's refiner was trained for the model.
+        threads: number of threads of the refiner; 0 uses all cores.
     """
     return Refiner(threads=threads) if refined else enlarge
 
 
 def planes(normals: Floats, ink: Floats, mask: BoolMask) -> Floats:
-    """Return the refiner's input, (6, H, W): normals, lines, mask, distance from the silhouette.
+    """Return the refiner's input (6, H, W): normals, lines, mask and distance from the silhouette.
 
     Args:
-        normals: (H, W, 3), enlarged.
+        normals: (H, W, 3), enlarged normals.
         ink: (H, W) in [0, 1].
-        mask: (H, W), the object, which does not go on beyond the picture's edge.
+        mask: (H, W), the object; the picture's edge counts as silhouette.
     """
     out = np.empty((6, *mask.shape), np.float32)
     out[:3] = np.moveaxis(normals, -1, 0)

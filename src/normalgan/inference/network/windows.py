@@ -1,4 +1,4 @@
-"""Windows: show a repeated drawing to the network in overlapping parts."""
+"""Windows: predict a repeating drawing in overlapping windows."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -19,19 +19,19 @@ from normalgan.inference.reading.hint_files import Hints
 __all__ = ["Window", "predict_windows", "repeated", "windows"]
 
 _SIDE = 1.5
-"""Side of a window, as a share of the drawing's longer side."""
+"""Side of a window, as a fraction of the drawing's longer side."""
 _IN = 6
-"""Least number of windows that hold each place of a repeated drawing, along each direction."""
+"""Minimum number of windows that cover a pixel along each repeating direction; half as many are too few."""
 
 
 @dataclass(frozen=True)
 class Window:
-    """A part of a repeated drawing.
+    """A window of a repeating drawing.
 
     Args:
-        corner: its first row and column, in pixels of the drawing.
-        ink: (h, w), its lines.
-        frame: the square of it that the network is shown.
+        corner: first row and column of the window in pixels of the drawing.
+        ink: (h, w), the lines in the window.
+        frame: the square of the window that is the network's input.
     """
 
     corner: tuple[int, int]
@@ -39,7 +39,7 @@ class Window:
     frame: Frame
 
     def weight(self, tile: Tile) -> Floats:
-        """Return how much each pixel of the network counts, (size, size): nothing at an edge that repeats."""
+        """Return the weight (size, size) of each pixel of the network; 0 at edges that repeat."""
         hills = []
         for first, extent, there in zip(_corner(self.frame), self.ink.shape, repeats(tile), strict=True):
             place = (first + (np.arange(self.frame.size) + 0.5) * _pixel(self.frame)) / extent
@@ -49,10 +49,9 @@ class Window:
 
 
 def windows(ink: Floats, tile: Tile, size: int) -> list[Window]:
-    """Return the parts of a repeated drawing (H, W) that a network of a size is shown.
+    """Return the windows of a repeating drawing (H, W) for a network with an input of ``size`` pixels.
 
-    They overlap, so that the prediction hardly depends on where an edge of the drawing is. Half as many are
-    too few.
+    The windows overlap, so that the prediction hardly depends on where the edges of the drawing lie.
     """
     top, bottom, left, right = bounds_of(ink)
     down, across = repeats(tile)
@@ -79,16 +78,16 @@ def predict_windows(
     origin: tuple[int, int],
     hints: Hints | None = None,
 ) -> tuple[Floats, Floats | None]:
-    """Return a network's predictions in windows, merged: as `Backend.predict`, in another frame.
+    """Return the merged predictions in windows; like `Backend.predict`, but for ``frame``.
 
     Args:
         backend: the network.
         shown: the windows.
-        frame: the frame, in a picture of the drawing and what is around it.
-        tile: the ways in which the drawing is repeated.
+        frame: frame of the result, in a picture that contains the drawing and some of its repeats.
+        tile: directions in which the drawing repeats.
         shape: (H, W) of the drawing.
-        origin: its first row and column in that picture.
-        hints: in pixels of the drawing.
+        origin: row and column of the drawing's first pixel in that picture.
+        hints: hints in pixels of the drawing, or None.
     """
     total: Floats = np.zeros((frame.size, frame.size, 5), np.float32)
     sure = False
@@ -107,7 +106,7 @@ def predict_windows(
         first = np.array([_corner(each.frame), each.corner, origin], np.intp).sum(0)
         ratio = _pixel(frame) / _pixel(each.frame)
         for shift in _shifts(tile, shape, first, round(each.frame.side), frame.shape):
-            # From the middles of the frame's pixels to those of the window's.
+            # This maps pixel centres of the frame to pixel centres of the window.
             row, column = (np.array(_corner(frame)) - first - shift) / _pixel(each.frame) + (ratio - 1) / 2
             there = np.array([[ratio, 0, column], [0, ratio, row]])
             flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
@@ -119,14 +118,14 @@ def predict_windows(
 def repeated(
     hints: Hints, tile: Tile, shape: tuple[int, int], corner: tuple[int, int], extent: Sequence[int]
 ) -> Hints:
-    """Return hints and their repeats in a part of a repeated drawing, in pixels of that part.
+    """Return the hints and their repeats in a part of a repeating drawing, in pixels of the part.
 
     Args:
-        hints: in pixels of the drawing.
-        tile: the ways in which it is repeated.
+        hints: hints in pixels of the drawing.
+        tile: directions in which the drawing repeats.
         shape: (H, W) of the drawing.
-        corner: first row and column of the part, in pixels of the drawing.
-        extent: rows and columns of the part.
+        corner: first row and column of the part in pixels of the drawing.
+        extent: numbers of rows and columns of the part.
     """
     away: NDArray[np.intp] = np.array(corner, np.intp)
     found = [
@@ -141,7 +140,7 @@ def repeated(
 def _shifts(
     tile: Tile, shape: tuple[int, int], first: NDArray[np.intp], side: int, extent: Sequence[int]
 ) -> Iterator[NDArray[np.intp]]:
-    """Yield the offsets, down and to the right, of the repeats of a square that are visible in a picture."""
+    """Yield the offsets (down, right) of the repeats of a square that overlap a picture."""
     every = []
     for period, begin, length, there in zip(shape, first, extent, repeats(tile), strict=True):
         least, most = floor((-begin - side) / period) + 1, ceil((length - begin) / period)
@@ -151,7 +150,7 @@ def _shifts(
 
 
 def _steps(extent: int, side: int, there: bool) -> Sequence[int]:
-    """Return where windows begin."""
+    """Return the first row or column of each window along one direction."""
     count = ceil(_IN * extent / side)
     return [round(i * extent / count) for i in range(count)] if there else (0,)
 
@@ -161,5 +160,5 @@ def _corner(frame: Frame) -> tuple[int, int]:
 
 
 def _pixel(frame: Frame) -> float:
-    """Return the side of a pixel of the network, in pixels of the drawing."""
+    """Return the side of a network pixel in pixels of the drawing."""
     return round(frame.side) / frame.size

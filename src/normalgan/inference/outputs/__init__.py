@@ -1,4 +1,4 @@
-"""Outputs: the files written for a drawing, one module for each kind; a new one is imported here."""
+"""Outputs: the files written for a drawing, one module per kind; import new kinds here."""
 
 from normalgan.inference.outputs.base import OUTPUTS, Output
 from normalgan.inference.outputs.height import Height

@@ -1,4 +1,4 @@
-"""Output: the base of all kinds of files that are written for a drawing, and their registry."""
+"""Output: base class and registry of the kinds of files written for a drawing."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -20,81 +20,81 @@ __all__ = ["OUTPUTS", "Output", "Scaled"]
 class Output(ABC):
     """A kind of file that is written next to a normal map, such as a height map.
 
-    Subclasses are frozen dataclasses. Each field is a setting with a default, and an option of `generate` and
-    `predict`, so its name must be new to both. The studio's menu also reads the registry, and so does the
-    rule that tells outputs from drawings.
+    Subclasses are frozen dataclasses. Each field is a setting with a default and becomes an option of
+    `generate` and `predict`, so its name must not clash with theirs. The registry also fills the studio's
+    export menu and tells which files in a folder are outputs, not drawings.
 
     Args:
-        format: ending of the file. A kind with several annotates it as a `Literal` of them.
+        format: file ending. A kind with several formats annotates it as a `Literal`.
     """
 
     name: ClassVar[str]
-    """What its files are called: ``height`` stands for ``fox_height.png``."""
+    """Name of the kind in file names: ``height`` gives ``fox_height.png``."""
     label: ClassVar[str]
-    """What the studio's menu calls it."""
+    """Label in the studio's menu."""
     option: ClassVar[str] = ""
-    """The option of the commands that asks for it; empty is its name."""
+    """Command-line option that selects the kind; if empty, the name is used."""
     in_zip: ClassVar[bool] = True
-    """Whether the studio's zip of all files holds it."""
+    """Whether the studio's zip of all files contains the kind."""
     engine_suffixes: ClassVar[Mapping[Engine, str]] = {}
-    """Suffixes in the zip for an engine, such as ``{"unity": "_Occlusion"}``; elsewhere ``_name``."""
+    """File name suffixes in an engine's zip, such as ``{"unity": "_Occlusion"}``; by default ``_name``."""
     engine_formats: ClassVar[Mapping[Engine, str]] = {}
-    """Formats in the zip for an engine; elsewhere the default format."""
+    """File formats in an engine's zip; by default the first of `formats`."""
 
     format: str = "png"
 
     def __post_init__(self) -> None:
-        """Check the settings; a subclass that overrides it calls it first."""
+        """Check the ranges of the settings; overrides must call this first."""
         check_ranges(self)
 
     @abstractmethod
     def encode(self, preds: NormalMap) -> dict[str, bytes]:
-        """Return the content of each file, by its ending; the endings are `endings`.
+        """Return the content of each file by its ending; see `endings`.
 
         Args:
-            preds: the map of a drawing. Its `height` is computed once for all outputs.
+            preds: map of the drawing. Its `height` is computed once for all outputs.
         """
 
     @property
     def endings(self) -> tuple[str, ...]:
-        """The endings of its file names, after the drawing's name, such as ``_height.png``."""
+        """The endings that follow the drawing's name in file names, such as ``_height.png``."""
         return (f"_{self.name}.{self.format}",)
 
     @property
     def whole_batch(self) -> bool:
-        """Whether its files depend on all drawings of a command."""
+        """Whether the files depend on all drawings of a command."""
         return False
 
     @classmethod
     def zip_suffix(cls, engine: Engine | None) -> str:
-        """Return what follows a drawing's name in the zip for an engine, such as ``_height``."""
+        """Return the file name suffix in an engine's zip, such as ``_height``."""
         plain = f"_{cls.name}"
         return plain if engine is None else cls.engine_suffixes.get(engine, plain)
 
     @classmethod
     def formats(cls) -> tuple[str, ...]:
-        """Return the formats it can have, the default first."""
+        """Return the supported formats, the default first."""
         return get_args(get_type_hints(cls)["format"]) or (cls.format,)
 
 
 class Scaled(bytes):
-    """A 16-bit grey PNG with a known scale, so that it can be rescaled to match others.
+    """A 16-bit grey PNG with a known scale, so that it can be rescaled to match other files.
 
     Args:
         content: content of the file.
-        spread: what white stands for.
+        spread: value that white stands for.
     """
 
     spread: float
 
     def __new__(cls, content: bytes, spread: float) -> "Scaled":
-        """Keep the scale with the content."""
+        """Create the bytes and attach the scale."""
         scaled = super().__new__(cls, content)
         scaled.spread = spread
         return scaled
 
     def at(self, spread: float) -> bytes:
-        """Return the file rescaled so that white means ``spread``, which is at least its own."""
+        """Return the file rescaled so that white means ``spread``, which must be at least the file's own."""
         if spread <= self.spread:
             return self
         import cv2
@@ -104,4 +104,4 @@ class Scaled(bytes):
 
 
 OUTPUTS: Registry[Output] = Registry(Output, "normalgan.outputs")  # type: ignore[type-abstract]
-"""The outputs that can be asked for by name; the normal map itself is always written."""
+"""The outputs that can be selected by name; the normal map itself is always written."""

@@ -1,4 +1,4 @@
-"""Engines: how each wants its normal maps, and the files by which it imports them so."""
+"""Engines: the conventions of game engines for normal maps, and their import files."""
 
 import hashlib
 import json
@@ -20,10 +20,10 @@ class Convention:
     """How an engine names and stores a normal map.
 
     Args:
-        y: where green points.
-        bits: bits of each channel.
+        y: direction of green.
+        bits: bits per channel.
         suffix: suffix of the map's name.
-        sidecar: ending of the file that tells the engine how to import the map.
+        sidecar: ending of the import file, which tells the engine how to import the map.
     """
 
     y: Green
@@ -33,23 +33,23 @@ class Convention:
 
 
 CONVENTIONS: dict[Engine, Convention] = {
-    # Unity, "Importing a texture": Normal map; secondary textures of sprites are named so.
+    # Unity, "Importing a texture": Normal map. _NormalMap is the name for secondary textures of sprites.
     "unity": Convention("up", 8, "_NormalMap", ".meta"),
-    # Unreal Engine, recommended asset naming: T_Name_N; green is flipped for OpenGL's.
+    # Unreal Engine, recommended asset naming: T_Name_N. Green is flipped relative to OpenGL.
     "unreal": Convention("down", 8, "_N", ".import.py"),
     "godot": Convention("up", 8, "_n", ".import"),
-    "godot3": Convention("down", 8, "_n", ".import"),  # its 2D lights take green for down
+    "godot3": Convention("down", 8, "_n", ".import"),  # its 2D lights take green as down
     "blender": Convention("up", 16, "_normal", ".import.py"),
 }
 
 
 def sidecar(engine: Engine, target: Path) -> tuple[Path, bytes]:
-    """Return the file, and its content, by which an engine imports a map as numbers, not as colours.
+    """Return the path and the content of the import file of a map, which marks it as data instead of colours.
 
     Args:
-        engine: whose. Unity and Godot (``godot`` is Godot 4) read the file automatically. For Unreal and
+        engine: the engine. Unity and Godot (``godot`` is Godot 4) read the file automatically. For Unreal and
             Blender it is a Python script that imports the map next to it.
-        target: the map.
+        target: path of the map.
     """
     path = target.with_name(target.name + CONVENTIONS[engine].sidecar)
     if engine == "unity":
@@ -57,13 +57,13 @@ def sidecar(engine: Engine, target: Path) -> tuple[Path, bytes]:
     elif engine in {"godot", "godot3"}:
         literal = json.dumps(f"res://{target.name}", ensure_ascii=False)
     else:
-        literal = ascii(target.name)  # JSON writes a letter beyond 16 bits as two, which Python reads as two
+        literal = ascii(target.name)  # JSON would escape a character beyond U+FFFF as two
     text = _TEXTS[engine].replace(_LITERAL, literal)
-    return path, text.encode("utf-8", sys.getfilesystemencodeerrors())  # a name need not be UTF-8
+    return path, text.encode("utf-8", sys.getfilesystemencodeerrors())  # a file name may not be UTF-8
 
 
 _LITERAL = "<LITERAL>"
-"""Stands for the only text that depends on the map. A name is data: it is never part of code."""
+"""Placeholder for the only text that depends on the map; names are inserted as literals, never as code."""
 _TEXTS: dict[Engine, str] = {
     "unity": (
         "fileFormatVersion: 2\nguid: <LITERAL>\nTextureImporter:\n  serializedVersion: 12\n"
@@ -71,7 +71,7 @@ _TEXTS: dict[Engine, str] = {
         "  textureType: 1\n"  # Normal map
         "  textureShape: 1\n"
     ),
-    # What is left out is filled in by Godot on its first scan.
+    # Godot adds the missing entries on its first scan.
     "godot": (
         '[remap]\n\nimporter="texture"\ntype="CompressedTexture2D"\n\n[deps]\n\n'
         "source_file=<LITERAL>\n\n[params]\n\n"
@@ -83,7 +83,7 @@ _TEXTS: dict[Engine, str] = {
         "source_file=<LITERAL>\n\n[params]\n\n"
         "compress/mode=0\ncompress/normal_map=1\nflags/filter=true\nflags/srgb=0\ndetect_3d=false\n"
     ),
-    "unreal": '''"""Imports a normal map that lies beside this file: Tools > Execute Python Script."""
+    "unreal": '''"""Imports the normal map next to this file: Tools > Execute Python Script."""
 
 import os
 
@@ -102,7 +102,7 @@ for path in task.imported_object_paths:
     texture.set_editor_property("flip_green_channel", False)
     unreal.EditorAssetLibrary.save_loaded_asset(texture)
 ''',
-    "blender": '''"""Makes a material with a normal map that lies beside this file.
+    "blender": '''"""Makes a material with the normal map next to this file.
 
 Run it in Blender's text editor, or by blender --python.
 """

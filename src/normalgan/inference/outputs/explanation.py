@@ -1,4 +1,4 @@
-"""Explanation: how the mask of a drawing was found, a picture a stage."""
+"""Explanation: write a picture of each stage in which the mask of a drawing was found."""
 
 from pathlib import Path
 
@@ -15,22 +15,22 @@ from normalgan.inference.reading.picture import Picture
 __all__ = ["STAGES", "write_explanation"]
 
 STAGES = ("input", "ink", "regions", "presence", "mask")
-"""The stages in their order; the names of the files are numbered so."""
+"""The stages in order; file names contain the number of the stage."""
 
 
 def write_explanation(
     folder: Path, stem: str, picture: Picture, prepared: Prepared, preds: NormalMap
 ) -> None:
-    """Write `<stem>_<number>_<stage>.png` for each stage of this job.
+    """Write `<stem>_<number>_<stage>.png` for each stage.
 
-    If the mask was given or is the opacity, there are no regions and no presence.
+    If the mask was given or comes from the opacity, there are no regions and no presence.
 
     Args:
-        folder: is made if it does not exist.
+        folder: output folder; created if missing.
         stem: stem of the drawing's name.
         picture: the drawing.
         prepared: the prepared drawing.
-        preds: its map, whose mask is the last stage.
+        preds: map of the drawing, whose mask is the last stage.
 
     Raises:
         RunError: if a file cannot be written.

@@ -1,4 +1,4 @@
-"""Height: the height map of a normal map."""
+"""Height: the height map of a predicted map."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -22,12 +22,12 @@ class Height(Output):
     """A height map.
 
     Args:
-        format: png is 16 bits from the lowest to the highest, tiff floats in pixels.
-        height_scale: pixels of height between black and white of a png; batch takes the largest value of all
-            drawings.
+        format: png has 16 bits from the lowest to the highest point; tiff holds floats in pixels.
+        height_scale: height difference between black and white of a png, in pixels; batch uses the
+            largest of all drawings.
 
     Raises:
-        InputError: if they do not go together.
+        InputError: if the settings contradict each other.
     """
 
     name: ClassVar[str] = "height"
@@ -39,7 +39,7 @@ class Height(Output):
     height_scale: Positive | Literal["batch"] | None = None
 
     def __post_init__(self) -> None:
-        """Refuse settings that contradict each other."""
+        """Raise `InputError` if the settings contradict each other."""
         super().__post_init__()
         if self.height_scale is not None and self.format != "png":
             raise InputError(f"a height scale applies to PNG; a height map as {self.format} holds pixels.")

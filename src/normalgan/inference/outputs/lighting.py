@@ -1,4 +1,4 @@
-"""Lighting: a normal map as a lit clay surface."""
+"""Lighting: shade a normal map as a clay surface."""
 
 import json
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ __all__ = ["CLAY_FILE", "Clay", "Colour", "lamp_direction", "shade", "to_srgb"]
 Colour = tuple[float, float, float]
 
 CLAY_FILE = Path(__file__).with_name("clay.json")
-"""The clay of previews in numbers; the studio's viewer reads the same file."""
+"""Parameters of the clay in previews; the studio's viewer reads the same file."""
 _CLAY: dict[str, Any] = {
     name: tuple(value) if isinstance(value, list) else value
     for name, value in json.loads(CLAY_FILE.read_text(encoding="utf-8")).items()
@@ -25,15 +25,15 @@ _CLAY: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class Clay:
-    """A matt material with a soft gloss, under one lamp and a grey sky; all colours are linear, from 0 to 1.
+    """A matt material with a soft highlight, under one lamp and a grey sky; colours are linear, from 0 to 1.
 
     Args:
         colour: colour of the surface.
         lamp: colour and strength of the lamp.
-        sky: light that comes from above.
-        ground: light that comes from below.
+        sky: light from above.
+        ground: light from below.
         gloss: strength of the highlight.
-        sharpness: exponent of the highlight; larger is smaller.
+        sharpness: exponent of the highlight; a larger value makes the highlight smaller.
     """
 
     colour: Colour = _CLAY["colour"]
@@ -48,8 +48,8 @@ def lamp_direction(azimuth: float, elevation: float) -> tuple[float, float, floa
     """Return the unit vector to a lamp (x right, y up, z to the viewer).
 
     Args:
-        azimuth: degrees around the line of sight, counter-clockwise from the right; 90 is above.
-        elevation: degrees above the plane of the picture; 90 is behind the viewer.
+        azimuth: angle around the line of sight in degrees, counter-clockwise from the right; 90 is above.
+        elevation: angle above the picture plane in degrees; 90 is behind the viewer.
 
     >>> [round(x, 3) + 0.0 for x in lamp_direction(90, 30)]
     [0.0, 0.866, 0.5]
@@ -63,23 +63,23 @@ def lamp_direction(azimuth: float, elevation: float) -> tuple[float, float, floa
 
 
 def shade(normals: Floats, light: tuple[float, float, float], clay: Clay = Clay()) -> Floats:
-    """Return the linear colours (..., 3) of a surface seen from the front.
+    """Return the linear colours (..., 3) of a surface viewed from the front.
 
-    Lambertian shading, a Blinn highlight, and a sky that lights upward normals.
+    Lambertian shading with a Blinn highlight, and hemispheric light from sky and ground.
 
     Args:
-        normals: (..., 3) unit normals, x right, y up, z to the viewer.
-        light: vector to the lamp, of any length but zero.
-        clay: the material and its surroundings.
+        normals: (..., 3), unit normals, x right, y up, z to the viewer.
+        light: non-zero vector to the lamp, of any length.
+        clay: the material and its lighting.
 
     Raises:
-        InputError: if the lamp has no direction.
+        InputError: if ``light`` is zero or not finite.
 
     References:
         Blinn 1977, "Models of Light Reflection for Computer Synthesized Pictures".
 
     Example:
-        Surfaces that face the lamp are brightest; the others get light only from sky and ground:
+        Surfaces that face away from the lamp only get light from sky and ground:
 
         >>> facing = np.array([[0, 0, 1], [1, 0, 0], [-1, 0, 0]], np.float32)
         >>> shade(facing, (1, 0, 1))[:, 1].astype(float).round(1).tolist()
@@ -93,7 +93,7 @@ def shade(normals: Floats, light: tuple[float, float, float], clay: Clay = Clay(
     halfway = towards + np.array([0, 0, 1], np.float32)
     halfway /= max(float(np.linalg.norm(halfway)), 1e-6)
     lambert = np.maximum(normals @ towards, 0)[..., None]
-    # No highlight on what the lamp does not reach, and no hard edge where it fades.
+    # The highlight fades out smoothly where the lamp does not reach.
     glint = np.maximum(normals @ halfway, 0)[..., None] ** clay.sharpness * np.minimum(4 * lambert, 1)
     up = (normals[..., 1:2] + 1) / 2
     lamp, sky, ground = (np.array(c, np.float32) for c in (clay.lamp, clay.sky, clay.ground))
@@ -103,7 +103,7 @@ def shade(normals: Floats, light: tuple[float, float, float], clay: Clay = Clay(
 
 
 def to_srgb(linear: Floats) -> NDArray[np.uint8]:
-    """Return 8-bit sRGB colours of linear ones (IEC 61966-2-1); brighter than white is white.
+    """Return linear colours as 8-bit sRGB (IEC 61966-2-1), clipped at white.
 
     >>> to_srgb(np.array([0.0, 0.2140, 1.0, 2.0], np.float32)).tolist()
     [0, 127, 255, 255]

@@ -1,4 +1,4 @@
-"""Mask: the predicted object."""
+"""Mask: a picture of the object's mask."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ __all__ = ["Mask"]
 @OUTPUTS.register
 @dataclass(frozen=True)
 class Mask(Output):
-    """The object's mask, white on black with a soft edge.
+    """The mask of the object, white on black with a soft edge.
 
     Args:
         format: format of the picture.

@@ -1,4 +1,4 @@
-"""ModelInput: the network's input."""
+"""ModelInput: a picture of the network's input."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -13,7 +13,7 @@ __all__ = ["ModelInput"]
 @OUTPUTS.register
 @dataclass(frozen=True)
 class ModelInput(Output):
-    """The model's input, dark lines on white.
+    """The network's input, as dark lines on white.
 
     Args:
         format: format of the picture.

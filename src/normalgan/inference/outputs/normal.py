@@ -1,4 +1,4 @@
-"""Normal: the normal map itself, as each program wants it."""
+"""Normal: the file of the normal map itself."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -24,18 +24,20 @@ class Normal(Output):
     """The normal map.
 
     Args:
-        format: format of the map; exr and tiff hold floats; by default from the file that -o names, else png.
-        suffix: ending of the map's name, after the drawing's.
-        bits: bits of each channel of a PNG.
-        y: where green points: up as in OpenGL, down as in DirectX.
-        alpha: write the mask of the object as alpha channel.
-        pad: pixels around the object that get the colour of its edge, for engines that blend neighbours;
-            by default 16 with alpha, pack or engine, else 0, which leaves the whole background flat.
-        pack: further channels: normal_specular writes the specular map as alpha channel.
-        engine: sets y, bits and suffix for an engine, and writes the file by which it imports the map.
+        format: format of the map; exr and tiff hold floats. The default is the ending of the file that -o
+            names, otherwise png.
+        suffix: suffix that follows the drawing's name in the map's name.
+        bits: bits per channel of a PNG.
+        y: direction of green: up for OpenGL, down for DirectX.
+        alpha: write the object's mask as alpha channel.
+        pad: width in pixels of a border around the object that repeats the colours of its edge, for engines
+            that blend neighbouring pixels. The default is 16 with alpha, pack or engine, otherwise 0, which
+            leaves the whole background flat.
+        pack: additional channels; normal_specular writes the specular map as alpha channel.
+        engine: set y, bits and suffix for an engine, and write its import file.
 
     Raises:
-        InputError: if they do not go together.
+        InputError: if the settings contradict each other.
     """
 
     name: ClassVar[str] = "normal"
@@ -51,7 +53,7 @@ class Normal(Output):
     engine: Engine | None = None
 
     def __post_init__(self) -> None:
-        """Refuse settings that contradict each other."""
+        """Raise `InputError` if the settings contradict each other."""
         super().__post_init__()
         if self.bits == 16 and self.format != "png":
             raise InputError(f"bits apply to PNG; a map as {self.format} always has 32-bit floats.")
@@ -70,7 +72,7 @@ class Normal(Output):
     def encode(self, preds: NormalMap) -> dict[str, bytes]:
         """Return the content of the map's file."""
         if self.pack == "normal_specular":
-            # On the object at least one level of 8 bits: what has none there is written as flat.
+            # At least 1/255 on the object, because pixels with zero alpha are written as flat.
             dullest = preds.mask.astype(np.float32) / 255
             preds = replace(preds, alpha=np.maximum(specular_of(preds), dullest))
         pad = PADDING if self.pad is None and self.engine else self.pad
@@ -79,15 +81,15 @@ class Normal(Output):
 
     @property
     def plain(self) -> bool:
-        """Whether the map is a picture of 8 bits, not packed or padded, as animations and layers hold."""
+        """Whether the map is a plain 8-bit picture, which animations and layered files need."""
         return self.format == "png" and self.bits == 8 and self.pack is None and not self.pad
 
     def sidecar(self, target: Path) -> tuple[Path, bytes] | None:
-        """Return the file by which the engine imports a map, and its content; None without an engine."""
+        """Return the path and content of the engine's import file; None without an engine."""
         return None if self.engine is None else sidecar(self.engine, target)
 
 
 def engine_defaults(engine: Engine) -> dict[str, object]:
-    """Return the settings of `Normal` that an engine sets, unless the user does."""
+    """Return the default settings of `Normal` for an engine."""
     convention = CONVENTIONS[engine]
     return {"y": convention.y, "bits": convention.bits, "suffix": convention.suffix}

@@ -1,4 +1,4 @@
-"""Occlusion: how much ambient light reaches each place of a surface, from heights and normals."""
+"""Occlusion: compute ambient occlusion from heights and normals."""
 
 import cv2
 import numpy as np
@@ -10,24 +10,25 @@ from normalgan.inference.reading.picture import fitted, resize
 __all__ = ["occlusion"]
 
 _SIDE = 512
-"""Longest side at which it is computed; occlusion is smooth."""
+"""Longer side in pixels at which occlusion, which is smooth, is computed."""
 _WAYS = 12
-"""Number of directions that are searched."""
+"""Number of search directions."""
 _REACH = 0.12
-"""Reach of the search, as a share of the longer side."""
+"""Reach of the search, as a fraction of the longer side."""
 _STEPS = 7
 _BIAS = 0.12
-"""Least rise, as a sine, that occludes; less is noise of the heights, or their steepness at the rim."""
+"""Minimum rise, as a sine, that occludes; smaller rises come from noise, or from steep heights at the rim."""
 
 
 def occlusion(height: Floats, normals: Floats, mask: NDArray[np.bool_], longest: int | None = None) -> Floats:
-    """Return the share of the sky (H, W) that is not hidden by the surface about it; 1 off the object.
+    """Return the fraction of the sky (H, W) that is visible from each pixel of a surface; 1 off the object.
 
     Args:
-        height: (H, W), in pixels towards the viewer.
-        normals: (H, W, 3), unit.
+        height: (H, W), height in pixels towards the viewer.
+        normals: (H, W, 3), unit normals.
         mask: (H, W), the object.
-        longest: longer side in pixels of the drawing, if its repeats are about it; None takes the map's.
+        longest: longer side of the drawing in pixels, if the arrays are padded with its repeats; None uses
+            the longer side of the arrays.
 
     References:
         Bavoil, Sainz, Dimitrov 2008, "Image-space horizon-based ambient occlusion".
@@ -54,7 +55,7 @@ def occlusion(height: Floats, normals: Floats, mask: NDArray[np.bool_], longest:
     rows, columns = (grid.astype(np.float32) for grid in np.mgrid[: small[0], : small[1]])
     for angle in np.arange(_WAYS) * (2 * np.pi / _WAYS):
         right, down = float(np.cos(angle)), float(np.sin(angle))
-        # How steeply the surface itself rises that way: only what rises above it hides anything.
+        # Slope of the surface itself in this direction; only heights above the tangent plane occlude.
         slope = -(facing[..., 0] * right - facing[..., 1] * down) / depth
         tangent = slope / np.sqrt(1 + slope**2)
         worst = np.zeros(small, np.float32)

@@ -1,4 +1,4 @@
-"""Outputs: the set of files that is written for each drawing: its normal map and the other outputs."""
+"""Outputs: the normal map and all other files of a drawing."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
@@ -17,8 +17,8 @@ class Outputs:
     """The files that are written for each drawing.
 
     Args:
-        normal: how its normal map is written.
-        others: the other outputs.
+        normal: settings of the normal map.
+        others: all other outputs.
     """
 
     normal: Normal = field(default_factory=Normal)
@@ -26,12 +26,12 @@ class Outputs:
 
     @property
     def ending(self) -> str:
-        """The ending of a map's name, such as ``_normal.png``."""
+        """The ending of a normal map's name, such as ``_normal.png``."""
         return self.normal.endings[0]
 
     @property
     def beside(self) -> list[str]:
-        """The endings of all other names."""
+        """The endings of the names of all other files."""
         return [ending for output in self.others for ending in output.endings]
 
     @property
@@ -40,31 +40,31 @@ class Outputs:
         return any(output.whole_batch for output in self.others)
 
     def encode_others(self, preds: NormalMap) -> Iterator[tuple[str, bytes]]:
-        """Yield the ending and the content of every file but the map's."""
-        once = replace(preds)  # keeps the heights that outputs share, and is gone when they are written
+        """Yield the ending and content of every file except the normal map's."""
+        once = replace(preds)  # a temporary copy, which caches the heights for all outputs
         for output in self.others:
             yield from output.encode(once).items()
 
 
 def option_of(kind: type[Output]) -> str:
-    """Return the option of the commands that asks for an output."""
+    """Return the command-line option that selects an output."""
     return kind.option or kind.name
 
 
 def settings_of(kind: type[Output]) -> list[str]:
-    """Return the settings of an output that are separate options."""
+    """Return the names of an output's settings that are separate options."""
     return [each.name for each in fields(kind) if each.name != "format"]
 
 
 def outputs_of(settings: Mapping[str, Any]) -> Outputs:
-    """Return the outputs that a command's options ask for.
+    """Return the outputs that a command's options select.
 
     Args:
-        settings: the value of each option, for every output in `OUTPUTS` and for `Normal`, as far as the
-            command has it.
+        settings: value of each option of every output in `OUTPUTS`, and of the options of `Normal` that the
+            command has.
 
     Raises:
-        InputError: if they do not go together.
+        InputError: if the settings contradict each other.
     """
     others = []
     for kind in OUTPUTS:
@@ -82,5 +82,5 @@ def outputs_of(settings: Mapping[str, Any]) -> Outputs:
                     f"add {flag}, or leave it out."
                 )
     own = {each.name: settings.get(each.name) for each in fields(Normal)}
-    normal = {name: value for name, value in own.items() if value is not None}  # null is the default
+    normal = {name: value for name, value in own.items() if value is not None}  # None stands for the default
     return Outputs(Normal(**normal), tuple(others))

@@ -1,4 +1,4 @@
-"""Packed maps: several shading values in the channels of one picture, as engines of PBR read them."""
+"""Packed maps: several shading maps in the channels of one picture, for PBR engines."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -46,7 +46,7 @@ class OcclusionRoughnessMetallic(Output):
     in_zip: ClassVar[bool] = False  # it packs maps that the zip holds
 
     def encode(self, preds: NormalMap) -> dict[str, bytes]:
-        """Return the content of the file; nothing is metallic, because drawings do not show it."""
+        """Return the content of the file; metallic is 0 everywhere, because drawings do not show it."""
         rough = 1 - specular_of(preds)
-        channels = cv2.merge([np.zeros_like(rough), rough, occlusion_of(preds)])  # blue first
+        channels = cv2.merge([np.zeros_like(rough), rough, occlusion_of(preds)])  # BGR order
         return {self.endings[0]: pack_png(np.rint(255 * np.clip(channels, 0, 1)).astype(np.uint8))}

@@ -1,4 +1,4 @@
-"""Preview: a normal map lit by a lamp that circles it, as a sheet of pictures or an animation."""
+"""Preview: render a normal map under a circling lamp, as a contact sheet or an animation."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -22,9 +22,9 @@ __all__ = ["Opacity", "Pixels", "Preview", "lit", "preview_gif", "preview_png", 
 Pixels = NDArray[np.uint8]
 Opacity = NDArray[np.bool_] | Floats
 
-_PAPER = (0.020, 0.022, 0.026)  # linear; darker than the clay in its shadow
+_PAPER = (0.020, 0.022, 0.026)  # linear; darker than shadows on the clay
 _GAP = 2  # pixels between the pictures of a sheet
-_FINE = 4  # samples a side of a pixel of the ball, for a smooth edge
+_FINE = 4  # supersampling factor of the ball, for a smooth edge
 
 
 @OUTPUTS.register
@@ -33,7 +33,7 @@ class Preview(Output):
     """The map, lit by a lamp that circles it.
 
     Args:
-        format: png shows eight lights side by side, gif moves.
+        format: png shows eight directions of light side by side, gif is an animation.
     """
 
     name: ClassVar[str] = "preview"
@@ -50,11 +50,11 @@ class Preview(Output):
 
 
 def lit(normals: Floats, opacity: Opacity, azimuth: float, elevation: float = 25.0) -> Pixels:
-    """Return a map as clay under a lamp, (H, W, 3) sRGB, with a small ball in the corner under the same one.
+    """Return a map rendered as clay, (H, W, 3) sRGB, with a small ball under the same lamp in the corner.
 
     Args:
-        normals: (H, W, 3) unit normals, x right, y up, z to the viewer.
-        opacity: (H, W) in [0, 1] or bool, 1 on the object.
+        normals: (H, W, 3), unit normals, x right, y up, z to the viewer.
+        opacity: (H, W), bool or in [0, 1], 1 on the object.
         azimuth: azimuth of the lamp in degrees, counter-clockwise from the right; 90 is above.
         elevation: elevation of the lamp in degrees; 90 is behind the viewer.
 
@@ -63,7 +63,7 @@ def lit(normals: Floats, opacity: Opacity, azimuth: float, elevation: float = 25
     """
     if normals.shape != (*opacity.shape, 3):
         raise InputError(
-            f"a map of shape {normals.shape} does not go with an opacity of {opacity.shape}; "
+            f"a map of shape {normals.shape} does not match an opacity of {opacity.shape}; "
             "they are H × W × 3 and H × W."
         )
     light = lamp_direction(azimuth, elevation)
@@ -80,7 +80,7 @@ def lit(normals: Floats, opacity: Opacity, azimuth: float, elevation: float = 25
 
 
 def turn(normals: Floats, opacity: Opacity, frames: int) -> list[Pixels]:
-    """Return pictures of a map while the lamp circles it once, clockwise from the upper left.
+    """Return renderings of a map while the lamp circles it once, clockwise from the upper left.
 
     Args:
         normals: (H, W, 3) unit normals.
@@ -91,12 +91,12 @@ def turn(normals: Floats, opacity: Opacity, frames: int) -> list[Pixels]:
         InputError: if there are no frames.
     """
     if frames < 1:
-        raise InputError(f"a turn of the light has one picture or more, not {frames}.")
+        raise InputError(f"a preview needs at least one frame, not {frames}.")
     return [lit(normals, opacity, 135 - 360 * i / frames) for i in range(frames)]
 
 
 def sheet(pictures: list[Pixels], columns: int = 4) -> Pixels:
-    """Return pictures of one size side by side, row by row, with a gap of `_GAP` pixels between them.
+    """Return pictures of the same size in a grid, row by row, with `_GAP` pixels between them.
 
     >>> sheet([np.zeros((4, 6, 3), np.uint8)] * 3, columns=2).shape
     (10, 14, 3)
@@ -113,45 +113,45 @@ def sheet(pictures: list[Pixels], columns: int = 4) -> Pixels:
 
 
 def preview_png(normals: Floats, opacity: Opacity, frames: int = 8) -> bytes:
-    """Return a sheet of a turn of the light as a PNG; the same map gives the same bytes."""
+    """Return a PNG of the map under ``frames`` directions of light; the result is deterministic."""
     file = BytesIO()
     Image.fromarray(sheet(turn(normals, opacity, frames))).save(file, "PNG", optimize=True)
     return file.getvalue()
 
 
 def preview_gif(normals: Floats, opacity: Opacity, frames: int = 36, seconds: float = 3.0) -> bytes:
-    """Return a turn of the light as a GIF that repeats; the same map gives the same bytes.
+    """Return a looping GIF in which the lamp circles the map; the result is deterministic.
 
     Args:
         normals: (H, W, 3) unit normals.
         opacity: (H, W), 1 on the object.
         frames: number of pictures.
-        seconds: duration of one turn.
+        seconds: duration of one circle.
     """
     pictures = turn(normals, opacity, frames)
-    # One palette for all, of the colours of all: with one for each the tones would flicker.
+    # All frames share one palette; with a palette per frame, the tones would flicker.
     palette = Image.fromarray(sheet(pictures[:: max(frames // 12, 1)])).quantize(
         256, Image.Quantize.MEDIANCUT
     )
     first, *rest = (Image.fromarray(p).quantize(palette=palette, dither=Image.Dither.NONE) for p in pictures)
     file = BytesIO()
-    # GIF counts in hundredths of a second.
+    # GIF durations are multiples of 1/100 s.
     delay = max(round(100 * seconds / frames), 2) * 10
     first.save(file, "GIF", save_all=True, append_images=rest, duration=delay, loop=0, disposal=1)
     return file.getvalue()
 
 
 def _soften(normals: Floats, opacity: Opacity) -> tuple[Floats, Floats]:
-    """Return normals extended past the outline, and their coverage of each pixel, (H, W, 1).
+    """Return normals extended past the outline, and the coverage of each pixel (H, W, 1).
 
-    An outline that is only there or not is a staircase; it is blurred by less than a pixel.
+    A binary outline is a staircase of pixels, so it is blurred by less than a pixel.
     """
     there = opacity.astype(np.bool_)
     if opacity.dtype != np.bool_:
         return normals, opacity.astype(np.float32)[..., None]
     if not there.any():
         return normals, np.zeros((*there.shape, 1), np.float32)
-    from scipy import ndimage  # here: it takes a while to import
+    from scipy import ndimage  # here because it is slow to import
 
     nearest = ndimage.distance_transform_edt(~there, return_distances=False, return_indices=True)
     cover = ndimage.gaussian_filter(there.astype(np.float32), 0.8, truncate=2.5)
@@ -159,7 +159,7 @@ def _soften(normals: Floats, opacity: Opacity) -> tuple[Floats, Floats]:
 
 
 def _ball(side: int, light: tuple[float, float, float], behind: Floats) -> Floats:
-    """Return a lit ball in a square of ``side`` pixels, over a background."""
+    """Return a shaded ball in a square of ``side`` pixels, composited over a background."""
     along = (np.arange(side * _FINE) + 0.5) / (side * _FINE) * 2 - 1
     x, y = np.meshgrid(along, -along)
     depth = 1 - x**2 - y**2

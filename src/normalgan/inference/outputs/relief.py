@@ -10,7 +10,7 @@ from normalgan.ranges import Range
 __all__ = ["FEWEST", "Relief"]
 
 FEWEST = 12
-"""Fewest triangles of a relief that is closed."""
+"""Minimum number of triangles of a closed relief."""
 
 
 @OUTPUTS.register
@@ -19,11 +19,11 @@ class Relief(Output):
     """A relief mesh.
 
     Args:
-        format: glb is one file for engines, obj is text for other programs.
-        faces: triangles of the relief at most; by default four for each pixel.
+        format: glb is a single file for engines, obj is text for other programs.
+        faces: maximum number of triangles; by default four per pixel.
 
     Raises:
-        InputError: if a closed relief needs more triangles.
+        InputError: if ``faces`` is less than a closed relief needs.
     """
 
     name: ClassVar[str] = "relief"
@@ -35,7 +35,7 @@ class Relief(Output):
 
     def encode(self, preds: NormalMap) -> dict[str, bytes]:
         """Return the content of the file."""
-        # Here: trimesh takes a while to import.
+        # Here because trimesh is slow to import.
         from normalgan.inference.heights.relief import encode_relief, relief_mesh, simpler
 
         shape = preds.height(), preds.mask

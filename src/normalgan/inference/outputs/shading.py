@@ -29,17 +29,17 @@ __all__ = [
 ]
 
 _FINE = 1 / 256
-"""Width at which a surface is looked at for its curvature, as a share of a drawing's longer side."""
+"""Smoothing width for the curvature, as a fraction of a drawing's longer side."""
 _BEND = 0.04
-"""Share of a drawing's longer side that is the radius of a ball that is half as light as can be."""
+"""Radius of a ball whose curvature gives the tanh an argument of 1, as a fraction of the longer side."""
 _BESIDE = 0.25
-"""Margin of repeats around a map that repeats, as a share of its longer side."""
+"""Margin of repeats around a repeating map, as a fraction of its longer side."""
 
 
 @OUTPUTS.register
 @dataclass(frozen=True)
 class AmbientOcclusion(Output):
-    """The ambient occlusion.
+    """The ambient occlusion map.
 
     Args:
         format: format of the picture.
@@ -57,7 +57,7 @@ class AmbientOcclusion(Output):
 @OUTPUTS.register
 @dataclass(frozen=True)
 class Curvature(Output):
-    """The curvature, ridges light and hollows dark.
+    """The curvature map, with light ridges and dark hollows.
 
     Args:
         format: format of the picture.
@@ -75,7 +75,7 @@ class Curvature(Output):
 @OUTPUTS.register
 @dataclass(frozen=True)
 class Specular(Output):
-    """How much each place reflects, ridges polished and hollows dull.
+    """The specular map, with polished ridges and dull hollows.
 
     Args:
         format: format of the picture.
@@ -91,7 +91,7 @@ class Specular(Output):
 
 
 def _once(compute: Callable[[NormalMap], Floats]) -> Callable[[NormalMap], Floats]:
-    """Compute a picture of a map once for all outputs that use it."""
+    """Cache a function of a map for as long as the map exists."""
     known: WeakKeyDictionary[NormalMap, Floats] = WeakKeyDictionary()
 
     @wraps(compute)
@@ -105,10 +105,10 @@ def _once(compute: Callable[[NormalMap], Floats]) -> Callable[[NormalMap], Float
 
 @_once
 def occlusion_of(preds: NormalMap) -> Floats:
-    """Return the share of the sky (H, W) that each place of a map sees; 1 off the object."""
+    """Return the ambient occlusion (H, W) of a map: 1 where the sky is fully visible, and off the object."""
     if preds.cells:
         whole, height = np.ones(preds.mask.shape, np.float32), preds.height()
-        for cell in preds.cells:  # no drawing of a sheet shades another
+        for cell in preds.cells:  # the drawings of a sheet do not occlude each other
             own = np.ascontiguousarray(cell.upright(height[cell.box]))
             cell.put(whole, _occlusion(part_of(preds, cell), own))
         return whole
@@ -117,7 +117,7 @@ def occlusion_of(preds: NormalMap) -> Floats:
 
 @_once
 def curvature_of(preds: NormalMap) -> Floats:
-    """Return how the surface of a map bends, (H, W) in [0, 1]; 0.5 off the object."""
+    """Return the curvature (H, W) of a map in [0, 1]; 0.5 off the object."""
     if preds.cells:
         whole = np.full(preds.mask.shape, 0.5, np.float32)
         for cell in preds.cells:
@@ -128,7 +128,7 @@ def curvature_of(preds: NormalMap) -> Floats:
 
 
 def specular_of(preds: NormalMap) -> Floats:
-    """Return how much each place of a map reflects, (H, W) in [0, 1]; 0 off the object."""
+    """Return the specular map (H, W) in [0, 1]; 0 off the object."""
     return gloss(occlusion_of(preds), curvature_of(preds), preds.mask)
 
 
@@ -144,36 +144,39 @@ def _room(preds: NormalMap) -> tuple[int, int]:
 
 
 def curvature(normals: Floats, mask: BoolMask, longest: int | None = None) -> Floats:
-    """Return how a surface bends, (H, W) in [0, 1]: ridges light, hollows dark, 0.5 where it is flat.
+    """Return the curvature (H, W): above 0.5 on ridges, below it in hollows, 0.5 if flat and off the object.
 
-    It is the divergence of the normals, twice the mean curvature where the surface faces the viewer.
+    It is computed from the divergence of the normals, which is twice the mean curvature where the surface
+    faces the viewer.
 
     Args:
         normals: (H, W, 3), unit on the object.
-        mask: (H, W), the object; off it is 0.5.
-        longest: longer side in pixels of the drawing, if its repeats are about it; None takes the map's.
+        mask: (H, W), the object.
+        longest: longer side of the drawing in pixels, if the arrays are padded with its repeats; None uses
+            the longer side of the object.
     """
-    from scipy import ndimage  # here: it takes a while to import
+    from scipy import ndimage  # here because it is slow to import
 
     if not mask.any():
         return np.full(mask.shape, 0.5, np.float32)
     _, _, stats, _ = cv2.connectedComponentsWithStats(mask.astype(np.uint8))
-    side = int(stats[1:, [cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT]].max())  # of a drawing, not of its sheet
+    # The size of the largest part, because the map may be a whole sheet.
+    side = int(stats[1:, [cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT]].max())
     side = min(side, longest or side)
     width = max(_FINE * side, 0.7)
-    # Off the object a sheet is flat: what counts there are the nearest normals on it.
+    # The nearest normals on the object replace those off it, because the background of a sheet is flat.
     nearest = ndimage.distance_transform_edt(~mask, return_distances=False, return_indices=True)
     smooth = cv2.GaussianBlur(normals[nearest[0], nearest[1], :2], (0, 0), width)
-    bend = np.gradient(smooth[..., 0], axis=1) - np.gradient(smooth[..., 1], axis=0)  # rows count down
+    bend = np.gradient(smooth[..., 0], axis=1) - np.gradient(smooth[..., 1], axis=0)  # y goes up
     return np.where(mask, 0.5 + 0.5 * np.tanh(bend * side * _BEND / 2), 0.5).astype(np.float32)
 
 
 def gloss(open_to_light: Floats, bends: Floats, mask: BoolMask) -> Floats:
-    """Return the specular map (H, W) in [0, 1]: ridges polished, hollows dull, 0 off the object.
+    """Return the specular map (H, W) in [0, 1]: high on ridges, low in hollows, 0 off the object.
 
     Args:
-        open_to_light: (H, W), of `occlusion.occlusion`.
-        bends: (H, W), of `curvature`.
+        open_to_light: (H, W), from `occlusion.occlusion`.
+        bends: (H, W), from `curvature`.
         mask: (H, W), the object.
     """
     return np.where(mask, np.clip(open_to_light * bends, 0, 1), 0).astype(np.float32)

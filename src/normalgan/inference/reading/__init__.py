@@ -1,3 +1,3 @@
-"""Reading: drawings and their hints on disk."""
+"""Reading: read drawings and hints from files."""
 
 __all__ = []

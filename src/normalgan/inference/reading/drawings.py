@@ -1,4 +1,4 @@
-"""Drawings of the user's own: finding and reading them and their painted hints; the one reader."""
+"""Drawings: read pictures, painted hints and normal maps, and find the files that go with a drawing."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -35,18 +35,19 @@ __all__ = [
 
 SUFFIXES = ENDINGS
 SVG_SIDE = 1024
-"""Longer side in pixels that an SVG, which has none, is drawn with."""
+"""Default longer side in pixels at which an SVG is rendered."""
 SMALLEST, LARGEST = 8, 8192
-"""Least and greatest side in pixels: less holds no line, more is a mistake or a decompression bomb."""
+"""Minimum and maximum side in pixels; a smaller picture cannot hold lines, and a larger one is a mistake or a
+decompression bomb."""
 MOST_BYTES = 2**29
-"""Larger files are refused; the largest picture has as many with 16 bits a channel, not packed at all."""
+"""Maximum size of a file in bytes: that of the largest picture, uncompressed, with 16 bits per channel."""
 
 
 def is_drawing(path: Path) -> bool:
-    """Return whether a file in a folder is a drawing by its name.
+    """Return whether a file in a folder is a drawing, judging by its name.
 
-    Hidden files are not drawings: paint programs save temporary files under such names, and macOS keeps notes
-    in them on disks of other systems.
+    Hidden files are not drawings: paint programs use them for temporary files, and macOS for metadata on
+    foreign file systems.
 
     >>> [is_drawing(Path(name)) for name in ("fox.png", "fox.txt", "._fox.png")]
     [True, False, False]
@@ -57,24 +58,24 @@ def is_drawing(path: Path) -> bool:
 def find_companion(
     drawing: Path, source: Path, endings: Sequence[str], below: Path | None = None
 ) -> Path | None:
-    """Return a file that goes with a drawing, such as its hints or its mask.
+    """Return the companion file of a drawing, such as its hints or its mask; None if there is none.
 
     Args:
-        drawing: the drawing's file.
-        source: the companion itself, or a folder of such files.
-        endings: its possible endings after the drawing's stem, in order of preference.
-        below: the folder below ``source`` to look in first.
+        drawing: file of the drawing.
+        source: the companion file itself, or a folder of companion files.
+        endings: possible endings after the drawing's stem, in order of preference.
+        below: subfolder of ``source`` that is searched first.
     """
     if source.is_file():
         return source
     folders = dict.fromkeys([source / (below or ""), source])
     candidates = [folder / f"{drawing.stem}{ending}" for folder in folders for ending in endings]
-    # It may lie beside its drawing; the drawing itself is not its own companion.
+    # The companion may lie next to its drawing, but a drawing is not its own companion.
     return next((c for c in candidates if c.is_file() and c.resolve() != drawing.resolve()), None)
 
 
 def without_companions(paths: Sequence[Path], companions: Sequence[str]) -> list[Path]:
-    """Return paths without those named another path's stem plus one of ``companions``."""
+    """Return paths without those whose name is another path's stem plus one of ``companions``."""
     stems = {path.with_suffix("") for path in paths}
     return [
         path
@@ -91,10 +92,10 @@ def read_content(path: Path, content: bytes | None = None) -> bytes:
 
     Args:
         path: the file, or its name in messages.
-        content: the bytes of the file, if they were read already.
+        content: content of the file, if it has been read already.
 
     Raises:
-        InputError: if it is missing, cannot be read, or is larger than any drawing.
+        InputError: if the file is missing, cannot be read, or is too large.
     """
     try:
         data = read_bounded(path, MOST_BYTES) if content is None else content
@@ -116,41 +117,41 @@ def read_pixels(
     grey: bool = False,
     exact: bool = False,
 ) -> Decoded:
-    """Read a picture of any format upright; an SVG is drawn, transparent where it is empty.
+    """Return the pixels of a picture in any format, upright; an SVG is rendered on a transparent background.
 
-    Everything that reads a picture reads it so: it is decoded in a child process (`normalgan.decoding`).
+    All pictures are decoded here, in a child process (`normalgan.decoding`).
 
     Args:
         path: the file, or its name in messages.
-        content: the bytes of the file, if they were read already.
-        svg_side: longer side in pixels that an SVG is drawn with.
-        longest: longer side in pixels that a larger picture is reduced to.
-        grey: whether to return only its brightness on white paper.
-        exact: whether to return the stored levels, including 16 bits a channel and floats.
+        content: content of the file, if it has been read already.
+        svg_side: longer side in pixels at which an SVG is rendered.
+        longest: longer side in pixels to which larger pictures are reduced; None keeps their size.
+        grey: whether only the brightness on white paper is returned.
+        exact: whether the stored values are returned, including 16 bits per channel and floats.
 
     Raises:
-        InputError: if it is missing, not an image, of an invalid size, or too expensive to decode.
+        InputError: if the file is missing, not an image, of an invalid size, or too expensive to decode.
     """
     data = read_content(path, content)
     return decode(str(path), data, (SMALLEST, LARGEST), svg_side, longest, grey, exact)
 
 
 def to_unit(pixels: Pixels) -> Floats:
-    """Return pixels of any type as values in [0, 1]."""
+    """Return pixels of any type scaled to [0, 1]."""
     if pixels.dtype == np.uint8:
         return np.multiply(pixels, np.float32(1 / 255), dtype=np.float32)
     grey = pixels.astype(np.float32)
-    top = np.float32(65535)  # 16-bit greys come as such, or as integers with the same range
+    top = np.float32(65535)  # 16-bit grey may be stored as uint16 or int32
     if pixels.dtype == np.float32:
         top = np.float32(float_white(float(np.nan_to_num(grey).max(initial=0))))
     return np.asarray(np.clip(np.nan_to_num(grey / top), 0, 1), np.float32)
 
 
 def read_drawing(path: str | Path) -> Floats:
-    """Read a drawing as ink (H, W) in [0, 1], ink 1 and paper 0; any mode, transparent is paper.
+    """Return a drawing of any mode as ink (H, W) in [0, 1]; paper and transparent pixels are 0.
 
     Raises:
-        InputError: if it is missing, not an image, too small or large, or has no line.
+        InputError: if the file is missing, not an image, too small or large, or has no lines.
     """
     path = Path(path)
     ink = np.float32(1) - to_unit(read_pixels(path, grey=True).pixels)
@@ -160,13 +161,13 @@ def read_drawing(path: str | Path) -> Floats:
 
 
 def read_hints(path: str | Path, shape: tuple[int, int]) -> tuple[Floats, NDArray[np.bool_]]:
-    """Read hints: a transparent PNG of the drawing's size with normals painted in normal-map colours.
+    """Read hints from a transparent PNG of the drawing's size, painted in normal-map colours.
 
     Returns:
         Unit normals (H, W, 3), zero where there is no hint, and the mask of the hints (H, W).
 
     Raises:
-        InputError: if the picture is missing, opaque or of another size, or a colour is not a normal.
+        InputError: if the picture is missing, opaque or of a different size, or a colour is not a normal.
     """
     path = Path(path)
     pixels = read_pixels(path, exact=True).pixels
@@ -182,7 +183,7 @@ def read_hints(path: str | Path, shape: tuple[int, int]) -> tuple[Floats, NDArra
     colours = pixels[rows, columns, :3]
     given = vectors(colours)
     length = np.linalg.norm(given, axis=-1)
-    wrong = np.flatnonzero(~(np.abs(length - 1) <= 0.25))  # so that what is not a number is wrong
+    wrong = np.flatnonzero(~(np.abs(length - 1) <= 0.25))  # written so that NaN counts as wrong
     if len(wrong):
         first, half = wrong[0], {"uint8": 127.5, "uint16": 32767.5}.get(colours.dtype.name, 0.5)
         raise InputError(
@@ -202,17 +203,17 @@ def read_hints(path: str | Path, shape: tuple[int, int]) -> tuple[Floats, NDArra
 
 
 def read_normals(path: str | Path, green: Green = "up") -> tuple[Floats, Floats | None]:
-    """Read a normal map: PNG or TIFF of 8 or 16 bits a channel, TIFF or EXR of floats.
+    """Read a normal map from a PNG or TIFF with 8 or 16 bits per channel, or a TIFF or EXR of floats.
 
     Args:
         path: path of the file.
-        green: which way of y it holds: up as in OpenGL, down as in DirectX.
+        green: direction of green in the file: up for OpenGL, down for DirectX.
 
     Returns:
-        The vectors (H, W, 3), y up, as long as in the file; its opacity (H, W) in [0, 1], None without.
+        The vectors (H, W, 3), y up, not normalised; and the opacity (H, W) in [0, 1], or None.
 
     Raises:
-        InputError: if it is missing, cannot be read, or has no colours.
+        InputError: if the file is missing, cannot be read, or is grey.
     """
     path = Path(path)
     pixels = (

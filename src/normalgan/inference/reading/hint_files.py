@@ -1,4 +1,4 @@
-"""Hint files: a user's normals at points of a drawing, painted as PNG or listed as JSON."""
+"""Hint files: read hints that are painted in a PNG or listed in JSON."""
 
 import json
 import math
@@ -18,12 +18,12 @@ from normalgan.normals import LEAST_Z, normalize
 __all__ = ["ENDINGS", "MOST_LISTED", "Hints", "check_hints", "load_hints", "parse_hints"]
 
 ENDINGS = ("_hints.png", "_hints.json", ".json", ".png")
-"""Endings of a drawing's file of hints, after its stem, in the order of the search."""
+"""Endings that follow a drawing's stem in the name of its hint file, in the order of the search."""
 MOST_LISTED = 2**24
-"""Larger lists of hints are refused, in bytes; each hint takes some fifty."""
+"""Maximum size of a list of hints in bytes; each hint takes about 50."""
 
 _Listed = tuple[float, float, tuple[float, float, float]]
-"""x, y and normal of a hint."""
+"""x, y and the normal of a hint."""
 
 
 @dataclass(frozen=True)
@@ -31,8 +31,8 @@ class Hints:
     """Normals at points of a drawing.
 
     Args:
-        points: (K, 2), x right and y down in pixels; the middle of the first pixel is (0.5, 0.5).
-        normals: (K, 3), unit, in camera space.
+        points: (K, 2), x right and y down in pixels; the centre of the first pixel is (0.5, 0.5).
+        normals: (K, 3), unit normals in camera space.
     """
 
     points: Floats
@@ -40,10 +40,10 @@ class Hints:
 
 
 def load_hints(path: Path, shape: tuple[int, int]) -> Hints:
-    """Read the hints of a drawing with (H, W) pixels.
+    """Return the hints in a file for a drawing (H, W).
 
     Raises:
-        InputError: if the file cannot be used; it says which hint is wrong.
+        InputError: if the file is invalid; the message says which hint is wrong.
     """
     if path.suffix.lower() == ".json":
         return parse_hints(_parsed(path), path, shape)
@@ -56,16 +56,16 @@ def load_hints(path: Path, shape: tuple[int, int]) -> Hints:
 
 
 def parse_hints(entries: Any, path: Path | str, shape: tuple[int, int]) -> Hints:
-    """Return the hints listed in a JSON text.
+    """Return the hints in decoded JSON.
 
     Args:
-        entries: what the text holds: ``[{"x": 10, "y": 20, "normal": [0, 0.6, 0.8]}, …]``, x and y in
-            whole pixels of the drawing from its upper left.
-        path: its name in errors.
+        entries: a list such as ``[{"x": 10, "y": 20, "normal": [0, 0.6, 0.8]}, …]``, with x and y in whole
+            pixels from the drawing's upper left corner.
+        path: name of the list in error messages.
         shape: (H, W) of the drawing.
 
     Raises:
-        InputError: if an entry cannot be used.
+        InputError: if an entry is invalid.
     """
     if not isinstance(entries, list):
         raise InputError(
@@ -85,15 +85,16 @@ def parse_hints(entries: Any, path: Path | str, shape: tuple[int, int]) -> Hints
 
 
 def check_hints(listed: Iterable[_Listed], path: Path | str, shape: tuple[int, int]) -> Hints:
-    """Return hints that lie on a drawing.
+    """Check hints against a drawing and return them.
 
     Args:
-        listed: x, y and normal of each, x and y in whole pixels of the drawing from its upper left.
-        path: their name in errors.
+        listed: x, y and normal of each hint, x and y in whole pixels from the drawing's upper left corner.
+        path: name of the list in error messages.
         shape: (H, W) of the drawing.
 
     Raises:
-        InputError: if one lies outside, or its normal is not of length 1 or looks away from the viewer.
+        InputError: if a hint lies outside the drawing, or its normal is not of length 1 or faces away from
+            the viewer.
     """
     points, normals = [], []
     for number, (x, y, (nx, ny, nz)) in enumerate(listed, 1):
@@ -123,17 +124,17 @@ def check_hints(listed: Iterable[_Listed], path: Path | str, shape: tuple[int, i
 def _is_number(value: Any) -> bool:
     try:
         return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-    except OverflowError:  # a whole number beyond those of floats
+    except OverflowError:  # an integer beyond the range of floats
         return False
 
 
 def _parsed(path: Path) -> Any:
     content = read_named(path, "the hints", MOST_LISTED)
     try:
-        return json.loads(content)  # of bytes it finds the encoding, with a byte order mark too
+        return json.loads(content)  # detects the encoding of bytes, also with a byte order mark
     except json.JSONDecodeError as error:
         raise InputError(f"the hints {path} are not JSON: line {error.lineno}: {error.msg}.") from None
     except UnicodeDecodeError:
-        raise InputError(f"the hints {path} are not a text.") from None
-    except (ValueError, RecursionError):  # a number of thousands of digits, a list in a list in a list …
+        raise InputError(f"the hints {path} are not text.") from None
+    except (ValueError, RecursionError):  # a number with thousands of digits, or deeply nested lists
         raise InputError(f"the hints {path} are not a list of hints; they have unknown content.") from None

@@ -1,4 +1,4 @@
-"""Picture: the colours and opacity of a drawing's file, before its lines are found."""
+"""Picture: the colours and opacity of a drawing."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -24,9 +24,9 @@ __all__ = [
 ]
 
 MOST_WORKED = 2048
-"""Longest side in pixels at which a drawing is worked on; maps of larger ones are enlarged to their size."""
+"""Maximum longer side in pixels of the working size; maps of larger drawings are enlarged."""
 Resize = Callable[[Floats, tuple[int, int]], Floats]
-"""Brings a picture (H, W) or (H, W, C) to another (H, W)."""
+"""Resizes a picture (H, W) or (H, W, C) to a new (H, W)."""
 
 
 @dataclass(frozen=True)
@@ -34,10 +34,10 @@ class Picture:
     """A drawing's colours and opacity.
 
     Args:
-        colour: (h, w, 3) in [0, 1], red, green, blue; not multiplied by the opacity.
-        alpha: (h, w) opacity in [0, 1], or None where every pixel is opaque.
-        full: (H, W) of its file, if that has more pixels; None if it is the same.
-        notes: how its file looks different than in its program.
+        colour: (h, w, 3) in [0, 1], red, green and blue, not premultiplied.
+        alpha: (h, w) in [0, 1], opacity; None if every pixel is opaque.
+        full: (H, W) of the file if it has more pixels; otherwise None.
+        notes: differences between the picture and how the file looks in the program that wrote it.
     """
 
     colour: Floats
@@ -47,7 +47,7 @@ class Picture:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """(H, W) of its file; hints and masks are in its pixels."""
+        """(H, W) of the file; hints and masks are in these pixels."""
         return self.full or self.size
 
     @property
@@ -56,27 +56,27 @@ class Picture:
         return self.colour.shape[0], self.colour.shape[1]
 
     def resized(self, shape: tuple[int, int], by: "Resize | None" = None) -> "Picture":
-        """Return the picture resized to (H, W) pixels, by `resize` or another function; itself if it has."""
+        """Return the picture resized to (H, W), by `resize` or another function."""
         if shape == self.size:
             return self
         by = by or resize
         if self.alpha is None:
             return Picture(np.clip(by(self.colour, shape), 0, 1), None)
-        # Colours of pixels that nobody sees must not bleed into those that are seen.
+        # Colours of transparent pixels must not bleed into visible ones.
         seen = by(np.dstack([self.colour * self.alpha[..., None], self.alpha]), shape)
         colour = seen[..., :3] / np.maximum(seen[..., 3:], 1e-4)
         return Picture(np.clip(colour, 0, 1), np.clip(seen[..., 3], 0, 1))
 
 
 def resize(picture: Floats, shape: tuple[int, int]) -> Floats:
-    """Return a picture (H, W) or (H, W, C) resized to another (H, W), by area or by interpolation."""
+    """Return a picture (H, W) or (H, W, C) resized to a new (H, W), by area averaging or interpolation."""
     shrinks = shape[0] < picture.shape[0]
     method = cv2.INTER_AREA if shrinks else cv2.INTER_CUBIC
     return np.asarray(cv2.resize(picture, shape[::-1], interpolation=method), np.float32)
 
 
 def fitted(shape: tuple[int, int], longest: int | None) -> tuple[int, int]:
-    """Return (H, W) of the same proportions whose longer side is ``longest``; unchanged if that is None.
+    """Return (H, W) scaled so that the longer side is ``longest``; unchanged if that is None.
 
     >>> fitted((300, 600), 1024)
     (512, 1024)
@@ -88,7 +88,7 @@ def fitted(shape: tuple[int, int], longest: int | None) -> tuple[int, int]:
 
 
 def fitted_within(shape: tuple[int, int], longest: int) -> tuple[int, int]:
-    """Return (H, W) of the same proportions whose longer side is at most ``longest``.
+    """Return (H, W) scaled down so that the longer side is at most ``longest``.
 
     >>> fitted_within((300, 600), 1024), fitted_within((300, 600), 300)
     ((300, 600), (150, 300))
@@ -97,15 +97,15 @@ def fitted_within(shape: tuple[int, int], longest: int) -> tuple[int, int]:
 
 
 def read_picture(path: Path, content: bytes | None = None, longest: int | None = None) -> Picture:
-    """Read a drawing of any mode and format, upright; a very large one is reduced.
+    """Return a drawing of any mode and format, upright; a very large drawing is reduced.
 
     Args:
-        path: its file, or its name in messages.
-        content: its content, if it has been read already.
-        longest: longer side in pixels that an SVG is drawn with; None is `SVG_SIDE`.
+        path: the file, or its name in messages.
+        content: content of the file, if it has been read already.
+        longest: longer side in pixels at which an SVG is rendered; None uses `SVG_SIDE`.
 
     Raises:
-        InputError: if it is missing, not an image, or too small or large.
+        InputError: if the file is missing, not an image, or too small or large.
     """
     return to_picture(read_pixels(path, content, min(longest or SVG_SIDE, MOST_WORKED), MOST_WORKED))
 
@@ -124,6 +124,6 @@ def to_picture(decoded: Decoded) -> Picture:
 
 
 def to_pixels(picture: Picture) -> Decoded:
-    """Return a picture as pixels of 8 bits, as `to_picture` takes them."""
+    """Return a picture as 8-bit pixels; the inverse of `to_picture`."""
     channels = picture.colour if picture.alpha is None else np.dstack([picture.colour, picture.alpha])
     return Decoded(np.rint(255 * np.clip(channels, 0, 1)).astype(np.uint8), picture.size)

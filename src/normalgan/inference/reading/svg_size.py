@@ -1,4 +1,4 @@
-"""SVG size: how large an SVG says that it is, in the units that other files give positions in."""
+"""SVG size: read the size of an SVG in its own units."""
 
 import re
 from contextlib import suppress
@@ -16,16 +16,16 @@ _PIXELS = {
     "mm": 9.6 / 2.54,
     "q": 2.4 / 2.54,
 }
-"""CSS pixels of each unit; https://www.w3.org/TR/css-values-4/#absolute-lengths."""
+"""CSS pixels per unit; https://www.w3.org/TR/css-values-4/#absolute-lengths."""
 _LENGTH = re.compile(r"\s*(\d*\.?\d+(?:e[+-]?\d+)?)\s*([a-z]*)\s*", re.IGNORECASE)
 
 
 class _FoundError(Exception):
-    """Ends the parser at the first element."""
+    """Raised to stop the parser at the first element."""
 
 
 def svg_size(content: bytes) -> tuple[float, float] | None:
-    """Return (width, height) of an SVG in CSS pixels, or of its view box; None if it has neither.
+    """Return (width, height) of an SVG in CSS pixels, or else of its view box; None if it has neither.
 
     Only the first element is parsed.
 
@@ -43,7 +43,7 @@ def svg_size(content: bytes) -> tuple[float, float] | None:
         raise _FoundError
 
     parser.StartElementHandler = start
-    parser.EntityDeclHandler = entity  # an entity can stand for more than memory holds
+    parser.EntityDeclHandler = entity  # entities can expand to more than fits in memory
     with suppress(_FoundError, ExpatError, ValueError, LookupError):
         parser.Parse(content, True)
     width, height = _length(about.get("width", "")), _length(about.get("height", ""))

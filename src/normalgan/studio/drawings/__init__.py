@@ -1,3 +1,3 @@
-"""Drawings: what the page sends, within which limits, and how it becomes a drawing in layers."""
+"""Drawings: parse and check what the page sends, and turn it into a drawing in layers."""
 
 __all__ = []

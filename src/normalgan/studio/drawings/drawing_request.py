@@ -1,4 +1,4 @@
-"""DrawingRequest: the picture, hints and mask of a request."""
+"""DrawingRequest: the picture, mask, hints and edits of a request."""
 
 import hashlib
 import struct
@@ -46,17 +46,16 @@ _PNG = b"\x89PNG\r\n\x1a\n"
 
 @dataclass(frozen=True)
 class DrawingRequest:
-    """The drawing of a request, not decoded yet.
+    """The drawing of a request, not yet decoded.
 
     Args:
-        picture: PNG, or pixels (H, W, 1), grey, or (H, W, 4), with opacity.
-        mask: PNG, white on the object; or where it comes from, as for
-            `normalgan.inference.preparation.prepare`.
+        picture: a PNG, or pixels (H, W, 1), grey, or (H, W, 4), with opacity.
+        mask: a PNG, white on the object; or a mask source, as in `normalgan.inference.preparation.prepare`.
         hints: pinned normals.
-        areas: what is turned as a whole or brushed, in order.
-        mask_strokes: what adds to the object or cuts from it, in order.
-        form: of the whole drawing; None leaves it as predicted.
-        structures: PNG of each picture that is a structure, white is high, by the name that areas give it.
+        areas: edited areas and strokes, in chronological order.
+        mask_strokes: strokes of the mask brush, in chronological order.
+        form: form of the whole drawing; None leaves it as predicted.
+        structures: height pictures (PNG, white is high) of the user's structures, by the names used in areas.
     """
 
     picture: bytes | NDArray[np.uint8]
@@ -74,12 +73,12 @@ class DrawingRequest:
         pixels: NDArray[np.uint8] | None = None,
         source: MaskSource | None = None,
     ) -> Self:
-        """Return the drawing in a request.
+        """Return the drawing of a request.
 
         Args:
-            fields: of the drawing.
-            pixels: (H, W, 1 or 4), what came behind the fields; None takes the PNG in them.
-            source: where the mask comes from if it is not given; None is what the fields say.
+            fields: fields of the drawing.
+            pixels: (H, W, 1 or 4), the pixels that followed the fields; None uses the PNG in the fields.
+            source: mask source if no mask is given; None uses the source in the fields.
 
         Raises:
             InputError: if there is no picture.
@@ -94,12 +93,12 @@ class DrawingRequest:
 
     @property
     def shape(self) -> tuple[int, ...] | None:
-        """(H, W), if it came as pixels."""
+        """(H, W) if the picture came as pixels, otherwise None."""
         return None if isinstance(self.picture, bytes) else self.picture.shape[:2]
 
     @property
     def drawn(self) -> bool:
-        """Whether it is strokes alone, and no picture was imported."""
+        """Whether the drawing consists of strokes only, without an imported picture."""
         return not isinstance(self.picture, bytes) and self.picture.shape[-1] == 1
 
     def digest(self) -> bytes:
@@ -123,10 +122,10 @@ class DrawingRequest:
         return whole.digest()
 
     def read_lines(self) -> tuple[Picture, MaskOrSource]:
-        """Return the picture, and the mask (H, W) or where it comes from.
+        """Return the picture, and the mask (H, W) or mask source.
 
         Raises:
-            InputError: if they cannot be used or do not go together.
+            InputError: if the picture or the mask is invalid, or their sizes differ.
         """
         picture = (
             read_png("picture", self.picture) if isinstance(self.picture, bytes) else to_picture(self.picture)
@@ -148,26 +147,26 @@ class DrawingRequest:
         return paint_mask(inked, (each.stroke for each in self.mask_strokes))
 
     def edit(self, normals: Floats, mask: BoolMask, shape: tuple[int, int]) -> Floats:
-        """Apply the form, then the user's areas in order, then the exact pins to a predicted map.
+        """Return a predicted map with the form, then the areas in order, then the exact pins applied.
 
         Args:
-            normals: (h, w, 3), unit.
+            normals: (h, w, 3), unit normals.
             mask: (h, w), the object.
-            shape: (H, W) of the drawing, in whose pixels hints and areas are.
+            shape: (H, W) of the drawing; hints and areas are in pixels of it.
 
         Raises:
-            InputError: if a hint or an area cannot be used.
+            InputError: if a hint or an area is invalid.
         """
         free = all(each.reach is None for each in self.hints)
         if not self.areas and self.form is None and free:
-            return normals  # held to these pins already
+            return normals  # the prediction has these pins already
         if self.form is not None:
             normals = give_form(normals, mask, mask.astype(np.float32), self.form)
         scale = normals.shape[1] / shape[1]
         if any(area.carves for area in self.areas):
-            normals = normals.copy()  # lines are carved in place, as there may be thousands
+            normals = normals.copy()  # lines are carved in place, because there may be thousands
         unrolled: Floats | None = None
-        # Strokes of one structure that follow one another are one: where they cross, it is no steeper.
+        # Consecutive strokes of the same structure are merged, so that they do not add up where they cross.
         for structure, group in groupby(self.areas, key=lambda area: area.structure):
             if structure is None:
                 for area in group:
@@ -176,7 +175,7 @@ class DrawingRequest:
                 cover = np.zeros(mask.shape, np.float32)
                 for area in group:
                     np.maximum(cover, _cover(area, mask, scale), out=cover)
-                if unrolled is None:  # once: no structure lies on the bumps of another
+                if unrolled is None:  # once, so that a structure does not follow the bumps of another
                     unrolled = unroll(normals, mask)
                 placement = structure.scaled(scale)
                 normals = impress(normals, mask, cover, self._tile(structure), placement, unrolled)
@@ -192,16 +191,16 @@ class DrawingRequest:
     def _tile(self, structure: Structure) -> Tile:
         if structure.picture is not None:
             return _tile_of(self.structures[structure.picture])
-        assert structure.kind != "own"  # it has a picture
+        assert structure.kind != "own"  # "own" implies a picture
         return read_tile(structure.kind)
 
     def read_hints(self, shape: tuple[int, int]) -> Hints | None:
-        """Return the hints for the model, in pixels of the drawing (H, W); None if there are none.
+        """Return the hints for the model in pixels of the drawing (H, W); None if there are none.
 
-        Hints with their own reach are left out: the reach says how far they work, not the model.
+        Hints with a reach are left out, because the reach determines their effect instead of the model.
 
         Raises:
-            InputError: if one is invalid.
+            InputError: if a hint is invalid.
         """
         checked = to_hints(self.hints, shape)
         free = [each.reach is None for each in self.hints]
@@ -209,16 +208,16 @@ class DrawingRequest:
 
 
 def to_hints(hints: Sequence[HintFields], shape: tuple[int, int]) -> Hints:
-    """Return the hints of a request, in pixels of its drawing (H, W).
+    """Return the hints of a request in pixels of the drawing (H, W).
 
     Raises:
-        InputError: if one is invalid.
+        InputError: if a hint is invalid.
     """
     return check_hints([(each.x, each.y, each.normal) for each in hints], "the request", shape)
 
 
 def _edit_area(normals: Floats, mask: BoolMask, area: Area, scale: float) -> Floats:
-    """Return a map edited by an area that is no structure; a carved line edits it in place."""
+    """Return a map edited by an area without a structure; carved lines edit the map in place."""
     if area.height is not None and area.size is not None:
         widths = np.array(area.widths or [area.size] * (len(area.points) // 2), np.float32)
         carve(normals, mask, area.line(scale), widths * np.float32(scale), area.height)
@@ -234,7 +233,7 @@ def _edit_area(normals: Floats, mask: BoolMask, area: Area, scale: float) -> Flo
 
 
 def _cover(area: Area, mask: BoolMask, scale: float) -> Floats:
-    """Return how much an area covers of each pixel of a map (H, W), by its strength."""
+    """Return the coverage of each pixel (H, W) of a map by an area, times the area's strength."""
     size, points = (mask.shape[0], mask.shape[1]), area.line(scale)
     if area.size is not None:
         return np.float32(area.strength) * stroke(size, points, area.size * scale, area.fade)
@@ -244,13 +243,15 @@ def _cover(area: Area, mask: BoolMask, scale: float) -> Floats:
 
 @lru_cache(maxsize=2 * MOST_STRUCTURES)
 def _tile_of(content: bytes) -> Tile:
-    """Return the structure in a PNG, white is high."""
+    """Return the structure of a PNG in which white is high."""
     if content[:8] == _PNG and len(content) >= 33:
         sides = struct.unpack(">II", content[16:24])
         if sides != (TILE_SIDE, TILE_SIDE):
-            raise InputError(f"a structure is {sides[0]} × {sides[1]} pixels; it has {TILE_SIDE} a side.")
+            raise InputError(
+                f"a structure is {sides[0]} × {sides[1]} pixels; it must have {TILE_SIDE} a side."
+            )
     heights = read_png("structure", content).colour.mean(-1)
-    # Its 256 levels would be steps.
+    # Smoothed, because 256 levels would give visible steps.
     wide = np.pad(heights, 2, mode="wrap")
     return Tile.of(np.asarray(cv2.GaussianBlur(wide, (5, 5), 0)[2:-2, 2:-2], np.float32))
 
@@ -268,21 +269,20 @@ def read_png(name: str, content: bytes) -> Picture:
     """Return a PNG as a picture.
 
     Raises:
-        InputError: if it is not one, or its size is out of range; that is checked before decoding.
+        InputError: if it is not a PNG, or its size, which is checked before decoding, is out of range.
     """
     if content[:8] != _PNG or content[12:16] != b"IHDR" or len(content) < 33:
         raise InputError(f"the {name} is not a PNG.")
     width, height = struct.unpack(">II", content[16:24])
     check_sides(name, height, width)
     picture = read_picture(Path(f"the {name}"), content)
-    check_sides(name, *picture.shape)  # a damaged file may have a second head
+    check_sides(name, *picture.shape)  # a damaged file may have a second header
     return picture
 
 
 def check_sides(name: str, height: int, width: int) -> None:
-    """Raise `InputError` if the studio does not take a picture of this size."""
+    """Raise `InputError` if a picture of this size is not accepted."""
     if not LEAST_SIDE <= min(height, width) <= max(height, width) <= MOST_SIDE:
         raise InputError(
-            f"the {name} is {width} × {height} pixels; "
-            f"in the studio it has {LEAST_SIDE} to {MOST_SIDE} a side."
+            f"the {name} is {width} × {height} pixels; the studio accepts {LEAST_SIDE} to {MOST_SIDE} a side."
         )

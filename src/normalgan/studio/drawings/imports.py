@@ -1,4 +1,4 @@
-"""Imports: an image, or the layers of a file, as PNGs for the page."""
+"""Imports: convert an image, or the layers of a file, to PNGs for the page."""
 
 import base64
 import io
@@ -24,18 +24,20 @@ Imported = dict[str, Any]
 
 
 def import_picture(content: bytes, name: str = "the picture", part: int = 1) -> Imported:
-    """Return an image as base64 of a PNG with alpha, its width and height, and those ``given``.
-
-    ``layered`` tells whether the file may have layers, which `import_layers` gives; ``parts``, how many
-    pages or frames it has; ``pages``, whether they are pages; ``notes``, as `import_layers` has them.
+    """Return an image for the page.
 
     Args:
-        content: a file as `normalgan.inference.reading.picture.read_picture` reads it.
-        name: what to call it in an error.
-        part: which page or frame, from 1.
+        content: a file that `normalgan.inference.reading.picture.read_picture` can read.
+        name: name of the file in error messages.
+        part: number of the page or frame, from 1.
+
+    Returns:
+        ``picture``, a base64 PNG with alpha; its ``width`` and ``height``; ``given``, the size in the file;
+        ``layered``, whether the file has layers for `import_layers`; ``parts``, the number of pages or
+        frames; ``pages``, whether they are pages; ``notes``, as in `import_layers`.
 
     Raises:
-        InputError: if it is none, or too narrow, or has no such part.
+        InputError: if the file is not an image, is too narrow, or does not have the part.
     """
     parts = count_parts(content)
     pages = moving_kind(Path(name), content) == PAGES
@@ -63,20 +65,21 @@ def import_picture(content: bytes, name: str = "the picture", part: int = 1) -> 
 
 
 def import_layers(content: bytes) -> Imported:
-    """Return the visible layers of a layered file, of its first frame, each cut to what is opaque in it.
-
-    Returns:
-        ``width``, ``height`` and those ``given``; ``frames``, how many there are; ``plain``, the names of
-        layers in one colour, such as paper, which are left out; ``notes``, the ``name`` and ``reason`` of
-        layers that are not shown as their program shows them; ``layers``, the lowest first, each with a
-        ``name``, the names of its ``groups``, its ``opacity`` in [0, 1], a ``picture`` as base64 of a PNG
-        with alpha, and where it lies: ``x``, ``y``, ``width`` and ``height`` in pixels of the drawing.
+    """Return the visible layers of a layered file's first frame, each cropped to its opaque part.
 
     Args:
-        content: a file as `normalgan.inference.composites.layers.read_layers` reads it.
+        content: a file that `normalgan.inference.composites.layers.read_layers` can read.
+
+    Returns:
+        ``width`` and ``height`` of the drawing; ``given``, the size in the file; ``frames``, the number of
+        frames; ``plain``, the names of layers of a single colour, such as paper, which are left out;
+        ``notes``, the ``name`` and ``reason`` of each layer that looks different from the program that wrote
+        the file; ``layers``, bottom to top, each with its ``name``, the names of its ``groups``, its
+        ``opacity`` in [0, 1], its ``picture`` as base64 PNG with alpha, and its position ``x``, ``y``,
+        ``width`` and ``height`` in pixels of the drawing.
 
     Raises:
-        InputError: if it cannot be read, is too narrow, or has no layer to draw on, or too many.
+        InputError: if the file cannot be read, is too narrow, or has no layers with lines, or too many.
     """
     name = "the file"
     found = read_layers(Path(name), content)
@@ -123,7 +126,7 @@ def import_layers(content: bytes) -> Imported:
 
 
 def _encoded(picture: Picture) -> str:
-    """Return a picture as base64 of a PNG with alpha."""
+    """Return a picture as base64 PNG with alpha."""
     alpha = np.ones(picture.size, np.float32) if picture.alpha is None else picture.alpha
     pixels = np.rint(255 * np.dstack([picture.colour, alpha])).astype(np.uint8)
     file = io.BytesIO()

@@ -1,4 +1,4 @@
-"""Layers: the parts of a drawing, the hindmost first; the network sees each among the others."""
+"""Layers: the layers of a drawing, and the prediction of their composite."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -17,11 +17,11 @@ __all__ = ["Layer", "predict_layers", "take_layers"]
 
 @dataclass(frozen=True)
 class Layer:
-    """A part of a drawing.
+    """A layer of a drawing.
 
     Args:
-        name: for findings; empty if it is the only layer.
-        drawing: what is drawn on it.
+        name: name for findings; empty if it is the only layer.
+        drawing: content of the layer.
     """
 
     name: str
@@ -29,16 +29,16 @@ class Layer:
 
 
 def take_layers(fields: RequestFields, kept: KeptPlanes, pixels: memoryview | None) -> list[Layer]:
-    """Return the layers of a request, the hindmost first.
+    """Return the layers of a request, back to front.
 
     Args:
-        fields: of the request. A layer without a ``source`` has that of the request.
-        kept: what the layers' tab has sent before.
-        pixels: behind the fields; None if pictures are PNG in them.
+        fields: fields of the request. A layer without a ``source`` uses that of the request.
+        kept: pixels from earlier requests.
+        pixels: bytes that followed the fields; None if the fields contain PNGs.
 
     Raises:
-        BehindError: if a layer is sent as a change to one that is not kept here.
-        InputError: if the pixels do not go with the layers.
+        BehindError: if a layer is a change to pixels that are not kept.
+        InputError: if the pixels do not match the layers.
     """
     if fields.layers is None:
         ink = None if pixels is None else kept.take(fields.tab, fields, pixels, fields.number, fields.keep)
@@ -53,23 +53,23 @@ def take_layers(fields: RequestFields, kept: KeptPlanes, pixels: memoryview | No
         drawing = DrawingRequest.of(layer, ink, layer.source or fields.source)
         found.append(Layer(layer.name if len(fields.layers) > 1 else "", drawing))
     if pixels is not None and start != len(pixels):
-        raise InputError(f"there are {len(pixels)} bytes of pixels; the layers tell of {start}.")
+        raise InputError(f"there are {len(pixels)} bytes of pixels; the layers declare {start}.")
     if pixels is not None and len({each.drawing.shape for each in found}) > 1:
-        raise InputError("the layers are of different sizes; they must have the drawing's.")
+        raise InputError("the layers have different sizes; all must have the size of the drawing.")
     return found
 
 
 def predict_layers(
     layers: Sequence[Layer], predict: Callable[[DrawingRequest, Sequence[DrawingRequest]], NormalMap]
 ) -> NormalMap:
-    """Return the map of all layers; its findings say which layers could not be predicted, and why.
+    """Return the composite map of all layers; its findings name the layers that could not be predicted.
 
     Args:
-        layers: the hindmost first.
-        predict: predicts one layer among all of them.
+        layers: the layers, back to front.
+        predict: predicts one layer among all layers.
 
     Raises:
-        LackingError: if none can be predicted.
+        LackingError: if no layer can be predicted.
     """
     if len(layers) == 1:
         return predict(layers[0].drawing, [])
@@ -88,6 +88,6 @@ def predict_layers(
     if not predicted:
         raise LackingError(lacks[0].words, lacks[0].code, lacks[0].layer)
     if len({each.mask.shape for each in predicted}) > 1:
-        raise InputError("the layers are of different sizes; they must have the drawing's.")
+        raise InputError("the layers have different sizes; all must have the size of the drawing.")
     whole = compose(predicted)
     return replace(whole, findings=(*whole.findings, *lacks))

@@ -1,4 +1,4 @@
-"""Limits of a drawing: checked by the server, and handed to the page, which has no numbers of its own."""
+"""Limits of a drawing, which the server checks and passes to the page."""
 
 import json
 from html import escape
@@ -29,34 +29,34 @@ __all__ = [
 ]
 
 LEAST_SIDE, MOST_SIDE = 16, 2048
-"""Least and greatest side of a drawing in pixels."""
+"""Minimum and maximum side of a drawing in pixels."""
 MOST_LAYERS = 16
 LONGEST_NAME = 80
-"""Characters of a layer's name."""
+"""Maximum length of a layer's name in characters."""
 MOST_STROKES = 20_000
-"""Lines and pictures of a layer; only the page has them."""
+"""Maximum number of lines and pictures of a layer; only the page checks it."""
 MOST_CARVED = 20_000
-"""Pieces of engraved and embossed lines: an eraser makes many of one."""
+"""Maximum number of pieces of engraved and embossed lines; an eraser splits one line into many."""
 MOST_HINTS = MOST_PINS
 MOST_AREAS = 200
 MOST_MASK_STROKES = 500
 MOST_POINTS = 4000
-"""Of an area."""
+"""Maximum number of points of an area."""
 MOST_PICTURES = 8
-"""To trace; only the page has them."""
+"""Maximum number of pictures for tracing; only the page checks it."""
 MOST_STRUCTURES = 8
-"""Pictures of a drawing that are structures."""
+"""Maximum number of pictures that serve as structures in a drawing."""
 TILE_SIDE = 128
-"""Side in pixels of such a picture."""
+"""Side in pixels of a picture that serves as a structure."""
 LEAST_PERIOD, MOST_PERIOD = 1 / 16, 2**16
-"""Least and greatest side in pixels of a structure's tiles on a drawing."""
+"""Minimum and maximum side in pixels of a structure's tiles on a drawing."""
 
 
 def with_limits(page: str) -> str:
-    """Return the page with these limits, as JSON in an attribute of its root, and in its fields.
+    """Return the page with the limits inserted, as JSON in an attribute of its root and in its inputs.
 
     Raises:
-        ValueError: if the page has no root to put them in.
+        ValueError: if the page does not have the expected root element.
     """
     limits = {
         "sides": {"least": LEAST_SIDE, "most": MOST_SIDE},

@@ -1,4 +1,4 @@
-"""Planes: a drawing's pixels as raw bytes; the page sends only the changed part."""
+"""Planes: receive a drawing's pixels as raw bytes, of which the page sends only the changed part."""
 
 import struct
 from collections import OrderedDict
@@ -16,31 +16,31 @@ __all__ = ["CONTENT_TYPE", "KeptPlanes", "Pixels", "split_body"]
 Pixels = NDArray[np.uint8]
 
 CONTENT_TYPE: Final = "application/x-normalgan-drawing"
-"""Of a body that is the length of a JSON text (4 bytes, little-endian), the text, and the pixels' bytes."""
+"""Type of a body made up of the length of a JSON text (4 bytes, little-endian), the text, and pixels."""
 _MOST = 256
-"""Layers whose pixels are kept."""
+"""Default maximum number of layers whose pixels are kept."""
 _BYTES = 2**28
-"""That all of them may take together: as much as the most layers of the largest drawing."""
+"""Default maximum number of bytes kept for all layers, enough for the largest possible drawing."""
 
 
 def split_body(body: bytes) -> tuple[bytes, memoryview]:
-    """Return the JSON text of a body, and the bytes after it.
+    """Return the JSON text of a body and the bytes after it.
 
     Raises:
-        InputError: if there is none.
+        InputError: if the body is truncated.
     """
     length: int = struct.unpack_from("<I", body)[0] if len(body) >= 4 else 0
     if len(body) < 4 + length or not length:
-        raise InputError("the body is cut off; it is a length, a JSON text of that length, and pixels.")
+        raise InputError("the body is cut off; send a length, a JSON text of that length, and pixels.")
     return body[4 : 4 + length], memoryview(body)[4 + length :]
 
 
 class KeptPlanes:
-    """The last pixels of each layer and tab, to which a request sends changes. Not thread-safe.
+    """Keeps the latest pixels of each layer and tab, to which later requests send changes. Not thread-safe.
 
     Args:
-        most: layers to keep.
-        largest: bytes to keep.
+        most: maximum number of layers to keep.
+        largest: maximum number of bytes to keep.
     """
 
     def __init__(self, most: int = _MOST, largest: int = _BYTES) -> None:
@@ -50,21 +50,22 @@ class KeptPlanes:
     def take(
         self, tab: str, drawing: DrawingFields, pixels: memoryview, number: int, keep: bool = True
     ) -> Pixels:
-        """Return the pixels of a request, read-only.
+        """Return the full pixels of a request; callers must not modify them.
 
         Args:
-            tab: who asks, and for which layer.
-            drawing: its ``planes`` say what part of it the bytes are, its ``base`` what they change.
-            pixels: of the planes' box.
-            number: of the request.
-            keep: whether this may be a base itself.
+            tab: identifier of the tab and layer.
+            drawing: fields of the drawing. ``planes`` gives the box of the changed part, ``base`` the number
+                of the request that is changed.
+            pixels: bytes of the box.
+            number: number of the request.
+            keep: whether later requests may send changes to these pixels.
 
         Returns:
-            (H, W, 1), grey, or (H, W, 4), with opacity.
+            Pixels (H, W, 1), grey, or (H, W, 4), with opacity.
 
         Raises:
-            BehindError: if the base is not what was kept; the page must send all then.
-            InputError: if they do not go together.
+            BehindError: if the base is not kept; the page must then send all pixels.
+            InputError: if the bytes do not match the fields.
         """
         if not drawing.planes:
             raise InputError('planes is missing; it is a list like [{"name": "ink", "width": 64, …}].')
@@ -72,9 +73,7 @@ class KeptPlanes:
         if drawing.base is not None:
             kept, before = self._kept.get(tab, (None, None))
             if kept != drawing.base:
-                raise BehindError(
-                    "the server does not have the drawing that this is a change of; send it all."
-                )
+                raise BehindError("the server does not have the drawing that this changes; send all of it.")
         ink = _changed(before, drawing.planes[0], pixels)
         if keep:
             self._kept[tab] = number, ink
@@ -88,7 +87,7 @@ class KeptPlanes:
 
 
 def _changed(before: Pixels | None, plane: Plane, pixels: memoryview) -> Pixels:
-    """Return the pixels with those of a box replaced."""
+    """Return the pixels with a box replaced."""
     left, top, right, bottom = plane.box
     width, height, channels = plane.width, plane.height, plane.channels
     shape = (height, width, channels)

@@ -1,4 +1,4 @@
-"""Schemas: what the page sends, as pydantic checks it; fields that nobody knows are ignored."""
+"""Schemas: pydantic models of what the page sends; unknown fields are ignored."""
 
 import math
 from collections.abc import Sequence
@@ -51,11 +51,11 @@ __all__ = [
 ]
 
 _FARTHEST = 1e6
-"""Pixels, or radians, of where a structure's tiles begin: none is seen farther off."""
+"""Maximum offset, in pixels, and rotation, in radians, of a structure's tiles."""
 
 
 class Schema(BaseModel):
-    """A JSON object; its bytes are base64."""
+    """Base class of JSON objects; bytes are encoded as base64."""
 
     model_config = ConfigDict(strict=True, frozen=True, allow_inf_nan=False, val_json_bytes="base64")
 
@@ -64,19 +64,19 @@ S = TypeVar("S", bound=Schema)
 
 _Share = Annotated[float, Field(ge=0, le=1)]
 Side = Annotated[int, Field(ge=LEAST_SIDE, le=MOST_SIDE)]
-"""Of a picture, in pixels."""
+"""Side of a picture in pixels."""
 _Width = Annotated[float, Field(gt=0, le=MOST_SIDE)]
-"""Of a brush, in pixels."""
+"""Width of a brush in pixels."""
 _Vector = tuple[float, float, float]
 _Points = Annotated[list[float], Field(min_length=2, max_length=2 * MOST_POINTS)]
-"""x, y, x, y, … in pixels of the drawing."""
+"""Points as x, y, x, y, … in pixels of the drawing."""
 _Offset = Annotated[float, Field(ge=-_FARTHEST, le=_FARTHEST)]
 _Number = Annotated[int, Field(ge=0, lt=2**53)]
-"""Whole numbers below this are exact in JavaScript."""
+"""Number of a request; integers below 2**53 are exact in JavaScript."""
 
 
 class HintFields(Schema):
-    """A pinned normal; ``reach`` in pixels says how far it works, and then the network does not see it."""
+    """A pinned normal; with a ``reach`` in pixels, it acts as an edit that the network does not see."""
 
     x: float
     y: float
@@ -85,7 +85,7 @@ class HintFields(Schema):
 
 
 class Structure(Schema):
-    """A structure of the brush: one that is built in, or the ``picture`` of that name."""
+    """A structure applied by the brush: a built-in one, or the user's ``picture`` of that name."""
 
     kind: Kind | Literal["own"]
     period: Annotated[float, Field(ge=LEAST_PERIOD, le=MOST_PERIOD)]
@@ -98,28 +98,29 @@ class Structure(Schema):
     @model_validator(mode="after")
     def _is_built_in_or_a_picture(self) -> Self:
         if (self.kind == "own") != (self.picture is not None):
-            raise ValueError('a structure has a picture if its kind is "own", and else none')
+            raise ValueError('a structure has a picture if, and only if, its kind is "own"')
         return self
 
     def scaled(self, scale: float) -> Placement:
-        """Return where its tiles lie on a map, of which ``scale`` pixels are one of the drawing."""
+        """Return the placement of the tiles on a map with ``scale`` pixels per pixel of the drawing."""
         return Placement(self.period * scale, self.turn, self.x * scale, self.y * scale, self.flipped)
 
 
 class Area(Schema):
-    """A part of the map whose direction the user sets.
+    """An edit of the map: a polygon, a brush stroke or a carved line.
 
     Args:
-        points: of a closed polygon, or of a stroke.
-        normal: of length 1.
-        size: width of the brush in pixels; None for a polygon, which is turned as a whole.
-        form: of a polygon; None leaves it as predicted.
-        soft: how much of a polygon's depth, or of the brush's radius, it fades over.
-        strength: of the brush.
-        smooths: whether the brush averages what is under it, and gives it no direction.
-        height: of a line that stands out, or below 0 is cut in; None for a brush.
-        widths: in pixels, of such a line at its points; None is size.
-        structure: what the brush gives in place of a direction.
+        points: points of a closed polygon or of a stroke.
+        normal: direction of the area, a unit vector.
+        size: width of the brush in pixels; None for a polygon, which is tilted rigidly.
+        form: form of a polygon; None leaves it as predicted.
+        soft: width of the fade, as a fraction of a polygon's depth or of the brush's radius; None is the
+            default.
+        strength: strength of the edit.
+        smooths: whether the brush smooths the normals instead of setting a direction.
+        height: relative height of a carved line, negative for a groove; None for a brush.
+        widths: width of a carved line at each point in pixels; None uses ``size``.
+        structure: structure that the brush applies instead of a direction.
     """
 
     points: _Points
@@ -137,41 +138,41 @@ class Area(Schema):
     def _goes_together(self) -> Self:
         count, odd = divmod(len(self.points), 2)
         if odd or (self.size is None and count < 3):
-            raise ValueError("an area has points x, y, x, y, …: 3 or more, or 1 or more with a size")
+            raise ValueError("the points of an area are x, y, x, y, …; it needs 3, or 1 with a size")
         length = math.hypot(*self.normal)
         if not 0.75 < length < 1.25 or self.normal[2] < LEAST_Z * length:
-            raise ValueError("the normal of an area has length 1, and its z is 0 or more")
+            raise ValueError("the normal of an area must have length 1, and its z must be 0 or more")
         if self.widths is not None and len(self.widths) != count:
-            raise ValueError("an area has as many widths as points")
+            raise ValueError("an area must have as many widths as points")
         plain = self.size is not None and not self.smooths and self.height is None
         if self.structure is not None and not plain:
-            raise ValueError("only a plain stroke, with a size, has a structure")
+            raise ValueError("only a plain stroke with a size can have a structure")
         return self
 
     @property
     def carves(self) -> bool:
-        """Whether it is a line that stands out or is cut in."""
+        """Whether the area is a carved line."""
         return self.height is not None
 
     @property
     def fade(self) -> float:
-        """The share of its depth, or of the brush's radius, in which it fades out."""
+        """The width of the fade, as a fraction of the polygon's depth or of the brush's radius."""
         if self.soft is not None:
             return self.soft
         return BRUSH_FADES if self.size is not None else FADES if self.form is None else 0
 
     @property
     def direction(self) -> Floats:
-        """The normal (3,), unit."""
+        """The unit normal (3,)."""
         return np.array(self.normal, np.float32) / np.float32(math.hypot(*self.normal))
 
     def line(self, scale: float) -> Floats:
-        """Return the points (K, 2) on a map, of which ``scale`` pixels are one of the drawing."""
+        """Return the points (K, 2) on a map with ``scale`` pixels per pixel of the drawing."""
         return _pairs(self.points) * np.float32(scale)
 
 
 class MaskStrokeFields(Schema):
-    """A stroke of the mask brush, or with ``fills`` a click into an area."""
+    """A stroke of the mask brush or, with ``fills``, a click that fills an area."""
 
     points: _Points
     size: _Width
@@ -186,12 +187,12 @@ class MaskStrokeFields(Schema):
 
     @property
     def stroke(self) -> MaskStroke:
-        """The stroke, in pixels of the drawing."""
+        """The stroke in pixels of the drawing."""
         return MaskStroke(_pairs(self.points), self.size, self.adds, self.fills)
 
 
 class Plane(Schema):
-    """What part of a drawing's pixels follows the JSON: those of the box, left, top, right, bottom."""
+    """The part of a drawing's pixels that follows the JSON: ``box`` is left, top, right, bottom."""
 
     name: Literal["ink"]
     width: Side
@@ -208,19 +209,19 @@ class Plane(Schema):
 
 
 class DrawingFields(Schema):
-    """A drawing: its picture or planes, and what was said of it.
+    """A drawing: its picture or planes, its mask, and the user's hints and edits.
 
     Args:
-        picture: PNG; None if its pixels follow the JSON.
-        planes: what part of them follows.
-        base: number of the request whose pixels these are changes of; None for none.
-        mask: PNG, white on the object.
-        source: where the mask comes from, if it is not given.
+        picture: a PNG; None if pixels follow the JSON.
+        planes: the part of the pixels that follows the JSON.
+        base: number of the request whose pixels are changed; None if all pixels follow.
+        mask: a PNG, white on the object.
+        source: mask source if no mask is given.
         hints: pinned normals.
-        areas: what is turned as a whole or brushed, in order.
-        mask_strokes: what adds to the object or cuts from it, in order.
-        form: of the whole drawing.
-        structures: PNG of each picture that is a structure, white is high, by the name that areas give it.
+        areas: edited areas and strokes, in chronological order.
+        mask_strokes: strokes of the mask brush, in chronological order.
+        form: form of the whole drawing; None leaves it as predicted.
+        structures: height pictures (PNG, white is high) of the user's structures, by the names used in areas.
     """
 
     picture: bytes | None = None
@@ -249,7 +250,7 @@ class DrawingFields(Schema):
 
 
 class LayerFields(DrawingFields):
-    """A layer; ``bytes`` is how many of the pixels behind the JSON are its own."""
+    """A layer; ``bytes`` is the size of its part of the pixels that follow the JSON."""
 
     id: Annotated[int, Field(ge=0, lt=2**31)]
     name: Annotated[str, Field(max_length=LONGEST_NAME)] = ""
@@ -257,13 +258,13 @@ class LayerFields(DrawingFields):
 
 
 class RequestFields(DrawingFields):
-    """What every request about a drawing has: the drawing, in layers or not, and who asks.
+    """Fields of every request about a drawing.
 
     Args:
-        tab: of the browser.
-        number: of the request; of a tab's requests only the newest is answered.
+        tab: identifier of the browser tab.
+        number: number of the request; only the newest request of a tab is answered.
         keep: whether later requests may send changes to these pixels.
-        layers: the hindmost first; None for a drawing that is one.
+        layers: the layers, back to front; None for a drawing without layers.
     """
 
     tab: Annotated[str, Field(min_length=1, max_length=48)]
@@ -282,7 +283,7 @@ class RequestFields(DrawingFields):
 
 
 class PredictFields(RequestFields):
-    """A request for a map; ``longest`` is its longer side, and a draft gives way to newer requests."""
+    """A request for a map; ``longest`` is the map's longer side, and a ``draft`` yields to newer requests."""
 
     longest: Side | None = None
     draft: bool = False
@@ -290,13 +291,13 @@ class PredictFields(RequestFields):
 
 
 class SuggestFields(RequestFields):
-    """A request for places where hints would help."""
+    """A request for points where hints would help."""
 
     count: Annotated[int, Field(ge=1, le=20)] = 5
 
 
 class ExportFields(RequestFields):
-    """A request for a file; ``size`` is the map's longer side; the pictures are PNG, for the zip of all."""
+    """A request for a file; ``size`` is the map's longer side, and the pictures are PNGs for the zip file."""
 
     what: str = "map"
     format: str | None = None
@@ -309,17 +310,17 @@ class ExportFields(RequestFields):
 
 
 class ImportQuery(Schema):
-    """How a picture file is imported, and which page or frame of it."""
+    """Query parameters of an import."""
 
     way: Literal["drawing", "layers"] = Field("drawing", alias="as")
     part: Annotated[int, Field(ge=1, lt=10**8)] = 1
 
 
 def parse(schema: type[S], content: bytes) -> S:
-    """Return the object in a JSON text.
+    """Return the object of a JSON text.
 
     Raises:
-        InputError: if it is not one of the schema.
+        InputError: if the text does not match the schema.
     """
     try:
         return schema.model_validate_json(content)
@@ -328,10 +329,10 @@ def parse(schema: type[S], content: bytes) -> S:
 
 
 def parse_object(content: bytes) -> dict[str, Any]:
-    """Return the fields of a JSON object, whatever they are.
+    """Return the fields of any JSON object.
 
     Raises:
-        InputError: if it is none.
+        InputError: if the text is not a JSON object.
     """
     try:
         fields = from_json(content, allow_inf_nan=False)
@@ -343,6 +344,6 @@ def parse_object(content: bytes) -> dict[str, Any]:
 
 
 def _pairs(points: Sequence[float]) -> Floats:
-    """Return points (K, 2), none of them far off the drawing."""
+    """Return points as (K, 2), clipped to the surroundings of the drawing."""
     pairs = np.array(points, np.float32).reshape(-1, 2)
     return np.clip(pairs, -MOST_SIDE, 2 * MOST_SIDE)

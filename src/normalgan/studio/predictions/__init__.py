@@ -1,3 +1,3 @@
-"""Predictions: what the model answers to a drawing: maps, heights, suggested hints and exported files."""
+"""Predictions: serve maps, heights, suggested hints and exported files of a drawing."""
 
 __all__ = []

@@ -1,4 +1,4 @@
-"""Exports: one file of a drawing or all of them, as `normalgan generate` writes them."""
+"""Exports: encode one or all files of a drawing as `normalgan generate` writes them."""
 
 import io
 import json
@@ -34,11 +34,11 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Preset:
-    """How a program expects the files of a drawing.
+    """The file conventions of a program.
 
     Args:
-        notes: how to import them there; ``{linear}`` stands for the files whose numbers are not colours.
-        engine: the engine whose naming and conventions the files follow; None for none.
+        notes: instructions for importing the files; ``{linear}`` stands for the suffixes of data textures.
+        engine: engine whose names and conventions the files follow, or None.
         prefix: prefix of all names.
         line_art: suffix of the line art.
     """
@@ -50,7 +50,7 @@ class Preset:
 
     @property
     def normal(self) -> Normal:
-        """How the map is written, as by `normalgan generate --engine`."""
+        """The settings of the map, the same as with `normalgan generate --engine`."""
         if self.engine is None:
             return Normal(alpha=True)
         wanted = CONVENTIONS[self.engine]
@@ -65,7 +65,7 @@ class Preset:
 
 PRESETS: Final = {
     "unity": Preset(
-        "Unity: the file .meta makes _NormalMap a normal map, which sprites use as a secondary texture. "
+        "Unity: the .meta file marks _NormalMap as a normal map, which sprites use as a secondary texture. "
         "Switch sRGB off for {linear}.",
         "unity",
         line_art="_LineArt",
@@ -103,15 +103,16 @@ _FORMATS: Final[dict[str, Format]] = {"png8": "png", "png16": "png", "exr": "exr
 
 
 def offered() -> dict[str, tuple[str, ...]]:
-    """Return the formats of each export; the first is the default."""
+    """Return the formats of each export by name; the first format is the default."""
     beside = {kind.name: kind.formats() for kind in OUTPUTS}
     return {"map": tuple(_FORMATS), "all": ("plain", *PRESETS), **beside}
 
 
 def with_export_menu(page: str) -> str:
-    """Return the page with the menu of all exports, labelled by the page's texts where there are any.
+    """Return the page with the export menu inserted.
 
-    Each entry lists its file names, with ``{}`` for the drawing's name.
+    Labels come from the page's texts, or from the output if the page has no text for it. Each entry lists its
+    file names, with ``{}`` for the drawing's name.
     """
     labels = {kind.name: kind.label for kind in OUTPUTS}
     options = []
@@ -131,12 +132,12 @@ class ExportRequest:
     """The files to export of a drawing.
 
     Args:
-        name: of the drawing, without a suffix.
-        output: the kind of file; None exports all, zipped.
-        longest: longer side in pixels; None keeps the drawing's.
-        preset: the program that all files are for.
-        line_art: PNG of the lines, for the zip.
-        lit: PNG of the map under the user's own lights, for the zip; None lights it from the upper left.
+        name: name of the drawing, without a suffix.
+        output: kind of file; None exports a zip file of all kinds.
+        longest: longer side in pixels; None keeps the drawing's size.
+        preset: target program of a zip file.
+        line_art: PNG of the lines, for the zip file.
+        lit: PNG of the map under the user's lights, for the zip file; None lights it from the upper left.
     """
 
     name: str
@@ -152,8 +153,8 @@ class ExportRequest:
         return tuple(name for name, _ in self._files())
 
     def encode(self, preds: NormalMap) -> tuple[str, bytes]:
-        """Return the file's name and its content; several are zipped."""
-        once = replace(preds)  # keeps the heights that outputs share, and is gone when they are written
+        """Return the name and content of the file; several files are zipped."""
+        once = replace(preds)  # a temporary copy, which caches the heights for all outputs
         files = [(name, encode(once)) for name, encode in self._files()]
         if self.output is not None and len(files) == 1:
             return files[0]
@@ -161,9 +162,9 @@ class ExportRequest:
         return f"{self.name}_{kind}.zip", _zipped(files)
 
     def _files(self) -> Iterator[tuple[str, Callable[[NormalMap], bytes]]]:
-        """Yield the name and the encoder of each file."""
+        """Yield the name of each file and a function that encodes it."""
         if self.output is not None:
-            encode = lru_cache(maxsize=1)(self.output.encode)  # once for all its files
+            encode = lru_cache(maxsize=1)(self.output.encode)  # called once for all files
             for ending in self.output.endings:
                 yield self.name + ending, partial(_encoded, encode, ending)
             return
@@ -200,13 +201,13 @@ def _zipped(files: Iterable[tuple[str, bytes]]) -> bytes:
     file = io.BytesIO()
     with zipfile.ZipFile(file, "w") as archive:
         for name, content in files:
-            # The same drawing gives the same bytes; pictures are compressed already.
+            # Fixed time stamps make the zip deterministic. Pictures are already compressed.
             archive.writestr(zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0)), content)
     return file.getvalue()
 
 
 def _preview(preds: NormalMap) -> bytes:
-    """Return the map as clay under a lamp at the upper left, a PNG."""
+    """Return a PNG of the map as clay, lit from the upper left."""
     from normalgan.inference.outputs.preview import lit
 
     file = io.BytesIO()
@@ -215,7 +216,7 @@ def _preview(preds: NormalMap) -> bytes:
 
 
 def read_export_request(fields: ExportFields) -> ExportRequest:
-    """Return the export that a request asks for.
+    """Return the export described by the fields of a request.
 
     Raises:
         InputError: if the kind or the format is unknown, the name is invalid, or a picture cannot be read.
@@ -229,7 +230,7 @@ def read_export_request(fields: ExportFields) -> ExportRequest:
         return request
     for title, content in (("line art", fields.line_art), ("lit picture", fields.lit_picture)):
         if content is not None:
-            read_png(title, content)  # what is no picture is none of the files
+            read_png(title, content)  # only valid pictures go into the zip
     return replace(request, line_art=fields.line_art, lit=fields.lit_picture)
 
 
@@ -250,7 +251,7 @@ def _request(
     alpha: bool = False,
     line_art: bytes | None = None,
 ) -> ExportRequest:
-    """Return the request for a kind of file in one of its formats."""
+    """Return the export request for a kind of file in one of its formats."""
     if kind == "all":
         return ExportRequest(name, None, longest, chosen, line_art)
     if kind == "map":

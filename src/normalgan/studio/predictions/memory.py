@@ -1,4 +1,4 @@
-"""Memory: have the C library keep the memory of one map for the next."""
+"""Memory: make the C library keep freed memory, so that the next map can reuse it."""
 
 import ctypes
 import platform
@@ -6,19 +6,19 @@ import platform
 __all__ = ["keep_memory"]
 
 _TRIM_THRESHOLD, _MMAP_THRESHOLD, _ARENA_MAX = -1, -3, -8
-"""Of glibc's malloc.h."""
+"""Parameters of mallopt in glibc's malloc.h."""
 _LARGEST = 2**25
-"""Bytes of the largest array that is put into kept memory; glibc allows no more."""
+"""Size in bytes of the largest allocation that uses kept memory; this is glibc's maximum."""
 _KEPT = 2**28
-"""Bytes that are kept; the rest is given back to the system."""
+"""Number of free bytes that are kept; the rest is returned to the system."""
 
 
 def keep_memory() -> bool:
-    """Have glibc keep freed memory; return whether it does.
+    """Configure glibc to keep freed memory; return whether it does.
 
-    By default glibc gives large arrays back to the system when they are freed, and each thread has its own
-    memory. The next map must then fault it in page by page: at 1024 pixels, a sixth of a stroke's time.
-    Other C libraries are left as they are.
+    By default, glibc returns large arrays to the system when they are freed, and each thread has its own
+    arena. The next map must then fault its memory in page by page, which takes a sixth of a stroke's time at
+    1024 pixels. Other C libraries are not changed.
     """
     if platform.libc_ver()[0] != "glibc":
         return False

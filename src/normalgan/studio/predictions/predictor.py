@@ -1,4 +1,4 @@
-"""Predictor: the studio's model, with a cache of the last predictions."""
+"""Predictor: the studio's model with a cache of recent predictions."""
 
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
@@ -29,18 +29,18 @@ K = TypeVar("K")
 T = TypeVar("T")
 
 _REMEMBERED = 2**24
-"""Pixels of the maps that are kept: a map, and its heights or its export, are asked for in turn, and of
-several layers only one is predicted again. So many have four of the largest drawings, each of which may take
-80 MB; the newest two are kept in any case.
+"""Maximum number of pixels of all cached maps. A map is requested again for its heights or its export, and if
+a drawing has several layers, only the edited one changes. The limit allows four of the largest drawings, each
+of which may take 80 MB. The newest two are always kept.
 
-As many drawings are kept prepared: while a pin is turned, nothing but the hints changes.
+The same limit applies to prepared drawings, which are reused while only the hints change.
 """
 _VERSIONS = 4
-"""Maps that are kept of each layer: at half the size and at the whole, now and before the last stroke."""
+"""Cached maps per layer: at half and full size, before and after the last stroke."""
 _Key = tuple[bytes, int | None]
-"""What is drawn, and the map's longer side."""
+"""Digest of the drawing, and the map's longer side."""
 _CONTEXTS = 16
-"""Drawings of several layers whose context, and what the network predicts of it, is kept."""
+"""Maximum number of cached contexts, and of the network's predictions for them."""
 
 
 class Predictor:
@@ -50,17 +50,17 @@ class Predictor:
         path: file that `normalgan export` wrote.
 
     Raises:
-        InputError: if it is not one.
+        InputError: if the file is not such a model.
     """
 
     def __init__(self, path: Path) -> None:
         self.model = OnnxBackend(path)
         self.name = path.name
-        # The first run is slow; nobody shall wait for it while drawing.
+        # The first run is slow, so it is done before the user draws.
         _, confidence = self.model.predict(np.zeros((self.model.size, self.model.size), np.float32))
         read(Picture(np.ones((64, 64, 3), np.float32), None))
         self.confident = confidence is not None
-        """Whether the model says how sure it is."""
+        """Whether the model predicts a confidence."""
         self._lock = Lock()
         self._predicted: OrderedDict[tuple[_Key, bytes], NormalMap] = OrderedDict()
         self._prepared: OrderedDict[_Key, tuple[Prepared, tuple[int, int]]] = OrderedDict()
@@ -81,14 +81,14 @@ class Predictor:
 
         Args:
             drawing: the drawing.
-            parts: among which the network is to see it, the hindmost first, with the drawing itself; empty
-                if it is alone.
-            longest: longer side of the map in pixels; None is the drawing's own.
-            check: called between the steps; what it raises ends the prediction.
-            any_context: whether a map will do that was predicted while the other parts looked different.
+            parts: all parts that the network sees together, back to front, including the drawing itself;
+                empty if it is alone.
+            longest: longer side of the map in pixels; None keeps the drawing's size.
+            check: called between the steps; an exception from it ends the prediction.
+            any_context: whether a map that was predicted with older versions of the other parts is accepted.
 
         Raises:
-            InputError: if the drawing cannot be used.
+            InputError: if the drawing is invalid.
         """
         key = drawing.digest(), longest
         if any_context:
@@ -121,7 +121,7 @@ class Predictor:
         return predicted
 
     def _infer(self, prepared: Prepared) -> "Future[Inferred]":
-        """Return the network's prediction to come; layers without hints that are seen together share it."""
+        """Return a future of the network's prediction; layers without hints in the same context share it."""
         shown = sha256(prepared.seen.tobytes())
         if prepared.hints is not None:
             shown.update(prepared.hints.tobytes())
@@ -135,7 +135,7 @@ class Predictor:
     def _context(
         self, parts: Sequence[DrawingRequest], longest: int | None, check: Callable[[], None]
     ) -> Context | None:
-        """Return the network's view of all parts of a drawing; None if only one can be seen."""
+        """Return the context of all parts of a drawing; None if fewer than two parts can be prepared."""
         if len(parts) < 2:
             return None
         seen = []
@@ -145,7 +145,7 @@ class Predictor:
             except InputError as error:
                 if isinstance(error, RunError):
                     raise
-        # Those of different sizes are refused later.
+        # Parts of different sizes are refused later.
         if len(seen) < 2 or len({prepared.ink.shape for _, prepared in seen}) > 1:
             return None
         key = tuple((part.lines_digest(), longest) for part, _ in seen)
@@ -158,9 +158,9 @@ class Predictor:
     def _prepare(
         self, drawing: DrawingRequest, longest: int | None, check: Callable[[], None], layers: int
     ) -> tuple[Prepared, tuple[int, int]]:
-        """Return one of some layers prepared without its hints, and its (H, W).
+        """Return a layer prepared without hints, and its (H, W); ``layers`` is the number of layers.
 
-        The network runs ahead while the mask is found.
+        The network already runs while the mask is found.
         """
         key = drawing.lines_digest(), longest
         found = self._recalled(self._prepared, key)
@@ -179,7 +179,7 @@ class Predictor:
                 drawn=drawing.drawn,
                 on_seen=infer_ahead,
             )
-            # How the mask was found takes more memory than all else, and nobody asks for it again.
+            # The decision takes more memory than everything else and is not needed again.
             found = replace(prepared, decision=None, reading=None), picture.shape
             self._remember(self._prepared, key, found, _VERSIONS * layers, _size_of_prepared)
         return found
@@ -194,7 +194,7 @@ class Predictor:
     def _remember(
         self, kept: OrderedDict[K, T], key: K, value: T, most: int, pixels: Callable[[T], int] = lambda _: 0
     ) -> None:
-        """Keep a value, and at most so many, of `_REMEMBERED` pixels together; the oldest go."""
+        """Cache a value; drop the oldest ones beyond ``most`` values or `_REMEMBERED` pixels in total."""
         with self._lock:
             kept[key] = value
             while len(kept) > most or (len(kept) > 2 and sum(map(pixels, kept.values())) > _REMEMBERED):

@@ -1,4 +1,4 @@
-"""RequestQueue: a thread that serves requests; of each tab only the newest one waits."""
+"""RequestQueue: a worker thread that serves only the newest request of each tab."""
 
 import asyncio
 from collections import OrderedDict
@@ -12,25 +12,25 @@ __all__ = ["GivenUpError", "RequestQueue", "Stop"]
 T = TypeVar("T")
 
 _TABS = 256
-"""Tabs whose newest number is remembered."""
+"""Maximum number of tabs whose newest request number is remembered."""
 
 
 class GivenUpError(Exception):
-    """Ends work whose result is no longer wanted."""
+    """Raised to end work whose result is no longer needed."""
 
 
 class Stop:
-    """A request to abandon a draft; the work checks it between its steps."""
+    """A flag that asks a draft to stop; the work checks it between its steps."""
 
     def __init__(self) -> None:
         self._asked = False
 
     def ask(self) -> None:
-        """End the work at its next step."""
+        """Ask the work to end at its next check."""
         self._asked = True
 
     def check(self) -> None:
-        """Raise `GivenUpError` if the work is to end."""
+        """Raise `GivenUpError` if the work was asked to end."""
         if self._asked:
             raise GivenUpError
 
@@ -44,11 +44,11 @@ class _Entry(Generic[T]):
 
 
 class RequestQueue:
-    """Does one task at a time, in the order in which tabs asked.
+    """Runs one task at a time, in the order of the tabs' requests.
 
-    A tab that asks again before its turn keeps its place, and its older request is dropped. A started task is
-    finished, because a tab that asks all the time would never get a result; only drafts are abandoned for
-    final requests.
+    If a tab sends another request while one is waiting, the new request takes the old one's place in the
+    queue. A running task is finished, because otherwise a tab that sends requests continuously would never
+    get a result. Only drafts are abandoned for final requests.
     """
 
     def __init__(self) -> None:
@@ -68,15 +68,14 @@ class RequestQueue:
         """Return the result; None if the tab has sent a newer request or has disconnected.
 
         Args:
-            tab: who asks.
-            number: of the request; a tab's larger number is newer.
-            work: what is done in the thread.
-            gone: returns when the client has disconnected.
-            stop: asked to end the work when the tab asks for what is no draft, or has gone; None if this is
-                no draft.
+            tab: identifier of the tab.
+            number: number of the request; a larger number is newer.
+            work: function that runs in the worker thread.
+            gone: coroutine that returns when the client has disconnected.
+            stop: stops a draft when the tab sends a final request or disconnects; None for a final request.
 
         Raises:
-            Exception: what the work raises.
+            Exception: any exception that the work raises.
         """
         if number < self._newest.get(tab, number):
             return None
@@ -111,7 +110,7 @@ class RequestQueue:
                 del self._waiting[tab]
 
     def close(self) -> None:
-        """Start no further work, and let the running task finish."""
+        """Stop accepting work; a running task is finished."""
         for entry in self._waiting.values():
             _settle(entry, None)
         self._waiting.clear()
@@ -138,7 +137,7 @@ class RequestQueue:
 
 
 def _settle(entry: _Entry[object], ended: "asyncio.Future[object] | None") -> None:
-    """Pass the result to the waiting request, if it still waits."""
+    """Pass the result to the request, if it is still waiting."""
     failure = None if ended is None else ended.exception()
     if entry.done.done():
         return

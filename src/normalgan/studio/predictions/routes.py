@@ -1,4 +1,4 @@
-"""Routes: take a drawing in layers; return its map, heights, files or suggested hints."""
+"""Routes: answer requests for the map, heights, files or suggested hints of a drawing."""
 
 import json
 import time
@@ -42,15 +42,15 @@ F = TypeVar("F", bound=RequestFields)
 
 
 class PredictionRoutes:
-    """Responses to drawings.
+    """The routes that predict drawings.
 
     Args:
-        predictor: predicts them.
+        predictor: predicts the drawings.
     """
 
     def __init__(self, predictor: Predictor) -> None:
         self._predictor = predictor
-        # Heights and exports take seconds; no stroke waits for them.
+        # Heights and exports take seconds, so they have a queue of their own.
         self._quick, self._slow = RequestQueue(), RequestQueue()
         self._exports = 0
         self._kept = KeptPlanes()
@@ -66,15 +66,15 @@ class PredictionRoutes:
         ]
 
     def close(self) -> None:
-        """Start no further work."""
+        """Stop accepting work."""
         self._quick.close()
         self._slow.close()
 
     async def predict(self, request: Request) -> Response:
-        """Answer with the map as W × H × 4 bytes: the normals' colours, and the object's soft edge as alpha.
+        """Return the map as W × H × 4 bytes: the colours of the normals, and the object's opacity as alpha.
 
-        With ``changed_only`` only changed layers are predicted; the maps of the others are reused, although
-        the network saw them among other layers.
+        With ``changed_only``, only changed layers are predicted. The maps of the other layers are reused,
+        although they were predicted in a different context.
         """
         start = time.perf_counter()
         fields, layers = await self._asked(request, PredictFields)
@@ -85,36 +85,36 @@ class PredictionRoutes:
         except InputError as error:
             if not _is_raw(request) or isinstance(error, RunError | RefusedError):
                 raise
-            # Of a drawing that has just been begun that is no error, which a browser would log as one.
+            # A new drawing may lack lines, and the browser would log an error status.
             return _dropped(finding_of(error))
         return _dropped() if map_ is None else _pixels(*map_, start)
 
     async def suggest(self, request: Request) -> Response:
-        """Answer with places where a hint would help."""
+        """Return points where a hint would help."""
         fields, layers = await self._asked(request, SuggestFields)
         work = partial(self._points, layers, fields.count)
         points = await self._ordered(self._quick, request, fields, work)
         return _dropped() if points is None else JSONResponse({"points": points})
 
     async def uncertainty(self, request: Request) -> Response:
-        """Answer with the model's uncertainty, W × H bytes as shares of 90°; empty without a confidence."""
+        """Return the expected error as W × H bytes, 255 for 90°; empty if the model has no confidence."""
         start = time.perf_counter()
         fields, layers = await self._asked(request, RequestFields)
         doubts = await self._ordered(self._quick, request, fields, partial(self._doubts, layers))
         return _dropped() if doubts is None else _pixels(*doubts, start)
 
     async def height(self, request: Request) -> Response:
-        """Answer with heights, W × H floats, NaN off the object."""
+        """Return the heights as W × H floats, NaN off the object."""
         start = time.perf_counter()
         fields, layers = await self._asked(request, RequestFields)
         heights = await self._ordered(self._slow, request, fields, partial(self._heights, layers))
         return _dropped() if heights is None else _pixels(*heights, start)
 
     async def export(self, request: Request) -> Response:
-        """Answer with a file as ``normalgan generate`` writes it."""
+        """Return a file as ``normalgan generate`` writes it."""
         fields, layers = await self._asked(request, ExportFields)
         work = partial(self._file, layers, fields)
-        self._exports += 1  # none takes another one's place
+        self._exports += 1  # exports do not replace one another
         file = await self._ordered(self._slow, request, fields, work, f"{self._exports} ")
         if file is None:
             return _dropped()
@@ -123,7 +123,7 @@ class PredictionRoutes:
         return Response(content, headers={"Content-Disposition": attachment}, media_type=_OCTETS)
 
     async def _asked(self, request: Request, schema: type[F]) -> tuple[F, list[Layer]]:
-        """Return the fields and the layers of a request: PNGs in JSON, or raw bytes of the changed part."""
+        """Return the fields and the layers of a request with PNGs in JSON or with raw pixels."""
         check_type(request, "application/json", CONTENT_TYPE)
         content = await read_body(request)
         pixels = None
@@ -141,7 +141,7 @@ class PredictionRoutes:
         apart: str = "",
         stop: Stop | None = None,
     ) -> T | None:
-        """Return the result of the work in its turn; None if a newer request replaces it."""
+        """Return the result of the work, run in turn; None if a newer request replaces it."""
         tab = f"{request.url.path} {apart}{fields.tab}"
         return await queue.do(tab, fields.number, work, partial(wait_disconnect, request), stop)
 
@@ -183,7 +183,7 @@ class PredictionRoutes:
 
     def _heights(self, layers: Sequence[Layer]) -> tuple[bytes, NormalMap]:
         predicted = self._predict(layers)
-        own = replace(predicted)  # the map is kept, and its heights are not
+        own = replace(predicted)  # a copy, so that the cached map does not keep the heights
         height = np.where(own.mask, own.height(), np.nan)
         return height.astype("<f4").tobytes(), predicted
 
@@ -196,7 +196,7 @@ _OCTETS = "application/octet-stream"
 
 
 def _is_raw(request: Request) -> bool:
-    """Return whether a request has raw pixels, as those of the page."""
+    """Return whether a request has raw pixels, like the page's requests."""
     return request.headers["content-type"].partition(";")[0].strip().lower() == CONTENT_TYPE
 
 
@@ -212,7 +212,7 @@ def _pixels(content: bytes, predicted: NormalMap, start: float) -> Response:
 
 
 def _lines(layers: Sequence[Layer], mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Return where there is ink, at the size of the mask: all dark pixels."""
+    """Return the mask (H, W) of all dark pixels."""
     inked = np.zeros_like(mask)
     for layer in layers:
         picture, _ = layer.drawing.read_lines()
@@ -226,5 +226,5 @@ def _dropped(*lacks: Finding) -> Response:
 
 
 def _header(findings: Sequence[Finding]) -> str:
-    """Return findings as percent-encoded JSON, each with the command line's words."""
+    """Return findings as percent-encoded JSON, each with its text for the command line."""
     return quote(json.dumps([{**asdict(each), "words": words_of(each)} for each in findings]))

@@ -1,3 +1,3 @@
-"""Projects: saved documents, how they are kept in a folder, and what the page opens first."""
+"""Projects: store and serve saved documents, and find the one that the page opens first."""
 
 __all__ = []

@@ -1,4 +1,4 @@
-"""DocumentStore: documents in a folder, written atomically, without overwriting unseen changes."""
+"""DocumentStore: documents in a folder, written atomically and guarded against lost updates."""
 
 import hashlib
 import os
@@ -27,25 +27,25 @@ SUFFIX = ".normalgan"
 
 
 class Anything:
-    """The tag for overwriting any version of a document."""
+    """Type of the tag that allows overwriting any version of a document."""
 
 
 ANYTHING: Final = Anything()
 Expected = str | None | Anything
-"""The tag of the document that is to be changed, None for that there is none yet, or `ANYTHING`."""
+"""The tag of the document that a change replaces; None if it must not exist yet; or `ANYTHING`."""
 _LOCK = ".lock"
 _PATIENCE = 20.0
-"""Seconds to wait for another process, which holds the folder for one save at a time."""
+"""Seconds to wait for another process, which locks the folder only while it saves."""
 
 
 class DocumentStore:
     """A folder of documents that threads and processes share.
 
     Args:
-        folder: where they are kept; it is created if it is missing.
+        folder: folder of the documents; created if missing.
 
     Raises:
-        InputError: if nothing can be written there.
+        InputError: if the folder is not writable.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -54,19 +54,20 @@ class DocumentStore:
         self._processes = FileLock(folder / _LOCK)
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            with self._held():  # nobody writes now: what is half written is of a server that was killed
+            # Under the lock, half-written files can only be left over from a killed server.
+            with self._held():
                 for left in folder.glob(f".*{SUFFIX}.*.tmp"):
                     left.unlink(missing_ok=True)
         except OSError as error:
             raise unwritable(
-                f"projects cannot be kept in {folder}: {error.strerror}; give another --projects.",
+                f"projects cannot be saved in {folder}: {error.strerror}; give another --projects.",
                 error,
             ) from error
 
     def entries(self) -> list[dict[str, Any]]:
-        """Return the name, the time of the last change (ISO, UTC) and the size of each, newest first.
+        """Return the name, modification time (ISO, UTC) and size of each document, newest first.
 
-        Only regular files that can be read count.
+        Only readable regular files are listed.
         """
         found = []
         for path in self.folder.glob(f"*{SUFFIX}"):
@@ -74,7 +75,7 @@ class DocumentStore:
                 continue
             try:
                 status = path.stat()
-            except OSError:  # deleted just now, or a link to itself
+            except OSError:  # deleted in the meantime, or a link to itself
                 continue
             if not stat.S_ISREG(status.st_mode):
                 continue
@@ -87,8 +88,8 @@ class DocumentStore:
         """Return a document and its tag.
 
         Raises:
-            InputError: if the name is not valid, or the file is too long or cannot be read.
-            MissingError: if there is no such document.
+            InputError: if the name is invalid, or the file is too large or cannot be read.
+            MissingError: if the document does not exist.
         """
         path = self._path(name)
         try:
@@ -103,7 +104,7 @@ class DocumentStore:
         """Write a document durably and return its tag.
 
         Raises:
-            InputError: if the name is not valid.
+            InputError: if the name is invalid.
             RunError: if the disk is full.
             ChangedError: if it has changed since it was read.
         """
@@ -121,8 +122,8 @@ class DocumentStore:
         """Delete a document.
 
         Raises:
-            InputError: if the name is not valid.
-            MissingError: if there is no such document.
+            InputError: if the name is invalid.
+            MissingError: if the document does not exist.
             ChangedError: if it has changed since it was read.
         """
         path = self._path(name)
@@ -142,8 +143,8 @@ class DocumentStore:
         """Lock the folder against other threads and processes.
 
         Raises:
-            RunError: if another process keeps the lock.
-            OSError: if its disk does not support locks.
+            RunError: if another process does not release the lock.
+            OSError: if the file system does not support locks.
         """
         try:
             with self._threads, self._processes.acquire(timeout=_PATIENCE):
@@ -154,7 +155,7 @@ class DocumentStore:
             ) from None
 
     def _path(self, name: str) -> Path:
-        """Return the file of a document, also if macOS has decomposed the name."""
+        """Return the path of a document, even if macOS has decomposed the file name."""
         name = check_name(name)
         path = self.folder / f"{name}{SUFFIX}"
         if not name.isascii() and not path.exists():
@@ -179,12 +180,12 @@ class DocumentStore:
 
 
 def tag_of(content: bytes) -> str:
-    """Return the tag of a document: an ETag, equal for equal bytes."""
+    """Return the ETag of a document, which is a hash of its bytes."""
     return f'"{hashlib.sha256(content).hexdigest()[:32]}"'
 
 
 def _sync(folder: Path) -> None:
-    """Flush a folder's entries to the disk, if the system can."""
+    """Flush a folder's entries to disk, if the system supports it."""
     if sys.platform != "win32":
         handle = os.open(folder, os.O_RDONLY)
         try:

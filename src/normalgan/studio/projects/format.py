@@ -1,4 +1,4 @@
-"""Format: what a saved project holds, and in which versions."""
+"""Format: check the format and version of a saved project."""
 
 from typing import Any
 
@@ -11,11 +11,11 @@ __all__ = ["FORMAT", "VERSION", "check_document"]
 
 FORMAT, VERSION = "normalgan-studio", 5
 _ONE_LAYER = 3
-"""Up to this version a drawing had no layers of its own; what was called so were pictures to trace."""
+"""Last version without layers; in these versions, ``layers`` are pictures for tracing."""
 
 
 class _Project(Schema):
-    """What any project has; the page checks what is in its lists."""
+    """Fields of every project; the page checks the content of the lists."""
 
     width: Side
     height: Side
@@ -36,14 +36,14 @@ def check_document(content: bytes) -> dict[str, Any]:
     """Return a project's fields.
 
     Raises:
-        InputError: if it is not a project, or was saved by a later version.
+        InputError: if the content is not a project, or was saved by a later version.
     """
     fields = parse_object(content)
     if fields.get("format") != FORMAT:
-        raise InputError(f'that is not a project of the studio, which begins with "format": "{FORMAT}".')
+        raise InputError(f'that is not a studio project, which begins with "format": "{FORMAT}".')
     if fields.get("version") not in range(1, VERSION + 1):
         raise InputError(
-            f"the project is of another version; this studio knows 1 to {VERSION}, so update it."
+            f"the project has an unknown version; this studio supports 1 to {VERSION}, so update normalgan."
         )
     schema = _Layered if fields["version"] > _ONE_LAYER else _OneLayer
     try:

@@ -1,4 +1,4 @@
-"""Opening: the project or drawing that the command line names."""
+"""Opening: find the project or drawing that the command line names."""
 
 from pathlib import Path
 from typing import Any
@@ -17,23 +17,23 @@ Opened = dict[str, Any]
 
 
 def find_opened(given: str, store: DocumentStore) -> Opened:
-    """Return what the page opens: ``kind`` (project, document or drawing), ``name`` and the content.
+    """Return the ``kind`` (project, document or drawing), ``name`` and ``content`` of what the page opens.
 
-    A drawing's ``content`` is its file's, which the page imports as any other.
+    The content of a drawing is its file, which the page imports like any other.
 
     Args:
-        given: name of a project, a ``.normalgan`` file, or a drawing's file.
-        store: the projects.
+        given: name of a project, or path of a ``.normalgan`` file or a drawing.
+        store: the saved projects.
 
     Raises:
-        InputError: if it is none of these.
+        InputError: if ``given`` is none of these.
     """
     path = Path(given)
     if path.is_file():
         return _of_file(path)
     try:
         store.read(given)
-    except InputError:  # missing, or not a valid name
+    except InputError:  # not found, or not a valid name
         raise InputError(
             f"there is neither a project nor a file called {given}; "
             "give a project's name or a drawing's file."
@@ -47,7 +47,7 @@ def _of_file(path: Path) -> Opened:
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror}.") from None
     if path.suffix.lower() != SUFFIX:
-        import_picture(content, str(path))  # or it is refused here
+        import_picture(content, str(path))  # raises the error if the page could not import it
         return {"kind": "drawing", "name": to_name(path.stem), "content": content}
     try:
         return {"kind": "document", "name": to_name(path.stem), "document": check_document(content)}

@@ -14,13 +14,13 @@ __all__ = ["DocumentRoutes"]
 
 
 class DocumentRoutes:
-    """Responses for the documents of a store.
+    """The routes of a document store.
 
     Args:
-        path: prefix of their addresses.
+        path: prefix of the addresses.
         store: the documents.
         guarded: whether a change must name the version that it replaces.
-        most: documents to keep; older ones are deleted. None keeps all.
+        most: maximum number of documents; older ones are deleted. None keeps all.
     """
 
     def __init__(self, path: str, store: DocumentStore, guarded: bool, most: int | None = None) -> None:
@@ -37,16 +37,16 @@ class DocumentRoutes:
         ]
 
     async def entries(self, _: Request) -> Response:
-        """Answer with all names, newest first."""
+        """Return all names, newest first."""
         return JSONResponse(await run_in_threadpool(self._store.entries))
 
     async def read(self, request: Request) -> Response:
-        """Answer with a document."""
+        """Return a document."""
         content, tag = await run_in_threadpool(self._store.read, request.path_params["name"])
         return Response(content, headers={"ETag": tag}, media_type="application/json")
 
     async def write(self, request: Request) -> Response:
-        """Keep a document."""
+        """Save a document."""
         expected, name = self._expected(request), request.path_params["name"]
         content = await read_json(request)
         await run_in_threadpool(check_document, content)

@@ -1,3 +1,3 @@
-"""Server: reads requests within limits, refuses those of other pages, and answers errors in JSON."""
+"""Server: limit requests, refuse foreign pages, and report errors as JSON."""
 
 __all__ = []

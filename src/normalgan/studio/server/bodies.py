@@ -16,16 +16,16 @@ __all__ = [
 ]
 
 MOST_BYTES = 20 * 2**20
-"""Longest body of a request."""
+"""Maximum size of a request body in bytes."""
 PATIENCE = 20.0
-"""Seconds for a body to come in; from the same machine it takes a part of one."""
+"""Maximum time in seconds for receiving a body; from the same machine it takes less than one."""
 
 
 async def read_body(request: Request, most: int = MOST_BYTES) -> bytes:
     """Return the body of a request.
 
     Raises:
-        TooLargeError: if it is longer than ``most`` bytes, or its Content-Length says so.
+        TooLargeError: if it is, or is declared to be, longer than ``most`` bytes.
         TooSlowError: if it arrives too slowly.
     """
     said = request.headers.get("content-length", "")
@@ -39,7 +39,7 @@ async def read_body(request: Request, most: int = MOST_BYTES) -> bytes:
                 if len(body) > most:
                     raise _too_large(most)
     except TimeoutError:
-        raise TooSlowError("the request came in too slowly; send it again.") from None
+        raise TooSlowError("the request arrived too slowly; send it again.") from None
     return bytes(body)
 
 
@@ -48,7 +48,7 @@ def _too_large(most: int) -> TooLargeError:
 
 
 async def read_json(request: Request) -> bytes:
-    """Return the body of a JSON request; browsers let no other page send that type without a preflight.
+    """Return the body of a JSON request; other pages cannot send this type without a preflight.
 
     Raises:
         WrongTypeError: if the type is not JSON.
@@ -59,13 +59,13 @@ async def read_json(request: Request) -> bytes:
 
 
 def check_type(request: Request, *prefixes: str) -> None:
-    """Raise `WrongTypeError` if a request's body is of none of these types."""
+    """Raise `WrongTypeError` if the content type of a request has none of these prefixes."""
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if not kind.startswith(prefixes):
         raise WrongTypeError(f"the body is {kind or 'of no type'}; it must be {' or '.join(prefixes)}.")
 
 
 async def wait_disconnect(request: Request) -> None:
-    """Return when the client has disconnected; read its body before."""
+    """Wait until the client disconnects; the body must have been read before."""
     while (await request.receive())["type"] != "http.disconnect":
         pass

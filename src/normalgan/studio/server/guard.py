@@ -1,4 +1,4 @@
-"""Guard: accepts only requests from the studio's own page on this machine."""
+"""Guard: accept only requests from the studio's own page on this machine."""
 
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Receive, Scope, Send
@@ -12,11 +12,12 @@ __all__ = ["Guard"]
 class Guard:
     """Refuses requests under another host name and requests from other pages.
 
-    A foreign host name may resolve to this machine (DNS rebinding), and its page would then have our origin.
+    A foreign host name may resolve to this machine (DNS rebinding), and a page from there would then have the
+    studio's origin.
 
     Args:
         app: the application.
-        port: the port it is served at.
+        port: the port that serves the application.
     """
 
     def __init__(self, app: ASGIApp, port: int) -> None:
@@ -41,7 +42,7 @@ class Guard:
         if host not in self._hosts:
             return ForeignError(f"the studio is at {' or '.join(sorted(self._hosts))}, not at {host[:80]!r}.")
         if origin is not None and origin != f"http://{host}":
-            return ForeignError("another page has asked; the studio answers its own alone.")
+            return ForeignError("the request comes from another page; the studio only answers its own.")
         if api and headers.get("sec-fetch-site", "none") not in {"same-origin", "none"}:
-            return ForeignError("another page has asked; the studio answers its own alone.")
+            return ForeignError("the request comes from another page; the studio only answers its own.")
         return None

@@ -1,4 +1,4 @@
-"""Refusals: the errors of the studio's server, each with its HTTP status."""
+"""Refusals: the errors of the studio's server with their HTTP status codes."""
 
 from normalgan.errors import InputError
 
@@ -27,7 +27,7 @@ class ForeignError(RefusedError):
 
 
 class MissingError(RefusedError):
-    """There is no such document."""
+    """The document does not exist."""
 
     status = 404
 

@@ -1,4 +1,4 @@
-"""Responses: errors in JSON, and the headers of every response."""
+"""Responses: errors as JSON, and the headers of every response."""
 
 import os
 import sys
@@ -35,11 +35,11 @@ def refused(error: InputError) -> JSONResponse:
 
 
 class ResponseMiddleware:
-    """Adds the headers to each response, and turns unexpected exceptions into responses.
+    """Adds headers to each response, and turns unexpected exceptions into responses.
 
     Args:
         app: the application.
-        kept: prefix of the addresses that browsers may cache for ever.
+        kept: prefix of the addresses that browsers may cache forever.
     """
 
     def __init__(self, app: ASGIApp, kept: str) -> None:
@@ -66,7 +66,7 @@ class ResponseMiddleware:
             await self._app(scope, receive, sealed)
         except Exception as error:
             _report(error)
-            if begun:  # the client sees a body that breaks off
+            if begun:  # too late for an error response: the client sees a truncated body
                 raise
             await failed(_sentence(error), 500)(scope, receive, sealed)
 
@@ -75,20 +75,20 @@ class ResponseMiddleware:
             return "no-store"
         if path.startswith(self._kept) and status in {200, 304}:
             return "max-age=31536000, immutable"
-        return "no-cache"  # a newer version of the package has another page at the same address
+        return "no-cache"  # another version of the package may serve a different page here
 
 
 def _sentence(error: Exception) -> str:
-    """Return a sentence on a failure that reveals no path of this machine."""
+    """Return a message about a failure that does not reveal paths of this machine."""
     if isinstance(error, OSError):
         return f"the server could not read or write a file: {error.strerror or type(error).__name__}."
     if isinstance(error, MemoryError):
         return "out of memory; make the drawing smaller."
-    return f"the server failed: {type(error).__name__}; the terminal says more."
+    return f"the server failed: {type(error).__name__}; see the terminal for details."
 
 
 def _report(error: Exception) -> None:
-    """Print an error on the terminal, with its traceback if NORMALGAN_TRACEBACK is set."""
+    """Print an error to the terminal, with its traceback if NORMALGAN_TRACEBACK is set."""
     if os.environ.get("NORMALGAN_TRACEBACK"):
         traceback.print_exception(error)
     print(f"normalgan: studio: {type(error).__name__}: {brief(error)}", file=sys.stderr, flush=True)

@@ -1,4 +1,4 @@
-"""Serving: run an application on a local port until Ctrl-C or a signal."""
+"""Serving: run an application on a local port until Ctrl-C or SIGTERM."""
 
 import errno
 import ipaddress
@@ -15,18 +15,18 @@ from normalgan.errors import CommandExit, InputError
 __all__ = ["listen", "serve"]
 
 _GRACE = 10
-"""Seconds that requests have to be finished when the server is ended."""
+"""Seconds that running requests have to finish when the server is stopped."""
 
 
 def listen(port: int, address: str = "127.0.0.1") -> socket.socket:
     """Return a socket that listens on a port.
 
     Args:
-        port: to listen on; 0 takes a free one.
-        address: an IPv4 address: 127.0.0.1 for this machine only, 0.0.0.0 for all.
+        port: port to listen on; 0 picks a free one.
+        address: IPv4 address: 127.0.0.1 for this machine only, 0.0.0.0 for all interfaces.
 
     Raises:
-        InputError: if it is taken or cannot be used.
+        InputError: if the port is taken, or the address or port is invalid.
     """
     try:
         ipaddress.IPv4Address(address)
@@ -35,9 +35,9 @@ def listen(port: int, address: str = "127.0.0.1") -> socket.socket:
             f"--address {address} is not an IPv4 address; use 127.0.0.1, or 0.0.0.0 in a container."
         ) from None
     if not 0 <= port <= 65535:
-        raise InputError(f"port is {port}; ports go from 1 to 65535, and 0 takes a free one.")
+        raise InputError(f"port is {port}; use 1 to 65535, or 0 for a free port.")
     listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
-    if sys.platform != "win32":  # there it would let two servers share a port
+    if sys.platform != "win32":  # on Windows it would let two servers share a port
         listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind((address, port))
@@ -56,9 +56,9 @@ def serve(app: ASGIApp, listening: socket.socket) -> None:
     """Serve until a signal; SIGTERM exits with code 0.
 
     Raises:
-        KeyboardInterrupt: after Ctrl-C, when all requests are answered.
+        KeyboardInterrupt: after Ctrl-C, once all requests have been answered.
     """
-    signal.signal(signal.SIGTERM, _leave)  # uvicorn raises it again once all is shut down
+    signal.signal(signal.SIGTERM, _leave)  # uvicorn raises the signal again after its shutdown
     config = uvicorn.Config(
         app,
         http="h11",
