@@ -140,10 +140,10 @@ def comparison() -> list[str]:
 
 
 def less_the_paper(rows: Mapping[str, Runs]) -> dict[str, Cell]:
-    """Return the columns of what trained methods have less the paper."""
+    """Return the columns of what trained methods have minus the paper."""
     trained = [rows[name] for name in TRAINED if name in rows]
     return {
-        f"{heading}, less the paper": only(trained, cell)
+        f"{heading}, minus the paper": only(trained, cell)
         for heading, cell in differences(rows["paper"]).items()
     }
 
@@ -198,7 +198,7 @@ def larger() -> list[str]:
     lines += table({rows[name][0]["label"]: rows[name] for name in names}, columns, "method")
     trained = {name: rows[name] for name in TRAINED if name in rows}
     less = {f"{UNSEEN[kind]}, {heading}": across(others[kind], given, "paper") for kind, given, heading in of}
-    return [*lines, "", "Less the paper:", *table(labelled(trained), less, "method")]
+    return [*lines, "", "Minus the paper:", *table(labelled(trained), less, "method")]
 
 
 def ours_last(rows: Mapping[str, Runs]) -> dict[str, Runs]:
@@ -258,7 +258,7 @@ def placement() -> list[str]:
         f"{n} {names[w]}": error(f"{w}-{n}") for w in ("uniform", "curvature") for n in (3, 10, 17, 30, 60)
     }
     lines += table(counts, {"no hints": error("0"), **tested}, "trained with")
-    lines += ["", "By curvature less uniform, trained with the same number:"]
+    lines += ["", "Hints by curvature minus uniform hints, for networks trained with the same number:"]
     pairs = {str(n): rows[f"paper-curvature-{n}"] for n in (3, 17, 60)}
     uniform = {id(rows[f"paper-curvature-{n}"]): rows[f"paper-uniform-{n}"] for n in (3, 17, 60)}
 
@@ -275,12 +275,12 @@ def placement() -> list[str]:
     )
     lines += [
         "",
-        "Four placements, 17 hints in training (rows) and in the test (columns), and less uniform hints:",
+        "Four placements, 17 hints in training (rows) and in the test (columns), and the difference from uniform hints:",
     ]
     matrix = {label: rows[f"paper-{where}-17"] for where, label in names.items()}
     tested = {label: error(f"{where}-17") for where, label in names.items()}
     less = differences(rows["paper-uniform-17"])
-    tested |= {f"{heading}, less uniform": cell for heading, cell in less.items()}
+    tested |= {f"{heading}, minus uniform": cell for heading, cell in less.items()}
     lines += table(matrix, tested, "trained with")
     gains = [
         f"{n} hints: {beside((), f'uniform-{n}', '0')(rows['paper-uniform-17'])}" for n in (3, 10, 17, 30, 60)
@@ -297,7 +297,7 @@ def thresholds() -> list[str]:
     hints = {"no hints": "0", "17 uniform": "uniform-17", "own 17": OWN}
     columns = {heading: error(given) for heading, given in hints.items()}
     reference = rows["paper-curvature-17"]
-    columns |= {f"{heading}, less the paper's": beside(reference, given) for heading, given in hints.items()}
+    columns |= {f"{heading}, minus the paper's": beside(reference, given) for heading, given in hints.items()}
     labels = {"paper-uniform-17": "uniform", "paper-curvature-17": "127, 126: mild valleys, the paper's"}
     named = {labels.get(name, runs[0]["label"]): runs for name, runs in rows.items()}
     return lines + table(named, columns, "trained with hints on")
@@ -326,7 +326,7 @@ def ablation() -> list[str]:
     """Return the section on the parts of ours."""
     rows = methods(read("ablation_64"))
     lines = section("Ours, one part changed", "ablation_64", "Each row changes one part of our method.")
-    less = {f"{heading}, less ours": cell for heading, cell in differences(rows["ours"]).items()}
+    less = {f"{heading}, minus ours": cell for heading, cell in differences(rows["ours"]).items()}
     lines += table(labelled(rows), {**THREE, **less}, "method")
     lines += ["", "Ours with a patch critic, without hints:"]
     columns = {
@@ -366,10 +366,10 @@ def drawings() -> list[str]:
         for heading, given in (("no hints", "0"), ("15 hints", "15")):
             changes[f"{label}, {heading}"] = of_both(beside(trained[row], given), row, papers)
     less = {
-        f"{heading}, ours less the paper": lambda runs, given=given: beside(papers[id(runs)], given)(runs)
+        f"{heading}, ours minus the paper": lambda runs, given=given: beside(papers[id(runs)], given)(runs)
         for heading, given in {"no hints": "0", "15 hints": "15", "own hints": OWN}.items()
     }
-    lines += ["", "Less as in training, and ours less the paper:"]
+    lines += ["", "Minus the error on drawings as in training, and ours minus the paper:"]
     return lines + table(drawn, {**changes, **less}, "tested on")
 
 
@@ -388,7 +388,7 @@ def people() -> list[str]:
     lines += table(
         labelled(rows), {"exact": error("15"), **turned, **moved, "no hints": error("0")}, "method"
     )
-    lines += ["", "Less exact hints:"]
+    lines += ["", "Minus exact hints:"]
     less = {f"turned by {n}°": beside((), f"degrees-{n}", "15") for n in (15, 30)}
     less |= {f"moved by {n} px": beside((), f"pixels-{n}", "15") for n in (3, 6)}
     lines += table(labelled(rows), less, "method")
