@@ -221,8 +221,7 @@ def _halves(points: Doubles) -> tuple[Doubles, Doubles]:
 def _plates(
     fin: Fin, spine: Spine, factor: float = 1.0, flare: float = 0.0, flap: float = 0.0
 ) -> list[Plate]:
-    """Return the plates of a fin of relative height ``factor``; a pair is rotated by ``flare`` and
-    ``flap``."""
+    """Return the plates of a fin, scaled in height by ``factor``; ``flare`` and ``flap`` rotate a pair."""
     corners = np.array(fin.outline)
     times = 1 if fin.sharp else 2
     if fin.root is None:

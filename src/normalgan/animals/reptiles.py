@@ -33,7 +33,7 @@ class Crawler(PosedPlan):
     Lengths are in units of the distance from the snout to the root of the tail.
 
     Args:
-        trunk: stations from the tip of the tail to the neck; the root of the tail is at x = 0.
+        trunk: stations from the tip of the tail, at x < 0, to the neck; the tail starts at x = 0.
         head: length of the head.
         skull: stations of the head with its upper jaw, in its own frame, in units of ``head``.
         jaw: stations of the lower jaw, hinged at the first.

@@ -1,4 +1,4 @@
-"""The program of the child process that decodes pictures; see `normalgan.decoding`.
+"""The main program of the child process that decodes pictures; see `normalgan.decoding`.
 
 It answers requests over a `multiprocessing.connection`. Each message is JSON or pixels, never a pickle.
 """
@@ -23,7 +23,7 @@ from .pictures import decode, frames, layers, noted, tileset
 __all__ = ["import_all", "main", "needed"]
 
 _STRIP = 2**20
-"""Pixels that are sent at a time."""
+"""Number of pixels sent at a time."""
 
 
 def main(handle: int, needs: str, seconds: int, memory: int, folders: list[str]) -> None:
@@ -31,14 +31,14 @@ def main(handle: int, needs: str, seconds: int, memory: int, folders: list[str])
 
     Args:
         handle: handle of the connection.
-        needs: the libraries that `needed` names for the pictures.
-        seconds: seconds of processor time for one picture.
-        memory: bytes of address space, in addition to the libraries'.
-        folders: where the libraries are installed.
+        needs: libraries for the pictures, as returned by `needed`.
+        seconds: limit of processor time per picture, in seconds.
+        memory: limit of address space in bytes, in addition to that of the libraries.
+        folders: folders of the installed libraries.
     """
     from multiprocessing import connection as connections
 
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the one who asks
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is handled by the parent
     if sys.platform == "win32":
         connection = connections.PipeConnection(handle)
     else:
@@ -70,7 +70,7 @@ def main(handle: int, needs: str, seconds: int, memory: int, folders: list[str])
 
 
 def needed(content: bytes, exact: bool = False) -> str:
-    """Return the additional library that a picture needs; empty if none."""
+    """Return the additional library that a picture needs, or "" if none."""
     found = format_of(content[:64])
     name = found.name if found is not None else ""
     if name in {"PSD", "HEIC"}:
@@ -79,7 +79,7 @@ def needed(content: bytes, exact: bool = False) -> str:
 
 
 def import_all(needs: str) -> None:
-    """Import everything that decoding needs, because no file can be opened under the limits."""
+    """Import everything needed for decoding, because no file can be opened under the limits."""
     modules = [
         "resvg_py",
         "xml.etree.ElementTree",
@@ -98,17 +98,17 @@ def import_all(needs: str) -> None:
     import_module(".layered_files", __package__)
     from PIL import Image
 
-    Image.preinit()  # what it would import for the first picture
+    Image.preinit()  # otherwise imported for the first picture
     if needs == "pillow_heif":
-        with suppress(ImportError):  # `opened` says that it is not installed
+        with suppress(ImportError):  # `opened` reports that it is not installed
             import_plugin("HEIF")
-    for found in pkgutil.iter_modules(encodings.__path__):  # those of SVG and of names in ZIP
+    for found in pkgutil.iter_modules(encodings.__path__):  # codecs of SVG and of names in ZIP files
         if found.name.startswith(("cp", "iso8859", "koi8", "mac_", "utf_")):
             codecs.lookup(found.name)
 
 
 def _answers(request: dict[str, Any], content: bytes, seconds: int) -> Iterator[Message]:
-    """Yield the description of a file, with the number of pictures, and then each picture."""
+    """Yield the description of a file with the number of pictures, and then each picture."""
     least, most = request["sides"]
     match request["what"]:
         case "frames":
@@ -138,7 +138,7 @@ def _send(connection: Any, header: dict[str, Any], pixels: Any) -> None:
     if pixels is None:
         return
     height, width = header["shape"][:2]
-    rows = max(_STRIP // width, 1)  # in strips: a whole copy of a large one is as large again
+    rows = max(_STRIP // width, 1)  # in strips, because a copy of a large picture would double the memory
     for top in range(0, height, rows):
         bottom = min(top + rows, height)
         strip = pixels[top:bottom] if hasattr(pixels, "dtype") else pixels.crop((0, top, width, bottom))
