@@ -289,7 +289,7 @@ class Flesh(Table):
     coat: Ripple | None = None
 
     def parts(self, measures: Measures, bones: Skeleton, rng: Rng) -> list[Part]:
-        """Return the parts in the order in which they blend."""
+        """Return the parts in blending order."""
         coat = self.coat
         parts = [fuse(_trunk(measures, bones), ripple=coat)]
         if measures.belly:
@@ -316,7 +316,7 @@ class Robot(Table):
     """Builds a robot of boxes, balls and pipes around a skeleton."""
 
     def parts(self, measures: Measures, bones: Skeleton, rng: Rng) -> list[Part]:
-        """Return the parts in the order in which they blend."""
+        """Return the parts in blending order."""
         edge = rng.uniform(0.012, 0.04)
         boxy = bool(rng.uniform() < 0.5)
         depth, width = measures.chest.half_depth, measures.chest.half_width

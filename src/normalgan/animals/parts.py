@@ -65,7 +65,7 @@ class Part:
         return np.stack([low for low, _ in boxes]).min(0), np.stack([high for _, high in boxes]).max(0)
 
     def thickened(self, thinnest: float) -> Self:
-        """Return a copy whose radii are at least ``thinnest``."""
+        """Return a copy with radii of at least ``thinnest``."""
         return replace(self, shapes=tuple(shape.thickened(thinnest) for shape in self.shapes))
 
     def placed(self, frame: Frame, size: float = 1.0) -> Self:

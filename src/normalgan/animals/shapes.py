@@ -55,7 +55,7 @@ class Shape(ABC):
 
     @abstractmethod
     def area(self) -> float:
-        """Return its approximate surface area."""
+        """Return the approximate surface area."""
 
     @abstractmethod
     def thickened(self, thinnest: float) -> Self:
@@ -63,11 +63,11 @@ class Shape(ABC):
 
     @abstractmethod
     def placed(self, frame: Frame, size: float = 1.0) -> Self:
-        """Return it scaled by ``size`` and carried along with a frame."""
+        """Return the shape scaled by ``size`` and placed in a frame."""
 
     @abstractmethod
     def mirrored(self) -> Self:
-        """Return its mirror image in the plane z = 0."""
+        """Return the mirror image in the plane z = 0."""
 
     @abstractmethod
     def pieces(self, spacing: float) -> Iterator[Piece]:
@@ -107,7 +107,7 @@ class Sweep(Shape):
     cut: Cut | None = None
 
     def reach(self) -> tuple[Doubles, Doubles]:
-        """Return the corners of a box that holds it."""
+        """Return the corners of a bounding box."""
         fat = np.maximum(self.radii, self.widths)[:, None]
         return (self.points - fat).min(axis=0), (self.points + fat).max(axis=0)
 
@@ -138,7 +138,7 @@ class Sweep(Shape):
         return self.smoothed(10 if thick else 4, thinnest)
 
     def placed(self, frame: Frame, size: float = 1.0) -> Self:
-        """Return it scaled by ``size`` and carried along with a frame."""
+        """Return the shape scaled by ``size`` and placed in a frame."""
         points, sides, cut = frame.place(self.points * size), self.sides @ frame.rotation.T, self.cut
         if cut is not None:
             cut = Cut(frame.place(cut.point * size), frame.rotation @ cut.normal)
@@ -147,7 +147,7 @@ class Sweep(Shape):
         )
 
     def mirrored(self) -> Self:
-        """Return its mirror image in the plane z = 0."""
+        """Return the mirror image in the plane z = 0."""
         cut = None if self.cut is None else Cut(self.cut.point * MIRROR, self.cut.normal * MIRROR)
         return replace(self, points=self.points * MIRROR, sides=self.sides * MIRROR, cut=cut)
 
@@ -227,11 +227,11 @@ class Solid(Shape):
         """Return the shape with its lengths, but not its frame, multiplied by ``size``."""
 
     def placed(self, frame: Frame, size: float = 1.0) -> Self:
-        """Return it scaled by ``size`` and carried along with a frame."""
+        """Return the shape scaled by ``size`` and placed in a frame."""
         return replace(self._scaled(size), frame=self.frame.carried(frame, size))
 
     def mirrored(self) -> Self:
-        """Return its mirror image in the plane z = 0."""
+        """Return the mirror image in the plane z = 0."""
         # The body is symmetric in its own planes, so the reflection becomes a rotation.
         rotation = self.frame.rotation * MIRROR[:, None] * MIRROR
         return replace(self, frame=Frame(self.frame.origin * MIRROR, rotation))
@@ -261,7 +261,7 @@ class Ellipsoid(Solid):
     radii: Doubles
 
     def reach(self) -> tuple[Doubles, Doubles]:
-        """Return the corners of a box that holds it."""
+        """Return the corners of a bounding box."""
         half = np.linalg.norm(self.frame.rotation * self.radii, axis=1)
         return self.frame.origin - half, self.frame.origin + half
 
@@ -301,7 +301,7 @@ class Box(Solid):
     rounding: float
 
     def reach(self) -> tuple[Doubles, Doubles]:
-        """Return the corners of a box that holds it."""
+        """Return the corners of a bounding box."""
         half = np.abs(self.frame.rotation) @ (self.half - self.rounding) + self.rounding
         return self.frame.origin - half, self.frame.origin + half
 
@@ -340,7 +340,7 @@ class Ring(Solid):
     minor: float
 
     def reach(self) -> tuple[Doubles, Doubles]:
-        """Return the corners of a box that holds it."""
+        """Return the corners of a bounding box."""
         half = self.major * np.sqrt(np.maximum(1 - self.frame.rotation[:, 1] ** 2, 0)) + self.minor
         return self.frame.origin - half, self.frame.origin + half
 
@@ -383,7 +383,7 @@ class Plate(Solid):
     bow: tuple[float, float] = (0.0, 0.0)
 
     def reach(self) -> tuple[Doubles, Doubles]:
-        """Return the corners of a box that holds it."""
+        """Return the corners of a bounding box."""
         # A bowed plate may extend farther between the corners than at any of them.
         after = np.roll(self.outline, -1, axis=0)
         between = [self.outline + (after - self.outline) * t for t in (0.0, 0.25, 0.5, 0.75)]
@@ -406,7 +406,7 @@ class Plate(Solid):
         return replace(self, rim=max(self.rim, thinnest), most=max(self.most, thinnest))
 
     def mirrored(self) -> Self:
-        """Return its mirror image in the plane z = 0."""
+        """Return the mirror image in the plane z = 0."""
         # The third axis, and the bow with it, is negated, so that the frame stays a rotation.
         return replace(super().mirrored(), bow=(-self.bow[0], -self.bow[1]))
 
