@@ -22,6 +22,6 @@ class Batch(Sketches):
     """Sketches with the true normals, for training and testing."""
 
     normal: Tensor
-    """(N, 3, H, W) unit vectors in camera space (x right, y up, z to the viewer), 0 off the object."""
+    """(N, 3, H, W) unit vectors in camera space (x right, y up, z to the viewer), 0 outside the object."""
     mask: Tensor
     """(N, 1, H, W), 1 on the object and 0 elsewhere."""

@@ -44,8 +44,8 @@ FOREIGN_ERRORS = (Exception, SystemExit)
 class InputError(ValueError):
     """Invalid input from the user: a file, a folder, a setting.
 
-    The message is one sentence that says what was given and what is accepted; the command line
-    prints it without a traceback and exits with code 2.
+    The message is one sentence on what was given and what is accepted. The command line prints it without
+    a traceback and exits with code 2.
     """
 
 

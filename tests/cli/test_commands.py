@@ -148,7 +148,7 @@ def test_help_of_all_opens_with_one_line_and_lists_the_plugins(command: str) -> 
     assert outcome.out.index("\n\n") < 200
     for name in ("UNetGenerator", "GlobalDiscriminator", "CurvatureHints", "Wasserstein", "PyrenderRenderer"):
         assert name in outcome.out
-    assert "rendered samples are kept" in " ".join(outcome.out.split())  # docstrings are the help
+    assert "rendered samples are stored" in " ".join(outcome.out.split())  # docstrings are the help
 
 
 def test_help_is_a_page_that_leads_to_the_rest() -> None:

@@ -1,4 +1,4 @@
-"""Procedural animals, the default meshes: blended implicit surfaces, each drawn from a seed."""
+"""Procedural animals, the default meshes: blended implicit surfaces, each generated from a seed."""
 
 from normalgan.animals.animal import Animal, make_animals
 from normalgan.animals.species import GROUPS, SPECIES, read_species

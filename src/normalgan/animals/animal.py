@@ -1,4 +1,4 @@
-"""Generated animals: one by its species and number, or many."""
+"""Generated animals: a single one by species and seed, or many."""
 
 import hashlib
 from collections.abc import Sequence
@@ -13,20 +13,20 @@ from normalgan.seeds import rng_of
 
 __all__ = ["Animal", "make_animals"]
 
-_VERSION = 2  # to be raised whenever the same species and seed give another shape
+_VERSION = 2  # increase it if the same species and seed give a different shape than before
 
 
 @dataclass(frozen=True)
 class Animal:
-    """A procedural animal; no two seeds give the same one.
+    """A procedural animal, different for each seed.
 
     Args:
-        species: such as horse, owl, shark; see `SPECIES`.
-        seed: draws proportions, age and carriage, and the pose if none is given; not negative.
-        pose: a pose of the species, such as stand, walk or sit; drawn if None.
+        species: species, such as horse, owl or shark; see `SPECIES`.
+        seed: non-negative seed of proportions, age, carriage, and of the pose if none is given.
+        pose: a pose of the species, such as stand, walk or sit; None for a random pose.
 
     Raises:
-        InputError: if species, seed or pose is not such.
+        InputError: if species, seed or pose is invalid.
 
     Example:
         >>> Animal("horse", 7).name
@@ -38,7 +38,7 @@ class Animal:
     pose: str | None = None
 
     def __post_init__(self) -> None:
-        """Check the settings here, before a worker process uses them."""
+        """Check the settings before a worker process uses them."""
         _known("species", self.species, list(SPECIES))
         if self.pose is not None:
             _known(f"pose of {self.species}", self.pose, list(SPECIES[self.species].poses))
@@ -46,7 +46,7 @@ class Animal:
 
     @property
     def name(self) -> str:
-        """Species and seed, and the pose if one was given."""
+        """Name from species, seed and, if given, pose."""
         return f"{self.species}-{self.seed:04d}" + (f"-{self.pose}" if self.pose else "")
 
     def fingerprint(self) -> str:
@@ -55,8 +55,8 @@ class Animal:
         return hashlib.sha256(text.encode()).hexdigest()
 
     def load(self) -> Mesh:
-        """Return the mesh, always the same for the same animal; takes about a second."""
-        from normalgan.animals.meshing import to_mesh  # takes half a second: only when an animal is made
+        """Return the mesh, which is always the same for an animal; this takes about a second."""
+        from normalgan.animals.meshing import to_mesh  # takes half a second to import
 
         rng = rng_of(self.species, self.seed)
         return to_mesh(self.name, SPECIES[self.species].grow(self.pose, rng))
@@ -65,20 +65,20 @@ class Animal:
 def make_animals(
     count: int, seed: int = 0, species: Sequence[str] = ("quadrupeds",), postures: float = 0.0
 ) -> list[Animal]:
-    """Return ``count`` animals, the species in rotation; the same for the same seed and species.
+    """Return ``count`` animals of alternating species, determined by seed and species.
 
-    Animals of different herd seeds differ, and a longer herd begins with the shorter one.
+    Different seeds give different animals, and a larger count only appends animals.
 
     Args:
-        count: how many.
+        count: number of animals.
         seed: seed of the animals.
-        species: names of species or groups; a group means all of its species.
-        postures: share of the animals, from 0 to 1, that sit, lie, rear, beg, bow, leap or look back, if the
-            species has such a pose; the others take a usual one.
+        species: names of species or groups; a group stands for all of its species.
+        postures: fraction of the animals, from 0 to 1, that sit, lie, rear, beg, bow, leap or look back,
+            if the species has such a pose. The others take a usual pose.
 
     Raises:
-        InputError: if the number is below 1, there is no species, a name is unknown, or the share is not from
-            0 to 1.
+        InputError: if the count is below 1, there is no species, a name is unknown, or the fraction is not
+            from 0 to 1.
 
     Example:
         >>> [animal.species for animal in make_animals(3, seed=0)]
@@ -96,23 +96,23 @@ def make_animals(
 
 
 def _posture(species: str, seed: int, share: float) -> str | None:
-    """Return the posture of an animal; only a share of them has one, the others get None."""
+    """Return the posture of an animal, or None for a fraction 1 - ``share`` of the animals."""
     known = [pose for pose in SPECIES[species].poses if pose == "sit" or pose in POSTURES]
     rng = rng_of(f"posture of {species}", seed)
     return str(rng.choice(known)) if known and rng.random() < share else None
 
 
 def _members(names: Sequence[str]) -> list[str]:
-    """Return the species behind names of species and groups, each once, in order.
+    """Return the species for names of species and groups, in order and without duplicates.
 
     Raises:
-        InputError: if there is no name, or one is unknown.
+        InputError: if there is no name, or a name is unknown.
     """
     if not names:
         raise InputError(f"no species was named; known groups: {', '.join(GROUPS)}.")
     for name in names:
         _known("species or group", name, [*GROUPS, *SPECIES])
-    # What is named twice would otherwise come with the same seed twice.
+    # A duplicate name would otherwise give the same seed twice.
     return list(dict.fromkeys(one for name in names for one in GROUPS.get(name, (name,))))
 
 

@@ -1,4 +1,4 @@
-"""The bipeds' body plan: measures, poses as joint angles, bones that follow, flesh or metal round them."""
+"""The body plan of bipeds: measures, poses as joint angles, bones, and flesh or metal around them."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -19,16 +19,16 @@ from normalgan.ranges import OneOf, Range
 
 __all__ = ["STANCES", "Biped", "Flesh", "Girth", "Measures", "Robot", "Skeleton", "Stance", "skeleton"]
 
-_FLAT_HAND = 0.17  # half thickness of a palm, in lengths of the hand
+_FLAT_HAND = 0.17  # half thickness of a palm, in hand lengths
 
 
 @dataclass(frozen=True)
 class Girth(Table):
-    """A section of the trunk.
+    """A cross section of the trunk.
 
     Args:
-        half_depth: from front to back.
-        half_width: from side to side.
+        half_depth: half of the extent from front to back.
+        half_width: half of the extent from side to side.
     """
 
     half_depth: Number
@@ -40,25 +40,25 @@ class Measures(Table):
     """Sizes of a body, in units of an adult's height.
 
     Args:
-        leg: from hip to ankle.
-        torso: from the hips to the line of the shoulders.
-        neck: from there to the base of the skull.
+        leg: length from hip to ankle.
+        torso: length from the hips to the line of the shoulders.
+        neck: length from the line of the shoulders to the base of the skull.
         head: height of the head.
-        arm: from shoulder to wrist.
-        hand: length.
-        foot: length.
-        hips: half the distance of the hip joints.
-        shoulders: half the distance of the shoulder joints.
-        chest: its girth.
-        waist: its girth.
-        pelvis: its girth.
-        belly: how far it bulges ahead of the waist; 0 for none.
-        thigh: radius.
-        calf: radius.
-        upper_arm: radius.
-        forearm: radius.
-        stoop: degrees by which it leans forward at rest.
-        crouch: degrees by which its knees are bent at rest.
+        arm: length from shoulder to wrist.
+        hand: length of the hand.
+        foot: length of the foot.
+        hips: half of the distance between the hip joints.
+        shoulders: half of the distance between the shoulder joints.
+        chest: cross section of the chest.
+        waist: cross section of the waist.
+        pelvis: cross section of the pelvis.
+        belly: distance by which the belly bulges beyond the waist; 0 for no belly.
+        thigh: radius of the thigh.
+        calf: radius of the calf.
+        upper_arm: radius of the upper arm.
+        forearm: radius of the forearm.
+        stoop: forward lean of the trunk at rest, in degrees.
+        crouch: bend of the knees at rest, in degrees.
     """
 
     leg: Bone = 0.47
@@ -84,11 +84,12 @@ class Measures(Table):
 
 @dataclass(frozen=True, eq=False)
 class _Limb:
-    """A limb of the right side, in the frame of the end of the trunk that it grows from.
+    """A right limb, in the frame of the end of the trunk that it is attached to.
 
     Args:
-        points: (3, 3) shoulder, elbow, wrist; or hip, knee, ankle.
-        end: frame of the hand or foot: its -y runs on along the forearm; a foot's x to the toes.
+        points: (3, 3) positions of shoulder, elbow and wrist, or of hip, knee and ankle.
+        end: frame of the hand or foot. Its -y axis continues the forearm, and the x axis of a foot points
+            to the toes.
     """
 
     points: Doubles
@@ -97,15 +98,15 @@ class _Limb:
 
 @dataclass(frozen=True, eq=False)
 class Skeleton:
-    """Where everything is.
+    """Positions of all bones.
 
     Args:
-        spine: (6, 3) crotch, hips, waist, chest, shoulders, base of the neck.
-        turns: (6, 3, 3) rotation from rest at each.
+        spine: (6, 3) positions of crotch, hips, waist, chest, shoulders and base of the neck.
+        turns: (6, 3, 3) rotations from rest at these positions.
         chest: frame at the line of the shoulders.
-        skull: base of the skull, upright whatever the trunk does.
-        legs: right and left, the left one as if it were right, in the frame of the world.
-        arms: right and left, the left one as if it were right, in the frame of the chest.
+        skull: frame at the base of the skull, always upright.
+        legs: right and left leg in the frame of the world, the left leg mirrored to the right.
+        arms: right and left arm in the frame of the chest, the left arm mirrored to the right.
     """
 
     spine: Doubles
@@ -118,7 +119,7 @@ class Skeleton:
 
 @dataclass(frozen=True)
 class _Leg:
-    """Angles in degrees: of the thigh forward and outward, of the knee's fold, of the toes upward."""
+    """Angles in degrees: thigh forward and outward, flexion of the knee, and toes upwards."""
 
     swing: float = 0.0
     out: float = 4.0
@@ -128,7 +129,7 @@ class _Leg:
 
 @dataclass(frozen=True)
 class _Arm:
-    """Angles in degrees: of the upper arm forward and outward, about its length, of the elbow's fold."""
+    """Angles in degrees: upper arm forward and outward, rotation about its axis, and flexion of the elbow."""
 
     swing: float = 0.0
     out: float = 12.0
@@ -141,12 +142,12 @@ class Stance:
     """A pose.
 
     Args:
-        legs: right and left.
-        arms: right and left.
-        lean: degrees the trunk leans forward.
-        twist: degrees the chest is turned to the left against the hips.
-        nod: degrees the face is raised.
-        turn: degrees the head is turned to the left.
+        legs: angles of right and left leg.
+        arms: angles of right and left arm.
+        lean: forward lean of the trunk in degrees.
+        twist: rotation of the chest relative to the hips, to the left, in degrees.
+        nod: upward pitch of the face in degrees.
+        turn: rotation of the head to the left in degrees.
     """
 
     legs: tuple[_Leg, ...]
@@ -183,7 +184,7 @@ def _stride(rng: Rng, swing: float, knee: float, elbow: float, lean: float) -> S
 
 
 def _sit(rng: Rng) -> Stance:
-    """It sits on an invisible bench, or on the ground with its legs ahead."""
+    """Return a stance that sits on an invisible bench, or on the ground with stretched legs."""
     ground = rng.uniform() < 0.5
     knee, out = (rng.uniform(5, 30), 16.0) if ground else (rng.uniform(75, 95), 9.0)
     legs = tuple(_Leg(88.0, out + rng.uniform(-3, 6), knee, 0.0) for _ in range(2))
@@ -199,7 +200,7 @@ def _wave(rng: Rng) -> Stance:
 
 
 def _arms_out(rng: Rng) -> Stance:
-    """Both arms stretched sideways, or raised."""
+    """Return a stance with both arms stretched sideways or raised."""
     stance = _stand(rng)
     out, elbow = rng.uniform(62, 140), rng.uniform(0, 20)
     twist = -90.0 if out > 100 else 0.0
@@ -217,7 +218,7 @@ STANCES: Mapping[str, Callable[[Rng], Stance]] = {
 
 
 def _vary(measures: Measures, spread: float, rng: Rng) -> Measures:
-    """Return an individual's measures: lengths each on their own, all girths by one factor."""
+    """Return randomly varied measures, with one factor per length and a common factor for all radii."""
     lengths = ("leg", "torso", "neck", "head", "arm", "hand", "foot", "shoulders", "stoop")
     usual = (getattr(measures, name) for name in lengths)
     long = dict(zip(lengths, around(rng, spread, *usual), strict=True))
@@ -231,7 +232,7 @@ def _vary(measures: Measures, spread: float, rng: Rng) -> Measures:
 
 
 def skeleton(measures: Measures, stance: Stance) -> Skeleton:
-    """Return the bones of a body in a pose, the hips at the origin."""
+    """Return the bones of a body in a pose, with the hips at the origin."""
     heights = np.array([-0.16, 0.0, 0.36, 0.70, 0.93, 1.06]) * measures.torso
     rest = np.column_stack([np.zeros(6), heights, np.zeros(6)])
     spine, turns = bend(rest, -(stance.lean + measures.stoop) * 1.2, 0.0)
@@ -251,7 +252,7 @@ def _leg_bones(measures: Measures, leg: _Leg) -> _Limb:
     lower = roll(leg.out * 0.6) @ pitch(leg.swing - leg.knee - measures.crouch)
     knee = hip + upper @ np.array([0.0, -0.5 * measures.leg, 0.0])
     ankle = knee + lower @ np.array([0.0, -0.5 * measures.leg, 0.0])
-    # A standing foot lies flat; one whose shin is level points its toes up.
+    # A standing foot is flat, but if the shin is horizontal, the toes point up.
     tilt = 90.0 if leg.swing > 60 and leg.knee < 45 else leg.toes
     return _Limb(np.array([hip, knee, ankle]), Frame(ankle, yaw(-8.0) @ pitch(tilt)))
 
@@ -267,16 +268,16 @@ def _arm_bones(measures: Measures, arm: _Arm) -> _Limb:
 
 @dataclass(frozen=True)
 class Flesh(Table):
-    """Makes an animal of a skeleton.
+    """Adds flesh to a skeleton.
 
     Args:
-        head: human, toon, monkey, gorilla or bear.
-        hand: mitt, fingers or paw.
-        foot: shoe or paw.
+        head: kind of head: human, toon, monkey, gorilla or bear.
+        hand: kind of hand: mitt, fingers or paw.
+        foot: kind of foot: shoe or paw.
         neck: radius of the neck.
-        skirt: share of individuals in a skirt.
-        tail: length of the tail; 0 for none.
-        coat: fur, or None.
+        skirt: probability of a skirt.
+        tail: length of the tail; 0 for no tail.
+        coat: ripple of the fur; None for smooth skin.
     """
 
     head: Annotated[str, OneOf(HEADS)]
@@ -288,7 +289,7 @@ class Flesh(Table):
     coat: Ripple | None = None
 
     def parts(self, measures: Measures, bones: Skeleton, rng: Rng) -> list[Part]:
-        """Return the parts in the order in which they blend."""
+        """Return the parts in blending order."""
         coat = self.coat
         parts = [fuse(_trunk(measures, bones), ripple=coat)]
         if measures.belly:
@@ -315,7 +316,7 @@ class Robot(Table):
     """Builds a robot of boxes, balls and pipes around a skeleton."""
 
     def parts(self, measures: Measures, bones: Skeleton, rng: Rng) -> list[Part]:
-        """Return the parts in the order in which they blend."""
+        """Return the parts in blending order."""
         edge = rng.uniform(0.012, 0.04)
         boxy = bool(rng.uniform() < 0.5)
         depth, width = measures.chest.half_depth, measures.chest.half_width
@@ -348,9 +349,9 @@ class Biped(PosedPlan):
     """A species that walks on two legs.
 
     Args:
-        body: the flesh around the bones.
-        measures: proportions of the average individual.
-        spread: how much an individual's measures differ, as a fraction, at most a half.
+        body: flesh around the bones.
+        measures: average proportions.
+        spread: relative variation of the measures, at most 0.5.
     """
 
     habits: tuple[Annotated[str, OneOf(STANCES)], ...]
@@ -360,17 +361,17 @@ class Biped(PosedPlan):
 
     @property
     def poses(self) -> tuple[str, ...]:
-        """Poses that every biped has."""
+        """The poses of all bipeds."""
         return tuple(STANCES)
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
-        """Return the parts of one individual in a pose."""
+        """Return the parts of a random individual in a pose."""
         measures = _vary(self.measures, self.spread, rng)
         return self.body.parts(measures, skeleton(measures, STANCES[pose](rng)), rng)
 
 
 def _each(limbs: Sequence[_Limb], shapes: Callable[[_Limb], list[Shape]]) -> list[Shape]:
-    """Return the flesh of the right limb, and the mirror images of the left one's."""
+    """Return the shapes of the right limb, and the mirrored shapes of the left limb."""
     sides = zip((True, False), limbs, strict=True)
     return [on_side(shape, right) for right, limb in sides for shape in shapes(limb)]
 
@@ -425,7 +426,7 @@ def _arm(measures: Measures, limb: _Limb) -> list[Shape]:
 
 
 def _hand(kind: str, measures: Measures, limb: _Limb) -> list[Shape]:
-    """Return a hand whose palm faces the thigh when the arm hangs, its thumb ahead."""
+    """Return a hand with the palm towards the thigh and the thumb forward when the arm hangs down."""
     size, flat = measures.hand, _FLAT_HAND
     if kind == "paw":
         return [ball((0.05 * size, -0.32 * size), np.array([0.4, 0.5, 0.34]) * size).placed(limb.end)]
@@ -444,7 +445,7 @@ def _hand(kind: str, measures: Measures, limb: _Limb) -> list[Shape]:
 
 
 def _skirt(measures: Measures, bones: Skeleton) -> Shape:
-    """Return a cone about the hips and thighs."""
+    """Return a cone around the hips and thighs."""
     waist, hips = bones.spine[2], bones.spine[1]
     hem = hips + np.array([0.0, -0.42 * measures.leg, 0.0])
     hem[0] = np.mean([limb.points[1, 0] for limb in bones.legs])
@@ -472,7 +473,7 @@ def _panel(depth: float, half: float, width: float, rng: Rng) -> list[Shape]:
 
 
 def _pipes(limb: _Limb, upper: float, lower: float, edge: float, boxy: bool) -> list[Shape]:
-    """Return two boxes or pipes with balls for joints."""
+    """Return two boxes or pipes with balls as joints."""
     first, second, third = limb.points
     shapes: list[Shape] = [ball(first, 1.15 * upper), ball(second, 1.12 * lower), ball(third, 0.9 * lower)]
     for start, end, radius in ((first, second, upper), (second, third, lower)):
@@ -501,7 +502,7 @@ def _claw(limb: _Limb, measures: Measures) -> list[Shape]:
 
 
 def _upright(axis: Doubles) -> Doubles:
-    """Return a rotation whose second column lies along ``axis`` and whose first points ahead."""
+    """Return a rotation with its second column along ``axis`` and its first pointing forward."""
     up = unit(axis)
     aside = np.array([0.0, 1.0, 0.0] if 1 - up[2] ** 2 < 0.3**2 else [0.0, 0.0, 1.0])
     return spanned(np.zeros(3), up, aside).rotation[:, [2, 0, 1]]

@@ -1,4 +1,4 @@
-"""Heads of bipeds, in units of their height: base of the skull at the origin, face to +x."""
+"""Heads of bipeds, in head heights, with the base of the skull at the origin and the face towards +x."""
 
 from collections.abc import Callable, Mapping
 
@@ -23,7 +23,7 @@ def _mouth(x: float, y: float, wide: float, curve: float = 0.03) -> Part:
 
 
 def _human(rng: Rng) -> list[Part]:
-    """A person's: skull, jaw, nose, ears, and hair or a hat."""
+    """A person's head: skull, jaw, nose, ears, and hair or a hat."""
     wide = rng.uniform(0.93, 1.08)
     jaw = rng.uniform(0.9, 1.1)
     parts = [
@@ -121,7 +121,7 @@ def _monkey(rng: Rng) -> list[Part]:
 
 
 def _gorilla(rng: Rng) -> list[Part]:
-    """A gorilla's: crest, brow, broad muzzle, small ears."""
+    """A gorilla's head: crest, brow, broad muzzle, small ears."""
     crest = rng.uniform(0.75, 1.1)
     return [
         fuse(ball((-0.02, 0.52), [0.42, 0.40, 0.36])),
@@ -152,7 +152,7 @@ def _bear(rng: Rng) -> list[Part]:
 
 
 def robot(rng: Rng) -> list[Part]:
-    """A machine's: a box with lamps, a grille and antennas."""
+    """A robot's head: a box with lamps, a grille and antennas."""
     tall, wide = rng.uniform(0.36, 0.5), rng.uniform(0.38, 0.55)
     low = 0.5 - tall
     lamp = rng.uniform(0.07, 0.12)
@@ -176,4 +176,4 @@ def robot(rng: Rng) -> list[Part]:
 HEADS: Mapping[str, Callable[[Rng], list[Part]]] = {
     "bear": _bear, "gorilla": _gorilla, "human": _human, "monkey": _monkey, "toon": _toon,
 }  # fmt: skip
-"""The heads of flesh by name."""
+"""The heads of animals and people by name."""

@@ -1,7 +1,7 @@
-"""The birds: the measures of a kind, with its wings, tail and legs, in units of its body's length.
+"""Birds: measures of a kind with its wings, tail and legs, in body lengths.
 
-Feathers are flat sweeps that overlap like roof tiles. A leg is a feathered thigh, a thin shank, three
-toes before and one behind, webbed or not.
+Feathers are flat sweeps that overlap like roof tiles. A leg has a feathered thigh, a thin shank, three
+toes in front and one behind, optionally webbed.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -22,8 +22,8 @@ from normalgan.ranges import OneOf, Range
 
 __all__ = ["Bird", "Legs", "Tail", "Wing"]
 
-_STEP = 0.010  # height by which a feather lies over its neighbour
-_THIN = 0.012  # half the thickness of a feather
+_STEP = 0.010  # height of a feather above its neighbour
+_THIN = 0.012  # half thickness of a feather
 _TOES = (-34.0, 0.0, 34.0, 180.0)
 
 
@@ -35,11 +35,12 @@ class Wing(Table):
         span: length of one open wing.
         chord: length of the inner flight feathers.
         primaries: number of feathers on the hand.
-        width: half the width of a feather, in its distance from the next; small ones spread like fingers.
-        pointed: from 0, a wing broad at its end, to 1, a pointed one.
-        folded: how far the folded wing's tip reaches behind the rump.
-        depth: half the height of the folded wing.
-        high: where it lies on the side, from -1 at the belly to 1 at the back.
+        width: half width of a feather, relative to the distance between feathers; narrow feathers spread
+            like fingers.
+        pointed: shape of the tip, from 0 (broad) to 1 (pointed).
+        folded: distance by which the folded wing's tip extends beyond the rump.
+        depth: half height of the folded wing.
+        high: position of the folded wing on the flank, from -1 (belly) to 1 (back).
     """
 
     span: Number
@@ -58,10 +59,10 @@ class Tail(Table):
 
     Args:
         length: length of the feathers.
-        feathers: how many there are; 2 or more.
-        half_width: half the width of one.
-        closed: degrees of the closed fan.
-        raised: degrees it is raised.
+        feathers: number of feathers, at least 2.
+        half_width: half width of a feather.
+        closed: angle of the closed fan in degrees.
+        raised: upward angle of the tail in degrees.
     """
 
     length: Number
@@ -76,15 +77,15 @@ class Legs(Table):
     """A pair of legs, in body lengths.
 
     Args:
-        hip: (x, y, z) of the right one in the body's frame.
+        hip: (x, y, z) of the right hip in the body's frame.
         thigh: length from hip to heel.
         shank: length from heel to toes.
         thick: radius of the shank.
         meat: radius of the thigh at the hip.
         toe: length of the middle toe.
         web: whether the toes are webbed.
-        stance: height of the hip when standing, as a share of the stretched leg.
-        claws: radius at the end of a toe, as a share of ``thick``.
+        stance: height of the hip when standing, as a fraction of the stretched leg.
+        claws: radius at the end of a toe, as a fraction of ``thick``.
     """
 
     hip: Point
@@ -101,10 +102,10 @@ class Legs(Table):
         """Return both legs in the world; standing legs reach the ground.
 
         Args:
-            factor: on their length.
-            pose: stand, walk, feed, perch, one_leg, soar, spread, land.
-            body: where the body is.
-            rng: draws the stride.
+            factor: factor of the legs' length.
+            pose: one of stand, walk, feed, perch, one_leg, soar, spread and land.
+            body: frame of the body.
+            rng: source of randomness for the stride.
         """
         thigh, shank = self.thigh * factor, self.shank * factor
         stretched = thigh + shank
@@ -133,7 +134,7 @@ class Legs(Table):
             knee = hip + 0.5 * (heel - hip) + np.array([0.12 * thigh, 0.0, 0.0])
             thigh_tube = tube([hip, knee, heel], [self.meat, 0.62 * self.meat, 1.15 * self.thick],
                               [0.8 * self.meat, 0.55 * self.meat, 1.15 * self.thick])  # fmt: skip
-            meat.append(thigh_tube.smoothed(3))  # or its kinks would show as rings
+            meat.append(thigh_tube.smoothed(3))  # otherwise its kinks would show as rings
             bone = tube([heel, foot], [1.05 * self.thick, 0.95 * self.thick])
             feet.append(fuse(bone, *_toes(self, foot, heading, flat, rng), blend=0.01))
             if self.web:
@@ -142,7 +143,7 @@ class Legs(Table):
 
 
 def _comb(rng: Rng) -> list[Part]:
-    """Return a cock's comb and wattles; a hen's are smaller."""
+    """Return the comb and wattles of a cock or, smaller, of a hen."""
     size = rng.uniform(0.6, 1.25)
     edge = [(-0.42, 0.28), (-0.46, 0.60), (-0.28, 0.52), (-0.20, 0.80), (-0.06, 0.56), (0.06, 0.84),
             (0.18, 0.54), (0.32, 0.68), (0.40, 0.40), (0.30, 0.20)]  # fmt: skip
@@ -153,7 +154,7 @@ def _comb(rng: Rng) -> list[Part]:
 
 
 def _sickles(rng: Rng, factor: float) -> list[Part]:
-    """Return the drooping tail feathers of a cock; hens have none."""
+    """Return the drooping tail feathers of a cock, or no parts for a hen."""
     if rng.uniform() < 0.5:
         return []
     arcs: list[Shape] = []
@@ -166,7 +167,7 @@ def _sickles(rng: Rng, factor: float) -> list[Part]:
 
 
 def _tufts(rng: Rng) -> list[Part]:
-    """Return an owl's ring of feathers round each eye, and ear tufts for some."""
+    """Return an owl's rings of feathers around the eyes and, sometimes, ear tufts."""
     parts = [pair(tube([(0.30, 0.06, 0.17), (0.335, 0.06, 0.19)], 0.24, 0.24), blend=0.03),
              pair(tube([(0.40, 0.07, 0.19), (0.70, 0.075, 0.30)], 0.18), blend=0.05, carve=True),
              pair(tube([(0.30, 0.08, 0.18), (0.31, 0.08, 0.185)], 0.155))]  # fmt: skip
@@ -207,26 +208,26 @@ class Bird(PosedPlan):
     """A kind of bird.
 
     Args:
-        body: from the rump, x = 0, to the breast, x = 1, lying flat.
-        pitch: degrees by which the breast is raised when it stands.
-        neck: from inside the breast to the head, in the upright bird, as differences from the first.
-        low: the same stations when it feeds.
+        body: stations of the horizontal body, from the rump at x = 0 to the breast at x = 1.
+        pitch: upward angle of the breast when standing, in degrees.
+        neck: stations from inside the breast to the head of the upright bird, relative to the first.
+        low: the same stations of the feeding bird.
         skull_size: size of the head.
-        skull: its sections in its own frame, in units of its size; or the name of a shared one.
-        eye: in the skull's frame and unit.
-        beak: the upper half, in the skull's frame and unit.
-        jaw: the lower half, in the skull's frame and unit.
-        wing: the wings.
-        tail: the tail.
-        leg: the legs.
+        skull: stations of the skull in its own frame, relative to its size, or the name of a shared skull.
+        eye: right eye, in the skull's frame and unit.
+        beak: upper half of the beak, in the skull's frame and unit.
+        jaw: lower half of the beak, in the skull's frame and unit.
+        wing: wings.
+        tail: tail.
+        leg: legs.
         face: crest, comb or tufts, or None.
         train: sickle feathers, or None.
-        turn: greatest turn of the head, in degrees.
+        turn: maximum rotation of the head in degrees.
         chick: whether some individuals are chicks.
-        ranges: ranges of proportions that differ from the general ones.
+        ranges: ranges of proportions that differ from the defaults.
 
     Raises:
-        InputError: if neck and low differ in their number of stations.
+        InputError: if ``neck`` and ``low`` differ in the number of stations.
     """
 
     habits: tuple[Annotated[str, OneOf(_POSES)], ...]
@@ -249,20 +250,20 @@ class Bird(PosedPlan):
     ranges: Mapping[Annotated[str, OneOf(_RANGES)], Span] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Check the neck, which is drawn between the two."""
+        """Check that ``neck`` and ``low`` can be interpolated."""
         upright, low = len(self.neck.x), len(self.low.x)
         if upright != low:
             raise InputError(f"low has as many stations as neck, {upright}, not {low}.")
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
-        """Return the parts of one individual in a pose."""
+        """Return the parts of a random individual in a pose."""
         young = self.chick and pose in {"stand", "walk", "swim"} and bool(rng.uniform() < _YOUNG_SHARE)
         build = proportions(_RANGES, self.ranges, rng, _CHICK if young else None)
         tilt = rng.uniform(*self.pitch)
         tilt = {"soar": 4.0, "swim": 0.6 * tilt, "feed": 0.35 * tilt - 8.0}.get(pose, tilt)
         turn = pitch(tilt)
         middle = turn @ np.array([0.5, 0.0, 0.0])
-        body = Frame(-middle, turn)  # the middle of the body at the origin; the legs find the ground
+        body = Frame(-middle, turn)  # the centre of the body is at the origin, and the legs reach the ground
 
         girth = build["girth"]
         rows = replace(self.body, bottom=self.body.bottom * (0.5 + 0.5 * girth)).wider(girth)
@@ -274,7 +275,7 @@ class Bird(PosedPlan):
         out = pose in {"soar", "spread", "land"}
         tail = self.tail
         widest = {"soar": 40.0, "spread": 46.0, "land": 60.0}
-        # So that the ends of an open fan touch.
+        # The ends of an open fan must touch.
         touching = 2.2 * tail.half_width * (tail.feathers - 1) / (tail.length + 0.16)
         spread = min(widest[pose], float(np.rad2deg(touching))) if out else tail.closed
         feathers = _fan(tail, build["tail"], spread * rng.uniform(0.8, 1.2), rng.normal(0, 5))
@@ -294,7 +295,7 @@ def _neck(kind: Bird, pose: str, build: Mapping[str, float], body: Frame, rng: R
     share = rng.uniform(0.85, 1.0) if pose == "feed" else rng.uniform(0.0, 0.22)
     up, low = kind.neck, kind.low
     points = up.points + share * (low.points - up.points)
-    if pose == "soar":  # stretched ahead, or drawn in as a heron does
+    if pose == "soar":  # stretched forward, or retracted like a heron's
         points[:, 1] *= 0.25
         points[:, 0] += 0.5 * np.abs(up.y)
     points *= build["neck"]
@@ -326,7 +327,7 @@ def _beak(rows: Stations, length: float) -> Sweep:
 
 
 def _folded(wing: Wing, body: Profile, factor: float, young: bool) -> list[Part]:
-    """Return the folded wings: flight feathers and two rows of coverts, or the stubs of a young bird."""
+    """Return the folded wings: flight feathers and two rows of coverts, or stubs for a young bird."""
     tip = -wing.folded * factor
     layers = [
         (0.80, 0.30, 0.75, 0.030) if young else (0.74, tip, 0.78, 0.022),
@@ -336,7 +337,7 @@ def _folded(wing: Wing, body: Profile, factor: float, young: bool) -> list[Part]
     parts = []
     for number, (first, last, deep, thick) in enumerate(layers[:1] if young else layers):
         x = np.linspace(first, last, 6)
-        at = wing.high + (0.32 - wing.high) * np.clip((0.3 - x) / 0.6, 0, 1)  # tips meet over the rump
+        at = wing.high + (0.32 - wing.high) * np.clip((0.3 - x) / 0.6, 0, 1)  # the tips meet over the rump
         points = np.column_stack([x, *_on_body(body, np.maximum(x, 0.04), at)])
         behind = np.clip(0.1 - x, 0, None)
         points[:, 2] = np.maximum(points[:, 2] - 0.55 * behind, 0.035) + 0.006 * number
@@ -347,14 +348,14 @@ def _folded(wing: Wing, body: Profile, factor: float, young: bool) -> list[Part]
 
 
 def _on_body(body: Profile, x: Doubles, high: Doubles) -> tuple[Doubles, Doubles]:
-    """Return y and z of points on the right side of the body, ``high`` from -1, its belly, to 1."""
+    """Return y and z of points on the right side of the body, with ``high`` from -1 (belly) to 1 (back)."""
     top, bottom, wide = body.at(x)
     y = (top + bottom) / 2 + high * (top - bottom) / 2
     return y, wide * np.sqrt(1 - high**2)
 
 
 def _opened(wing: Wing, body: Profile, factor: float, pose: str, tilt: float, rng: Rng) -> list[Part]:
-    """Return the spread wings, which follow in part the degrees ``tilt`` by which the body is raised."""
+    """Return the spread wings, which partly follow the pitch ``tilt`` of the body in degrees."""
     span = wing.span * factor
     y, z = _on_body(body, np.array([0.74]), np.array([0.45]))
     shoulder = np.array([0.74, y[0], 0.7 * z[0]])
@@ -363,7 +364,7 @@ def _opened(wing: Wing, body: Profile, factor: float, pose: str, tilt: float, rn
     flap = rng.uniform(0.0, 16.0)
     bones = _bones(span)
     feathers = _feathers(wing, bones, span)
-    # The hand is turned up against the arm a little more.
+    # The hand is raised slightly more than the arm.
     hand = about((0.0, 0.0, 0.5 * span), roll(flap))
     whole = about(shoulder, pitch(-0.55 * tilt if pose != "soar" else 0.0) @ roll(lift) @ yaw(-sweep))
     outer = [feather.placed(hand) for feather in feathers[: wing.primaries]]
@@ -375,12 +376,12 @@ def _opened(wing: Wing, body: Profile, factor: float, pose: str, tilt: float, rn
 
 
 def _bones(span: float) -> Doubles:
-    """Return shoulder, elbow, wrist and the end of the hand, (4, 3), the wing spread to the right."""
+    """Return shoulder, elbow, wrist and the end of the hand, (4, 3), of a wing spread to the right."""
     return span * np.array([[0, 0, 0], [-0.05, 0.012, 0.26], [0.075, 0.018, 0.50], [0.045, 0.01, 0.66]])
 
 
 def _arm(wing: Wing, bones: Doubles) -> list[Sweep]:
-    """Return the arm with the short feathers that cover it, thick before and thin behind."""
+    """Return the arm with its coverts, thick at the front and thin at the back."""
     back = np.array([[-0.42], [-0.34], [-0.26], [-0.12]]) * wing.chord * [1.0, 0.0, 0.0]
     wide = np.array([0.50, 0.42, 0.34, 0.16]) * wing.chord
     cover = tube(bones + back * 0.8, wide, [0.050, 0.036, 0.028, 0.018], (0.0, 1.0, 0.0))
@@ -389,7 +390,7 @@ def _arm(wing: Wing, bones: Doubles) -> list[Sweep]:
 
 
 def _feathers(wing: Wing, bones: Doubles, span: float) -> list[Sweep]:
-    """Return the flight feathers of the right wing, those of the hand first, from the tip inwards."""
+    """Return the flight feathers of the right wing from the tip inwards, those of the hand first."""
     half = wing.width * 0.075 * span
 
     def feather(base: Doubles, degrees: float, length: float, number: int) -> Sweep:
@@ -402,7 +403,7 @@ def _feathers(wing: Wing, bones: Doubles, span: float) -> list[Sweep]:
     longest = 0.36 * span + 0.15 * wing.chord
     for i in range(wing.primaries):
         t = i / (wing.primaries - 1)
-        # The outermost is the longest of a pointed wing; of a broad one, the third or fourth.
+        # The longest feather is the outermost in a pointed wing and the third or fourth in a broad wing.
         dip = (1 - wing.pointed) * 0.22 * max(0.0, 1 - 4 * t)
         reach = (longest + (wing.chord * 1.02 - longest) * t**0.8) * (1 - dip)
         feathers.append(feather(bones[3] + t * (bones[2] - bones[3]), 8 + 66 * t**0.9, reach, i))
@@ -415,7 +416,7 @@ def _feathers(wing: Wing, bones: Doubles, span: float) -> list[Sweep]:
 
 
 def _fan(tail: Tail, factor: float, spread: float, aside: float) -> list[Part]:
-    """Return the tail, ``spread`` degrees between its outermost feathers, turned ``aside`` to the left."""
+    """Return the tail with outermost feathers ``spread`` degrees apart, rotated ``aside`` degrees left."""
     count, half, raised = tail.feathers, tail.half_width, tail.raised
     feathers = []
     for i in range(count):
@@ -452,6 +453,6 @@ def _web(shape: Legs, foot: Doubles, heading: float, flat: bool) -> Plate:
     tips = [(reach * np.cos(a), reach * np.sin(a)) for a in np.deg2rad([-36, -18, 0, 18, 36])]
     dents = [(0.9 * x, 0.9 * y) if i in {1, 3} else (x, y) for i, (x, y) in enumerate(tips)]
     outline = rounded([(-0.1 * reach, -0.06 * reach), *dents, (-0.1 * reach, 0.06 * reach)], 1)
-    lay = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])  # its axes: x, -z, y
+    lay = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])  # with axes x, -z, y
     slope = pitch(0.0 if flat else float(np.rad2deg(-0.5)))
     return Plate(Frame(foot, yaw(heading) @ slope @ lay.T), outline, rim=0.6 * shape.thick)

@@ -1,6 +1,7 @@
-"""The dinosaurs: a body plan for those on two legs, and the armour of some on four.
+"""Dinosaurs: a body plan for bipedal ones, and the armour of some quadrupeds.
 
-Those on two legs have a level trunk, a long tail, jaws and small arms, in units of hip to chest.
+Bipedal dinosaurs have a horizontal trunk, a long tail, jaws and small arms, in units of the distance from
+hip to chest.
 """
 
 from collections.abc import Mapping
@@ -36,9 +37,9 @@ class Arm(Table):
     """A pair of arms.
 
     Args:
-        shoulder: shoulder of the right leg.
-        length: its length.
-        radius: its radius.
+        shoulder: position of the right shoulder.
+        length: length of an arm.
+        radius: radius of an arm.
     """
 
     shoulder: Point
@@ -48,21 +49,21 @@ class Arm(Table):
 
 @dataclass(frozen=True)
 class Theropod(PosedPlan):
-    """A kind of two-legged dinosaur, the hip at x = 0.
+    """A kind of bipedal dinosaur with the hip at x = 0.
 
     Args:
-        torso: from the root of the tail to the chest.
-        tail: from its tip into the torso.
-        neck: from inside the chest to the head.
+        torso: stations from the root of the tail to the chest.
+        tail: stations from the tip into the torso.
+        neck: stations from inside the chest to the head.
         length: length of the head.
-        skull: head and upper jaw, in units of ``length``.
-        jaw: the lower jaw, hinged at its first station, in units of ``length``.
-        eye: in units of ``length``.
-        arm: the arms.
-        leg: the legs.
-        sail: height of a sail on the back, 0 for none.
-        pitch: degrees by which the trunk is raised.
-        ranges: ranges of proportions that differ from the general ones.
+        skull: stations of head and upper jaw, in units of ``length``.
+        jaw: stations of the lower jaw, hinged at the first, in units of ``length``.
+        eye: right eye, in units of ``length``.
+        arm: arms.
+        leg: legs.
+        sail: height of a sail on the back, 0 for no sail.
+        pitch: upward angle of the trunk in degrees.
+        ranges: ranges of proportions that differ from the defaults.
 
     Raises:
         InputError: if the tail does not begin behind the hip.
@@ -88,7 +89,7 @@ class Theropod(PosedPlan):
             raise InputError(f"tail begins behind the hip, at an x less than 0, not at {self.tail.x[0]:g}.")
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
-        """Return the parts of one individual in a pose."""
+        """Return the parts of a random individual in a pose."""
         young = _YOUNG if rng.uniform() < _YOUNG_SHARE else None
         build = proportions(_RANGES, self.ranges, rng, young)
         tilt = rng.uniform(*self.pitch) + {"run": -5.0, "roar": 14.0}.get(pose, 0.0)
@@ -118,7 +119,7 @@ def _tail(rows: Profile, tilt: float, rng: Rng) -> Sweep:
     behind = xs / xs[0]
     sway = rng.normal(0, 32) * behind + rng.normal(0, 24) * np.sin(2 * np.pi * behind)
     spine = Spine(xs, sway - sway[-1])
-    # The root is turned with the trunk, the rest stays level or is carried a little high.
+    # The root is rotated with the trunk, and the rest stays horizontal or slightly raised.
     drop = np.tan(np.deg2rad(tilt)) * np.maximum(rows.x, -0.35)
     drop = drop + rng.uniform(-0.1, 0.22) * np.minimum(rows.x + 0.5, 0) ** 2
     sweep = spine.sweep(replace(rows, top=rows.top + drop, bottom=rows.bottom + drop))
@@ -169,7 +170,7 @@ def _sail(torso: Profile, height: float) -> Part:
     return fuse(Plate(Frame(np.zeros(3), np.eye(3)), outline, 0.018, 0.06, 0.05), blend=0.06)
 
 
-# Outline of a plate of the back: along it, upward.
+# Outline of a plate on the back: along the back, upwards.
 _LEAF = ((-0.42, -0.15), (-0.50, 0.30), (-0.26, 0.72), (0.02, 1.0), (0.26, 0.70), (0.50, 0.28), (0.40, -0.15))
 
 
@@ -178,10 +179,10 @@ class Armour(Table):
     """Spines or plates along the back of some dinosaurs.
 
     Args:
-        plates: how many there are, in two rows.
+        plates: number of plates, in two rows.
         height: height of the largest plate, in units of the height at the withers.
-        spikes: pairs of spikes near the tip of the tail.
-        frill: reach of a shield behind the head in units of the length of the head; 0 for none.
+        spikes: number of pairs of spikes near the tip of the tail.
+        frill: extent of a shield behind the head, in head lengths; 0 for no shield.
     """
 
     plates: Annotated[int, Range(0, 100)] = 0
@@ -190,7 +191,7 @@ class Armour(Table):
     frill: Number = 0.0
 
     def grow(self, neck: Sweep, skull: Sweep, torso: Sweep, tail: Sweep, rng: Rng) -> list[Part]:
-        """Return the parts of it, on one individual's body."""
+        """Return the parts of the armour on a body."""
         parts = []
         size = self.height * rng.uniform(0.85, 1.2)
         if self.plates:
@@ -217,7 +218,7 @@ def _rows(line: Doubles, count: int, size: float) -> list[Part]:
         t = (i + 0.6) / count
         tall = size * (0.30 + 0.70 * np.sin(np.pi * (0.06 + 0.88 * t)) ** 1.1)
         plates.append(_plate(line, 0.02 + 0.78 * t, tall, 1.0 if i % 2 else -1.0))
-    # Each row is a part of its own, or neighbours would melt into one another.
+    # Each row is a separate part, because neighbouring plates would otherwise blend.
     return [fuse(*plates[0::2], blend=0.03), fuse(*plates[1::2], blend=0.03)]
 
 
@@ -245,7 +246,7 @@ def _spikes(tail: Sweep, pairs: int, size: float) -> list[Sweep]:
 
 
 def _frill(skull: Sweep, reach: float) -> Plate:
-    """Return the shield behind the head, scalloped, hollow towards the front."""
+    """Return the scalloped shield behind the head, concave towards the front."""
     nose = skull.points[-1] - skull.points[0]
     length = float(np.linalg.norm(nose))
     ahead, right = nose / length, skull.sides[0]

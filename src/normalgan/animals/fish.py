@@ -1,4 +1,4 @@
-"""The fish: the measures of a kind in units of its length, and how its parts follow a bent spine."""
+"""Fish: measures of a kind in body lengths, with parts that follow a bent spine."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -30,18 +30,18 @@ class Fin(Table):
     """A fin in the sagittal plane, or a pair of them.
 
     Args:
-        outline: corners (x, y) in units of the length of the fish; those of a pair are (outwards from the
-            root, along the chord).
-        thick: half the thickness of its rim.
-        root: (x, y, z) where a pair is set on; None for a single one, given in the fish's own coordinates.
+        outline: corners (x, y) in body lengths; for a pair of fins, outwards from the root and along the
+            chord.
+        thick: half thickness at the rim.
+        root: (x, y, z) of the root of a pair; None for a single fin in the fish's own coordinates.
         spread: angle in degrees between a pair of fins and the flank; 90 is straight out.
-        droop: degrees by which a pair hangs below the horizontal.
-        chord: direction of a pair's second axis, as nearly as the first allows.
-        swell: growth of half the thickness inwards.
-        sharp: cut the corners of the outline once instead of twice.
+        droop: downward angle of a pair in degrees.
+        chord: direction of a pair's second axis, before it is made perpendicular to the first.
+        swell: increase of the half thickness per distance from the rim.
+        sharp: whether the corners of the outline are cut once instead of twice.
 
     Raises:
-        InputError: if the outline has no area, or the chord no direction.
+        InputError: if the outline has fewer than three corners, or the chord is zero.
     """
 
     outline: tuple[tuple[Number, Number], ...]
@@ -62,12 +62,12 @@ class Fin(Table):
 
 
 def _finlet(x: Number, height: Number, below: bool = False) -> Fin:
-    """Return one of a row of small fins in the sagittal plane, before the tail.
+    """Return a finlet, one of a row of small fins in the sagittal plane in front of the tail.
 
     Args:
-        x: where it is.
-        height: height of its root over the middle of the body.
-        below: whether it is on the belly instead of the back.
+        x: position along the body.
+        height: height of its root above the middle of the body.
+        below: whether the finlet is on the belly instead of the back.
     """
     side = -1.0 if below else 1.0
     corners = ((-0.02, 0.0), (-0.035, 0.035), (-0.01, 0.03), (0.025, 0.0))
@@ -79,12 +79,12 @@ class Gills(Table):
     """Slits, or the groove of a gill cover, on both flanks.
 
     Args:
-        x: where the first one is.
-        y: y of its middle.
+        x: x of the first slit.
+        y: y of its centre.
         z: z of the right flank.
         height: height of a slit.
-        slits: how many there are.
-        lid: whether a gill cover shows as one curved groove.
+        slits: number of slits.
+        lid: whether there is a gill cover with a single curved groove.
     """
 
     x: Number
@@ -97,21 +97,21 @@ class Gills(Table):
 
 @dataclass(frozen=True)
 class Fish(PosedPlan):
-    """A kind of fish, straight, its nose at x = 1, the root of its tail fin near x = 0.
+    """A kind of fish, given straight, with the nose at x = 1 and the root of the tail fin near x = 0.
 
     Args:
-        body: from the tail to the nose.
-        fins: all fins but the tail fin, in the order in which they blend.
-        eye: the right one of a pair.
-        mouth: points of its right half, from the corner to the middle in front.
-        gills: gills of both flanks.
-        tail: the tail fin, upright, or None.
-        spines: number of spines on its skin.
-        wave: degrees by which body and tail swing when it swims.
-        ranges: ranges of proportions that differ from the general ones.
+        body: stations from the tail to the nose.
+        fins: all fins except the tail fin, in blending order.
+        eye: right eye.
+        mouth: points of the right half of the mouth, from the corner to the middle.
+        gills: gills on both flanks.
+        tail: upright tail fin, or None.
+        spines: number of spines on the skin.
+        wave: amplitude in degrees of body and tail when swimming.
+        ranges: ranges of proportions that differ from the defaults.
 
     Raises:
-        InputError: if the mouth is not a line.
+        InputError: if the mouth has fewer than two points.
     """
 
     habits: tuple[Annotated[str, OneOf(_POSES)], ...]
@@ -131,7 +131,7 @@ class Fish(PosedPlan):
             raise InputError("mouth is a line of two points or more.")
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
-        """Return the parts of one individual in a pose."""
+        """Return the parts of a random individual in a pose."""
         build = proportions(_RANGES, self.ranges, rng)
         spine = _spine(pose, self.wave, rng)
         depth, girth = build["depth"], build["girth"]
@@ -157,7 +157,7 @@ def _spine(pose: str, wave: float, rng: Rng) -> Spine:
     behind = 1.0 - xs
     side = 1.0 if rng.uniform() < 0.5 else -1.0
     size = rng.uniform(0.5, 1.0) * side * wave
-    if pose == "swim":  # a travelling wave that grows towards the tail
+    if pose == "swim":  # a travelling wave with increasing amplitude towards the tail
         turns = size * behind**1.4 * np.sin(2 * np.pi * (0.8 * behind + rng.uniform()))
     elif pose == "turn":
         turns = 1.5 * size * behind**1.2
@@ -167,7 +167,7 @@ def _spine(pose: str, wave: float, rng: Rng) -> Spine:
 
 
 def _moved(fin: Fin, stretch: Doubles) -> Fin:
-    """Return a fin, moved out with the back, belly or flank that it grows on."""
+    """Return a fin moved with the stretched back, belly or flank that it is attached to."""
     if fin.root is not None:
         x, y, z = np.array(fin.root) * stretch
         return replace(fin, root=(float(x), float(y), float(z)))
@@ -176,7 +176,7 @@ def _moved(fin: Fin, stretch: Doubles) -> Fin:
 
 
 def _spines(body: Profile, count: int, spine: Spine) -> list[Sweep]:
-    """Return spines all round, spread by the golden angle."""
+    """Return spines all around the body, distributed by the golden angle."""
     spines = []
     for i in range(count):
         x = 0.18 + 0.64 * (i + 0.5) / count
@@ -189,14 +189,14 @@ def _spines(body: Profile, count: int, spine: Spine) -> list[Sweep]:
     return spines
 
 
-# From top to bottom of the right side, in the fish's length along it and across, in a slit's height upward.
+# From top to bottom of the right side: in body lengths along and across, in slit heights upwards.
 _SLIT = np.array([(0.010, 0.5, -0.012), (-0.004, 0.0, 0.0), (0.010, -0.5, -0.012)])
 _LID = np.array([(0.05, 0.50, -0.022), (0.012, 0.34, -0.008), (0.0, 0.0, 0.0), (0.02, -0.36, -0.012),
                  (0.07, -0.55, -0.03)])  # fmt: skip
 
 
 def _grooves(kind: Fish, spine: Spine, stretch: Doubles) -> list[Part]:
-    """Return mouth and gills, to subtract."""
+    """Return mouth and gills, to be subtracted."""
     gills = kind.gills
     height = gills.height
 
@@ -221,14 +221,14 @@ def _halves(points: Doubles) -> tuple[Doubles, Doubles]:
 def _plates(
     fin: Fin, spine: Spine, factor: float = 1.0, flare: float = 0.0, flap: float = 0.0
 ) -> list[Plate]:
-    """Return the plates of a fin, ``factor`` as high; ``flare`` and ``flap`` turn a pair, in degrees."""
+    """Return the plates of a fin, scaled in height by ``factor``; ``flare`` and ``flap`` rotate a pair."""
     corners = np.array(fin.outline)
     times = 1 if fin.sharp else 2
     if fin.root is None:
         middle = float(corners[:, 0].mean())
         base = float(np.abs(corners[:, 1]).min()) * np.sign(corners[:, 1].sum())
         flat = rounded([(x - middle, base + (y - base) * factor) for x, y in corners], times)
-        # The plate bends as the spine does about its middle.
+        # The plate bends like the spine at its centre.
         h = 0.05
         before, after = (spine.frame(middle + d).rotation for d in (-h, h))
         turn = float(np.arctan2(-after[2, 0], after[0, 0]) - np.arctan2(-before[2, 0], before[0, 0]))

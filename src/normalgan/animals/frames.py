@@ -1,4 +1,4 @@
-"""Positions and rotations: frames, and chains bent at joints."""
+"""Positions and rotations: frames, and chains of joints."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -28,11 +28,11 @@ __all__ = [
 Volume = NDArray[np.float32]
 """Values on a grid."""
 Axes = tuple[Volume, Volume, Volume]
-"""Coordinates x, y, z of an open grid, (nx, 1, 1), (1, ny, 1) and (1, 1, nz), or of any that broadcast."""
+"""Coordinates x, y, z of an open grid, (nx, 1, 1), (1, ny, 1) and (1, 1, nz), or any that broadcast."""
 
 
 def pitch(degrees: float) -> Doubles:
-    """Return the (3, 3) rotation about z that turns +x towards +y.
+    """Return the (3, 3) rotation about z that rotates +x towards +y.
 
     >>> (pitch(90) @ [1, 0, 0]).round(6).tolist()
     [0.0, 1.0, 0.0]
@@ -42,7 +42,7 @@ def pitch(degrees: float) -> Doubles:
 
 
 def yaw(degrees: float) -> Doubles:
-    """Return the (3, 3) rotation about y that turns +x towards -z, the animal's left.
+    """Return the (3, 3) rotation about y that rotates +x towards -z, the animal's left.
 
     >>> (yaw(90) @ [1, 0, 0]).round(6).tolist()
     [0.0, 0.0, -1.0]
@@ -52,7 +52,7 @@ def yaw(degrees: float) -> Doubles:
 
 
 def roll(degrees: float) -> Doubles:
-    """Return the (3, 3) rotation about x that lifts a hanging limb towards +z, the animal's right.
+    """Return the (3, 3) rotation about x that raises a hanging limb towards +z, the animal's right.
 
     >>> bool(np.allclose(roll(90) @ [0, -1, 0], [0, 0, 1]))
     True
@@ -62,7 +62,7 @@ def roll(degrees: float) -> Doubles:
 
 
 def ray(azimuth: float, elevation: float) -> Doubles:
-    """Return +x turned to the right and then raised, by angles in radians, (3,).
+    """Return the unit vector (3,) +x after rotating it to the right and then upwards, by angles in radians.
 
     >>> ray(0.0, np.pi / 2).round(6).tolist()
     [0.0, 1.0, 0.0]
@@ -72,7 +72,7 @@ def ray(azimuth: float, elevation: float) -> Doubles:
 
 
 def unit(vector: Doubles) -> Doubles:
-    """Return the vector (3,) of length 1 along another.
+    """Return a vector (3,) scaled to length 1.
 
     >>> unit(np.array([3.0, 4.0, 0.0])).tolist()
     [0.6, 0.8, 0.0]
@@ -82,32 +82,32 @@ def unit(vector: Doubles) -> Doubles:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """Where a part of the body is: ``world = origin + rotation @ local``.
+    """The coordinate frame of a part of the body: ``world = origin + rotation @ local``.
 
     Args:
-        origin: (3,)
-        rotation: (3, 3)
+        origin: (3,) origin.
+        rotation: (3, 3) rotation matrix.
     """
 
     origin: Doubles
     rotation: Doubles
 
     def place(self, points: ArrayLike) -> Doubles:
-        """Return a local point (3,), or (n, 3) of them, in the world."""
+        """Convert a local point (3,) or points (n, 3) to world coordinates."""
         return self.origin + np.asarray(points, float) @ self.rotation.T
 
     def carried(self, frame: "Frame", size: float = 1.0) -> "Frame":
-        """Return the frame with its origin scaled by ``size``, then moved with another frame."""
+        """Return the frame with its origin scaled by ``size``, then transformed by another frame."""
         return Frame(frame.place(self.origin * size), frame.rotation @ self.rotation)
 
 
 def spanned(origin: Doubles, first: Doubles, second: Doubles) -> Frame:
-    """Return the frame whose second axis is as near to a direction as its first one allows.
+    """Return the frame with a given first axis and the second axis as close as possible to a direction.
 
     Args:
-        origin: (3,)
-        first: (3,) the first axis, of unit length.
-        second: (3,) not along the first.
+        origin: (3,) origin.
+        first: (3,) first axis, of unit length.
+        second: (3,) approximate direction of the second axis, not parallel to the first.
 
     >>> spanned(np.zeros(3), np.array([1.0, 0.0, 0.0]), np.array([5.0, 2.0, 0.0])).rotation.tolist()
     [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
@@ -117,15 +117,15 @@ def spanned(origin: Doubles, first: Doubles, second: Doubles) -> Frame:
 
 
 def bend(points: Doubles, up: float, left: float) -> tuple[Doubles, Doubles]:
-    """Bend a curve evenly along its length, its first point fixed.
+    """Bend a curve evenly along its length, with its first point fixed.
 
     Args:
         points: (n, 3) stations in the sagittal plane.
-        up: degrees by which the last span is pitched.
-        left: degrees by which the last span is turned.
+        up: upward pitch of the last span in degrees.
+        left: rotation of the last span to the left in degrees.
 
     Returns:
-        (n, 3) stations, and (n, 3, 3) rotations from rest at each.
+        (n, 3) stations, and (n, 3, 3) rotations from rest at the stations.
     """
     spans = len(points) - 1
     turns = [yaw(left * (i + 1) / spans) @ pitch(up * (i + 1) / spans) for i in range(spans)]
@@ -134,12 +134,12 @@ def bend(points: Doubles, up: float, left: float) -> tuple[Doubles, Doubles]:
 
 
 def fold(points: Doubles, joints: tuple[int, ...], angles: tuple[float, ...]) -> Doubles:
-    """Rotate the bones beyond each joint about it, from the root outwards, in the sagittal plane.
+    """Rotate the bones below each joint in the sagittal plane, from the root outwards.
 
     Args:
-        points: (n, 3)
-        joints: indices of points.
-        angles: degrees; a positive angle moves the part below forward.
+        points: (n, 3) stations.
+        joints: indices of the joints among the stations.
+        angles: angles in degrees; positive angles move the part below forward.
     """
     moved = points.copy()
     for joint, angle in zip(joints, angles, strict=True):
@@ -148,7 +148,7 @@ def fold(points: Doubles, joints: tuple[int, ...], angles: tuple[float, ...]) ->
 
 
 def way_along(points: Doubles) -> Doubles:
-    """Return how far each of (n, 3) points is along the line through them, (n,), from 0.
+    """Return the arc length (n,) of each of the points (n, 3) along the line through them.
 
     >>> way_along(np.array([[0.0, 0.0, 0.0], [3.0, 4.0, 0.0], [3.0, 4.0, 1.0]])).tolist()
     [0.0, 5.0, 6.0]
@@ -157,7 +157,7 @@ def way_along(points: Doubles) -> Doubles:
 
 
 def about(pivot: Sequence[float] | Doubles, rotation: Doubles) -> Frame:
-    """Return the frame that turns the world about a point."""
+    """Return the frame that rotates the world about a point."""
     fixed = np.array(pivot, dtype=np.float64)
     return Frame(fixed - rotation @ fixed, rotation)
 
@@ -165,9 +165,10 @@ def about(pivot: Sequence[float] | Doubles, rotation: Doubles) -> Frame:
 def hinge(
     start: Doubles, end: Doubles, upper: float, lower: float, bend: Sequence[float] = (-1.0, 0.0, 0.0)
 ) -> Doubles:
-    """Return the joint (3,) between two bones that run from ``start`` to ``end``, bent towards ``bend``.
+    """Return the joint (3,) between two bones from ``start`` to ``end``, displaced towards ``bend``.
 
-    Bones too short to reach lie straight, the joint dividing the way as their lengths do.
+    If the bones are too short, the joint is on the straight line and divides it in proportion to their
+    lengths.
 
     >>> hinge(np.zeros(3), np.array([0.0, -6.0, 0.0]), 5.0, 5.0).tolist()
     [-4.0, -3.0, 0.0]

@@ -1,4 +1,4 @@
-"""Insects and other arthropods, each a function, and their parts: jointed legs, rings, wings."""
+"""Insects and other arthropods, one function each, and their parts: jointed legs, rings, wings."""
 
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
@@ -15,8 +15,8 @@ from normalgan.arrays import Doubles
 
 __all__ = ["INSECTS", "LegRow", "legs", "wing"]
 
-_OUT = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # columns: to the right, ahead, up
-# Outlines of right wings: out, ahead.
+_OUT = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # columns: right, forward, up
+# Outlines of right wings: outwards, forward.
 _BLADE = np.array(
     [(-0.03, 0.02), (0.2, 0.07), (0.5, 0.07), (0.66, -0.02), (0.58, -0.14), (0.3, -0.16), (0.05, -0.06)]
 )
@@ -32,13 +32,13 @@ _HIND = np.array(
 
 
 class LegRow(NamedTuple):
-    """The place and direction of a pair of legs.
+    """Position and direction of a pair of legs.
 
     Args:
-        x: where it grows.
-        z: half the distance apart.
-        azimuth: degrees from straight ahead.
-        reach: how far the feet are from there.
+        x: position along the body.
+        z: half of the distance between the roots of the legs.
+        azimuth: angle from straight ahead, in degrees.
+        reach: distance of the feet from the roots.
     """
 
     x: float
@@ -58,16 +58,17 @@ def legs(
 ) -> Part:
     """Return jointed legs: femur up and out, tibia down, a foot.
 
-    Walking ones go by tripods: neighbours swing in turn (Wilson, "Insect walking", 1966); flying ones hang.
+    Walking legs form tripods, where neighbours swing alternately (Wilson, "Insect walking", 1966). In
+    flight, legs hang down.
 
     Args:
-        rows: pairs from front to back.
+        rows: pairs of legs from front to back.
         pose: walk, fly, or any other pose.
-        rng: for the swing.
-        ground: how far below the body's axis the ground is.
+        rng: source of randomness for the swing.
+        ground: distance of the ground below the body's axis.
         thick: radius of the femur.
-        bent: length of the leg over the distance it bridges.
-        at: height at which they grow.
+        bent: ratio of a leg's length to the distance between its ends.
+        at: height of the roots.
     """
     swing = rng.uniform(9, 17) * (1 if rng.uniform() < 0.5 else -1)
     shapes: list[Shape] = []
@@ -98,10 +99,10 @@ def _feelers(base: ArrayLike, bends: Sequence[ArrayLike], thick: float, club: fl
     """Return a pair of antennae.
 
     Args:
-        base: base of the right-hand one.
-        bends: the points that it continues through, as offsets from the base.
+        base: base of the right antenna.
+        bends: further points of the antenna, relative to the base.
         thick: radius at the base.
-        club: radius at the tip over that.
+        club: ratio of the radius at the tip to that at the base.
     """
     start = np.array(base, float)
     points = [start, *(start + np.array(step, float) for step in bends)]
@@ -116,16 +117,16 @@ def _eyes(at: ArrayLike, radii: ArrayLike, turn: float = 0.0) -> Part:
 
 
 def _ringed(points: ArrayLike, radii: ArrayLike, rings: int, depth: float, flat: float = 1.0) -> Sweep:
-    """Return a tube with ``rings`` rings; between them its radius is smaller by the share ``depth``.
+    """Return a tube with rings, between which the radius is smaller by a fraction ``depth``.
 
     Args:
-        points: the curve's stations.
-        radii: at these.
-        rings: how many.
-        depth: from 0 to 1.
-        flat: its width over its height.
+        points: stations of the curve.
+        radii: radii at the stations.
+        rings: number of rings.
+        depth: depth of the grooves relative to the radius, from 0 to 1.
+        flat: ratio of width to height.
     """
-    from scipy.interpolate import CubicSpline  # slow to import: only for who grows an insect
+    from scipy.interpolate import CubicSpline  # slow to import, only needed for insects
 
     stations, sizes = in_space(points), np.array(radii, float)
     knots = np.linspace(0, 1, len(stations))
@@ -141,12 +142,12 @@ def wing(
     """Return a pair of wings.
 
     Args:
-        hinge_at: where the right one is hinged.
-        outline: (out, ahead) corners of a smooth outline, the hinge at the origin.
-        raised: degrees above level; 90 is straight up.
-        back: degrees swept back.
-        thick: half the thickness.
-        bow: curvature across, positive arched upwards.
+        hinge_at: position of the right wing's hinge.
+        outline: corners (outwards, forward) of a smooth outline with the hinge at the origin.
+        raised: angle above the horizontal in degrees; 90 is straight up.
+        back: backward sweep in degrees.
+        thick: half thickness.
+        bow: curvature across the wing; positive values arch it upwards.
     """
     from scipy.interpolate import CubicSpline
 
@@ -159,7 +160,7 @@ def wing(
 
 
 def _held(rng: Rng, raised: Span, back: Span) -> tuple[float, float]:
-    """Draw how high and how far back wings are held, in degrees."""
+    """Return random angles by which wings are raised and swept back, in degrees."""
     return rng.uniform(*raised), rng.uniform(*back)
 
 
@@ -258,7 +259,7 @@ def _ant(pose: str, rng: Rng) -> list[Part]:
 
 
 def _caterpillar(pose: str, rng: Rng) -> list[Part]:
-    """Return a caterpillar: rings on stumpy legs; a walking one arches its back."""
+    """Return a caterpillar: rings on stumpy legs, with an arched back if it walks."""
     rings = int(rng.integers(8, 12))
     arch = rng.uniform(0.16, 0.30) if pose == "walk" else rng.uniform(0.0, 0.05)
     fat, sway = rng.uniform(0.085, 0.115), rng.uniform(-0.1, 0.1)
@@ -272,7 +273,7 @@ def _caterpillar(pose: str, rng: Rng) -> list[Part]:
             for out in (size, -size):
                 feet.append(tube([by(at, 0, 0, 0.5 * out), by(at, 0, -1.15 * size, 0.65 * out)], 0.032))
     end = by(line[-1], 0.5 * fat, 0.02, 0.0)
-    # On an arched back beads lie too far apart to touch: a spine holds them together.
+    # On an arched back, the beads are too far apart to touch, so a spine connects them.
     parts = [fuse(tube(line, 0.7 * sizes))]
     parts += [fuse(ball(at, size), blend=0.05) for at, size in zip(line, sizes, strict=True)]
     parts += [fuse(*feet, blend=0.02), fuse(ball(end, 1.05 * fat), blend=0.02)]
@@ -323,7 +324,7 @@ def _fly(pose: str, rng: Rng) -> list[Part]:
 
 
 def _grasshopper(pose: str, rng: Rng) -> list[Part]:
-    """Return a grasshopper, the knees of its hind legs above its back; a leaping one stretches them."""
+    """Return a grasshopper with the knees of its hind legs above its back, or stretched legs if it leaps."""
     tail, high, feeler, head = around(rng, 0.12, 0.52, 0.36, 1.0, 1.0)
     knee, foot = np.array([-0.42, high, 0.20]), np.array([-0.30, -0.24, 0.30])
     if pose == "leap":
@@ -400,7 +401,7 @@ def _spider(pose: str, rng: Rng) -> list[Part]:
 
 
 def _scorpion(pose: str, rng: Rng) -> list[Part]:
-    """Return a scorpion: pincers ahead, the sting over the back."""
+    """Return a scorpion: pincers in front, and the sting over the back."""
     radius, claw, reach, wide = around(rng, 0.15, 0.27, 0.13, 0.36, 1.0)
     curl = np.deg2rad(np.linspace(165, rng.uniform(10, 50), 7))
     arc = [-0.36 + radius * np.cos(curl), 0.04 + radius + radius * np.sin(curl) * 1.15, 0 * curl]
@@ -426,7 +427,7 @@ def _scorpion(pose: str, rng: Rng) -> list[Part]:
 
 
 def _butterfly(pose: str, rng: Rng) -> list[Part]:
-    """Return a butterfly, its wings spread or folded over the back."""
+    """Return a butterfly with its wings spread or folded over the back."""
     fore, hind, deep, slim = around(rng, 0.18, 1.0, 1.0, 1.0, 0.052)
     flies = pose == "fly"
     raised, back = _held(rng, (8, 52), (-8, 10)) if flies else _held(rng, (66, 80), (-4, 8))
@@ -453,7 +454,7 @@ def _butterfly(pose: str, rng: Rng) -> list[Part]:
 
 
 def _dragonfly(pose: str, rng: Rng) -> list[Part]:
-    """Return a dragonfly: a long rod of a tail, four long wings held out."""
+    """Return a dragonfly: a long rod as a tail, and four long spread wings."""
     tail, span, eye, breast = around(rng, 0.13, 0.75, 1.0, 0.085, 1.0)
     raised = rng.uniform(-5, 30) if pose == "fly" else rng.uniform(-4, 8)
     droop, thin = rng.uniform(-0.1, 0.12), 0.042

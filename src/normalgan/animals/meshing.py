@@ -1,4 +1,4 @@
-"""From parts to a field, and from the field to a closed, centred mesh by marching cubes."""
+"""Meshing: a field of blended parts, and its closed, centred surface by marching cubes."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,14 +16,14 @@ from normalgan.rendering.mesh import Mesh
 __all__ = ["drop_crumbs", "fill_voids", "to_mesh", "unit_sphere"]
 
 _Window = tuple[slice, slice, slice]
-_FAR = np.float32(10.0)  # value of the field where no part is near
-_MARGIN = 4  # grid cells round a part in which its field is right
-_FACES = 32_000  # about the number aimed at
-_THINNEST = 1.35  # grid cells: a thinner radius would break up into beads
-_COARSER = 4  # times fewer faces than aimed at, when the skin is measured
-_OVERLAP = 1.28  # how much more than their union's the surface of parts usually is
-_TRUSTED = (0.7, 1.25)  # measured over estimated skin within which the estimate is kept
-_CRUMB = 60  # grid cells: what is smaller and hangs on nothing was left over between a part and a hollow
+_FAR = np.float32(10.0)  # value of the field far from all parts
+_MARGIN = 4  # number of grid cells around a part where its field is valid
+_FACES = 32_000  # approximate target
+_THINNEST = 1.35  # in grid cells; a smaller radius would break up into beads
+_COARSER = 4  # ratio of target faces to faces of the coarse mesh that measures the area
+_OVERLAP = 1.28  # usual ratio of the parts' total area to the area of their union
+_TRUSTED = (0.7, 1.25)  # ratios of measured to estimated area for which the estimate is kept
+_CRUMB = 60  # in grid cells; smaller separate pieces are leftovers between a part and a hollow
 
 
 def to_mesh(name: str, parts: Sequence[Part], count: int = _FACES) -> Mesh:
@@ -31,28 +31,29 @@ def to_mesh(name: str, parts: Sequence[Part], count: int = _FACES) -> Mesh:
 
     Args:
         name: name of the mesh.
-        parts: in the order in which they blend.
-        count: about how many faces it is to have.
+        parts: parts in blending order.
+        count: approximate number of faces.
 
-    The spacing of the grid follows from the surface of the parts, so that an animal has the same number
-    of faces whether lean or fat. Normals are the gradient of the field, which is smoother than face normals.
+    The grid spacing is derived from the surface area of the parts, so that lean and fat animals have the
+    same number of faces. Normals are gradients of the field, which are smoother than face normals.
     """
     field = _field(parts, _spacing(parts, count))
     vertices, faces, normals, _ = marching_cubes(field, 0.0, allow_degenerate=False)
-    normals = -normals.astype(np.float64)  # scikit-image's run inwards where the outside is positive
+    normals = -normals.astype(np.float64)  # scikit-image's normals point inwards if the outside is positive
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     centred = unit_sphere(vertices.astype(np.float64))
     return Mesh(name, centred.astype(np.float32), faces.astype(np.int32), normals.astype(np.float32))
 
 
 def _spacing(parts: Sequence[Part], count: int) -> float:
-    """Return the distance of grid points that gives about ``count`` faces."""
+    """Return the grid spacing that gives about ``count`` faces."""
     added = [shape for part in parts if not part.carve for shape in part.shapes]
     skin = sum(shape.smoothed().area() for shape in added if isinstance(shape, Sweep))
     skin += sum(shape.area() for shape in added if not isinstance(shape, Sweep))
     if not all(isinstance(shape, Sweep) for part in parts for shape in part.shapes):
-        # Solids may lie deep in one another, or be hollowed out: measured on a coarse grid, the skin may
-        # turn out another. Not so with sweeps; and thin ones, which a coarse grid fattens, add up better.
+        # Solids may overlap strongly or be hollowed out, so the area is measured on a coarse grid. For
+        # sweeps, the sum of areas is better, because they overlap little and a coarse grid thickens thin
+        # ones.
         coarse = float(np.sqrt(2.35 * skin * _COARSER / count))
         vertices, faces, _, _ = marching_cubes(_field(parts, coarse), 0.0)
         measured = _OVERLAP * float(mesh_surface_area(vertices, faces)) * coarse**2
@@ -62,10 +63,10 @@ def _spacing(parts: Sequence[Part], count: int) -> float:
 
 
 def _field(parts: Sequence[Part], spacing: float) -> Volume:
-    """Return the field of the parts on a grid around them all, without voids and loose crumbs."""
+    """Return the field of the parts on a grid around all of them, without voids and loose crumbs."""
     fine = [part.thickened(_THINNEST * spacing) for part in parts]
     corners = [part.reach() for part in fine if not part.carve]
-    # Blends swell the union by at most a sixth of their width: two cells more than the margin hold that.
+    # Blends extend the union by at most a sixth of their width, for which two extra cells are enough.
     pad = (_MARGIN + 2) * spacing
     low = np.stack([corner[0] for corner in corners]).min(0) - pad
     high = np.stack([corner[1] for corner in corners]).max(0) + pad
@@ -75,7 +76,7 @@ def _field(parts: Sequence[Part], spacing: float) -> Volume:
 
 
 def fill_voids(field: Volume) -> Volume:
-    """Return the field with pockets of outside that are shut in turned to inside."""
+    """Return the field with enclosed pockets filled."""
     labels, count = ndimage.label(field > 0)
     if count > 1:
         field = np.where((field > 0) & (labels != labels[0, 0, 0]), np.float32(-1e-3), field)
@@ -95,8 +96,8 @@ def drop_crumbs(field: Volume) -> Volume:
 def unit_sphere(points: Doubles) -> Doubles:
     """Return the points moved and scaled so that their bounding sphere is the unit sphere.
 
-    The centre walks towards the farthest point by shrinking steps (Bădoiu and Clarkson, "Smaller core-sets
-    for balls", 2003); after 300 steps the radius is within 1 % of the smallest one.
+    The centre moves towards the farthest point by decreasing steps (Bădoiu and Clarkson, "Smaller
+    core-sets for balls", 2003). After 300 steps, the radius is within 1 % of the minimum.
     """
     centre = (points.min(axis=0) + points.max(axis=0)) / 2
     for step in range(2, 302):
@@ -110,11 +111,11 @@ def unit_sphere(points: Doubles) -> Doubles:
 
 @dataclass(frozen=True, eq=False)
 class _Grid:
-    """Where the field is sampled.
+    """The grid on which the field is sampled.
 
     Args:
-        origin: (3,) the lowest corner.
-        spacing: distance between neighbours.
+        origin: (3,) lowest corner.
+        spacing: distance between neighbouring samples.
         shape: number of samples along x, y, z.
     """
 
@@ -136,12 +137,12 @@ class _Grid:
 
 
 def _sample(parts: Sequence[Part], grid: _Grid) -> Volume:
-    """Return the signed distance, negative inside, at every sample; right near the surface, `_FAR` elsewhere.
+    """Return the signed distance at each sample, negative inside, valid near the surface, `_FAR` elsewhere.
 
-    The blend has finite width, so a part has no effect farther than that from its surface.
+    Blends have a finite width, so a part only affects samples within that distance of its surface.
 
     Returns:
-        grid.shape
+        Array of shape ``grid.shape``.
     """
     field = np.full(grid.shape, _FAR, np.float32)
     for part in parts:
@@ -180,10 +181,10 @@ def _within(box: _Window, window: _Window) -> _Window:
 
 
 def _ripple(axes: Axes, ripple: Ripple) -> Volume:
-    """Return bumps without a grain: plane waves in directions spread evenly over the sphere, summed.
+    """Return isotropic bumps, a sum of plane waves with directions spread evenly over the sphere.
 
-    The directions follow the Fibonacci lattice, the wavelengths spread by half; the height is about the
-    largest.
+    The directions follow a Fibonacci lattice, and the wavelengths vary by half. The maximum is
+    approximately the ripple's height.
     """
     turn, count = np.pi * (3 - np.sqrt(5)), 11
     total = np.zeros([axis.size for axis in axes], np.float32)

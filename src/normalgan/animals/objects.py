@@ -1,4 +1,4 @@
-"""Things, each a function: vessels, cars, boats and planes, garden objects, plants, shapeless blobs."""
+"""Objects, one function each: vessels, cars, boats and planes, garden objects, plants, shapeless blobs."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -18,14 +18,14 @@ def turned(heights: Sequence[float], radii: Sequence[float], wall: float) -> lis
     """Return an open vessel on a flat foot.
 
     Args:
-        heights: stations from the foot up, the last one the rim.
-        radii: radii of its outside at these.
-        wall: thickness.
+        heights: heights of stations from the foot to the rim.
+        radii: outer radii at these heights.
+        wall: thickness of the wall.
     """
     rows = list(zip(heights, radii, strict=True))
     top, rim = rows[-1]
     stems = [y for y, r in rows if y > wall and r <= 2.4 * wall and y < 0.6 * top]
-    floor = max([wall, *stems])  # a stem is not hollow
+    floor = max([wall, *stems])  # stems are not hollow
     bulb = 0.5 * max(float(np.interp(floor, heights, radii)), 2 * wall)
     inside = [(y, r - wall) for y, r in rows if y > floor + 1.5 * bulb]
     hollow = [(floor + bulb, bulb), *inside, (top + 0.3, rim - wall)]
@@ -41,7 +41,7 @@ def _above(height: float) -> Shape:
 
 
 def _level(height: float) -> Part:
-    """Return a shape that cuts away everything below a height: a flat foot."""
+    """Return a part that cuts away everything below a height, to make a flat foot."""
     return fuse(block((0, height - 1.0), [2.0, 1.0, 2.0], 0.01), carve=True)
 
 
@@ -51,7 +51,7 @@ _VESSELS: Mapping[str, tuple[Sequence[float], Sequence[float]]] = {
     "flute": ([0.0, 0.1, 0.35, 0.65, 0.85, 1.0], [0.15, 0.13, 0.13, 0.19, 0.26, 0.33]),
     "goblet": ([0.0, 0.06, 0.3, 0.5, 0.75, 1.0], [0.24, 0.10, 0.055, 0.19, 0.27, 0.26]),
 }
-"""Heights and radii of vessels."""
+"""Heights and radii of vessels by kind."""
 
 
 def _vase(pose: str, rng: Rng) -> list[Part]:
@@ -86,7 +86,7 @@ def _bowl(wide: float, deep: float, foot: float) -> list[Part]:
 
 
 def _mug(pose: str, rng: Rng) -> list[Part]:
-    """Return a mug, its handle at the back."""
+    """Return a mug with its handle at the back."""
     tall, wide, taper, out = around(rng, 0.2, 0.75, 0.30, 1.0, 0.26)
     rim = wide * (1 + 0.6 * (taper - 1))
     parts = turned([0.0, 0.06, 0.35 * tall, 0.7 * tall, tall], [0.94 * wide, wide, wide, rim, rim], 0.05)
@@ -99,7 +99,7 @@ def _mug(pose: str, rng: Rng) -> list[Part]:
 
 
 def _teapot(pose: str, rng: Rng) -> list[Part]:
-    """Return a teapot, its spout ahead."""
+    """Return a teapot with its spout in front."""
     tall, wide, far, knob, out = around(rng, 0.18, 0.34, 0.42, 0.16, 0.065, 0.30)
     high = 0.06 + 1.55 * tall
     size = np.array([wide, tall])
@@ -136,7 +136,7 @@ def _car(pose: str, rng: Rng) -> list[Part]:
     deck = floor + low
     edge = rng.uniform(0.04, 0.09)
     parts = [fuse(block((0, floor), [long, low, wide], edge))]
-    cabin, panes = 0.0, 0.0  # where the side windows are, and half their length
+    cabin, panes = 0.0, 0.0  # positions of the side windows, and half of their length
     if kind == "beetle":
         dome = ball((-0.05, floor + 0.4 * low), [0.75 * long, 2.2 * high, 0.92 * wide])
         parts.append(fuse(dome, blend=0.05))
@@ -357,7 +357,7 @@ def _fir(pose: str, rng: Rng) -> list[Part]:
     count = int(rng.integers(3, 6))
     step = 0.75 / count
     parts = []
-    # From the top down, each tier cut off level before the next one is put under it.
+    # From the top down, each tier is cut off horizontally before the next one is added below.
     for i in reversed(range(count)):
         low, big = 0.22 + i * step, wide * (1 - 0.75 * i / count)
         tip = min(low + 2.1 * step * gap, 1.12)
@@ -421,12 +421,12 @@ def _one_mushroom(rng: Rng, at: Doubles, size: float, blend: float, lean: float 
 
 
 _PIECES = ("ball", "ball", "rod", "rod", "cone", "block", "ring", "worm")
-_INNER = 0.5  # share of its radii within which others may grow out of a piece; dents do not reach so deep
+_INNER = 0.5  # fraction of a piece's radii within which others may be attached; dents are shallower
 
 
 @dataclass(frozen=True, eq=False)
 class _Piece:
-    """A solid, and points (n, 3) inside it where other parts can grow."""
+    """A solid with points (n, 3) inside it where other parts can be attached."""
 
     shape: Shape
     roots: Doubles
@@ -438,7 +438,7 @@ def _blob(pose: str, rng: Rng) -> list[Part]:
 
 
 def _creature(pose: str, rng: Rng) -> list[Part]:
-    """Return a compound that is the same on its right and left."""
+    """Return a mirror-symmetric compound."""
     return _grown(rng, both_sides=True)
 
 
@@ -454,7 +454,7 @@ def _grown(rng: Rng, both_sides: bool) -> list[Part]:
         parent = pieces[int(rng.integers(len(pieces)))]
         root = parent.roots[int(rng.integers(len(parent.roots)))]
         size = rng.uniform(0.5, 1.0) * 0.85 ** (len(pieces) // 3)
-        # Only of the core is a root that is brought to the middle still inside.
+        # Only for the core is a root still inside after it is moved to the middle plane.
         middle = both_sides and parent is core and bool(rng.uniform() < 0.45)
         piece = _grow_piece(str(rng.choice(_PIECES)), root * [1, 1, 0] if middle else root, size, middle, rng)
         shapes = both(piece.shape) if both_sides else (piece.shape,)
@@ -476,7 +476,7 @@ def _core(rng: Rng, both_sides: bool) -> _Piece:
 
 
 def _dents(core: _Piece, both_sides: bool, rng: Rng) -> Part:
-    """Return hollows about points of the core's surface, too shallow to reach its roots."""
+    """Return hollows around points on the core's surface, too shallow to reach its roots."""
     dents = []
     for root in core.roots[: int(rng.integers(1, 4))]:
         size = rng.uniform(0.06, 0.11)
@@ -485,10 +485,10 @@ def _dents(core: _Piece, both_sides: bool, rng: Rng) -> Part:
 
 
 def _grow_piece(kind: str, root: Doubles, size: float, middle: bool, rng: Rng) -> _Piece:
-    """Return a part that starts in its root and grows in some direction."""
+    """Return a part that starts at its root and extends in a random direction."""
     way = rng.normal(size=3)
     if middle:
-        way[2] = 0.0  # along the mirror
+        way[2] = 0.0  # along the mirror plane
     way = unit(way)
     turn = yaw(rng.uniform(0, 360)) @ roll(rng.uniform(0, 360))
     if kind == "ball":
@@ -536,4 +536,4 @@ _SHAPES: Mapping[str, Callable[[str, Rng], list[Part]]] = {
     "vase": _vase,
 }
 BLOBS: Mapping[str, BodyPlan] = {name: Form(("rest",), shape) for name, shape in _SHAPES.items()}
-"""All that is neither animal nor toy."""
+"""All species that are neither animals nor toys."""

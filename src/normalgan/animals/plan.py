@@ -1,4 +1,4 @@
-"""Body plans: the interface of all species, which grow from random numbers into parts."""
+"""Body plans: the interface of all species, which turn random numbers into parts."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
@@ -26,11 +26,11 @@ Rng = np.random.Generator
 
 @dataclass(frozen=True)
 class Eyeball(Table):
-    """The right one of a pair of eyes.
+    """The right eye of a pair.
 
     Args:
-        at: its middle.
-        radius: its radius.
+        at: centre of the eyeball.
+        radius: radius of the eyeball.
     """
 
     at: Point
@@ -38,62 +38,62 @@ class Eyeball(Table):
 
 
 class BodyPlan(Protocol):
-    """A species: head to +x, +y up, the animal's right at +z, in any unit of length."""
+    """A species, with the head towards +x, +y up, the animal's right at +z, in any unit of length."""
 
     @property
     def poses(self) -> tuple[str, ...]:
         """The names of the poses that can be requested."""
 
     def grow(self, pose: str | None, rng: Rng) -> list[Part]:
-        """Return one individual's parts, in the order in which they blend.
+        """Return the parts of a random individual in blending order.
 
         Args:
-            pose: one of `poses`; None to draw one.
+            pose: one of `poses`; None for a random pose.
             rng: source of randomness for proportions, age, carriage, and the pose unless one is given.
         """
 
 
 @dataclass(frozen=True)
 class PosedPlan(Table, ABC):
-    """The base of most body plans: the pose is drawn first, and everything else follows from it.
+    """Base class of most body plans, where the pose is drawn first and determines everything else.
 
     Args:
-        habits: the poses it takes; one named twice is drawn twice as often.
+        habits: poses of the species; a pose listed twice is drawn twice as often.
     """
 
     habits: tuple[str, ...]
 
     @property
     def poses(self) -> tuple[str, ...]:
-        """The habits, each once."""
+        """The habits without duplicates."""
         return tuple(dict.fromkeys(self.habits))
 
     def grow(self, pose: str | None, rng: Rng) -> list[Part]:
-        """Return one individual's parts."""
+        """Return the parts of a random individual."""
         return self.assemble(drawn_pose(self.habits, pose, rng), rng)
 
     @abstractmethod
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
-        """Return the parts of one individual in a pose, in the order in which they blend."""
+        """Return the parts of a random individual in a pose, in blending order."""
 
 
 @dataclass(frozen=True)
 class Form(PosedPlan):
-    """A species made by a function of the pose and a source of random numbers.
+    """A species defined by a function of the pose and a random generator.
 
     Args:
-        shape: returns the parts of one individual.
+        shape: function that returns the parts of a random individual.
     """
 
     shape: Callable[[str, Rng], list[Part]]
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
-        """Return the parts of one individual in a pose."""
+        """Return the parts of a random individual in a pose."""
         return self.shape(pose, rng)
 
 
 def drawn_pose(habits: Sequence[str], pose: str | None, rng: Rng) -> str:
-    """Return the requested pose, or one of the habits; the draw is made in any case."""
+    """Return the requested pose or a random habit; the random number is drawn in both cases."""
     drawn = str(rng.choice(habits))
     return pose or drawn
 
@@ -101,12 +101,12 @@ def drawn_pose(habits: Sequence[str], pose: str | None, rng: Rng) -> str:
 def proportions(
     general: Mapping[str, Span], own: Mapping[str, Span], rng: Rng, young: Mapping[str, float] | None = None
 ) -> dict[str, float]:
-    """Draw the factors by which an individual differs from its species.
+    """Return random factors by which an individual differs from its species.
 
     Args:
-        general: the range of each factor in all species of the body plan.
-        own: those ranges of the species that differ.
-        rng: draws each factor evenly, in the order of ``general``.
+        general: default range of each factor in the body plan.
+        own: ranges of the species that differ from the default.
+        rng: random generator; factors are uniform and drawn in the order of ``general``.
         young: factors of a young animal; None for an adult.
 
     >>> proportions({"legs": (1.0, 1.0), "tail": (0.8, 1.2)}, {"tail": (2.0, 2.0)}, np.random.default_rng(0))
@@ -117,5 +117,5 @@ def proportions(
 
 
 def around(rng: Rng, spread: float, *usual: float) -> list[float]:
-    """Draw a number about each usual one, off it by at most the part ``spread`` of itself."""
+    """Return random numbers around the usual ones, with a relative deviation of at most ``spread``."""
     return [value * rng.uniform(1 - spread, 1 + spread) for value in usual]

@@ -1,4 +1,4 @@
-"""Plush toys, each a function: a round body, stubby limbs, a large head, and sometimes seams."""
+"""Plush toys, one function each: a round body, stubby limbs, a large head, and sometimes seams."""
 
 from collections.abc import Mapping
 
@@ -17,7 +17,7 @@ __all__ = ["PLUSH"]
 
 _HABITS = ("sit", "sit", "stand", "hug", "cheer")
 _SKULL = np.array([1.0, 0.93, 1.08])  # radii of a head in its own unit
-# Outline of a dragon's right wing: out, ahead.
+# Outline of a dragon's right wing: outwards, forward.
 _BAT = np.array([(-0.05, 0.03), (0.16, 0.16), (0.40, 0.14), (0.36, -0.02), (0.26, -0.04), (0.2, -0.13),
                  (0.1, -0.1), (0.0, -0.12)])  # fmt: skip
 
@@ -32,16 +32,16 @@ def _sewn(
     arms: float = 1.0,
     hands: bool = False,
 ) -> list[Part]:
-    """Return a toy, a seat or sole at about y = 0 and about 1 high; it hugs and cheers sitting or standing.
+    """Return a toy about 1 high, with its seat or soles at about y = 0.
 
     Args:
-        features: the parts of the head, in units of half its height.
-        pose: one of `_HABITS`.
-        rng: draws proportions, the limbs' places, and whether there are seams.
+        features: parts of the head, in units of half its height.
+        pose: one of `_HABITS`; hugging and cheering toys sit or stand.
+        rng: source of randomness for proportions, positions of the limbs and seams.
         belly: radii of the body.
-        head: half the height of the head.
-        limbs: thickness of arms and legs, 1 as usual.
-        arms: length of the arms, 1 as usual.
+        head: half of the head's height.
+        limbs: relative thickness of arms and legs.
+        arms: relative length of the arms.
         hands: whether the hands are thicker than the arms.
     """
     stout, tall, size, fat, long = around(rng, 0.12, 1.0, 1.0, head, 1.0, 1.0)
@@ -62,20 +62,20 @@ def _sewn(
 
 
 def _seam(at: ArrayLike, radii: ArrayLike) -> Sweep:
-    """Return the line along the middle of an ellipsoid, to dig."""
+    """Return the line along the middle of an ellipsoid, to be carved."""
     turns = np.linspace(-0.42, 0.62, 17) * np.pi
     ring = np.column_stack([np.cos(turns), np.sin(turns), 0 * turns])
     return tube(in_space(at) + 1.01 * ring * np.array(radii, float), 0.008)
 
 
 def _on_skull(aside: float, up: float, out: float = 1.0) -> Doubles:
-    """Return the point (3,) of the head ``aside`` degrees to the right and ``up`` above its middle."""
+    """Return the point (3,) on the head ``aside`` degrees right of and ``up`` degrees above its middle."""
     way = ray(np.deg2rad(aside), np.deg2rad(up))
     return way / float(np.linalg.norm(way / _SKULL)) * out
 
 
 def _skull(cheeks: float = 0.0) -> list[Part]:
-    """Return the bare head, with cheeks of some size."""
+    """Return the bare head with cheeks of a given size."""
     parts = [fuse(ball((0, 0), _SKULL), blend=0.05)]
     if cheeks:
         parts.append(pair(ball([0.35, -0.35, 0.55], cheeks), blend=0.3))
@@ -83,12 +83,12 @@ def _skull(cheeks: float = 0.0) -> list[Part]:
 
 
 def _buttons(aside: float, up: float, radius: float) -> Part:
-    """Return a pair of round eyes sewn on."""
+    """Return a pair of round button eyes."""
     return pair(ball(_on_skull(aside, up, 1.0), radius), blend=0.02)
 
 
 def _smile(aside: float, up: float, rise: float, out: float = 1.0) -> Part:
-    """Return the groove of a mouth, to subtract; its corners lie ``rise`` degrees above its middle."""
+    """Return the groove of a mouth, to be carved, with corners ``rise`` degrees above its middle."""
     t = np.linspace(-1, 1, 9)
     curve = [_on_skull(aside * float(s), up + rise * float(s * s), out) for s in t]
     return fuse(tube(curve, 0.03), blend=0.02, carve=True)
@@ -184,7 +184,7 @@ def _pig(pose: str, rng: Rng) -> list[Part]:
     fold = rng.uniform(0.2, 0.5)
     ear = tube([[0.02, 0.58, 0.56], [0.2 + 0.35 * fold, 1.12 - 0.3 * fold, 0.84]], [0.15, 0.05], [0.42, 0.05])
     snout = tube([(0.7, -0.12), (1.22, -0.12)], [0.9 * wide, 0.85 * wide], [1.1 * wide, wide])
-    flat = block((1.62, -0.12), [0.4, 0.48, 0.5], 0.05)  # of the snout's front; a hug's arms are below
+    flat = block((1.62, -0.12), [0.4, 0.48, 0.5], 0.05)  # cuts the snout flat, but not arms that hug
     face = [
         *_skull(0.3),
         fuse(snout, blend=0.06),

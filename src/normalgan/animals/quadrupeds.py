@@ -1,4 +1,4 @@
-"""The quadrupeds' body plan: the settings of a species, and the parts of an individual by build and pose."""
+"""The body plan of quadrupeds: settings of a species, and parts of an individual by build and pose."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -20,15 +20,15 @@ from normalgan.ranges import Count, OneOf
 
 __all__ = ["Eye", "Head", "LegTemplate", "Limb", "Mane", "Mouth", "Ornament", "Quadruped"]
 
-_SEATED = 0.82  # the back of an animal that sits is rounded, which brings shoulder and hip nearer
-_FACE = 0.4  # share of the head's length, from the poll, behind which the muzzle's length changes nothing
-_BELOW_BELLY = 0.6  # share of the height that longer legs add to
+_SEATED = 0.82  # sitting animals have a round back, which brings shoulder and hip closer
+_FACE = 0.4  # fraction of the head's length from the poll that the muzzle factor does not affect
+_BELOW_BELLY = 0.6  # fraction of the height that scales with the legs
 _LIP = 0.02  # radius of the groove of the mouth, in units of the head's length
-_PROUD = 0.007  # how far its middle lies outside the skull, so that it does not cut thin muzzles through
+_PROUD = 0.007  # distance of its centre outside the skull, so that it does not cut through thin muzzles
 
 
 _Build = Mapping[str, float]
-"""The factors of `_RANGES` by which an individual differs from the drawing of its species."""
+"""Ranges of the factors by which an individual differs from its species."""
 _RANGES: Mapping[str, Span] = {
     "length": (0.93, 1.07),  # of the torso
     "depth": (0.92, 1.08),  # of the belly, measured down from the back
@@ -56,9 +56,10 @@ class LegTemplate(Table):
     """A leg at rest, in units of the height of its uppermost joint.
 
     Args:
-        stations: from the top down; x forward of the uppermost joint, y above the ground.
-        joints: stations at which it bends: shoulder, elbow, wrist, fetlock; or hip, knee, hock, fetlock.
-        sole: whether the foot ends flat.
+        stations: stations from the top down; x forward from the uppermost joint, y above the ground.
+        joints: indices of the joints among the stations: shoulder, elbow, wrist, fetlock; or hip, knee,
+            hock, fetlock.
+        sole: whether the foot has a flat end.
 
     Raises:
         InputError: if a joint is not a station.
@@ -79,12 +80,12 @@ class Limb(Table):
     """A pair of legs.
 
     Args:
-        template: their shape, or the name of a shared one.
+        template: shape of the legs, or the name of a shared shape.
         x: x of the uppermost joint, forward.
         y: y of the uppermost joint, above the ground.
-        z: z of the uppermost joint, from the middle.
+        z: z of the uppermost joint, from the middle plane.
         foot: z of the foot.
-        thick: factor on the template's radii.
+        thick: factor of the template's radii.
     """
 
     template: LegTemplate
@@ -97,21 +98,22 @@ class Limb(Table):
 
 @dataclass(frozen=True)
 class Ornament(Table):
-    """Something on the body or head: horn, nose, hump, lop ear.
+    """A feature of the body or head, such as a horn, nose, hump or lop ear.
 
     Args:
-        stations: in units of the height at the withers; on the head, of its length.
-        scale: the factor of `_RANGES` that stretches it from its pivot; None for an ornament of the head that
-            only scales with it.
+        stations: stations in units of the height at the withers or, on the head, of its length.
+        scale: name of the factor in `_RANGES` that stretches the ornament from its pivot; None for
+            ornaments of the head that only scale with it.
         side: direction of the width.
-        mirror: whether the left side has one too.
+        mirror: whether there is a mirror image on the left.
         blend: width of the blend.
-        carve: dig instead of add.
-        swivel: degrees by which its direction may differ from one individual to the next.
-        chance: share of the individuals that have it.
+        carve: whether to subtract the ornament instead of adding it.
+        swivel: maximum random rotation in degrees.
+        chance: probability of the ornament.
         ripple: bumps, or None.
-        pivot: the centre of stretching and swivelling; None for its first station.
-        otherwise: it is there if the one before it is not, whatever its chance.
+        pivot: centre of stretching and rotation; None for the first station.
+        otherwise: whether the ornament appears exactly if the previous one does not, regardless of
+            ``chance``.
     """
 
     stations: Stations
@@ -131,8 +133,8 @@ def _nostrils(at: Point, radius: Number) -> Ornament:
     """Return a pair of nostrils, to be subtracted.
 
     Args:
-        at: the right one, in units of the head's length.
-        radius: its radius.
+        at: position of the right nostril, in head lengths.
+        radius: radius of a nostril.
     """
     x, y, z = np.column_stack([at, np.add(at, (0.04, 0.02, -0.01))])
     return Ornament(Stations(x, y, np.array([radius, 0.8 * radius]), z), carve=True, blend=0.008)
@@ -148,17 +150,17 @@ def _ears(
     pricked: bool = False,
     chance: Number = 1.0,
 ) -> Ornament:
-    """Return a pair of ears shaped like leaves: wide in the middle, pointed.
+    """Return a pair of leaf-shaped ears, wide in the middle and pointed.
 
     Args:
-        base: base of the right-hand one, in units of the head's length.
-        tip: its tip.
-        half_width: half of its greatest width.
-        thick: half of its thickness.
+        base: base of the right ear, in head lengths.
+        tip: tip of the right ear.
+        half_width: half of the maximum width.
+        thick: half of the thickness.
         side: direction of the width.
-        swivel: degrees of individual difference.
-        pricked: widest at the base instead, as a cat's.
-        chance: share of the individuals that have one.
+        swivel: maximum random rotation in degrees.
+        pricked: whether the ears are widest at the base instead, like a cat's.
+        chance: probability of the ears.
     """
     outline = np.array((1.0, 0.95, 0.78, 0.5, 0.12) if pricked else (0.55, 0.88, 1.0, 0.72, 0.16))
     t = np.linspace(0, 1, 5)
@@ -169,12 +171,12 @@ def _ears(
 
 @dataclass(frozen=True)
 class Eye(Table):
-    """The right eye, placed on the surface of the skull.
+    """The right eye on the surface of the skull.
 
     Args:
-        x: along the head.
-        angle: degrees above the middle of the side.
-        radius: radius of the ball.
+        x: position along the head.
+        angle: angle above the middle of the side, in degrees.
+        radius: radius of the eyeball.
     """
 
     x: Number
@@ -188,7 +190,7 @@ class Mouth(Table):
 
     Args:
         x: position of its corner along the head.
-        angle: degrees above the middle of the side, negative below.
+        angle: angle of its corner above the middle of the side, in degrees; negative below.
     """
 
     x: Number
@@ -197,16 +199,16 @@ class Mouth(Table):
 
 @dataclass(frozen=True)
 class Head(Table):
-    """The skull and what grows on it, in the head's own frame and length: x to the nose, y up, 0 at the poll.
+    """The skull and its features, in head lengths in the head's frame: x to the nose, y up, 0 at the poll.
 
     Args:
         length: length of the head, in units of the height at the withers.
-        pitch: degrees by which the face points up (negative: down) at rest.
-        skull: its sections.
-        eye: one eye of a pair.
-        ornaments: nose, nostrils, ears, horns, in the order in which they blend.
-        mouth: None for a closed one.
-        flat: whether the snout ends flat.
+        pitch: pitch of the face at rest in degrees, negative downwards.
+        skull: stations of the skull.
+        eye: right eye.
+        ornaments: nose, nostrils, ears and horns in blending order.
+        mouth: groove of the mouth; None for a closed mouth.
+        flat: whether the snout has a flat end.
     """
 
     length: Number
@@ -223,11 +225,11 @@ class Mane(Table):
     """A crest along the neck.
 
     Args:
-        height: over the neck's spine, in neck radii.
-        radius: its radius.
-        half_width: half its width.
-        aside: how far it falls to one side, in neck widths.
-        bumps: their height; 0 for none.
+        height: height above the neck's spine, in neck radii.
+        radius: radius of the mane.
+        half_width: half of its width.
+        aside: displacement to one side, in neck widths.
+        bumps: height of bumps; 0 for no bumps.
     """
 
     height: Number
@@ -239,25 +241,25 @@ class Mane(Table):
 
 @dataclass(frozen=True)
 class Quadruped(Table):
-    """A kind of quadruped, standing at rest, head to +x, ground at y = 0, the withers about 1 high.
+    """A kind of quadruped, given standing: head towards +x, ground at y = 0, withers about 1 high.
 
     Args:
-        habits: the poses it takes; one named twice is drawn twice as often.
-        torso: from the buttocks to the chest.
-        neck: from inside the chest to the poll.
-        head: the head.
-        fore: the forelegs.
-        hind: the hind legs.
-        tail: from inside the croup to the tip.
+        habits: poses of the species; a pose listed twice is drawn twice as often.
+        torso: stations from the buttocks to the chest.
+        neck: stations from inside the chest to the poll.
+        head: head.
+        fore: forelegs.
+        hind: hind legs.
+        tail: stations from inside the croup to the tip.
         ornaments: humps and udders, in the body's frame.
-        mane: or None.
+        mane: mane, or None.
         armour: plates, spikes or a frill, or None.
         ranges: ranges that replace entries of `_RANGES`.
-        tail_lift: degrees between which the tail is raised.
+        tail_lift: range of the tail's pitch in degrees.
         tail_ripple: bumps on the tail, or None.
         coat: bumps on torso and neck, or None.
         ruff: bumps on the neck, if they differ from the coat's.
-        neck_pitch: degrees between which the neck is raised over its rest.
+        neck_pitch: range of the neck's pitch relative to rest, in degrees.
     """
 
     habits: tuple[Annotated[str, OneOf(POSES)], ...]
@@ -279,11 +281,11 @@ class Quadruped(Table):
 
     @property
     def poses(self) -> tuple[str, ...]:
-        """All poses and postures, common and rare; an armoured animal has only its habits."""
+        """All common and rare poses and postures; armoured animals have only their habits."""
         return (*POSES, *POSTURES) if self.armour is None else tuple(dict.fromkeys(self.habits))
 
     def grow(self, pose: str | None, rng: Rng) -> list[Part]:
-        """Return one individual's parts."""
+        """Return the parts of a random individual."""
         young = _YOUNG if rng.uniform() < _YOUNG_SHARE else None
         build = proportions(_RANGES, self.ranges, rng, young)
         drawn = drawn_pose(self.habits, pose, rng)
@@ -291,10 +293,10 @@ class Quadruped(Table):
 
 
 def _assemble(species: Quadruped, build: _Build, pose: Pose, rng: Rng) -> list[Part]:
-    """Return the parts, in the order in which they blend.
+    """Return the parts in blending order.
 
-    Legs are united sharply among themselves, so that they do not melt into one another, and softly with
-    the torso; ``rng`` draws only details: the swivel of ears, the presence of horns.
+    Legs have a sharp union with each other, so that they do not merge, and a soft union with the torso.
+    ``rng`` only draws details such as the rotation of ears or the presence of horns.
     """
     if pose.sit:
         build = {**build, "length": _SEATED * build["length"]}
@@ -344,7 +346,7 @@ def _body(species: Quadruped, build: _Build, pose: Pose) -> Frame:
     if pose.sit:
         up = _ground(build) - _hang(species.hind, build, pose.legs[2])[-1, 1] - hip[1]
         shoulder = np.array([species.fore.x * build["length"], species.fore.y, 0.0]) - hip
-        rise = species.fore.y - hip[1] - up  # the straight forelegs then reach the ground
+        rise = species.fore.y - hip[1] - up  # so that the straight forelegs reach the ground
         reach = float(np.hypot(shoulder[0], shoulder[1]))
         angle = np.arcsin(min(rise / reach, 0.85)) - np.arctan2(shoulder[1], shoulder[0])
         turn = pitch(float(np.rad2deg(angle)))
@@ -353,7 +355,7 @@ def _body(species: Quadruped, build: _Build, pose: Pose) -> Frame:
 
 def _torso(species: Quadruped, build: _Build, body: Frame) -> Sweep:
     x, top, bottom = species.torso.x, species.torso.top, species.torso.bottom
-    middle = np.sin(np.linspace(0, np.pi, len(x)))  # belly and waist change, breast and buttocks hardly
+    middle = np.sin(np.linspace(0, np.pi, len(x)))  # belly and waist vary, but breast and buttocks hardly do
     deeper = top - (top - bottom) * (1 + (build["depth"] - 1) * middle)
     torso = Profile(x * build["length"], top, deeper, species.torso.half_width * build["girth"])
     return torso.sweep().placed(body)
@@ -381,7 +383,7 @@ def _neck(species: Quadruped, build: _Build, pose: Pose, body: Frame) -> tuple[S
 
 
 def _lowered(species: Quadruped, build: _Build, points: Doubles, body: Frame) -> tuple[float, float]:
-    """Return pitch of neck and head, in degrees, that bring the muzzle near the ground, by bisection."""
+    """Return the pitch of neck and head in degrees for a muzzle near the ground, found by bisection."""
     skull = species.head.skull
     tip = np.array([_stretch(skull.x[-1:], build["muzzle"])[0], skull.bottom[-1], 0.0])
     tip = tip * species.head.length * build["head"]
@@ -403,7 +405,7 @@ def _tail(species: Quadruped, build: _Build, pose: Pose, body: Frame) -> Sweep:
     points[:, 0] *= build["length"]
     points = points[0] + (points - points[0]) * build["tail"]
     low, high = species.tail_lift
-    # Seen from behind: what lifts a tail is a pitch downwards of the chain that runs backwards.
+    # The chain of the tail runs backwards, so raising it is a negative pitch.
     moved, turns = bend(points, -(low + (high - low) * pose.tail_lift), pose.tail_swing)
     placed = body.place(moved)
     if pose.sit:
@@ -422,12 +424,12 @@ def _crest(neck: Sweep, mane: Mane, sign: float) -> Part:
 
 
 def _ground(build: _Build) -> float:
-    """Return the height of the ground, 0 for legs of the drawn length."""
+    """Return the height of the ground, 0 for legs of the species' default length."""
     return _BELOW_BELLY * (1 - build["legs"])
 
 
 def _hang(limb: Limb, build: _Build, angles: tuple[float, ...]) -> Doubles:
-    """Return the folded stations, (n + 1, 3), from the uppermost joint; the last one is the sole."""
+    """Return the folded stations (n + 1, 3), relative to the uppermost joint; the last one is the sole."""
     rows = limb.template.stations
     length = limb.y - _ground(build)
     forward = np.append(rows.x, rows.x[-1]) * length
@@ -438,7 +440,7 @@ def _hang(limb: Limb, build: _Build, angles: tuple[float, ...]) -> Doubles:
 
 
 def _leg(limb: Limb, build: _Build, angles: tuple[float, ...], stance: bool, body: Frame) -> Sweep:
-    """Return a right leg; a standing leg is stretched or shortened until its sole is on the ground."""
+    """Return a right leg; standing legs are stretched or shortened so that the sole is on the ground."""
     rows = limb.template.stations
     points = _hang(limb, build, angles)
     root = body.place([limb.x * build["length"], limb.y, limb.z * build["girth"]])
@@ -453,7 +455,7 @@ def _leg(limb: Limb, build: _Build, angles: tuple[float, ...], stance: bool, bod
 
 
 def _shoulder_blade(limb: Limb, build: _Build, body: Frame) -> Sweep:
-    """Return the flat muscle that runs from the point of the right shoulder up and back to the withers."""
+    """Return the flat muscle from the point of the right shoulder up and back to the withers."""
     x, size, girth = limb.x * build["length"], limb.y * limb.thick, build["girth"]
     points = [
         [x, limb.y, limb.z * girth],
@@ -465,12 +467,12 @@ def _shoulder_blade(limb: Limb, build: _Build, body: Frame) -> Sweep:
 
 
 def _stretch(x: Doubles, muzzle: float) -> Doubles:
-    """Return positions along the head with the face in front of the eyes stretched."""
+    """Return positions along the head after stretching the face in front of the eyes."""
     return x + (muzzle - 1) * np.maximum(x - _FACE, 0)
 
 
 def _skull(head: Head, muzzle: float) -> Sweep:
-    """Return the head without its ornaments, in its own frame and length."""
+    """Return the head without ornaments, in head lengths in its own frame."""
     sweep = replace(head.skull, x=_stretch(head.skull.x, muzzle)).sweep()
     return replace(sweep, cut=Cut(sweep.points[-1], np.array([1.0, 0.0, 0.0]))) if head.flat else sweep
 
@@ -478,7 +480,7 @@ def _skull(head: Head, muzzle: float) -> Sweep:
 def _ornament(
     item: Ornament, size: float, build: _Build, frame: Frame, rng: Rng, muzzle: float = 1.0
 ) -> Part:
-    """Return an ornament, or a pair; its unit is ``size``, and ``muzzle`` stretches the face below it."""
+    """Return an ornament or a pair of them, in units of ``size``, on a face stretched by ``muzzle``."""
     points, radii, widths = item.stations.points, item.stations.radius * size, item.stations.widths * size
     factor = 1.0 if item.scale is None else build[item.scale]
     pivot = points[0] if item.pivot is None else np.array(item.pivot)
@@ -495,11 +497,11 @@ def _ornament(
 
 
 def _on_skull(head: Head, x: float, degrees: float) -> Doubles:
-    """Return a point (3,) on the right half of the skull, in units of its length, by its angle.
+    """Return a point (3,) on the right half of the skull, in head lengths, at a given angle.
 
-    The skull is the union of ellipsoids about all stations, so where it tapers steeply its surface lies
-    outside the nearest station's section: the ray from the axis is cut with every ellipsoid near.
-    Degrees are 0 to the side, 90 to the crown, -90 under the jaw.
+    The skull is a union of ellipsoids around all stations. Where it tapers steeply, its surface is outside
+    the nearest station's section, so a ray from the axis is intersected with all nearby ellipsoids. The
+    angle is 0° at the side, 90° at the crown, and -90° below the jaw.
     """
     skull, count = head.skull, len(head.skull.x)
     at, top, bottom, widths = (
@@ -518,7 +520,7 @@ def _on_skull(head: Head, x: float, degrees: float) -> Doubles:
 
 
 def _face(head: Head, muzzle: float, frame: Frame, size: float) -> list[Part]:
-    """Return eye sockets and perhaps the groove of the mouth, which are dug, and the eyeballs."""
+    """Return the carved eye sockets and, if there is one, the groove of the mouth, and the eyeballs."""
     x, angle, radius = head.eye.x, head.eye.angle, head.eye.radius
     at = np.array([_on_skull(head, x, angle), _on_skull(head, x + 0.02, angle)])
     socket = tube(at + radius * np.array([0.5, 0.1, 0.35]), 1.15 * radius)
@@ -542,7 +544,7 @@ def _lips(head: Head, mouth: Mouth) -> Doubles:
     side = np.array([_on_skull(head, float(x), float(angle)) for x, angle in along])
     side[:, 2] += _PROUD
     rows = head.skull.stations
-    # The muzzle ends in half an ellipsoid as deep as it is high.
+    # The muzzle ends in a semi-ellipsoid that is as deep as it is high.
     ahead, up = np.cos(np.deg2rad(mouth.angle)), np.sin(np.deg2rad(mouth.angle))
     cap = np.array([end + _PROUD + rows.radius[-1] * ahead, rows.y[-1] + rows.radius[-1] * up, 0.0])
     bow = side[-1] * 0.3 + cap * 0.7 + np.array([0.0, 0.0, 0.25 * side[-1, 2]])

@@ -1,4 +1,4 @@
-"""Poses: joint angles of one moment, drawn from gaits and habits."""
+"""Poses: joint angles drawn from gaits and habits."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -15,20 +15,21 @@ Angles = tuple[float, float, float, float]
 
 @dataclass(frozen=True)
 class Pose:
-    """Angles in degrees, as differences from rest; a positive joint angle moves the part below it forward.
+    """Angles in degrees relative to rest; positive joint angles move the part below forward.
 
     Args:
-        legs: the four joints of right fore, left fore, right hind, left hind, from the top down.
-        stance: which of those feet bear on the ground.
+        legs: angles of the four joints of right fore, left fore, right hind and left hind leg, from the
+            top down.
+        stance: whether each of these feet stands on the ground.
         pitch: pitch of the torso, positive with the chest up.
-        neck_pitch: share, 0 to 1, of the range by which the species raises its neck.
-        neck_yaw: positive turns the neck to the animal's left.
-        head_pitch: positive raises the nose.
-        head_yaw: yaw of the head against the neck.
-        tail_lift: share, 0 to 1, of the range of the species.
-        tail_swing: degrees to the left.
-        graze: lower the neck until the muzzle is near the ground.
-        sit: fold the hind legs and sit on them.
+        neck_pitch: pitch of the neck, from 0 to 1, within the range of the species.
+        neck_yaw: yaw of the neck, positive to the animal's left.
+        head_pitch: pitch of the head, positive with the nose up.
+        head_yaw: yaw of the head relative to the neck.
+        tail_lift: pitch of the tail, from 0 to 1, within the range of the species.
+        tail_swing: yaw of the tail, positive to the left.
+        graze: whether the neck is lowered until the muzzle is near the ground.
+        sit: whether the animal sits on its folded hind legs.
     """
 
     legs: tuple[Angles, ...]
@@ -49,11 +50,11 @@ class _Gait:
     """A gait (Hildebrand, "The quadrupedal gaits of vertebrates", 1989).
 
     Args:
-        phases: phases of right fore, left fore, right hind, left hind in the cycle, 0 to 1.
-        duty: share of the cycle for which a foot is on the ground.
-        swing: degrees the leg swings forward and back.
-        lift: degrees the swinging leg folds.
-        grounded: whether feet in their stance are brought to the ground; not in the leap of a gallop.
+        phases: phases of right fore, left fore, right hind and left hind leg in the cycle, from 0 to 1.
+        duty: fraction of the cycle during which a foot is on the ground.
+        swing: amplitude of the leg's swing in degrees.
+        lift: flexion of the swinging leg in degrees.
+        grounded: whether standing feet are moved to the ground, which is false in the leap of a gallop.
     """
 
     phases: Angles
@@ -92,7 +93,7 @@ def _going(gait: _Gait, rng: Rng) -> Pose:
 
 
 def _carriage(rng: Rng) -> Pose:
-    """Draw how neck, head and tail are carried, the legs at rest."""
+    """Return a random pose of neck, head and tail, with the legs at rest."""
     return Pose(
         4 * ((0.0, 0.0, 0.0, 0.0),),
         neck_pitch=rng.uniform(0, 1),
@@ -145,7 +146,7 @@ _IN_THE_AIR = (False, False, False, False)
 
 
 def _lie(rng: Rng) -> Pose:
-    """Lie on the belly, the forelegs ahead as a dog's or folded under as a cow's."""
+    """Return a pose on the belly, with stretched forelegs like a dog or folded forelegs like a cow."""
     fold = rng.uniform(-6, 6)
     ahead = (-28.0 + fold, 102.0, 8.0, 0.0)
     under = (44.0 + fold, 22.0, -152.0, -20.0)
@@ -178,7 +179,7 @@ def _beg(rng: Rng) -> Pose:
 
 
 def _bow(rng: Rng) -> Pose:
-    """Stretch the forelegs ahead, the chest low and the rump high."""
+    """Return a pose with the forelegs stretched forward, the chest low and the rump high."""
     ahead = rng.uniform(48, 66)
     fore = (ahead, 12.0, 4.0, 10.0)
     pose = _stand(rng)
@@ -212,4 +213,4 @@ POSTURES: Mapping[str, Callable[[Rng], Pose]] = {
     "leap": _leap,
     "look_back": _look_back,
 }
-"""Poses that no species has as a habit; they have to be named."""
+"""Poses that are not a habit of any species and must be requested."""

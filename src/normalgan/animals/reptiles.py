@@ -1,4 +1,4 @@
-"""The reptiles: lizards and crocodiles, turtles, snakes."""
+"""Reptiles: lizards and crocodiles, turtles, snakes."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -28,24 +28,24 @@ _COILED = ("coil", "wind", "rear")
 
 @dataclass(frozen=True)
 class Crawler(PosedPlan):
-    """A kind of lizard or crocodile: one long trunk bent sideways, legs that sprawl, belly near y = 0.
+    """A kind of lizard or crocodile: a long trunk bent sideways, sprawling legs, belly near y = 0.
 
-    Lengths are in units of snout to tail root.
+    Lengths are in units of the distance from the snout to the root of the tail.
 
     Args:
-        trunk: from the tip of the tail to the neck; the tail starts at 0.
+        trunk: stations from the tip of the tail, at x < 0, to the neck; the tail starts at x = 0.
         head: length of the head.
-        skull: the head with its upper jaw, in its own frame, in units of ``head``.
-        jaw: the lower jaw, hinged at its first station.
-        neck: (x, y) where the head is set on.
-        eye: in units of ``head``.
-        shoulder: shoulder of the right foreleg.
-        hip: hip of the right hind leg.
+        skull: stations of the head with its upper jaw, in its own frame, in units of ``head``.
+        jaw: stations of the lower jaw, hinged at the first.
+        neck: (x, y) where the head is attached.
+        eye: right eye, in units of ``head``.
+        shoulder: position of the right shoulder.
+        hip: position of the right hip.
         reach: length of a leg.
         thick: radius of a leg.
-        crest: height of the spikes along the back, 0 for none.
-        scutes: how many pairs of rows of bumps the back has.
-        ranges: ranges of proportions that differ from the general ones.
+        crest: height of spikes along the back, 0 for no spikes.
+        scutes: number of pairs of rows of bumps on the back.
+        ranges: ranges of proportions that differ from the defaults.
     """
 
     habits: tuple[Annotated[str, OneOf(_CRAWLING)], ...]
@@ -64,7 +64,7 @@ class Crawler(PosedPlan):
     ranges: Mapping[Annotated[str, OneOf(_RANGES)], Span] = field(default_factory=dict)
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
-        """Return the parts of one individual in a pose."""
+        """Return the parts of a random individual in a pose."""
         build = proportions(_RANGES, self.ranges, rng)
         x = self.trunk.x
         rows = replace(self.trunk, x=np.where(x < 0, x * build["tail"], x)).wider(build["girth"])
@@ -93,16 +93,16 @@ class Crawler(PosedPlan):
 
 @dataclass(frozen=True)
 class Turtle(PosedPlan):
-    """A kind of turtle, its shell a unit long.
+    """A kind of turtle with a shell of length 1.
 
     Args:
-        dome: height of the shell over its rim.
-        half_width: half the width of the shell.
+        dome: height of the shell above its rim.
+        half_width: half of the shell's width.
         neck: length of the neck.
-        skull: its sections, or the name of shared ones.
-        clear: height of the rim over the ground.
-        flippers: whether it swims instead of walking.
-        bumpy: how far the scutes bulge.
+        skull: stations of the skull, or the name of a shared skull.
+        clear: height of the rim above the ground.
+        flippers: whether it swims with flippers instead of walking.
+        bumpy: height of the bulges on the scutes.
     """
 
     habits: tuple[Annotated[str, OneOf(_SHELLED)], ...]
@@ -115,7 +115,7 @@ class Turtle(PosedPlan):
     bumpy: Number = 0.02
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
-        """Return the parts of one individual in a pose."""
+        """Return the parts of a random individual in a pose."""
         dome, half_width, clear, neck, size, limbs = around(
             rng, 0.12, self.dome, self.half_width, self.clear, self.neck, 1.0, 1.0
         )
@@ -124,7 +124,7 @@ class Turtle(PosedPlan):
         under = 0.28 if self.flippers else 0.34
         shell = [
             fuse(ball((0, rim), radii)),
-            # The dome alone: what lies below its rim is cut off, and a flatter belly set in its place.
+            # Only the dome: everything below its rim is cut off and replaced by a flatter belly.
             fuse(_slab(rim, radii), carve=True, blend=0.02),
             fuse(ball((0, rim + 0.005), (0.525, 0.045, 1.05 * radii[2])), blend=0.05),
             fuse(ball((0, rim), (0.46, under * radii[1], 0.88 * radii[2])), blend=0.04),
@@ -153,11 +153,11 @@ class Turtle(PosedPlan):
 
 @dataclass(frozen=True)
 class Snake(PosedPlan):
-    """A kind of snake: a long tube that tapers, coiled, winding or raised.
+    """A kind of snake: a long tapering tube, coiled, winding or raised.
 
     Args:
-        skull: its sections, or the name of shared ones.
-        hooded: whether it spreads its neck, as a cobra does.
+        skull: stations of the skull, or the name of a shared skull.
+        hooded: whether the neck is spread, like a cobra's.
     """
 
     habits: tuple[Annotated[str, OneOf(_COILED)], ...]
@@ -165,13 +165,13 @@ class Snake(PosedPlan):
     hooded: bool = False
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
-        """Return the parts of one individual in a pose."""
+        """Return the parts of a random individual in a pose."""
         fat = rng.uniform(0.060, 0.085)
         line = {"coil": _coil, "wind": _wind, "rear": _rear}[pose](fat, rng)
         steps = way_along(line)
         share = steps / steps[-1]  # 0 at the tip of the tail, 1 at the head
         radii = fat * np.interp(share, [0, 0.18, 0.5, 0.85, 1.0], [0.16, 0.62, 1.0, 0.92, 0.62])
-        line[:, 1] += radii - fat  # every part of it lies on the ground, or on the coil below
+        line[:, 1] += radii - fat  # each part lies on the ground or on the coil below
         way = line[-1] - line[-2]
         heading = float(np.rad2deg(np.arctan2(-way[2], way[0])))
         level = rng.uniform(-18, 4) - (8.0 if self.hooded else 0.0)
@@ -196,7 +196,7 @@ def _crawler_spine(rows: Profile, pose: str, rng: Rng) -> Spine:
     side = 1.0 if rng.uniform() < 0.5 else -1.0
     if pose == "crawl":
         turns = side * (14 + 34 * share) * np.sin(2 * np.pi * (1.15 * share + rng.uniform(-0.08, 0.08)))
-    elif pose == "bask":  # curled to one side, the tail most of all
+    elif pose == "bask":  # curled to one side, most strongly at the tail
         turns = side * rng.uniform(90, 165) * share**1.8
     else:
         turns = side * rng.uniform(0, 40) * share**1.3 + rng.normal(0, 10) * np.sin(5 * share)
@@ -216,9 +216,9 @@ def _crawler_head(kind: Crawler, gape: float) -> list[Part]:
 
 
 def _crawler_leg(root: Point, reach: float, thick: float, ahead: int, swing: float) -> list[Sweep]:
-    """Return a right leg: out from the flank, down from the elbow or knee, the foot flat on the ground.
+    """Return a right leg: outwards from the flank, down from elbow or knee, with the foot flat on the ground.
 
-    Elbows point backwards, knees forwards: ``ahead`` is 1 for a foreleg, -1 for a hind leg.
+    Elbows point backwards and knees forward: ``ahead`` is 1 for a foreleg and -1 for a hind leg.
     """
     _, y, z = root
     ground = -thick * 0.4
@@ -252,7 +252,7 @@ def _bumps(rows: Profile, pairs: int, spine: Spine) -> list[Sweep]:
     bumps = []
     for x in np.arange(rows.x[-1] - 0.02, 0.8 * rows.x[0], -0.062):
         top, bottom, wide = rows.at(x)
-        tail = x < 0.45 * rows.x[0]  # the two inner rows run together on the tail
+        tail = x < 0.45 * rows.x[0]  # the two inner rows merge on the tail
         for k in range(1 if tail else pairs):
             share = 0.0 if tail else (0.24 + 0.46 * k / max(pairs - 1, 1))
             y = (top + bottom) / 2 + (top - bottom) / 2 * np.sqrt(1 - share**2)
@@ -263,27 +263,28 @@ def _bumps(rows: Profile, pairs: int, spine: Spine) -> list[Sweep]:
     return bumps
 
 
-# Where scutes of the middle row meet those of the flanks: x and z, in shares of half the length and width.
+# Corners between scutes of the middle row and the flanks: x and z, as fractions of half length and half
+# width.
 _CORNERS = [(-0.86, 0.16), (-0.62, 0.34), (-0.42, 0.24), (-0.22, 0.36), (-0.01, 0.25), (0.20, 0.36),
             (0.40, 0.24), (0.58, 0.32), (0.82, 0.14)]  # fmt: skip
 
 
 def _slab(rim: float, radii: Doubles) -> Sweep:
-    """Return the space below the rim of the dome, to be cut away."""
+    """Return the volume below the rim of the dome, to be subtracted."""
     deep = float(radii[1]) + 0.1
     points = [(-0.8, rim - deep - 0.01), (0.8, rim - deep - 0.01)]
     return tube(points, deep, 8.0)
 
 
 def _on(radii: Doubles, rim: float, x: float, z: float, out: float = 0.0) -> Doubles:
-    """Return the point of the dome over (x, z), each a share of its half length or width."""
+    """Return the point on the dome above (x, z), given as fractions of half its length and half its width."""
     y = np.sqrt(max(1 - x * x - z * z, 0.0))
     point: Doubles = np.array([0.0, rim, 0.0]) + radii * np.array([x, y, z]) * (1 + out)
     return point
 
 
 def _scutes(radii: Doubles, rim: float, bumpy: float) -> list[Sweep]:
-    """Return bulges in the middle of the scutes."""
+    """Return the bulges in the middle of the scutes."""
     middles = [(x, 0.0) for x, _ in _CORNERS[1::2]]
     middles += [(x, z) for x in (-0.50, -0.02, 0.44) for z in (0.56, -0.56)]
     bulges = []
@@ -322,7 +323,7 @@ def _turtle_legs(radii: Doubles, rim: float, factor: float, pose: str, rng: Rng)
     return [fuse(*legs, blend=0.03), fuse(*toes, blend=0.03)]
 
 
-# Outlines of right flippers: out, ahead.
+# Outlines of right flippers: outwards, forward.
 _FORE_FLIPPER = [(0.0, 0.08), (0.20, 0.11), (0.42, 0.0), (0.66, -0.24), (0.68, -0.30), (0.44, -0.20),
                  (0.16, -0.09), (0.0, -0.08)]  # fmt: skip
 _HIND_FLIPPER = [(0.0, 0.06), (0.16, 0.05), (0.28, -0.06), (0.26, -0.12), (0.12, -0.10), (0.0, -0.06)]
@@ -343,15 +344,15 @@ def _flippers(radii: Doubles, rim: float, factor: float, pose: str, rng: Rng) ->
 
 
 def _spiral(fat: float, turns: float, inner: float, rise: float, end: float, rng: Rng) -> Doubles:
-    """Return a flat coil from the tip of the tail, outside, inwards.
+    """Return a flat coil from the tip of the tail on the outside inwards.
 
     Args:
         fat: radius of the snake.
         turns: number of turns.
-        inner: radius in the middle.
-        rise: rise of each turn over the one outside it, in units of ``fat``.
-        end: radians at which it ends.
-        rng: draws the direction of the coil.
+        inner: inner radius of the coil.
+        rise: rise of each turn above the next outer turn, in units of ``fat``.
+        end: final angle in radians.
+        rng: source of randomness for the direction of the coil.
     """
     side = 1.0 if rng.uniform() < 0.5 else -1.0
     angle = np.linspace(0, 2 * np.pi * turns, int(14 * turns))
@@ -362,7 +363,7 @@ def _spiral(fat: float, turns: float, inner: float, rise: float, end: float, rng
 
 
 def _with_neck(spiral: Doubles, neck: list[tuple[float, float]], tall: float) -> Doubles:
-    """Return a coil along the points of a neck, (x, share of ``tall``), to the middle plane."""
+    """Return a coil continued by a neck in the middle plane, with points (x, fraction of ``tall``)."""
     end = spiral[-1]
     raised = end[:2] + np.array(neck) * [1.0, tall]
     return np.vstack([spiral, np.column_stack([raised, np.linspace(end[2], 0.0, len(neck) + 1)[1:]])])
@@ -376,7 +377,7 @@ def _coil(fat: float, rng: Rng) -> Doubles:
 
 
 def _wind(fat: float, rng: Rng) -> Doubles:
-    """Return a line that winds over the ground, to a head held a little high."""
+    """Return a line that winds over the ground, with the head slightly raised."""
     x = np.linspace(-1.0, 0.72, 40)
     waves, size = rng.uniform(1.4, 2.3), rng.uniform(0.16, 0.26)
     grow = np.clip((0.80 - x) / 0.45, 0, 1)
@@ -386,7 +387,7 @@ def _wind(fat: float, rng: Rng) -> Doubles:
 
 
 def _rear(fat: float, rng: Rng) -> Doubles:
-    """Return a coil whose front third is raised."""
+    """Return a coil with its front third raised."""
     spiral = _spiral(fat, rng.uniform(1.3, 1.9), 0.20, 0.5, -0.75 * np.pi, rng)
     neck = [(0.15, 0.06), (0.20, 0.26), (0.14, 0.52), (0.10, 0.78), (0.13, 0.94), (0.24, 1.0)]
     return _with_neck(spiral, neck, rng.uniform(0.55, 0.85))

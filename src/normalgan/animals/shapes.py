@@ -1,4 +1,4 @@
-"""The shapes that animals consist of: sweeps along a curve, and solids where sweeps are clumsy."""
+"""Shapes of animals: sweeps along a curve, and solids where sweeps are inconvenient."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Sequence
@@ -27,18 +27,18 @@ __all__ = [
     "smooth_minimum",
 ]
 
-MIRROR = np.array([1.0, 1.0, -1.0])  # what a point is multiplied by to get its image
+MIRROR = np.array([1.0, 1.0, -1.0])  # factors that mirror a point
 _TINY = np.float32(1e-9)
 _BAND = 0.15
 
 
 class Piece(NamedTuple):
-    """A part of a shape that is sampled in one box.
+    """A piece of a shape that is sampled in one box.
 
     Args:
-        low: (3,) the lowest corner of a box that holds it.
-        high: (3,) its highest corner.
-        distance: distance of points to the shape; see `Solid.distance`.
+        low: (3,) lowest corner of the bounding box.
+        high: (3,) highest corner of the bounding box.
+        distance: function for the distance of points to the shape; see `Solid.distance`.
     """
 
     low: Doubles
@@ -47,39 +47,39 @@ class Piece(NamedTuple):
 
 
 class Shape(ABC):
-    """A closed body that knows about how far any point is from it."""
+    """A closed body with an approximate distance function."""
 
     @abstractmethod
     def reach(self) -> tuple[Doubles, Doubles]:
-        """Return the lowest and highest corner, (3,) each, of a box that holds it."""
+        """Return the lowest and highest corner, (3,) each, of a bounding box."""
 
     @abstractmethod
     def area(self) -> float:
-        """Return its approximate surface area."""
+        """Return the approximate surface area."""
 
     @abstractmethod
     def thickened(self, thinnest: float) -> Self:
-        """Return it with every radius raised to at least ``thinnest``, below which the grid would miss it."""
+        """Return the shape with radii of at least ``thinnest``, below which the grid would miss it."""
 
     @abstractmethod
     def placed(self, frame: Frame, size: float = 1.0) -> Self:
-        """Return it scaled by ``size`` and carried along with a frame."""
+        """Return the shape scaled by ``size`` and placed in a frame."""
 
     @abstractmethod
     def mirrored(self) -> Self:
-        """Return its mirror image in the plane z = 0."""
+        """Return the mirror image in the plane z = 0."""
 
     @abstractmethod
     def pieces(self, spacing: float) -> Iterator[Piece]:
-        """Yield the pieces that it consists of; ``spacing`` is the grid's."""
+        """Yield the pieces of the shape for a grid with the given spacing."""
 
 
 class Cut(NamedTuple):
     """A plane that cuts off everything beyond it.
 
     Args:
-        point: (3,) on it.
-        normal: (3,) outwards, of unit length.
+        point: (3,) point on the plane.
+        normal: (3,) outward unit normal.
     """
 
     point: Doubles
@@ -91,12 +91,13 @@ class Sweep(Shape):
     """A tube with elliptical sections and rounded ends.
 
     Args:
-        points: (n, 3) the curve, n ≥ 2.
-        radii: (n,) radius of the section across ``sides``.
-        widths: (n,) radius of the section along ``sides``.
-        sides: (n, 3) direction of the second axis of each section; its part along the curve is ignored.
-        cut: a plane beyond which the last third ends flat (soles, snouts); it may cut other parts too, as for
-            a folded leg.
+        points: (n, 3) points of the curve, n ≥ 2.
+        radii: (n,) radii of the sections across ``sides``.
+        widths: (n,) radii of the sections along ``sides``.
+        sides: (n, 3) direction of the second axis of each section; the component along the curve is
+            ignored.
+        cut: plane that cuts the last third off flat (soles, snouts); None for a rounded end. In a folded
+            leg, it may intersect other parts too.
     """
 
     points: Doubles
@@ -106,22 +107,22 @@ class Sweep(Shape):
     cut: Cut | None = None
 
     def reach(self) -> tuple[Doubles, Doubles]:
-        """Return the corners of a box that holds it."""
+        """Return the corners of a bounding box."""
         fat = np.maximum(self.radii, self.widths)[:, None]
         return (self.points - fat).min(axis=0), (self.points + fat).max(axis=0)
 
     def area(self) -> float:
-        """Return its approximate surface area without the ends."""
+        """Return the approximate surface area without the ends."""
         lengths = np.linalg.norm(np.diff(self.points, axis=0), axis=1)
         mean = np.sqrt((self.radii**2 + self.widths**2) / 2)
         return float(np.sum(np.pi * (mean[1:] + mean[:-1]) * lengths))
 
     def smoothed(self, pieces: int = 4, thinnest: float = 0.0) -> Self:
-        """Return it with ``pieces`` segments per span along a smooth curve, no radius below ``thinnest``.
+        """Return a smooth sweep with ``pieces`` segments per span and radii of at least ``thinnest``.
 
-        Akima's interpolation goes through the stations and hardly overshoots beside steep steps.
+        Akima's interpolation passes through the stations and hardly overshoots next to steep steps.
         """
-        from scipy.interpolate import Akima1DInterpolator  # as slow to import as all that is here
+        from scipy.interpolate import Akima1DInterpolator  # as slow to import as this whole module
 
         rows = np.column_stack([self.points, self.radii, self.widths, self.sides])
         count = len(rows)
@@ -132,12 +133,12 @@ class Sweep(Shape):
         return replace(self, points=rows[:, :3], radii=radii, widths=widths, sides=rows[:, 5:])
 
     def thickened(self, thinnest: float) -> Self:
-        """Return it smoothed; on thick tubes the kinks between segments would show as rings."""
+        """Return a smooth sweep, because kinks between the segments of thick tubes would show as rings."""
         thick = max(self.radii.max(), self.widths.max()) > 8 * thinnest
         return self.smoothed(10 if thick else 4, thinnest)
 
     def placed(self, frame: Frame, size: float = 1.0) -> Self:
-        """Return it scaled by ``size`` and carried along with a frame."""
+        """Return the shape scaled by ``size`` and placed in a frame."""
         points, sides, cut = frame.place(self.points * size), self.sides @ frame.rotation.T, self.cut
         if cut is not None:
             cut = Cut(frame.place(cut.point * size), frame.rotation @ cut.normal)
@@ -146,12 +147,12 @@ class Sweep(Shape):
         )
 
     def mirrored(self) -> Self:
-        """Return its mirror image in the plane z = 0."""
+        """Return the mirror image in the plane z = 0."""
         cut = None if self.cut is None else Cut(self.cut.point * MIRROR, self.cut.normal * MIRROR)
         return replace(self, points=self.points * MIRROR, sides=self.sides * MIRROR, cut=cut)
 
     def pieces(self, spacing: float) -> Iterator[Piece]:
-        """Go over its segments."""
+        """Yield the segments."""
         fat = np.maximum(self.radii, self.widths)
         for i in range(len(self.points) - 1):
             pad, ends = max(fat[i], fat[i + 1]), self.points[i : i + 2]
@@ -161,10 +162,10 @@ class Sweep(Shape):
             yield Piece(ends.min(axis=0) - pad, ends.max(axis=0) + pad, distance)
 
     def distance(self, index: int, axes: Axes) -> Volume:
-        """Return the approximate signed distance to the segment from one station to the next, as solids do.
+        """Return the approximate signed distance to the segment between two stations; see `Solid.distance`.
 
-        The section is scaled to a circle along its side axis; dividing the scaled distance by the length of
-        its gradient makes it true to first order near the surface (Quilez, "Ellipsoid SDF", 2008).
+        The section is scaled to a circle along its side axis. Dividing the scaled distance by the length
+        of its gradient makes it correct to first order near the surface (Quilez, "Ellipsoid SDF", 2008).
         """
         start = self.points[index]
         along = self.points[index + 1] - start
@@ -196,7 +197,7 @@ class Sweep(Shape):
 
 
 def smooth_minimum(a: Volume, b: Volume, width: float) -> Volume:
-    """Return min(a, b), rounded where they differ by less than ``width`` (Quilez, cubic polynomial).
+    """Return min(a, b), smoothed where they differ by less than ``width`` (Quilez, cubic polynomial).
 
     >>> float(smooth_minimum(np.float32([1]), np.float32([3]), 1.0)[0])
     1.0
@@ -212,35 +213,35 @@ class Solid(Shape):
     """A shape in its own coordinate frame, sampled in one box.
 
     Args:
-        frame: its middle and its own axes.
+        frame: centre and axes of the shape.
     """
 
     frame: Frame
 
     @abstractmethod
     def distance(self, axes: Axes) -> Volume:
-        """Return about the signed distance on a grid, (nx, ny, nz), below 0 inside, true near the surface."""
+        """Return the approximate signed distance (nx, ny, nz), negative inside, exact near the surface."""
 
     @abstractmethod
     def _scaled(self, size: float) -> Self:
-        """Return it with its lengths, but not its frame, multiplied by ``size``."""
+        """Return the shape with its lengths, but not its frame, multiplied by ``size``."""
 
     def placed(self, frame: Frame, size: float = 1.0) -> Self:
-        """Return it scaled by ``size`` and carried along with a frame."""
+        """Return the shape scaled by ``size`` and placed in a frame."""
         return replace(self._scaled(size), frame=self.frame.carried(frame, size))
 
     def mirrored(self) -> Self:
-        """Return its mirror image in the plane z = 0."""
-        # A body that is its own image in its own planes: a rotation remains of the reflection.
+        """Return the mirror image in the plane z = 0."""
+        # The body is symmetric in its own planes, so the reflection becomes a rotation.
         rotation = self.frame.rotation * MIRROR[:, None] * MIRROR
         return replace(self, frame=Frame(self.frame.origin * MIRROR, rotation))
 
     def pieces(self, spacing: float) -> Iterator[Piece]:
-        """Give itself."""
+        """Yield the whole solid."""
         yield Piece(*self.reach(), self.distance)
 
     def _local(self, axes: Axes) -> Axes:
-        """Return the coordinates, (nx, ny, nz) each or open, along the axes of the body."""
+        """Return the coordinates along the axes of the body, (nx, ny, nz) each or open."""
         turn, start = self.frame.rotation.astype(np.float32), self.frame.origin.astype(np.float32)
         px, py, pz = (axis - at for axis, at in zip(axes, start, strict=True))
         if np.array_equal(turn, np.eye(3)):
@@ -254,18 +255,18 @@ class Ellipsoid(Solid):
     """An ellipsoid.
 
     Args:
-        radii: (3,) along these.
+        radii: (3,) radii along the axes.
     """
 
     radii: Doubles
 
     def reach(self) -> tuple[Doubles, Doubles]:
-        """Return the corners of a box that holds it."""
+        """Return the corners of a bounding box."""
         half = np.linalg.norm(self.frame.rotation * self.radii, axis=1)
         return self.frame.origin - half, self.frame.origin + half
 
     def area(self) -> float:
-        """Return its surface by Thomsen's formula, within 1.1 %."""
+        """Return the surface area by Thomsen's formula, within 1.1 %."""
         a, b, c = self.radii**1.6075
         return float(4 * np.pi * ((a * b + b * c + c * a) / 3) ** (1 / 1.6075))
 
@@ -280,7 +281,7 @@ class Ellipsoid(Solid):
         return distance
 
     def thickened(self, thinnest: float) -> Self:
-        """Return it with no radius below ``thinnest``."""
+        """Return the ellipsoid with radii of at least ``thinnest``."""
         return replace(self, radii=np.maximum(self.radii, thinnest))
 
     def _scaled(self, size: float) -> Self:
@@ -292,25 +293,25 @@ class Box(Solid):
     """A box with rounded edges.
 
     Args:
-        half: (3,) half its lengths along these, rounding included.
-        rounding: radius of its edges, at most the least of ``half``.
+        half: (3,) half lengths along the axes, including the rounding.
+        rounding: radius of the edges, at most the minimum of ``half``.
     """
 
     half: Doubles
     rounding: float
 
     def reach(self) -> tuple[Doubles, Doubles]:
-        """Return the corners of a box that holds it."""
+        """Return the corners of a bounding box."""
         half = np.abs(self.frame.rotation) @ (self.half - self.rounding) + self.rounding
         return self.frame.origin - half, self.frame.origin + half
 
     def area(self) -> float:
-        """Return an upper bound of the area: that of the box with sharp edges."""
+        """Return an upper bound of the area, that of the box with sharp edges."""
         a, b, c = self.half
         return float(8 * (a * b + b * c + c * a))
 
     def distance(self, axes: Axes) -> Volume:
-        """Return the signed distance, exact outside."""
+        """Return the signed distance, which is exact outside."""
         core = (self.half - self.rounding).astype(np.float32)
         u, v, w = (np.abs(p) - h for p, h in zip(self._local(axes), core, strict=True))
         inside = np.minimum(np.maximum(np.maximum(u, v), w), 0)
@@ -319,7 +320,7 @@ class Box(Solid):
         return distance
 
     def thickened(self, thinnest: float) -> Self:
-        """Return it with no half length below ``thinnest``."""
+        """Return the box with half lengths of at least ``thinnest``."""
         return replace(self, half=np.maximum(self.half, thinnest))
 
     def _scaled(self, size: float) -> Self:
@@ -328,33 +329,33 @@ class Box(Solid):
 
 @dataclass(frozen=True, eq=False)
 class Ring(Solid):
-    """A torus about its own second axis.
+    """A torus around its own second axis.
 
     Args:
-        major: radius of the circle in its middle.
-        minor: radius of its section.
+        major: radius of the centre circle.
+        minor: radius of the tube.
     """
 
     major: float
     minor: float
 
     def reach(self) -> tuple[Doubles, Doubles]:
-        """Return the corners of a box that holds it."""
+        """Return the corners of a bounding box."""
         half = self.major * np.sqrt(np.maximum(1 - self.frame.rotation[:, 1] ** 2, 0)) + self.minor
         return self.frame.origin - half, self.frame.origin + half
 
     def area(self) -> float:
-        """Return its surface."""
+        """Return the surface area."""
         return float(4 * np.pi**2 * self.major * self.minor)
 
     def distance(self, axes: Axes) -> Volume:
-        """Return the signed distance, exact."""
+        """Return the exact signed distance."""
         u, v, w = self._local(axes)
         out = np.sqrt(u * u + w * w) - np.float32(self.major)
         return np.sqrt(out * out + v * v) - np.float32(self.minor)
 
     def thickened(self, thinnest: float) -> Self:
-        """Return it with a section no thinner than ``thinnest``."""
+        """Return the torus with a tube radius of at least ``thinnest``."""
         return replace(self, minor=max(self.minor, thinnest))
 
     def _scaled(self, size: float) -> Self:
@@ -363,14 +364,15 @@ class Ring(Solid):
 
 @dataclass(frozen=True, eq=False)
 class Plate(Solid):
-    """A closed outline in its own plane, thickened to both sides, with a round rim: a fin, wing or frill.
+    """A closed outline in its own plane, thickened to both sides with a round rim, such as a fin or wing.
 
     Args:
-        frame: position of the plane; its first two axes are those of the outline, the third is perpendicular.
-        outline: (n, 2) corners, clockwise or not, n ≥ 3.
-        rim: half the thickness at the rim.
-        swell: growth of half the thickness for each unit of way inwards from the rim.
-        most: half the greatest thickness.
+        frame: frame of the plane; the first two axes are those of the outline, and the third is
+            perpendicular.
+        outline: (n, 2) corners in either orientation, n ≥ 3.
+        rim: half thickness at the rim.
+        swell: increase of the half thickness per distance from the rim.
+        most: maximum half thickness.
         bow: curvature along the first and second axis; positive bends towards the third.
     """
 
@@ -381,8 +383,8 @@ class Plate(Solid):
     bow: tuple[float, float] = (0.0, 0.0)
 
     def reach(self) -> tuple[Doubles, Doubles]:
-        """Return the corners of a box that holds it."""
-        # Where it is bowed, it may reach farther between the corners than at any of them.
+        """Return the corners of a bounding box."""
+        # A bowed plate may extend farther between the corners than at any of them.
         after = np.roll(self.outline, -1, axis=0)
         between = [self.outline + (after - self.outline) * t for t in (0.0, 0.25, 0.5, 0.75)]
         corners = self.frame.place(self._bowed(np.vstack([*between, 0.5 * self.outline, np.zeros((1, 2))])))
@@ -390,7 +392,7 @@ class Plate(Solid):
         return corners.min(axis=0) - fat, corners.max(axis=0) + fat
 
     def thickness(self) -> float:
-        """Return half the greatest thickness, as the outline's inner width and ``most`` allow."""
+        """Return the maximum half thickness, which the outline's inner width and ``most`` limit."""
         inner = float(np.ptp(self.outline, axis=0).min()) / 2
         return max(self.rim, min(self.most, self.rim + self.swell * inner))
 
@@ -400,12 +402,12 @@ class Plate(Solid):
         return float(abs(x @ np.roll(y, -1) - y @ np.roll(x, -1)))
 
     def thickened(self, thinnest: float) -> Self:
-        """Return it with no rim thinner than ``thinnest``."""
+        """Return the plate with a rim of at least ``thinnest``."""
         return replace(self, rim=max(self.rim, thinnest), most=max(self.most, thinnest))
 
     def mirrored(self) -> Self:
-        """Return its mirror image in the plane z = 0."""
-        # The third axis is turned round, so that the frame stays a rotation, and the bow with it.
+        """Return the mirror image in the plane z = 0."""
+        # The third axis, and the bow with it, is negated, so that the frame stays a rotation.
         return replace(super().mirrored(), bow=(-self.bow[0], -self.bow[1]))
 
     def _scaled(self, size: float) -> Self:
@@ -413,10 +415,10 @@ class Plate(Solid):
         return replace(self, outline=self.outline * size, rim=self.rim * size, most=self.most * size, bow=bow)
 
     def distance(self, axes: Axes) -> Volume:
-        """Return the signed distance, true near the surface.
+        """Return the signed distance, which is exact near the surface.
 
-        Farther than `_BAND` times the outline's extent from the plane it is only the distance to the
-        plane, so nothing may blend over more than that.
+        Beyond `_BAND` times the outline's extent from the plane, it is only the distance to the plane, so
+        blends must not be wider than that.
         """
         u, v, w = np.broadcast_arrays(*self._local(axes))
         bu, bv = (np.float32(b) for b in self.bow)
@@ -426,7 +428,7 @@ class Plate(Solid):
         near = distance < _BAND * float(np.ptp(self.outline, axis=0).max())
         flat = outline_distance(self.outline, u[near], v[near])
         half = np.minimum(self.rim - self.swell * np.minimum(flat + self.rim, 0), self.most)
-        # The outline shrunk by the rim and then rounded: as if a ball of that radius were moved over it.
+        # The outline is shrunk by the rim and then dilated by a ball of that radius.
         beside, above = flat + np.float32(self.rim), across[near] - (half - np.float32(self.rim))
         outside = np.hypot(np.maximum(beside, 0), np.maximum(above, 0))
         distance[near] = outside + np.minimum(np.maximum(beside, above), 0) - np.float32(self.rim)
@@ -440,7 +442,8 @@ class Plate(Solid):
 def outline_distance(outline: Doubles, u: Volume, v: Volume) -> Volume:
     """Return the signed distance of points to a closed polygon, negative inside.
 
-    The least distance to an edge, its sign by the number of edges crossed (Quilez, "2D distance functions").
+    It is the minimum distance to an edge, with the sign given by the number of crossed edges (Quilez, "2D
+    distance functions").
 
     >>> square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
     >>> outline_distance(square, np.float32([1, 3]), np.float32([1, 1])).tolist()
@@ -458,7 +461,7 @@ def outline_distance(outline: Doubles, u: Volume, v: Volume) -> Volume:
 
 
 def rounded(corners: Sequence[tuple[float, float]], times: int = 2) -> Doubles:
-    """Return a closed outline with its corners cut (Chaikin, 1974); a corner given twice stays sharper."""
+    """Return a closed outline after corner cutting (Chaikin, 1974); repeated corners stay sharper."""
     points = np.array(corners, dtype=np.float64)
     for _ in range(times):
         after = np.roll(points, -1, axis=0)

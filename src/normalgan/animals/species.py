@@ -1,6 +1,6 @@
-"""The species by name and group: files in the folder next to this module, read on demand, and functions.
+"""Species by name and group: functions, and TOML files next to this module that are read on demand.
 
-A file is TOML, read into the fields of a body plan, whose docstring says what each means.
+The fields of a file are those of a body plan, which are explained in its docstring.
 """
 
 from collections.abc import Iterator, Mapping
@@ -29,8 +29,8 @@ PLANS = {
     "theropod": "normalgan.animals.dinosaurs.Theropod",
     "turtle": "normalgan.animals.reptiles.Turtle",
 }
-"""What a file may name as its ``plan``, and where that is; imported when a species of it is read."""
-# What a herd of a given seed holds follows from the order: new names go last.
+"""Body plans that a file may name as its ``plan``, with their modules, which are imported on demand."""
+# The order determines the animals for a given seed, so new names must be appended.
 _FILES: Mapping[str, tuple[str, ...]] = {
     "quadrupeds": (
         *("bear", "camel", "cat", "cow", "dog", "elephant", "fox", "giraffe", "goat", "horse", "lion", "pig"),
@@ -47,11 +47,11 @@ _FUNCTIONS: Mapping[str, Mapping[str, BodyPlan]] = {"insects": INSECTS, "plush":
 GROUPS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {**_FILES, **{group: tuple(table) for group, table in _FUNCTIONS.items()}}
 )
-"""The names of the species of each group; a new species of a file is its name here and the file."""
+"""The names of the species of each group. To add a species, add its name here and its file."""
 
 
 class _Species(Mapping[str, BodyPlan]):
-    """All species by name, in the order of the groups; a file is read when its species is asked for."""
+    """All species by name, in the order of the groups; files are read on demand."""
 
     def __init__(self) -> None:
         self._group = {name: group for group, names in GROUPS.items() for name in names}
@@ -62,15 +62,15 @@ class _Species(Mapping[str, BodyPlan]):
         return _FUNCTIONS[group][name] if group in _FUNCTIONS else _read(group, name)
 
     def __iter__(self) -> Iterator[str]:
-        """Go over the names."""
+        """Iterate over the names."""
         return iter(self._group)
 
     def __len__(self) -> int:
-        """Return how many species there are."""
+        """Return the number of species."""
         return len(self._group)
 
     def __contains__(self, name: object) -> bool:
-        """Return whether there is such a species, without reading it."""
+        """Return whether there is a species of this name, without reading its file."""
         return name in self._group
 
 
@@ -80,21 +80,21 @@ def _read(group: str, name: str) -> BodyPlan:
 
 
 SPECIES: Mapping[str, BodyPlan] = _Species()
-"""All species by name; no two groups share one."""
+"""All species by name; each belongs to one group only."""
 
 
 def read_species(path: str | Path) -> BodyPlan:
     """Return the species that a TOML file describes.
 
-    The file's ``plan`` names a body plan; its other keys are the fields of that class, tables those of the
-    classes within. A string instead of a table names an entry of `SHARED`; where there are several kinds, the
-    table's ``kind`` says which.
+    ``plan`` names a body plan. The other keys are the fields of that class, and tables are the fields of
+    nested classes. A string instead of a table names an entry of `SHARED`. Where there are several kinds,
+    ``kind`` in the table selects one.
 
     Args:
-        path: path of the file; those of the package, in `FOLDER`, are examples.
+        path: path of the file; the files of the package in `FOLDER` are examples.
 
     Raises:
-        InputError: if the file cannot be read, is not TOML, or has a missing, unknown or wrong field.
+        InputError: if the file cannot be read, is not TOML, or has a missing, unknown or invalid field.
 
     Example:
         >>> read_species(FOLDER / "quadrupeds" / "horse.toml").poses[:5]

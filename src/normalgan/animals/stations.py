@@ -1,4 +1,4 @@
-"""Stations: the sections of a long body, straight, or bent sideways by a spine."""
+"""Stations: the cross sections of a long body, which is straight or bent sideways by a spine."""
 
 from dataclasses import dataclass, fields, replace
 
@@ -17,17 +17,17 @@ __all__ = ["Profile", "Spine", "Stations"]
 
 @dataclass(frozen=True, eq=False)
 class Stations(Table):
-    """Sections along a curve, one value of each column for each station.
+    """Cross sections along a curve, with one value per column for each station.
 
     Args:
-        x: (n,) of their middles, forward; n ≥ 2.
-        y: (n,) upward.
-        radius: (n,) of the section, upward.
-        z: (n,) to the animal's right; None if all are in the middle.
-        half_width: (n,) of the section, sideways; None if all are round.
+        x: (n,) forward coordinates of the centres; n ≥ 2.
+        y: (n,) upward coordinates of the centres.
+        radius: (n,) vertical radii.
+        z: (n,) coordinates of the centres to the animal's right; None for the middle plane.
+        half_width: (n,) horizontal radii; None for round sections.
 
     Raises:
-        InputError: if the columns are not of one length, or a section has no size.
+        InputError: if the columns differ in length, or a section has no size.
     """
 
     x: Column
@@ -44,27 +44,27 @@ class Stations(Table):
 
     @property
     def points(self) -> Doubles:
-        """The middles, (n, 3)."""
+        """The centres, (n, 3)."""
         return np.column_stack([self.x, self.y, np.zeros(len(self.x)) if self.z is None else self.z])
 
     @property
     def widths(self) -> Doubles:
-        """The half widths, (n,), whether round or not."""
+        """The horizontal radii, (n,)."""
         return self.radius if self.half_width is None else self.half_width
 
 
 @dataclass(frozen=True, eq=False)
 class Profile(Table):
-    """Sections of a body that lies along x, as seen from the side and from above.
+    """Cross sections of a body along x, given by its outlines from the side and from above.
 
     Args:
-        x: (n,) where they are; n ≥ 2.
+        x: (n,) positions; n ≥ 2.
         top: (n,) heights of the upper edge.
         bottom: (n,) heights of the lower edge.
-        half_width: (n,) half the width.
+        half_width: (n,) half widths.
 
     Raises:
-        InputError: if the columns are not of one length, or a section has no size.
+        InputError: if the columns differ in length, or a section has no size.
     """
 
     x: Column
@@ -80,16 +80,16 @@ class Profile(Table):
 
     @property
     def stations(self) -> Stations:
-        """The same sections by their middles."""
+        """The same sections, given by their centres."""
         middle, radius = (self.top + self.bottom) / 2, (self.top - self.bottom) / 2
         return Stations(self.x, middle, radius, half_width=self.half_width)
 
     def wider(self, factor: float) -> "Profile":
-        """Return it with all widths multiplied."""
+        """Return the profile with all widths multiplied by a factor."""
         return replace(self, half_width=self.half_width * factor)
 
     def at(self, x: float | Doubles) -> tuple[Doubles, Doubles, Doubles]:
-        """Return top, bottom and half width at a position between the stations, or at (n,) of them."""
+        """Return top, bottom and half width, interpolated at a position or at (n,) positions."""
         columns = (self.top, self.bottom, self.half_width)
         top, bottom, half = (np.asarray(np.interp(x, self.x, column)) for column in columns)
         return top, bottom, half
@@ -100,17 +100,17 @@ class Profile(Table):
         return tube(stations.points, stations.radius, stations.widths)
 
     def opened(self, degrees: float) -> Sweep:
-        """Return the straight body, a lower jaw, turned down about its first station."""
+        """Return the straight body, a lower jaw, rotated down about its first station."""
         hinge = (float(self.x[0]), float(self.top[0] + self.bottom[0]) / 2, 0.0)
         return self.sweep().placed(about(hinge, pitch(-degrees)))
 
 
 class Spine:
-    """A body bent sideways: carries points and frames of the straight one along.
+    """A sideways bend, which maps points and frames of a straight body to the bent body.
 
     Args:
         xs: (n,) positions along the straight body.
-        turns: (n,) degrees by which it is turned to its left at each.
+        turns: (n,) rotations to the left at these positions, in degrees.
     """
 
     def __init__(self, xs: Doubles, turns: Doubles) -> None:
@@ -121,7 +121,7 @@ class Spine:
         self.aside = np.concatenate([[0.0], np.cumsum(-steps * np.sin(middle))])
 
     def frame(self, x: float) -> Frame:
-        """Return the frame at position ``x``; beyond the ends it continues straight."""
+        """Return the frame at position ``x``; the body continues straight beyond its ends."""
         at = float(np.clip(x, self.xs[0], self.xs[-1]))
         angle = float(np.interp(at, self.xs, self.turns))
         over = x - at
@@ -134,7 +134,7 @@ class Spine:
         return np.array([self.frame(float(x)).place([0.0, y, z]) for x, y, z in in_space(points)])
 
     def sweep(self, profile: Profile) -> Sweep:
-        """Return the body of a profile, bent with the spine."""
+        """Return the body of a profile, bent by the spine."""
         stations = profile.stations
         sides = np.array([self.frame(float(x)).rotation[:, 2] for x in stations.x])
         return Sweep(self.place(stations.points), stations.radius, stations.widths, sides)

@@ -1,4 +1,4 @@
-"""Tables: the types of what species files hold."""
+"""Tables: the types of the contents of species files."""
 
 import tomllib
 from collections.abc import Callable
@@ -19,24 +19,24 @@ __all__ = ["FOLDER", "SHARED", "Bone", "Column", "Kinds", "Number", "Point", "Sp
 FOLDER = Path(__file__).with_name("species")
 """The species files of the package."""
 SHARED = FOLDER / "shared.toml"
-"""Tables that several of them use, by class and name."""
+"""Tables shared by several species files, by class and name."""
 
 _GREATEST = 10_000
-"""Sizes are about 1, angles in degrees: numbers that are greater would only overflow."""
+"""Bound of numbers; sizes are about 1 and angles are in degrees, so larger numbers would only overflow."""
 Number = Annotated[float, Range(-_GREATEST, _GREATEST)]
 Span = Annotated[tuple[Number, Number], Range(-_GREATEST, _GREATEST)]
-"""The least and the greatest of what is drawn evenly."""
+"""Minimum and maximum of a uniform distribution."""
 Point = tuple[Number, Number, Number]
 Bone = Annotated[float, Range(0.01, 100)]
-"""The length of a bone: one of no length has no direction in which to grow."""
+"""The length of a bone, positive because a bone of length 0 has no direction."""
 
 
 class Table(Record):
-    """The base of dataclasses that are read from a table, or from the name of a table in `SHARED`."""
+    """Base class of dataclasses that are read from a table, or from the name of a table in `SHARED`."""
 
     @classmethod
     def table_of(cls, given: Any) -> Any:
-        """Return the table, by its name if there are such."""
+        """Return the table, or look it up if a name is given."""
         shared = _shared().get(cls.__name__)
         if shared is None or not isinstance(given, str):
             return given
@@ -47,17 +47,17 @@ class Table(Record):
 
 
 class Kinds:
-    """In an annotation, what makes an object of each kind that a table may name as its ``kind``.
+    """Annotation for objects of several kinds, which a table selects by its ``kind``.
 
     Args:
-        makers: dataclasses or functions, by kind; a table without a kind is of the first.
+        makers: dataclasses or functions by kind; the first is the default.
     """
 
     def __init__(self, **makers: Callable[..., Any]) -> None:
         self._makers = makers
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
-        """Let the kind decide."""
+        """Return a schema that dispatches on the kind."""
         from pydantic_core.core_schema import tagged_union_schema
 
         first, *_ = self._makers
@@ -73,7 +73,7 @@ class Kinds:
 
 
 class _Listed:
-    """In an annotation, reads an array from a list."""
+    """Annotation for arrays that are read from lists."""
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> Any:
         from pydantic_core.core_schema import no_info_after_validator_function
@@ -82,19 +82,19 @@ class _Listed:
 
 
 Column = Annotated[Doubles, _Listed()]
-"""(n,) numbers that individuals share, so that they cannot be written to."""
+"""(n,) numbers, read-only because all individuals of a species share them."""
 
 
 def read_toml(path: Path) -> dict[str, Any]:
     """Return the content of a species file.
 
     Raises:
-        InputError: if it cannot be read or is not TOML.
+        InputError: if the file cannot be read or is not TOML.
     """
     content = read_named(path)
     try:
         return tomllib.loads(content.decode("utf-8"))
-    except ValueError as error:  # tomllib's, or of bytes that are not UTF-8
+    except ValueError as error:  # an error of tomllib, or of bytes that are not UTF-8
         raise InputError(f"{path} is not a species file, which is TOML: {brief(error)}.") from error
 
 

@@ -1,8 +1,9 @@
-"""Decoding: files of any picture format to pixels, in a child process with limits.
+"""Decoding: converts files of any picture format to pixels, in a child process with limits.
 
-A file of a few kilobytes can make a decoder crash, hang, or take all memory, and an SVG can name other files
-to be drawn. So pictures are decoded in a child process, which is started once and kept. It cannot open files
-and is killed after a time limit; where the system supports it, memory and processor time are limited too.
+A file of a few kilobytes can make a decoder crash, hang or use all memory, and an SVG can refer to other
+files. Pictures are therefore decoded in a child process, which is started once and reused. It cannot open
+files and is killed after a time limit. Where the system supports it, memory and processor time are limited
+too.
 """
 
 from normalgan.decoding.process import decode, decode_frames, decode_layers, decode_tileset, start

@@ -1,4 +1,4 @@
-"""The parent's side: child processes that decode; they are reused, and ended when they fail."""
+"""The parent's side of decoding: child processes, which are reused, and ended when they fail."""
 
 import atexit
 import json
@@ -42,16 +42,16 @@ __all__ = [
 
 T = TypeVar("T")
 SECONDS = 10
-"""Processor time for one picture."""
+"""Limit of processor time per picture, in seconds."""
 MEMORY = 2**31
-"""Bytes that decoding one may take, on top of what the libraries map."""
+"""Memory limit for decoding a picture in bytes, in addition to that of the libraries."""
 PATIENCE = 60.0
-"""Seconds by the clock for one picture; a busy machine gives it little processor time."""
+"""Limit of wall-clock time per picture in seconds, longer to allow for a busy machine."""
 _MOST_WORDS = 4096
 _MOST_HEADER = 2**20
-"""Bytes of a message that holds no pixels."""
+"""Maximum size of a message without pixels, in bytes."""
 _NONSENSE = (EOFError, OSError, ValueError, KeyError, TypeError)
-"""Raised when a child has ended, or sends what a sound one never does."""
+"""Exceptions raised if a child has ended or sends invalid messages."""
 
 
 def decode(
@@ -63,28 +63,28 @@ def decode(
     grey: bool = False,
     exact: bool = False,
 ) -> Decoded:
-    """Return the pixels of a picture, upright; an SVG is drawn, transparent where it is empty.
+    """Return the pixels of a picture, upright; an SVG is rendered, transparent where it is empty.
 
     Args:
-        name: its name in errors.
-        content: its file.
-        sides: minimum and maximum length of a side in pixels.
-        svg_side: longer side in pixels that an SVG is drawn with.
-        longest: longer side in pixels that a larger picture is reduced to.
+        name: name of the picture in errors.
+        content: content of the file.
+        sides: minimum and maximum side in pixels.
+        svg_side: longer side of the rendering of an SVG, in pixels.
+        longest: longer side in pixels to which larger pictures are downsampled.
         grey: whether to return only the brightness on white paper, (H, W).
-        exact: whether to return the stored levels, including 16 bits a channel and floats; such a picture is
-            not reduced.
+        exact: whether to return the stored levels, including 16 bits per channel and floats, without
+            downsampling.
 
     Raises:
-        InputError: if it cannot be decoded; it says why.
-        RunError: if no process can be started to do it.
+        InputError: if the picture cannot be decoded; the message gives the reason.
+        RunError: if no decoding process can be started.
     """
     more = {"svg_side": svg_side, "longest": longest or 0, "grey": grey, "exact": exact}
     return _pool.run(needed(content, exact), _Question("picture", name, content, sides, _picture, more))
 
 
 def decode_frames(name: str, content: bytes, sides: tuple[int, int]) -> DecodedFrames:
-    """Return all frames of an animation, each in full; arguments and errors are those of `decode`."""
+    """Return all frames of an animation as full pictures; arguments and errors are those of `decode`."""
     return _pool.run(needed(content), _Question("frames", name, content, sides, _frames))
 
 
@@ -107,7 +107,7 @@ def start() -> None:
 
 
 _Answer = tuple[dict[str, Any], list[tuple[dict[str, Any], Decoded]]]
-"""The child's header of a file, and of each picture in it with its pixels."""
+"""The child's header of a file, and the headers of its pictures with their pixels."""
 
 
 @dataclass(frozen=True)
@@ -115,12 +115,13 @@ class _Question(Generic[T]):
     """A request to a child.
 
     Args:
-        what: ``picture``, ``frames``, ``layers`` or ``tileset``.
-        name: its name in errors.
-        content: its file.
-        sides: minimum and maximum length of a side in pixels.
-        read: makes the result from the child's answer; raises one of `_NONSENSE` if the answer is invalid.
-        more: further options of decoding.
+        what: type of the request: ``picture``, ``frames``, ``layers`` or ``tileset``.
+        name: name of the file in errors.
+        content: content of the file.
+        sides: minimum and maximum side in pixels.
+        read: function that converts the child's answer to the result, and raises one of `_NONSENSE` if the
+            answer is invalid.
+        more: additional decoding options.
     """
 
     what: str
@@ -175,7 +176,7 @@ class _Child:
     """A process that decodes pictures one at a time.
 
     Args:
-        needs: its library besides Pillow, as `decoders.worker.needed` names it.
+        needs: additional library besides Pillow, as returned by `decoders.worker.needed`.
     """
 
     def __init__(self, needs: str) -> None:
@@ -206,7 +207,7 @@ class _Child:
         self._ready = False
 
     def ask(self, question: _Question[T]) -> T:
-        """Return the answer; if anything but a refusal is raised, the process has ended."""
+        """Return the answer; if any error except a refusal is raised, the process has ended."""
         late = threading.Event()
 
         def end() -> None:
@@ -247,7 +248,7 @@ class _Child:
         return self._process.poll() is not None
 
     def _greet(self) -> None:
-        """Wait until the process can decode."""
+        """Wait until the process is ready to decode."""
         try:
             header = json.loads(self._connection.recv_bytes(_MOST_HEADER))
             words = _printable(header["refused"]) if "refused" in header else ""
@@ -263,7 +264,7 @@ class _Child:
         said = self._header(name)
         found, pixels = [], 0
         for _ in range(_whole(said["count"], 1, MOST_PARTS)):
-            header = self._header(name)  # or its refusal
+            header = self._header(name)  # or a refusal
             decoded = self._pixels(header, most)
             pixels += decoded.pixels.shape[0] * decoded.pixels.shape[1]
             if pixels > MOST_PIXELS:
@@ -272,10 +273,10 @@ class _Child:
         return said, found
 
     def _header(self, name: str) -> dict[str, Any]:
-        """Return a header of the child.
+        """Return a header from the child.
 
         Raises:
-            InputError: if it refuses the file.
+            InputError: if the child refuses the file.
         """
         header: dict[str, Any] = json.loads(self._connection.recv_bytes(_MOST_HEADER))
         if "refused" in header:
@@ -309,7 +310,7 @@ class _Child:
 
 
 class _Pool:
-    """Idle children, reused for the next pictures; as many as ran at once, up to a limit."""
+    """Idle children that are reused for the next pictures, as many as ran at once, up to a limit."""
 
     def __init__(self, most: int) -> None:
         self._most = most
@@ -344,33 +345,33 @@ class _Pool:
 
     def _take(self, needs: str) -> _Child:
         with self._lock:
-            for ended in [each for each in self._idle if each.ended]:  # by somebody else while it waited
+            for ended in [each for each in self._idle if each.ended]:  # killed while idle
                 self._idle.remove(ended)
                 ended.close()
             if child := next((each for each in self._idle if each.needs == needs), None):
                 self._idle.remove(child)
                 return child
-            if len(self._idle) >= self._most:  # all have other libraries
+            if len(self._idle) >= self._most:  # all idle children have other libraries
                 self._idle.pop(0).close()
         return _Child(needs)
 
 
 def _folders() -> list[str]:
-    """Return the folders of the libraries that decode; the child sees no other packages."""
+    """Return the folders of the decoding libraries; the child has no access to other packages."""
     found = [find_spec(name) for name in ("PIL", "resvg_py", "psd_tools", "cv2", "numpy", "pillow_heif")]
     origins = [spec.origin for spec in found if spec is not None and spec.origin is not None]
     return list(dict.fromkeys(str(Path(origin).parents[1]) for origin in origins))
 
 
 def _whole(value: Any, least: int, most: int) -> int:
-    """Return a child's integer; raise `EOFError` if it is not an integer in this range."""
+    """Return an integer from a child, or raise `EOFError` if it is not an integer in the range."""
     if type(value) is not int or not least <= value <= most:
         raise EOFError
     return value
 
 
 def _notes(said: dict[str, Any]) -> FileNotes:
-    """Return the notes on how a file looks different from its program's rendering; empty for an animation."""
+    """Return the notes on differences from the original program's rendering; empty for an animation."""
     layers = [LayerNote(_printable(name), _printable(reason)) for name, reason in said.get("notes", ())]
     return FileNotes(_printable(said.get("note", "")), said.get("partial") is True, tuple(layers))
 
@@ -381,9 +382,9 @@ def _printable(words: str) -> str:
 
 
 def _forget() -> None:
-    """After a fork, leave the children to the parent process."""
+    """Forget all children after a fork, because they belong to the parent process."""
     global _pool  # noqa: PLW0603
-    _kept.append(_pool)  # else its files would be closed, and its children waited for
+    _kept.append(_pool)  # otherwise the parent's connections would be closed and its children waited for
     _pool = _Pool(_MOST)
 
 
@@ -398,15 +399,15 @@ sys.path.append(sys.argv[1])
 from decoders.worker import main
 main(int(sys.argv[2]), sys.argv[3], int(sys.argv[4]), int(sys.argv[5]), sys.argv[6:])
 """
-"""What a child runs: `decoders` without the package that it is a part of."""
+"""The child's program, which imports `decoders` without its parent package."""
 _ENVIRONMENT = ("SYSTEMROOT", "LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "DYLD_FALLBACK_LIBRARY_PATH")
-"""What a child needs of the environment, which may hold secrets: where the libraries are."""
+"""Environment variables for a child: only those that locate libraries, because others may hold secrets."""
 _ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
-"""Threads of NumPy's linear algebra, which a child has no use for, would take memory for each core."""
+"""Disables the threads of NumPy's linear algebra, which a child does not need and which use memory."""
 _KEPT_MEMORY = {"MALLOC_MMAP_THRESHOLD_": str(2**25), "MALLOC_TRIM_THRESHOLD_": str(2**26)}
-"""Has glibc keep up to 64 MiB for the next picture: fresh pages take longer to get than pixels to decode."""
+"""Makes glibc keep up to 64 MiB for the next picture, because new pages take longer than decoding."""
 _MOST = max(2, min(os.cpu_count() or 1, 8))
-"""Children at once: two at least, so that no stroke in the studio waits for a picture that is imported."""
+"""Maximum number of children, at least two, so that strokes in the studio do not wait for an import."""
 _kept: list[_Pool] = []
 _pool = _Pool(_MOST)
 atexit.register(_close)

@@ -1,4 +1,4 @@
-"""Results: the results of decoding a file: pixels, frames, layers."""
+"""Results of decoding a file: pixels, frames, layers."""
 
 from dataclasses import dataclass
 
@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 __all__ = ["Decoded", "DecodedFrames", "DecodedLayer", "DecodedLayers", "FileNotes", "LayerNote", "Pixels"]
 
 Pixels = NDArray[np.uint8] | NDArray[np.uint16] | NDArray[np.int32] | NDArray[np.float32]
-"""(H, W) grey of any of these types, or (H, W, 3) or (H, W, 4), red, green, blue and opacity, of 8 bits; as
-stored, if that is asked for, also of 16 bits or floats."""
+"""(H, W) grey of any of these types, or (H, W, 3) or (H, W, 4) with red, green, blue and opacity of 8
+bits. If the stored levels are requested, colours may also be 16 bits or floats."""
 
 
 @dataclass(frozen=True)
@@ -17,10 +17,10 @@ class LayerNote:
     """A layer that is left out, or looks different than in its program.
 
     Args:
-        name: its name in the file; empty for the whole file.
-        reason: why a layer is left out: it is ``damaged``, has ``no_pixels`` of its own, or is ``foreign``
-            (only its program can draw it). Else ``effect``, or ``frame`` if one frame of an animation is
-            used.
+        name: name of the layer in the file; empty for the whole file.
+        reason: reason for leaving out a layer: it is ``damaged``, has ``no_pixels`` of its own, or is
+            ``foreign`` (only its program can draw it). For other differences, ``effect``, or ``frame`` if
+            only one frame of an animation is used.
     """
 
     name: str
@@ -29,12 +29,12 @@ class LayerNote:
 
 @dataclass(frozen=True)
 class FileNotes:
-    """How a file looks different than in its program.
+    """Differences of a decoded file from its rendering in the original program.
 
     Args:
-        text: part of a sentence; empty if there is no difference.
+        text: description as part of a sentence; empty if there are no differences.
         partial: whether a layer is missing.
-        layers: the differences, layer by layer.
+        layers: differences by layer.
     """
 
     text: str = ""
@@ -48,8 +48,8 @@ class Decoded:
 
     Args:
         pixels: (h, w), (h, w, 3) or (h, w, 4).
-        shape: (H, W) of the file, before any reduction.
-        notes: how the file looks different.
+        shape: (H, W) of the file before downsampling.
+        notes: differences of the file.
     """
 
     pixels: Pixels
@@ -62,10 +62,10 @@ class DecodedFrames:
     """The frames of an animation, or the pages of a file.
 
     Args:
-        frames: each in full.
-        durations: duration of each in milliseconds.
-        loop: number of loops; 0 is endless.
-        notes: how the file looks different.
+        frames: full frames.
+        durations: durations of the frames in milliseconds.
+        loop: number of loops; 0 for endless.
+        notes: differences of the file.
     """
 
     frames: list[Decoded]
@@ -79,15 +79,15 @@ class DecodedLayer:
     """A visible layer, or one frame of it.
 
     Args:
-        name: its name in the file.
-        groups: names of the groups around it, the outermost first.
-        opacity: 0 to 255, multiplied by its groups'; not applied to the pixels.
-        left: column of its left edge in the picture.
-        top: row of its top edge in the picture.
-        number: number of the layer, counted from the bottom.
-        frame: number of the frame.
-        pixels: (h, w, 4), all within the picture.
-        clipped_to: number of the layer that it is clipped to, -1 for none; the pixels are already cut.
+        name: name of the layer in the file.
+        groups: names of the groups around it, outermost first.
+        opacity: opacity from 0 to 255, multiplied by that of the groups; not applied to the pixels.
+        left: column of the left edge in the picture.
+        top: row of the top edge in the picture.
+        number: index of the layer from the bottom.
+        frame: index of the frame.
+        pixels: (h, w, 4) pixels, completely inside the picture.
+        clipped_to: index of the layer that it is clipped to, -1 for none; the pixels are already clipped.
     """
 
     name: str
@@ -107,9 +107,9 @@ class DecodedLayers:
 
     Args:
         shape: (H, W) of the picture.
-        durations: duration of each frame in milliseconds; [0] for a still file.
-        layers: frame by frame, bottom to top; empty layers are left out.
-        notes: how the file looks different.
+        durations: durations of the frames in milliseconds; [0] for a still file.
+        layers: layers by frame, bottom to top; empty layers are left out.
+        notes: differences of the file.
     """
 
     shape: tuple[int, int]

@@ -56,7 +56,7 @@ def check_hint_shape(sampler: HintSampler, where: object, mask: Tensor) -> None:
 
 
 def check_hint_values(sampler: HintSampler, where: Tensor, mask: Tensor) -> None:
-    """Raise `InputError` if a sampler returned values other than 1 and 0, or a hint off the object."""
+    """Raise `InputError` if a sampler returned values other than 1 and 0, or a hint outside the object."""
     odd = where[(where != 0) & (where != 1)]
     if len(odd):
         raise InputError(

@@ -72,8 +72,8 @@ class AngularLikelihood(Reconstruction):
             both are trained on the likelihood, in which uncertain pixels count less.
         relief_weight: weight of the error of the mean n_z over parts of the object. Minimising the mean
             angle makes uncertain normals face the viewer, and this term keeps the surface from flattening.
-        stride: side of the squares of which only one pixel is compared, a different one at each step.
-            Larger is faster, and neighbouring pixels are nearly equal.
+        stride: side of squares of pixels; only one pixel per square is compared, a different one at each
+            step. Larger is faster, and neighbouring pixels are nearly equal.
         likelihood_weight: weight of the likelihood. With 0 and an ``angle_weight``, no confidence is learnt.
 
     Raises:

@@ -41,7 +41,7 @@ class MaskIoU(_PresenceMetric):
 
     @property
     def figure(self) -> str:
-        """Its name in results."""
+        """Name of the metric in results."""
         return "mask_iou"
 
     def update(self, preds: Tensor, target: Tensor, mask: Tensor) -> None:
@@ -63,11 +63,11 @@ class Coverage(_PresenceMetric):
 
     @property
     def figure(self) -> str:
-        """Its name in results."""
+        """Name of the metric in results."""
         return "coverage"
 
     def update(self, preds: Tensor, target: Tensor, mask: Tensor) -> None:
-        """Count a batch; where the target is zero there is no object, and ``mask`` is ignored."""
+        """Update the state with a batch; the target is zero outside the object, and ``mask`` is ignored."""
         there = presence(target)
         self.both = self.both + (presence(preds) & there).sum()
         self.total = self.total + there.sum()

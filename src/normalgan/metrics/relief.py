@@ -164,7 +164,7 @@ class ZoneMean(ReliefMetric):
 
     @property
     def figure(self) -> str:
-        """Its name in results."""
+        """Name of the metric in results."""
         return self._figure
 
     def value(self) -> Tensor:

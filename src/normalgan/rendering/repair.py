@@ -118,7 +118,7 @@ def _corner_angles(vertices: Doubles, faces: Indices) -> Doubles:
 
 
 def _neighbours(faces: Indices) -> tuple[Indices, Indices, BoolMask]:
-    """Return the pairs of faces that share an edge that belongs to no third face.
+    """Return the pairs of faces with a common edge that belongs to no third face.
 
     Args:
         faces: (F, 3) vertex indices.

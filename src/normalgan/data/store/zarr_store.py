@@ -73,11 +73,11 @@ class ObjectStore(Store):
         raise NotImplementedError("an ObjectStore is not listed.")
 
     def list_prefix(self, prefix: str) -> AsyncIterator[str]:
-        """Refuse, as `list` does."""
+        """Refuse to list; see `list`."""
         raise NotImplementedError("an ObjectStore is not listed.")
 
     def list_dir(self, prefix: str) -> AsyncIterator[str]:
-        """Refuse, as `list` does."""
+        """Refuse to list; see `list`."""
         raise NotImplementedError("an ObjectStore is not listed.")
 
 

@@ -1,6 +1,6 @@
-"""Picture formats: the table of all formats that a drawing may have.
+"""Picture formats: the table of all supported formats of drawings.
 
-It imports nothing of the package, because the child process (`worker.py`) runs without it.
+It imports nothing else of normalgan, because the child process (`worker.py`) runs without the package.
 """
 
 from typing import NamedTuple
@@ -12,15 +12,15 @@ class Format(NamedTuple):
     """A picture format.
 
     Args:
-        name: for messages.
-        endings: endings of its files.
-        starts: magic bytes, any of them.
-        plugin: Pillow's name of it; None if Pillow does not decode it.
-        modules: modules that decode it, imported before the child process may open no more files. The first
-            is that of Pillow's plug-in.
-        library: library that is imported only for such files, because it takes long; empty if there is none.
-        moves: whether a file may hold several pictures, which are all read.
-        layered: whether a file may hold layers.
+        name: name of the format in messages.
+        endings: file extensions.
+        starts: possible magic bytes.
+        plugin: Pillow's name of the format; None if Pillow does not decode it.
+        modules: modules that decode the format, Pillow's plug-in first. The child process imports them before
+            its limits are set.
+        library: library that is slow to import, so that it is imported only for this format; or empty.
+        moves: whether a file may contain several pictures, which are all read.
+        layered: whether a file may contain layers.
     """
 
     name: str
@@ -51,26 +51,26 @@ FORMATS = (
     Format("OpenRaster", (".ora",), (b"PK\x03\x04",), layered=True),
     Format("Aseprite", (".ase", ".aseprite"), (), moves=True, layered=True),
 )
-"""The formats, in the order in which endings are listed.
+"""The formats, in the order of listed extensions.
 
-Pillow has forty more, one of which starts Ghostscript.
+Pillow supports forty others, one of which runs Ghostscript.
 """
 ENDINGS = tuple(ending for each in FORMATS for ending in each.endings)
-"""Endings of the names of drawings, in lower case."""
+"""File extensions of drawings, in lower case."""
 MOVING = tuple(ending for each in FORMATS if each.moves for ending in each.endings)
-"""Endings of the formats in which a file may hold several pictures."""
+"""Extensions of formats that may contain several pictures."""
 LAYERED = tuple(ending for each in FORMATS if each.layered for ending in each.endings)
-"""Endings of the files of paint programs, beside which there often lies a picture that was exported."""
+"""Extensions of paint programs' files, which often have an exported picture next to them."""
 SUBFILE, NO_PAGE = 254, 1 | 4
-"""A tag of TIFF that says what a picture of it is, and its bits for a small copy and for a mask."""
+"""TIFF tag for the type of a picture, and its bits for a thumbnail and for a mask."""
 _NAMED = {each.name: each for each in FORMATS}
 _AVIF = {b"avif", b"avis"}
 _HEIC = {b"heic", b"heix", b"hevc", b"hevx", b"heim", b"heis", b"mif1", b"msf1"}
-"""Brands of the two formats that are boxes of ISO/IEC 14496-12."""
+"""Brands of the two formats based on ISO/IEC 14496-12 boxes."""
 
 
 def format_of(start: bytes) -> Format | None:
-    r"""Return the format of a file by its first 64 bytes; None for SVG and unknown formats.
+    r"""Return the format of a file, given its first 64 bytes; None for SVG and unknown formats.
 
     >>> format_of(b"\x89PNG...").name, format_of(b"\0\0\0\x18ftypmif1\0\0\0\0avif")
     ('PNG', Format(name='AVIF', endings=('.avif',), starts=(), plugin='AVIF', moves=True, layered=False))

@@ -1,4 +1,4 @@
-"""Levels: decode pictures of 16 bits a channel and of floats with OpenCV, because Pillow would round them."""
+"""Levels: decoding of 16-bit and float pictures by OpenCV, because Pillow would round them."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ __all__ = ["exact_levels", "float_white", "is_tiff", "loses_levels", "viewed"]
 
 
 def loses_levels(content: bytes) -> bool:
-    r"""Return whether Pillow may round the levels of a picture: a colour PNG of 16 bits a channel, or a TIFF.
+    r"""Return whether Pillow may round a picture, as for a TIFF or a colour PNG with 16 bits per channel.
 
     >>> loses_levels(b"II*\0 and so on"), loses_levels(b"\xff\xd8\xff a JPEG")
     (True, False)
@@ -29,9 +29,9 @@ def exact_levels(content: bytes, least: int, most: int) -> Any:
     """Return the unrounded pixels, (h, w), or (h, w, 3 or 4) as red, green, blue, opacity.
 
     Raises:
-        RefusedError: if it cannot be decoded.
+        RefusedError: if the picture cannot be decoded.
     """
-    import cv2  # late: few pictures need it
+    import cv2  # only few pictures need it
     import numpy as np
 
     try:
@@ -53,16 +53,17 @@ def exact_levels(content: bytes, least: int, most: int) -> Any:
 
 
 def float_white(most: float) -> float:
-    """Return the value of white in a picture of floats, whose range no standard fixes.
+    """Return the value of white in a picture of floats, because no standard defines it.
 
     Args:
-        most: its largest value. Up to 16, white is 1, as in HDR pictures; above that, white is 255 or 65535.
+        most: maximum value of the picture. Up to 16, white is 1, as in HDR pictures; above that, white is
+            255 or 65535.
     """
     return 1.0 if most <= 16 else 255.0 if most <= 255 else 65535.0
 
 
 def viewed(levels: Any, longest: int, grey: bool) -> Any:
-    """Return levels (h, w) or (h, w, C), reduced and turned to grey on white as by `decode`."""
+    """Return levels (h, w) or (h, w, C), downsampled and converted to grey on white as by `decode`."""
     import cv2
     import numpy as np
 

@@ -1,4 +1,4 @@
-"""Limits: restrict the memory, time and files of the child process."""
+"""Limits on memory, time and files of the child process."""
 
 import sys
 
@@ -6,23 +6,23 @@ __all__ = ["limit", "limit_time"]
 
 
 def limit(memory: int) -> None:
-    """Forbid this process to open files, and limit its memory."""
+    """Forbid this process from opening files, and limit its memory."""
     try:
         import resource
-    except ImportError:  # Windows has nothing like it
+    except ImportError:  # Windows has no equivalent
         return
-    # From here on no file, socket or pipe can be opened, whatever a decoder tries.
+    # From here on, no decoder can open a file, socket or pipe.
     for what in (resource.RLIMIT_CORE, resource.RLIMIT_FSIZE):
         _lower(what, 0)
     if sys.platform == "linux":  # macOS ignores it
-        with open("/proc/self/statm", encoding="ascii") as file:  # noqa: PTH123 -- nothing more is imported
+        with open("/proc/self/statm", encoding="ascii") as file:  # noqa: PTH123 -- nothing else can be imported
             mapped = int(file.read().split()[0]) * resource.getpagesize()
         _lower(resource.RLIMIT_AS, mapped + memory)
     _lower(resource.RLIMIT_NOFILE, 0)
 
 
 def limit_time(seconds: int) -> None:
-    """Limit the processor time for the next picture; the system then ends this process."""
+    """Limit the processor time for the next picture, after which the system ends this process."""
     if sys.platform == "win32":
         return
     import resource
@@ -36,7 +36,7 @@ def limit_time(seconds: int) -> None:
 
 
 def _lower(what: int, most: int) -> None:
-    """Set a limit of this process, unless a lower one holds."""
+    """Set a limit of this process, unless a lower one is in effect."""
     import resource
 
     hard = resource.getrlimit(what)[1]

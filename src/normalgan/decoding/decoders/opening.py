@@ -1,4 +1,4 @@
-"""Opening: open a picture without decoding it; what may go wrong there; the header of an array."""
+"""Opening of pictures without decoding them, the possible errors, and messages about pixels."""
 
 import io
 from importlib import import_module
@@ -27,9 +27,9 @@ __all__ = [
 ]
 
 Message = tuple[dict[str, Any], Any]
-"""What is sent: some words and numbers, and an image or an array, whose pixels follow in strips; or None."""
+"""A message: a dictionary of strings and numbers, and an image or array to send in strips, or None."""
 MOST_PARTS, MOST_PIXELS = 1024, 2**26
-"""Frames of an animation, and pixels of all of them together: as many as the largest drawing has."""
+"""Maximum number of frames of an animation, and of pixels in all frames (as in the largest drawing)."""
 MODES: dict[str, tuple[str, tuple[int, ...]]] = {
     "L": ("uint8", ()),
     "RGB": ("uint8", (3,)),
@@ -38,30 +38,30 @@ MODES: dict[str, tuple[str, tuple[int, ...]]] = {
     "I": ("int32", ()),
     "F": ("float32", ()),
 }
-"""Modes of Pillow in which pixels are sent: the type of a number, and the channels."""
+"""Pillow modes of sent pixels, with dtype and number of channels."""
 DTYPES = ("uint8", "uint16", "int32", "float32")
 KNOWN = "a PNG, JPEG, WebP, TIFF, GIF, SVG or another image, or a file of a paint program"
-"""What is read, in a sentence; the docs list all formats."""
+"""The supported formats in a message; the docs list all of them."""
 
 
 class DamagedError(OSError):
-    """A damaged picture of a known format."""
+    """Error for a damaged picture of a known format."""
 
 
 class RefusedError(Exception):
-    """A file that is not decoded; its text goes after the file's name: "is … pixels"."""
+    """Error for a refused file; the message follows the file's name: "is … pixels"."""
 
 
 def opened(content: bytes) -> "Image":
     """Open a picture without decoding its pixels.
 
     Raises:
-        UnidentifiedImageError: if Pillow does not know its format.
-        OSError: if it is damaged.
+        UnidentifiedImageError: if Pillow does not know the format.
+        OSError: if the picture is damaged.
     """
     from PIL import Image, UnidentifiedImageError
 
-    Image.MAX_IMAGE_PIXELS = None  # ours are lower
+    Image.MAX_IMAGE_PIXELS = None  # our own limits are lower
     found = format_of(content[:64])
     if found is None or found.plugin is None:
         raise UnidentifiedImageError
@@ -82,10 +82,10 @@ def import_plugin(wanted: Format) -> None:
     """Import Pillow's plug-in of a format.
 
     Raises:
-        ImportError: if it is not installed, or Pillow was built without its codec.
+        ImportError: if the plug-in is not installed, or Pillow was built without the codec.
     """
     plugin = import_module(wanted.modules[0])
-    if hasattr(plugin, "register_heif_opener"):
+    if wanted.plugin == "HEIF":
         plugin.register_heif_opener(thumbnails=False)
     if not getattr(plugin, "SUPPORTED", True):
         raise ImportError
@@ -98,13 +98,13 @@ def check_sides(width: int, height: int, least: int, most: int) -> None:
 
 
 def reduced_size(width: int, height: int, longest: int) -> tuple[int, int]:
-    """Return (width, height) of a picture that is reduced to a longer side of ``longest`` pixels."""
+    """Return (width, height) of a picture downsampled to a longer side of at most ``longest`` pixels."""
     scale = longest / max(width, height)
     return max(round(width * scale), 1), max(round(height * scale), 1)
 
 
 def with_form(pixels: Any) -> dict[str, Any]:
-    """Return the type and the shape of an image or an array, and that of its file."""
+    """Return dtype and shape of an image or array, as the header that is sent before its pixels."""
     if hasattr(pixels, "dtype"):
         dtype, shape = pixels.dtype.name, pixels.shape
     else:

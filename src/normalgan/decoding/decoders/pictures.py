@@ -1,4 +1,4 @@
-"""Pictures: decode a file of any format, as a whole, in frames or in layers."""
+"""Pictures: decoding of files of any format, as a single picture, in frames or in layers."""
 
 import itertools
 from collections.abc import Iterator
@@ -40,13 +40,13 @@ __all__ = [
 ]
 
 _MOST_NOTES = 4000
-"""Characters of the words that are sent about a picture."""
+"""Maximum length of a text sent about a picture."""
 _LONGEST_NAME, _DEEPEST = 255, 32
-"""Most characters of a layer's name, and most nested groups, that the parent gets."""
+"""Maximum length of a layer's name, and maximum number of nested groups, sent to the parent."""
 _MOST_NOTED = 64
-"""Most notes on layers that the parent gets."""
+"""Maximum number of notes on layers sent to the parent."""
 _TOPS = (255, 1023, 4095, 16383, 65535, 2**24 - 1, 2**31 - 1)
-"""White of greys of 8, 10, 12, 14, 16, 24 and 31 bits, which programs store in 16 or 32."""
+"""White levels of 8, 10, 12, 14, 16, 24 and 31 bits, which programs store in 16 or 32 bits."""
 
 
 def decode(
@@ -58,21 +58,21 @@ def decode(
     grey: bool,
     notes: list[Any],
 ) -> tuple[Any, tuple[int, int]]:
-    """Return a picture upright, and the (width, height) that it had before it was reduced.
+    """Return a picture upright, and its (width, height) before downsampling.
 
-    It is an image in one of `MODES`, or an array if only OpenCV can read it.
+    The picture is an image in one of `MODES`, or an array if only OpenCV can read it.
 
     Args:
-        content: its file.
-        least: pixels that either side must have.
-        most: pixels that neither side may exceed; checked before any pixel is decoded.
-        svg_side: longer side in pixels that an SVG is drawn with.
-        longest: longer side in pixels that a larger picture is reduced to; 0 keeps its size.
-        grey: whether to return only its brightness on white paper.
-        notes: list to which notes on the picture are added.
+        content: content of the file.
+        least: minimum side in pixels.
+        most: maximum side in pixels, checked before any pixel is decoded.
+        svg_side: longer side of the rendering of an SVG, in pixels.
+        longest: longer side in pixels to which larger pictures are downsampled; 0 keeps the size.
+        grey: whether to return only the brightness on white paper.
+        notes: list that receives notes on the picture.
 
     Raises:
-        RefusedError: if it cannot be decoded.
+        RefusedError: if the picture cannot be decoded.
     """
     from PIL import UnidentifiedImageError
 
@@ -91,7 +91,7 @@ def decode(
             except DamagedError:
                 if not is_tiff(content):
                     raise
-                # Pillow does not know some, such as those of floats with colours; OpenCV may.
+                # OpenCV may read pictures that Pillow does not support, such as float colours.
                 levels = exact_levels(content, least, most)
                 return viewed(levels, longest, grey), levels.shape[1::-1]
             with image:
@@ -108,7 +108,7 @@ def decode(
     except UnidentifiedImageError:
         _refuse_foreign(content)
         raise RefusedError(f"is not an image that can be read; use {KNOWN}") from None
-    except Exception as error:  # a decoder of Pillow that trips over damage raises anything
+    except Exception as error:  # Pillow's decoders may raise anything on damaged data
         raise RefusedError(f"cannot be read as an image: {first_line(error)}") from None
 
 
@@ -116,7 +116,7 @@ def frames(content: bytes, least: int, most: int, seconds: int) -> Iterator[Mess
     """Yield the number of frames and of loops of an animation, and then each full frame.
 
     Raises:
-        RefusedError: if it, or a frame of it, cannot be decoded.
+        RefusedError: if the animation or a frame cannot be decoded.
     """
     from PIL import Image
 
@@ -130,12 +130,12 @@ def frames(content: bytes, least: int, most: int, seconds: int) -> Iterator[Mess
                 yield from _pages(image, least, most, seconds)
                 return
             check_sides(image.width, image.height, least, most)
-            # A PNG may begin with a picture for those who know no animations.
+            # A PNG may begin with a picture for viewers without support for animations.
             first = 1 if getattr(image, "default_image", False) else 0
             count = getattr(image, "n_frames", 1) - first
             _check_parts(count, count * image.width * image.height, "frames")
             loop, size = image.info.get("loop", 1), image.size
-            # A frame can be larger than its GIF, which Pillow then enlarges; `_opened` lifts the limit again.
+            # Pillow enlarges a GIF for a frame that is larger; `_opened` lifts the limit again.
             Image.MAX_IMAGE_PIXELS = MOST_PIXELS
             yield {"count": count, "loop": loop if 0 <= loop < 2**16 else 0}, None
             for number in range(first, first + count):
@@ -176,10 +176,11 @@ def _pages(image: Any, least: int, most: int, seconds: int) -> Iterator[Message]
 
 
 def layers(content: bytes, least: int, most: int, seconds: int) -> Iterator[Message]:
-    """Yield a description of a layered file, and then its visible layers, the lowest first.
+    """Yield a description of a layered file, and then its visible layers, lowest first.
 
     Raises:
-        RefusedError: if it has none, or they cannot be decoded; before anything is yielded.
+        RefusedError: if there are no visible layers, or they cannot be decoded; raised before the first
+            message.
     """
     with _failures_refused("has layers that cannot be read"):
         layered = _layered(content, least, most)
@@ -210,7 +211,7 @@ def tileset(content: bytes, least: int, most: int) -> Iterator[Message]:
     """Yield the size of a tile of an Aseprite file, and then all tiles, stacked vertically.
 
     Raises:
-        RefusedError: if it has none, or it cannot be decoded.
+        RefusedError: if there is no tileset, or it cannot be decoded.
     """
     with _failures_refused("has a tileset that cannot be read"):
         layered = _layered(content, least, most)
@@ -230,14 +231,14 @@ def _check_parts(count: int, pixels: int, name: str) -> None:
 
 
 def turned_upright(image: "Image") -> "Image":
-    """Return an image turned as its EXIF data says, or unchanged if that data is damaged."""
+    """Return an image rotated according to its EXIF data, or unchanged if that data is damaged."""
     from PIL import ImageOps
 
     try:
         return ImageOps.exif_transpose(image)
     except MemoryError:
         raise
-    except Exception:  # notes about a picture, which is sound without them
+    except Exception:  # only metadata, so the picture itself is still valid
         return image
 
 
@@ -249,7 +250,7 @@ def plain(image: "Image") -> "Image":
         if image.mode == "La":
             image = image.convert("LA")
         clear = image.info.get("transparency")
-        if isinstance(clear, tuple) and max(clear) > 255:  # of 16 bits, of which Pillow keeps 8
+        if isinstance(clear, tuple) and max(clear) > 255:  # 16 bits, of which Pillow keeps 8
             image.info["transparency"] = tuple(each >> 8 for each in clear)
         return image.convert("RGBA")
     if image.mode in {"1", "L"}:
@@ -260,8 +261,8 @@ def plain(image: "Image") -> "Image":
 def _deep(image: "Image") -> "Image":
     """Return a grey image of 16 or 32 bits with white at 65535.
 
-    A picture that uses only the lowest quarter of its range has fewer bits than its file says. If one of its
-    greys is transparent, it becomes RGBA with 8 bits.
+    A picture that uses at most a quarter of its range is assumed to have fewer bits than the file says. If
+    one of its grey levels is transparent, it is converted to RGBA with 8 bits.
     """
     import numpy as np
     from PIL import Image
@@ -282,11 +283,11 @@ def _deep(image: "Image") -> "Image":
 
 
 def reduced(image: "Image", longest: int) -> "Image":
-    """Return a smaller image; each pixel is the mean of the pixels that it replaces."""
+    """Return an image downsampled by averaging."""
     from PIL import Image
 
     size = reduced_size(image.width, image.height, longest)
-    if image.mode == "RGBA":  # colours of pixels that nobody sees must not bleed into those that are seen
+    if image.mode == "RGBA":  # colours of transparent pixels must not bleed into visible ones
         return image.convert("RGBa").resize(size, Image.Resampling.BOX).convert("RGBA")
     if image.mode == "I;16":
         image = image.convert("I")
@@ -303,15 +304,15 @@ def _grey(image: "Image") -> "Image":
 
 
 def _layered(content: bytes, least: int, most: int) -> Any:
-    """Open a paint program's layered file without decoding it; return None for any other file.
+    """Open a paint program's layered file without decoding it, or return None for any other file.
 
     Raises:
-        RefusedError: if it cannot be read, or is too small or large.
+        RefusedError: if the file cannot be read, or the picture is too small or too large.
     """
     found = format_of(content[:64])
     if found is None or not found.layered:
         return None
-    from .layered_files import open_layered  # late: few files need it
+    from .layered_files import open_layered  # only few files need it
 
     return open_layered(found.name, content, lambda width, height: check_sides(width, height, least, most))
 
@@ -329,7 +330,7 @@ def _layered_frames(layered: Any) -> Iterator[Message]:
 
 @contextmanager
 def _failures_refused(words: str) -> Iterator[None]:
-    """Turn whatever a decoder raises, which over damage is anything, into `RefusedError`: words and why."""
+    """Convert any exception of a decoder to a `RefusedError` with ``words`` and the reason."""
     try:
         yield
     except (RefusedError, MemoryError):
@@ -348,7 +349,7 @@ def _refuse_foreign(content: bytes) -> None:
 
 
 def noted(*notes: "Notes") -> dict[str, Any]:
-    """Return the notes for the parent on how a file looks different, in bounded length."""
+    """Return the notes on differences of a file for the parent, truncated to the limits."""
     return {
         "note": " ".join("; ".join(map(str, notes)).split())[:_MOST_NOTES],
         "partial": any(each.partial for each in notes),

@@ -1,4 +1,4 @@
-"""SVG: remove links to other files, and draw the rest."""
+"""SVG: removal of links to other files, and rendering."""
 
 import base64
 import binascii
@@ -12,16 +12,16 @@ from .opening import KNOWN, RefusedError, first_line, opened
 __all__ = ["MOST_DEPTH", "draw_svg", "is_svg", "sanitize_svg"]
 
 MOST_DEPTH = 128
-"""Elements within one another in an SVG: the drawing library needs stack for each, and ends without."""
+"""Maximum nesting of elements in an SVG, because the drawing library recurses and crashes without stack."""
 _MOST_TEXT = 2**26
-"""Characters of an SVG with its entities written out."""
+"""Maximum number of characters of an SVG after entities are expanded."""
 _DPI = 96.0
-"""What CSS takes an inch for; without it millimetres have no size."""
+"""Pixels per inch in CSS, needed to convert millimetres."""
 _EMBEDDED = re.compile(r"data:image/(?:png|jpe?g|gif|webp);base64,", re.IGNORECASE)
 
 
 def is_svg(content: bytes) -> bool:
-    r"""Return whether a file is an SVG; a picture with an SVG in its metadata is not one.
+    r"""Return whether a file is an SVG, not only a picture with an SVG in its metadata.
 
     >>> is_svg(b'<?xml version="1.0"?><!-- long --><svg/>'), is_svg(b"\x89PNG... <svg")
     (True, False)
@@ -33,23 +33,23 @@ def is_svg(content: bytes) -> bool:
 
 
 def draw_svg(content: bytes, side: int, most: int) -> bytes:
-    """Draw an SVG and return it as PNG, transparent where it is empty.
+    """Render an SVG and return it as PNG, transparent where it is empty.
 
     Args:
-        content: the file.
-        side: longer side in pixels that it is drawn with.
-        most: pixels that no side of a picture within it may exceed.
+        content: content of the file.
+        side: longer side of the rendering in pixels.
+        most: maximum side of embedded pictures in pixels.
 
     Raises:
-        RefusedError: if it cannot be drawn, or would draw another file.
+        RefusedError: if the SVG cannot be rendered, or refers to another file.
     """
     from PIL import Image
     from resvg_py import svg_to_bytes
 
     text = sanitize_svg(content, most)
     try:
-        # Without fonts: what is drawn must not depend on those that a machine has.
-        # Within a square: with a width alone, one that is very high would end the process for want of memory.
+        # Without fonts, because the result must not depend on the fonts of the machine. Fitted to a
+        # square, because a very tall SVG with only a width would exhaust memory.
         small = bytes(svg_to_bytes(svg_string=text, width=64, height=64, dpi=_DPI, skip_system_fonts=True))
         with Image.open(io.BytesIO(small), formats=("PNG",)) as image:
             wide = image.height <= image.width
@@ -59,23 +59,23 @@ def draw_svg(content: bytes, side: int, most: int) -> bytes:
         )
     except ValueError as error:
         raise RefusedError(f"cannot be drawn as SVG: {first_line(error)}") from None
-    except BaseException as error:  # a panic of Rust comes as one that is not an Exception
+    except BaseException as error:  # a Rust panic is a BaseException
         if isinstance(error, MemoryError):
             raise
         raise RefusedError(f"cannot be drawn as SVG: {first_line(error)}") from None
 
 
 def sanitize_svg(content: bytes, most: int) -> str:
-    """Return a copy of an SVG, with its entities expanded and without links to anything outside it.
+    """Return a copy of an SVG with expanded entities and without external links.
 
-    It is rewritten, not only checked, because another parser may read the same bytes differently.
+    The SVG is rewritten, not only checked, because another parser may read the same bytes differently.
 
     Args:
-        content: the file, in any encoding that XML knows.
-        most: pixels that no side of a picture within it may exceed.
+        content: content of the file, in any XML encoding.
+        most: maximum side of embedded pictures in pixels.
 
     Raises:
-        RefusedError: if it is not XML, nested too deeply, too long, or would draw another file.
+        RefusedError: if the file is not XML, is nested too deeply, is too long, or refers to another file.
     """
     parser = ParserCreate()
     parser.buffer_text = True
@@ -114,7 +114,7 @@ def sanitize_svg(content: bytes, most: int) -> str:
     except ExpatError as error:
         words = f"cannot be drawn as SVG: line {error.lineno}: {ErrorString(error.code)}"
         raise RefusedError(words) from None
-    except (ValueError, LookupError) as error:  # an encoding that is none
+    except (ValueError, LookupError) as error:  # an invalid encoding
         raise RefusedError(f"cannot be drawn as SVG: {first_line(error)}") from None
     return "".join(written)
 
@@ -123,7 +123,7 @@ def _allowed(name: str, attributes: dict[str, str], most: int) -> Iterator[tuple
     """Yield an element's attributes without external links.
 
     Raises:
-        RefusedError: if it would draw an external file.
+        RefusedError: if the element would draw an external file.
     """
     for key, value in attributes.items():
         if _local(key) == "href":
@@ -131,7 +131,7 @@ def _allowed(name: str, attributes: dict[str, str], most: int) -> Iterator[tuple
             if name in {"image", "feImage"} and not link.startswith("#"):
                 _check_embedded(link, most)
             elif not link.startswith("#"):
-                continue  # of a text that can be clicked, or of a part of another file
+                continue  # a hyperlink, or a part of another file
         yield key, value
 
 
@@ -144,7 +144,7 @@ def _check_embedded(link: str, most: int) -> None:
             f"draws {shown!r}, and no file but itself is read; embed that picture as PNG, JPEG, GIF or WebP"
         )
     try:
-        # As the drawing library does: without what is not base64.
+        # Ignores characters that are not base64, like the drawing library.
         data = base64.b64decode(re.sub(r"\s+", "", link[start.end() :]) + "===", validate=False)
         with opened(data) as image:
             size = image.size

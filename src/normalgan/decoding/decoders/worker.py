@@ -1,4 +1,4 @@
-"""The program of the child process that decodes pictures; see `normalgan.decoding`.
+"""The main program of the child process that decodes pictures; see `normalgan.decoding`.
 
 It answers requests over a `multiprocessing.connection`. Each message is JSON or pixels, never a pickle.
 """
@@ -23,7 +23,7 @@ from .pictures import decode, frames, layers, noted, tileset
 __all__ = ["import_all", "main", "needed"]
 
 _STRIP = 2**20
-"""Pixels that are sent at a time."""
+"""Number of pixels sent at a time."""
 
 
 def main(handle: int, needs: str, seconds: int, memory: int, folders: list[str]) -> None:
@@ -31,14 +31,14 @@ def main(handle: int, needs: str, seconds: int, memory: int, folders: list[str])
 
     Args:
         handle: handle of the connection.
-        needs: the libraries that `needed` names for the pictures.
-        seconds: seconds of processor time for one picture.
-        memory: bytes of address space, in addition to the libraries'.
-        folders: where the libraries are installed.
+        needs: libraries for the pictures, as returned by `needed`.
+        seconds: limit of processor time per picture, in seconds.
+        memory: limit of address space in bytes, in addition to that of the libraries.
+        folders: folders of the installed libraries.
     """
     from multiprocessing import connection as connections
 
-    for name in ("SIGINT", "SIGUSR1"):  # Ctrl-C, and SLURM's warning, are for the parent
+    for name in ("SIGINT", "SIGUSR1"):  # the parent handles Ctrl-C, and SLURM's warning
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), signal.SIG_IGN)
     if sys.platform == "win32":
@@ -72,7 +72,7 @@ def main(handle: int, needs: str, seconds: int, memory: int, folders: list[str])
 
 
 def needed(content: bytes, exact: bool = False) -> str:
-    """Return the additional library that a picture needs; empty if none."""
+    """Return the additional library that a picture needs, or "" if none."""
     found = format_of(content[:64])
     if found is not None and found.library:
         return found.library
@@ -101,7 +101,7 @@ def import_all(library: str) -> None:
 
 
 def _answers(request: dict[str, Any], content: bytes, seconds: int) -> Iterator[Message]:
-    """Yield the description of a file, with the number of pictures, and then each picture."""
+    """Yield the description of a file with the number of pictures, and then each picture."""
     least, most = request["sides"]
     match request["what"]:
         case "frames":
@@ -131,7 +131,7 @@ def _send(connection: Any, header: dict[str, Any], pixels: Any) -> None:
     if pixels is None:
         return
     height, width = header["shape"][:2]
-    rows = max(_STRIP // width, 1)  # in strips: a whole copy of a large one is as large again
+    rows = max(_STRIP // width, 1)  # in strips, because a copy of a large picture would double the memory
     for top in range(0, height, rows):
         bottom = min(top + rows, height)
         strip = pixels[top:bottom] if hasattr(pixels, "dtype") else pixels.crop((0, top, width, bottom))

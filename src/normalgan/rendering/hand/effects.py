@@ -277,7 +277,7 @@ def press(
     slowness: float,
     rng: np.random.Generator,
 ) -> list[Stroke]:
-    """Return strokes whose width and darkness vary along them.
+    """Return strokes with varying width and darkness.
 
     Args:
         strokes: strokes of the drawing.

@@ -89,7 +89,7 @@ def apparent_curvature(shape: Shape, eye: Doubles) -> tuple[Doubles, Doubles]:
 def extremes(surface: Surface, values: Doubles, along: Doubles) -> tuple[EdgeMarks, Doubles]:
     """Return the extrema of values (V,) along tangents (V, 3), and the negative second derivatives there.
 
-    The extrema are zeros of the derivative along the tangents, whose lengths matter. Tangents have no
+    The extrema are zeros of the derivative along the tangents, scaled by their lengths. Tangents have no
     sign, so along an edge, the sign of the first vertex is used. The negative second derivative, (N,), is
     positive at a maximum.
     """

@@ -1,4 +1,4 @@
-"""Lines on a mesh: marks on its edges, chained to long, fading strokes inside an object."""
+"""Lines on a mesh: crossings of its edges, connected to long, fading strokes."""
 
 from abc import abstractmethod
 from dataclasses import dataclass
@@ -20,35 +20,35 @@ from normalgan.rendering.view import View
 
 __all__ = ["EdgeMarks", "SurfaceDrawing", "zero_marks"]
 
-_DEEPER = 0.004  # in units of the mesh; rounding and facets put points behind the depth buffer
+_DEEPER = 0.004  # in mesh units; rounding and facets put points behind the depth buffer
 
 
 @dataclass(frozen=True)
 class EdgeMarks:
-    """Places where a line crosses edges of a mesh.
+    """Points where lines cross edges of a mesh.
 
     Args:
-        edges: (N,) which edges, no edge twice.
-        share: (N,) how far along, from 0 at the edge's first vertex to 1.
+        edges: (N,) edge indices without duplicates.
+        share: (N,) positions along the edges, from 0 at the first vertex to 1 at the second.
     """
 
     edges: Indices
     share: Doubles
 
     def take(self, surface: Surface, values: Doubles) -> Doubles:
-        """Return values (V, …) at the vertices, interpolated (N, …)."""
+        """Interpolate values (V, …) at the vertices to the marks, (N, …)."""
         one, other = values[surface.edges[self.edges].T]
         share = self.share.reshape(-1, *(1,) * (values.ndim - 1))
         between: Doubles = one + share * (other - one)
         return between
 
     def only(self, kept: BoolMask) -> "EdgeMarks":
-        """Return the lines for which ``kept`` (N,) is true."""
+        """Return the marks for which ``kept`` (N,) is true."""
         return EdgeMarks(self.edges[kept], self.share[kept])
 
 
 def zero_marks(surface: Surface, field: Doubles, usable: BoolMask) -> EdgeMarks:
-    """Return where ``field`` (V,) changes sign along an edge with both ends ``usable`` (V,)."""
+    """Return the sign changes of ``field`` (V,) along edges with both ends ``usable`` (V,)."""
     one, other = field[surface.edges.T]
     crossed = np.flatnonzero(((one < 0) != (other < 0)) & usable[surface.edges].all(axis=1))
     one, other = one[crossed], other[crossed]
@@ -56,10 +56,10 @@ def zero_marks(surface: Surface, field: Doubles, usable: BoolMask) -> EdgeMarks:
 
 
 def _seen(view: View, buffers: Buffers, points: Doubles) -> tuple[Doubles, BoolMask]:
-    """Return the positions of points (N, 3) in the sketch, (N, 2), and which are visible.
+    """Return the positions (N, 2) of points (N, 3) in the sketch, and which of them are visible.
 
-    A point counts as visible if one of the nine pixels around it has the same depth: on a
-    contour half of them show the surface behind or in front.
+    A point is visible if one of the nine pixels around it has the same depth, because on a contour, half
+    of these pixels show another surface.
     """
     place, depth = project(view.camera, points, view.size)
     visible = np.where(buffers.maps.mask, buffers.maps.depth, np.float32(np.inf))
@@ -71,9 +71,9 @@ def _seen(view: View, buffers: Buffers, points: Doubles) -> tuple[Doubles, BoolM
 
 
 def _paths(surface: Surface, marks: EdgeMarks, place: Doubles) -> list[Indices]:
-    """Return the marks along each line, in order; two on sides of one face belong together.
+    """Return the indices of the marks along each line, in order; marks on the same face are connected.
 
-    ``place`` (N, 2) is where the N marks lie in the picture.
+    ``place`` holds the positions (N, 2) of the marks in the picture.
     """
     number = np.full(len(surface.edges), -1)
     number[marks.edges] = np.arange(len(marks.edges))
@@ -83,19 +83,20 @@ def _paths(surface: Surface, marks: EdgeMarks, place: Doubles) -> list[Indices]:
     return chain(place, np.unique(links, axis=0)) if len(links) else []
 
 
-_FINE = 0.25  # `SPACING` while smoothing
-_FAINTEST = 0.4  # share of its width that a stroke keeps where it is weakest
+_FINE = 0.25  # spacing while smoothing, in units of `SPACING`
+_FAINTEST = 0.4  # relative width of a stroke where it is weakest
 
 
 @dataclass(frozen=True)
 class SurfaceDrawing(OutlinedDrawing):
-    """Base of the styles that find the lines inside on the mesh, and draw them as long, fading strokes.
+    """Base class of styles that find inner lines on the mesh and draw them as long, fading strokes.
 
     Args:
-        smoothing: standard deviation of the smoothing of the curvature, as a fraction of the object's
-            radius.
-        strength: that a stroke must reach; a stroke that has begun continues down to a third of it.
-        bridge: gaps up to this fraction of the frame's side do not break a stroke.
+        smoothing: standard deviation of the Gaussian applied to the curvature, as a fraction of the
+            object's radius.
+        strength: minimum strength of a stroke at its strongest point. A stroke continues as long as it
+            reaches a third of this.
+        bridge: maximum length of a gap that does not break a stroke, as a fraction of the frame's side.
     """
 
     smoothing: NonNegative = 0.015
@@ -103,15 +104,15 @@ class SurfaceDrawing(OutlinedDrawing):
     bridge: NonNegative = 0.02
 
     _rounding: ClassVar[float] = 0.006
-    """Of the side: deviation of the smoothing of a stroke, as a line on a mesh jerks from edge to edge."""
+    """Standard deviation for smoothing strokes, which are jagged on a mesh, as a fraction of the side."""
 
     @abstractmethod
     def _find(self, shape: Shape, eye: Doubles) -> list[tuple[EdgeMarks, Doubles]]:
-        """Return where lines cross edges of the mesh, and how strong they are there, (N,).
+        """Return the points where lines cross edges of the mesh, and the lines' strengths there, (N,).
 
         Args:
-            shape: the mesh and its curvature.
-            eye: (V, 3) unit vectors to the eye.
+            shape: mesh with its curvature.
+            eye: (V, 3) unit vectors to the viewer.
         """
 
     def _draw_inside(self, view: View, buffers: Buffers, distance: Floats) -> list[Stroke]:
@@ -133,7 +134,7 @@ class SurfaceDrawing(OutlinedDrawing):
         buffers: Buffers,
         distance: Floats,
     ) -> list[Stroke]:
-        """Return the strokes along marks; points that the buffers do not show count as hidden."""
+        """Return the strokes along marks; points outside the buffers count as hidden."""
         place, visible = _seen(view, buffers, marks.take(surface, surface.vertices))
         kept = visible & (strength > 0)
         marks, place, strength = marks.only(kept), place[kept], strength[kept]
@@ -164,10 +165,11 @@ class SurfaceDrawing(OutlinedDrawing):
 def _worthy_runs(
     points: Doubles, strength: Doubles, least: float, seed: float, bridge: float, shortest: float
 ) -> list[slice]:
-    """Return the stretches of a path (P, 2) to draw, of at least two points each.
+    """Return the sections of a path (P, 2) to draw, with at least two points each.
 
-    A stretch has a strength (P,) of at least ``least`` but for gaps up to ``bridge`` long, reaches ``seed``
-    somewhere, and is at least ``shortest`` long, in units of the points.
+    A section has a strength (P,) of at least ``least``, except in gaps of length up to ``bridge``. It
+    reaches ``seed`` somewhere, and its length is at least ``shortest``. Lengths are in units of the
+    points.
 
     >>> points = np.stack([np.arange(8.0), np.zeros(8)], axis=1)
     >>> strength = np.array([0, 2, 2, 0, 3, 2, 0, 2.0])

@@ -42,7 +42,7 @@ TREATMENT = {
     "animation": (_NONE, "one frame, named", _NONE, "all frames"),
     "tilemap": (_NONE, _NONE, _NONE, "applied; a tileset in another file is left out, named"),
 }
-"""How each feature of a layer is treated in each of `KINDS`; the documentation has the same table."""
+"""Treatment of each layer feature in each of `KINDS`; the documentation has the same table."""
 
 _FOREIGN = {
     b"CSFCHUNK": ("a Clip Studio Paint file", "save it as PSD: File > Save Duplicate > .psd"),
@@ -53,16 +53,16 @@ _FOREIGN = {
     b"PDN3": ("a Paint.NET file", "save it from Paint.NET as PNG"),
     b"\0\xffKA": ("an Affinity file", "export it from Affinity as PSD"),
 }
-"""Files of other paint programs by their first bytes: what they are, and the way out."""
+"""Descriptions of other paint programs' files and how to convert them, by first bytes."""
 _FOREIGN_ZIPS = {
     "data.json": ("a Pixelorama project", "export it from Pixelorama as PNG, GIF or APNG"),
     "Document.archive": ("a Procreate file", "share it from Procreate as PSD"),
 }
-"""The same of ZIP files, by a file in them."""
+"""The same for ZIP files, by the name of a file in them."""
 
 
 def foreign(content: bytes) -> str | None:
-    """Return what an unreadable paint program's file is and how to convert it; None for other files.
+    """Return the description of an unsupported paint program's file and how to convert it, or None.
 
     >>> foreign(b"gimp xcf v011")
     'is a GIMP file, which cannot be read; export it from GIMP as PSD or ORA'
@@ -75,7 +75,7 @@ def open_layered(kind: str, content: bytes, check_size: Callable[[int, int], Non
     """Open a layered file without decoding its pictures; ``kind`` is the name of its format.
 
     Raises:
-        RefusedError: if it is broken, of an unknown version, or of an unsupported program.
+        RefusedError: if the file is broken, or from an unknown version or an unsupported program.
     """
     match kind:
         case "PSD":

@@ -1,4 +1,4 @@
-"""Aseprite: https://github.com/aseprite/aseprite/blob/main/docs/ase-file-specs.md."""
+"""Aseprite files: https://github.com/aseprite/aseprite/blob/main/docs/ase-file-specs.md."""
 
 import struct
 import zlib
@@ -17,18 +17,18 @@ __all__ = ["AsepriteFile"]
 _FRAME = 0xF1FA
 _LAYER, _CEL, _PALETTE, _TILESET = 0x2004, 0x2005, 0x2019, 0x2023
 _OLD_PALETTES = {0x0004: 255, 0x0011: 63}
-"""Old palette chunks, each with its brightest level; still written where no colour is translucent."""
+"""Old palette chunks with their maximum level, still written if no colour is translucent."""
 _BACKGROUND, _REFERENCE = 8, 64
-"""Flags of a layer without a transparent colour, and of one for reference, which Aseprite does not export."""
+"""Flags of background layers, which are opaque, and of reference layers, which Aseprite does not export."""
 _GROUP, _TILES = 1, 2
 _BLEND_MODES = (
     *("normal", "multiply", "screen", "overlay", "darken", "lighten", "color dodge", "color burn"),
     *("hard light", "soft light", "difference", "exclusion", "hue", "saturation", "color", "luminosity"),
     *("addition", "subtract", "divide"),
 )
-"""The blend modes of Aseprite, by number."""
+"""The blend modes of Aseprite, by index."""
 _FLIPS = (5, 1, 0)
-"""Pillow's numbers of flips along the diagonal, top to bottom, and left to right."""
+"""Pillow's constants for flips along the diagonal, top to bottom, and left to right."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class _Tileset:
 
     Args:
         size: (width, height) of a tile.
-        count: number of the tiles.
+        count: number of tiles.
         pixels: pixels of all tiles, stacked vertically; None if they are in another file.
         zero_is_empty: whether tile 0 is empty.
     """
@@ -55,10 +55,10 @@ class _LayerChunk:
     Args:
         name: name of the layer.
         groups: names of the groups around it.
-        opacity: opacity, multiplied by its groups'.
+        opacity: opacity, multiplied by that of the groups.
         visible: whether it is a visible layer and not a group.
-        opaque: whether it has no transparent colour.
-        tileset: number of its tileset; None if it has no tiles.
+        opaque: whether the layer has no transparent colour.
+        tileset: index of the layer's tileset; None if it has no tiles.
     """
 
     name: str
@@ -84,7 +84,7 @@ class AsepriteFile(LayeredFile):
         self._layers: list[_LayerChunk] = []
         self._levels: list[tuple[bool, str, int]] = []
         self._tilesets: dict[int, _Tileset] = {}
-        # An index outside the palette is transparent; old files do not say how many colours it has.
+        # An index outside the palette is transparent, because old files do not give the number of colours.
         self._palette = [(0, 0, 0, 255)] * (colours or 256)
         self._palettes: list[list[tuple[int, int, int, int]]] = []
         self._old_palette = True
@@ -122,7 +122,7 @@ class AsepriteFile(LayeredFile):
             yield shown, duration
 
     def tileset(self) -> "tuple[Image, tuple[int, int]]":
-        """Return the tiles of the first visible tilemap, stacked vertically, and the size of one."""
+        """Return the tiles of the first visible tilemap, stacked vertically, and the size of a tile."""
         for number, layer in enumerate(self._layers):
             found = None if layer.tileset is None or not layer.visible else self._tilesets.get(layer.tileset)
             if found is not None and found.pixels:
@@ -193,7 +193,7 @@ class AsepriteFile(LayeredFile):
         name = data[18 : 18 + length].decode("utf-8", "replace")
         above = self._levels[:level]
         visible = bool(flags & 1) and not flags & _REFERENCE and all(shown for shown, *_ in above)
-        # The second flag of the header says that groups have an opacity, the first that layers have one.
+        # Flags of the header: the first is set if layers have an opacity, the second if groups have one.
         opacity = opacity if self._flags & (2 if what == _GROUP else 1) else 255
         opacity = opacity * (above[-1][2] if above else 255) // 255
         self._levels[level:] = [(visible, name, opacity)]
@@ -217,7 +217,7 @@ class AsepriteFile(LayeredFile):
         size = count * width * height * self._depth // 8
         if not 0 <= count * width * height <= MOST_PIXELS:
             raise RefusedError(f"has a tileset of {count} tiles of {width} × {height} pixels")
-        if flags & 1:  # numbers of the other file and of its tileset
+        if flags & 1:  # index of the other file and of its tileset
             at += 8
         if flags & 2:
             pixels = zlib.decompressobj().decompress(data[at + 4 :], size) if size else b""
@@ -228,7 +228,7 @@ class AsepriteFile(LayeredFile):
         self._palette[index] = colour
 
     def _take_old_palette(self, data: bytes, brightest: int) -> None:
-        """Read the colours of an old palette chunk, which holds runs of them."""
+        """Read the colours of an old palette chunk, which are stored in runs."""
         (runs,) = struct.unpack_from("<H", data)
         at, index = 2, 0
         for _ in range(runs):
@@ -242,10 +242,10 @@ class AsepriteFile(LayeredFile):
                 at, index = at + 3, index + 1
 
     def _cel(self, number: int, frame: int) -> "tuple[int, int, int, Image] | None":
-        """Return left, top, opacity and picture of a cel; None for an empty one."""
+        """Return left, top, opacity and picture of a cel, or None for an empty cel."""
         data = self._cels[frame][number]
         left, top, own, kind = struct.unpack_from("<2xhhBH", data)
-        if kind == 1:  # as in an earlier frame; nothing, if that has no such cel
+        if kind == 1:  # linked to a cel of an earlier frame, which may be empty
             (other,) = struct.unpack_from("<H", data, 16)
             return self._cel(number, other) if other < frame and number in self._cels[other] else None
         if kind == 3:
@@ -261,7 +261,7 @@ class AsepriteFile(LayeredFile):
         return left, top, own, self._image(pixels, (width, height), number, frame)
 
     def _image(self, pixels: bytes, size: tuple[int, int], number: int, frame: int) -> "Image":
-        """Return pixels as a picture in RGBA."""
+        """Return pixels as an RGBA picture."""
         from PIL import Image
 
         count = size[0] * size[1] * self._depth // 8
@@ -278,7 +278,7 @@ class AsepriteFile(LayeredFile):
         return Image.merge("RGBA", [index.point([each[band] for each in palette]) for band in range(4)])
 
     def _tilemap(self, number: int, frame: int, data: bytes) -> "Image | None":
-        """Return the picture of a tilemap cel; None if its tileset is in another file."""
+        """Return the picture of a tilemap cel, or None if its tileset is in another file."""
         from PIL import Image
 
         columns, rows, bits, numbers, *flips = struct.unpack_from("<HHHIIII", data, 16)
@@ -302,7 +302,8 @@ class AsepriteFile(LayeredFile):
             if which >= tileset.count or (which == 0 and tileset.zero_is_empty):
                 continue
             part = strip.crop((0, which * height, width, (which + 1) * height))
-            # In this order: a tile that is turned by a quarter is mirrored along its diagonal and flipped.
+            # The order matters, because a tile rotated by 90° is flipped along its diagonal and then
+            # flipped again.
             for flip, how in zip(reversed(flips), _FLIPS, strict=True):
                 part = part.transpose(Image.Transpose(how)) if tile & flip else part
             image.paste(part, (place % columns * width, place // columns * height))

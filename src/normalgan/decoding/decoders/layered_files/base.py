@@ -1,4 +1,4 @@
-"""LayeredFile: base class of layered file formats, with its layers and notes."""
+"""LayeredFile: base class of layered file formats, with layers and notes."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator
@@ -13,19 +13,19 @@ if TYPE_CHECKING:
 __all__ = ["Layer", "LayeredFile", "Notes", "flattened"]
 
 _MOST_NOTES = 12
-"""Notes that are given in full; the others are counted."""
+"""Maximum number of notes given in full; others are only counted."""
 
 
 class Notes:
-    """Differences between a layered file as decoded and as its own program shows it."""
+    """Notes on differences between a layered file as decoded and as displayed by its own program."""
 
     def __init__(self) -> None:
         self._said: dict[str, list[str]] = {}
         self.partial = False
-        """Whether a whole layer is missing, and not only an effect."""
+        """Whether a whole layer is missing, not only an effect."""
 
     def leave_out(self, name: str, words: str, reason: str) -> None:
-        """Note a layer that is missing: it is ``damaged``, has ``no_pixels``, or is ``foreign``."""
+        """Add a note on a missing layer, which is ``damaged``, has ``no_pixels``, or is ``foreign``."""
         self.partial = True
         self.add(name, words, reason)
 
@@ -43,7 +43,7 @@ class Notes:
 
     @property
     def parts(self) -> list[list[str]]:
-        """The name of the layer, empty for the whole file, and the reason of each note."""
+        """The layer's name (empty for the whole file) and the reason of each note."""
         return list(self._said.values())
 
     def __str__(self) -> str:
@@ -57,16 +57,15 @@ class Layer:
     """A visible layer, or one frame of it.
 
     Args:
-        name: its name in the file.
-        groups: names of the groups around it, the outermost first.
-        opacity: 0 to 255, multiplied by its groups'; not applied to the image.
-        left: column of its first column in the picture; may be negative.
-        top: row of its first row in the picture.
-        image: RGBA.
-        number: number of the layer, counted from the bottom; -1 numbers layers in the order in which they
-            come.
-        frame: the frame.
-        base: the layer that it is clipped to; the image is already cut.
+        name: name of the layer in the file.
+        groups: names of the groups around it, outermost first.
+        opacity: opacity from 0 to 255, multiplied by that of the groups; not applied to the image.
+        left: column of the image's left edge in the picture; may be negative.
+        top: row of the image's top edge in the picture; may be negative.
+        image: RGBA image.
+        number: index of the layer from the bottom; -1 assigns indices in the order of the layers.
+        frame: index of the frame.
+        base: layer that it is clipped to; the image is already clipped.
     """
 
     name: str
@@ -81,7 +80,7 @@ class Layer:
 
 
 class LayeredFile(ABC):
-    """A layered file of one format. Opening one reads its structure; its pictures are decoded later.
+    """Base class of layered files. Opening a file reads its structure; its pictures are decoded later.
 
     Args:
         content: content of the file.
@@ -106,18 +105,18 @@ class LayeredFile(ABC):
         yield self.composite(), 0
 
     def tileset(self) -> "tuple[Image, tuple[int, int]]":
-        """Return the tiles of the first visible tilemap, stacked vertically, and the size of one.
+        """Return the tiles of the first visible tilemap, stacked vertically, and the size of a tile.
 
         Raises:
-            RefusedError: if it has none.
+            RefusedError: if the file has no tilemap.
         """
         raise RefusedError("has no tileset of its own; give the size of a tile, such as 16x16")
 
     def layers(self) -> Iterator[Layer]:
         """Yield the visible layers, bottom to top, each cropped to its opaque part.
 
-        Layers of an animation come frame by frame. Empty layers are left out. A layer that cannot be shown is
-        left out and noted.
+        Layers of an animation are yielded frame by frame. Empty layers are left out. A layer that cannot
+        be decoded is left out with a note.
 
         Raises:
             RefusedError: if the file cannot be read.
@@ -130,7 +129,7 @@ class LayeredFile(ABC):
             image = each.image.convert("RGBA")
             right, bottom = min(box[2], image.width), min(box[3], image.height)
             if right <= box[0] or bottom <= box[1]:
-                continue  # all of it lies beside the picture
+                continue  # completely outside the picture
             image = image.crop((box[0], box[1], right, bottom))
             opaque = image.getchannel("A").getbbox()
             if opaque is None:
@@ -144,7 +143,7 @@ class LayeredFile(ABC):
         """Return the composite, or the first frame of an animation.
 
         Raises:
-            RefusedError: if it cannot be read.
+            RefusedError: if the file cannot be read.
         """
 
     @abstractmethod
@@ -153,7 +152,7 @@ class LayeredFile(ABC):
 
     @abstractmethod
     def _read_layers(self) -> Iterator[Layer]:
-        """Yield the visible layers, bottom to top, at their size in the file."""
+        """Yield the visible layers, bottom to top, uncropped."""
 
 
 def flattened(size: tuple[int, int], found: Iterable[Layer]) -> "Image":

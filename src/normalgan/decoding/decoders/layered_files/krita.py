@@ -1,4 +1,4 @@
-"""KRA of Krita: its layers hold tiles of pixels, packed by LZF."""
+"""Krita files (KRA), with layers of LZF-compressed tiles."""
 
 import zipfile
 from collections.abc import Iterator
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 __all__ = ["KritaFile"]
 
 _TILE = 64
-"""Columns and rows of a tile of a Krita layer."""
+"""Number of columns and rows of a tile in a Krita layer."""
 _LAYERS = {
     "adjustmentlayer": "filter layer",
     "generatorlayer": "fill layer",
@@ -23,7 +23,7 @@ _LAYERS = {
     "filelayer": "file layer",
     "clonelayer": "clone layer",
 }
-"""Layers of Krita that hold no pixels of their own, by what Krita calls them in its files."""
+"""Krita layers without pixels of their own, by their type in the file."""
 _MASKS = {
     "filtermask": "filter mask",
     "transformmask": "transform mask",
@@ -72,7 +72,7 @@ class KritaFile(LayeredZip):
     def _group(
         self, group: Any, path: tuple[str, ...], opacity: int, masks: "tuple[Image, ...]"
     ) -> Iterator[Layer]:
-        """Yield the layers of a group, bottom to top; ``masks`` are those of the groups around it."""
+        """Yield the layers of a group, bottom to top, given the masks of the surrounding groups."""
         from PIL import ImageChops
 
         for each in reversed(group if group is not None else ()):
@@ -111,7 +111,7 @@ class KritaFile(LayeredZip):
             self.notes.add(name, "layer style left out")
 
     def _masks(self, layer: Any, name: str) -> "list[Image]":
-        """Return the transparency masks of a layer at the size of the picture; add notes on other masks."""
+        """Return a layer's transparency masks at the size of the picture, and add notes on other masks."""
         found = []
         for each in layer.findall("masks/mask"):
             kind = each.get("nodetype", "")
@@ -142,11 +142,12 @@ class KritaFile(LayeredZip):
     def _pixels(self, filename: str, at: tuple[int, int], bands: str) -> "Image":
         """Return the pixels in a file of tiles, at the size of the picture.
 
-        The format is that of Krita's ``KisTiledDataManager`` and ``KisTileCompressor2``: lines of text, then
-        tiles. Each tile is a line with its position, and its bytes, plane by plane, compressed with LZF.
+        The format is that of Krita's ``KisTiledDataManager`` and ``KisTileCompressor2``: lines of text,
+        then tiles. Each tile has a line with its position, followed by its LZF-compressed bytes, plane by
+        plane.
 
         Raises:
-            ValueError: if it is broken, and so is `IndexError`.
+            ValueError, IndexError: if the file is broken.
         """
         name = _path(self.zip, filename)
         data, here, about = member_of(self.zip, name), 0, {}
@@ -183,11 +184,11 @@ def _keyframes(file: zipfile.ZipFile, layer: Any) -> list[tuple[int, Any]]:
         found = xml_of(file, _path(file, name)).iter("keyframe")
         return sorted(((int(each.get("time")), each) for each in found), key=lambda pair: pair[0])
     except (RefusedError, TypeError, ValueError):
-        return []  # then the layer's own file shows it
+        return []  # the layer's own file is used then
 
 
 def _path(file: zipfile.ZipFile, name: str) -> str:
-    """Return the path in the ZIP of a layer's file, which is in a folder named after the document."""
+    """Return the path of a layer's file in the ZIP, which is in a folder named after the document."""
     ending = f"/layers/{name}"
     return next((each for each in file.namelist() if each.endswith(ending)), ending[1:])
 
@@ -217,7 +218,7 @@ def _from_bands(data: bytes, bands: str, size: tuple[int, int]) -> "Image":
 
 
 def _unpacked(packed: bytes, count: int) -> bytes:
-    r"""Return bytes decompressed from LZF.
+    r"""Return bytes decompressed with LZF.
 
     Raises:
         ValueError: if their number is not ``count``.
@@ -229,7 +230,7 @@ def _unpacked(packed: bytes, count: int) -> bytes:
     while at < len(packed) and len(out) < count:
         control = packed[at]
         at += 1
-        if control < 32:  # control + 1 literal bytes
+        if control < 32:  # a run of control + 1 literal bytes
             out += packed[at : at + control + 1]
             at += control + 1
             continue

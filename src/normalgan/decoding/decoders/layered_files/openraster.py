@@ -21,7 +21,7 @@ class OpenRasterFile(LayeredZip):
         yield from self._stack(xml_of(self.zip, "stack.xml").find("stack"), (), 1.0)
 
     def _stack(self, stack: Any, path: tuple[str, ...], opacity: float) -> Iterator[Layer]:
-        """Yield the layers of a stack; https://www.openraster.org/baseline/layer-stack-spec.html."""
+        """Yield the layers of a stack; see https://www.openraster.org/baseline/layer-stack-spec.html."""
         for each in reversed(stack if stack is not None else ()):
             name = each.get("name", "")
             if each.get("visibility") == "hidden":

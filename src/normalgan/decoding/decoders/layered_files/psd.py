@@ -1,4 +1,4 @@
-"""PSD and PSB of Photoshop, read by psd-tools."""
+"""Photoshop files (PSD and PSB), read by psd-tools."""
 
 import io
 import struct
@@ -15,16 +15,16 @@ if TYPE_CHECKING:
 __all__ = ["PsdFile"]
 
 _DRAWN_EFFECTS = {"stroke", "coloroverlay", "gradientoverlay", "patternoverlay"}
-"""Effects of Photoshop that psd-tools draws, by the names of its classes."""
+"""Photoshop effects that psd-tools draws, by class name."""
 _STROKE = 250
-"""Pixels by which the widest stroke of Photoshop reaches beyond its layer."""
+"""Maximum extent in pixels of a Photoshop stroke beyond its layer."""
 
 
 class PsdFile(LayeredFile):
-    """A PSD or PSB."""
+    """A PSD or PSB file."""
 
     def composite(self) -> "Image":
-        """Return the merged picture that Photoshop saved, or else the layers as psd-tools composites them."""
+        """Return the merged picture that Photoshop saved, or else the composite by psd-tools."""
         found = self._psd.topil() if self._psd.has_preview() else self._psd.composite()
         if found is None:
             raise RefusedError("holds no picture")
@@ -52,14 +52,14 @@ class PsdFile(LayeredFile):
 
 
 def _group(psd: Any, group: Any, chain: tuple[Any, ...], opacity: int, notes: Notes) -> Iterator[Layer]:
-    """Yield the layers of a group; ``chain`` is the group and the groups around it, the outermost first."""
+    """Yield the layers of a group; ``chain`` holds the surrounding groups, outermost first, and the group."""
     base: Layer | None = None
     hidden = False
     for layer in group:
         clipped = bool(layer.clipping)
         if not clipped:
             base, hidden = None, not layer.visible
-        if not layer.visible or (clipped and hidden):  # with its base all that is clipped to it is hidden
+        if not layer.visible or (clipped and hidden):  # layers clipped to a hidden base are hidden too
             continue
         own = opacity * layer.opacity // 255
         if layer.blend_mode.name not in {"NORMAL", "PASS_THROUGH"}:
@@ -85,7 +85,7 @@ def _group(psd: Any, group: Any, chain: tuple[Any, ...], opacity: int, notes: No
 
 
 def _layer(psd: Any, layer: Any, chain: tuple[Any, ...], opacity: int, notes: Notes) -> Layer | None:
-    """Return a layer of a PSD as psd-tools composites it; None for an empty one."""
+    """Return a layer of a PSD as composited by psd-tools, or None for an empty layer."""
     from psd_tools.constants import Tag
 
     name, groups, kind = layer.name, tuple(each.name for each in chain), layer.kind
@@ -98,7 +98,7 @@ def _layer(psd: Any, layer: Any, chain: tuple[Any, ...], opacity: int, notes: No
         elif kind != "pixel":
             notes.add(name, f"adjustment layer ({kind}) left out")
         return None
-    if not effects:  # with effects psd-tools fades the layer, and not its effects
+    if not effects:  # psd-tools applies the opacity to the layer but not to its effects
         opacity = opacity * layer.tagged_blocks.get_data(Tag.BLEND_FILL_OPACITY, 255) // 255
     masked = any(_has_mask(each) for each in (*chain, layer))
     if not (fills or effects or masked):
@@ -118,26 +118,27 @@ def _layer(psd: Any, layer: Any, chain: tuple[Any, ...], opacity: int, notes: No
         return None
     try:
         return Layer(name, groups, opacity, box[0], box[1], _alone(psd, layer, chain, box))
-    except ImportError:  # psd-tools draws the outline of a shape by a library that is not needed elsewhere
+    except ImportError:  # psd-tools needs an additional library to draw the outline of a shape
         notes.add(name, "outline of a shape left out; rasterize it")
         image = layer.topil() if layer.has_pixels() else None
     except MemoryError:
         raise
-    except Exception as error:  # a library that trips over damage raises anything
+    except Exception as error:  # a library may raise anything on damaged data
         notes.leave_out(name, f"cannot be read: {error}; left out", "damaged")
         return None
     return None if image is None else Layer(name, groups, opacity, layer.left, layer.top, image)
 
 
 def _alone(psd: Any, layer: Any, chain: tuple[Any, ...], box: tuple[int, int, int, int]) -> "Image":
-    """Return a layer as RGBA with its effects, its own and its groups' masks, but without opacity."""
+    """Return a layer as RGBA with its effects and with its own and its groups' masks, but without opacity."""
     import numpy as np
     from PIL import Image
     from psd_tools.composite import composite as render
 
     shown = {id(each) for each in (*chain, layer)}
-    layer.clipping = False  # else psd-tools shows it with its base alone
-    # A vector mask beside a mask that Photoshop drew from it counts once; alone it is drawn only if forced.
+    layer.clipping = False  # otherwise psd-tools draws it only together with its base
+    # A vector mask is ignored if there is also a mask rendered from it, and otherwise drawn only if
+    # forced.
     forced = layer.kind == "pixel" and layer.vector_mask is not None and layer.mask is None
     color, shape, _ = render(psd, 0.0, 0.0, box, lambda each: id(each) in shown and each.visible, forced)
     color = np.repeat(color, 3, -1) if color.shape[-1] == 1 else color
@@ -146,7 +147,7 @@ def _alone(psd: Any, layer: Any, chain: tuple[Any, ...], box: tuple[int, int, in
 
 
 def _drawn_effects(layer: Any, notes: Notes) -> set[str]:
-    """Return the effects of a layer that psd-tools draws; add notes on the others."""
+    """Return the effects of a layer that psd-tools draws, and add notes on the others."""
     if not layer.has_effects() or not layer.effects.enabled:
         return set()
     found = {type(each).__name__: each for each in layer.effects if each.enabled}

@@ -1,4 +1,4 @@
-"""ZIP files of paint programs: the common parts of OpenRaster and Krita."""
+"""ZIP files of paint programs: the common parts of OpenRaster and Krita files."""
 
 import io
 import zipfile
@@ -16,17 +16,17 @@ if TYPE_CHECKING:
 __all__ = ["MERGED", "LayeredZip", "member_of", "open_zip", "png_of", "xml_of"]
 
 MERGED = "mergedimage.png"
-"""The picture that all layers show together."""
+"""Name of the merged picture."""
 _MOST_MEMBER = 2**29
-"""Bytes of one file in a ZIP."""
+"""Maximum size of a file in a ZIP, in bytes."""
 
 
 class LayeredZip(LayeredFile):
-    """A ZIP with an XML file that describes its layers, and usually the picture that they show together."""
+    """A ZIP with an XML file that describes its layers, and usually the merged picture."""
 
     def composite(self) -> "Image":
         """Return the merged picture that the program saved, or else the composite of the layers."""
-        if MERGED not in self.zip.namelist():  # MyPaint leaves it out
+        if MERGED not in self.zip.namelist():  # MyPaint does not save it
             return flattened(self.size, self._read_layers())
         return png_of(member_of(self.zip, MERGED))
 
@@ -46,7 +46,7 @@ class LayeredZip(LayeredFile):
 
     @abstractmethod
     def _described_size(self) -> tuple[str, str]:
-        """Return width and height from the XML; empty if it has none."""
+        """Return width and height from the XML, empty if missing."""
 
 
 def open_zip(content: bytes) -> zipfile.ZipFile:
@@ -58,7 +58,7 @@ def open_zip(content: bytes) -> zipfile.ZipFile:
 
 
 def member_of(file: zipfile.ZipFile, name: str) -> bytes:
-    """Return a file in a ZIP; raise `RefusedError` if it is missing, broken or too large."""
+    """Return the content of a file in a ZIP; raise `RefusedError` if it is missing, broken or too large."""
     try:
         about = file.getinfo(_stored_name(file, name))
         if about.file_size > _MOST_MEMBER:
@@ -86,7 +86,7 @@ def png_of(data: bytes) -> "Image":
 
 
 def xml_of(file: zipfile.ZipFile, name: str) -> Any:
-    """Return the root of an XML file in a ZIP, with tags that have no namespace."""
+    """Return the root of an XML file in a ZIP, with namespaces removed from tags."""
     from xml.etree import ElementTree as Tree
 
     try:
