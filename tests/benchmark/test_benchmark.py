@@ -175,7 +175,7 @@ def test_mistakes_are_told_before_anything_starts(capsys: pytest.CaptureFixture[
         (["--config", cpu], "but was given only overlays."),
         (["--config", fourlegs, "--config", fourlegs], f"but was given {fourlegs}, {fourlegs}."),
         (["--config", fourlegs, "--rows", "paper,their"], "the plan has no row their"),
-        (["--config", fourlegs, "--budget", "soon"], "the budget 'soon' is not a span of time"),
+        (["--config", fourlegs, "--budget", "soon"], "the budget 'soon' is not a duration"),
         (
             ["--config", fourlegs, "--seeds", "1.5"],
             "--seeds, item 1: expected a whole number, not 1.5.",

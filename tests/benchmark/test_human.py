@@ -135,7 +135,7 @@ def test_the_unit_of_a_mesh_does_not_matter(tmp_path: Path, scale: float) -> Non
         (np.diag([-1.0, 1.0, 1.0]) @ perspective(), "mirror"),
         (np.array([[1, 0.2, 0], [0, 1, 0], [0, 0, 1.0]]) @ perspective(), "skewed"),
         (np.diag([2.0, 1.0, 1.0]) @ orthographic(), "stretched"),
-        (perspective(distance=1.0), "stands within the mesh"),
+        (perspective(distance=1.0), "is inside the mesh"),
         (np.zeros((3, 4)), "must hold finite numbers"),
     ],
 )
@@ -235,8 +235,8 @@ def test_a_damaged_entry_is_left_out_alone(tmp_path: Path, entry: Any) -> None:
         ({**BALL, "drawing": "none.png"}, "none.png"),
         ({**BALL, "mesh": "none.ply"}, "none.ply"),
         ({**BALL, "drawing": "paper.png"}, "is all white"),
-        ({**BALL, "drawing": "corner.png"}, "boxes share 0%; is the camera for a sheet of 64 pixels"),
-        ({**BALL, "projection": (np.diag([10, 10, 1]) @ orthographic()).tolist()}, "nothing of the mesh"),
+        ({**BALL, "drawing": "corner.png"}, "boxes overlap by 0%; is the camera for a sheet of 64 pixels"),
+        ({**BALL, "projection": (np.diag([10, 10, 1]) @ orthographic()).tolist()}, "does not see the mesh"),
         ({"drawing": "corner.png", "normal": "small_normal.png"}, "pixel on pixel"),
     ],
 )

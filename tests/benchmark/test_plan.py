@@ -122,7 +122,7 @@ def test_our_plans_have_every_row_of_the_comparison(name: str) -> None:
         (plan(placements=["best"], placement_counts=[3]), ['placements[0] is "best"', "'curvature'"]),
         (
             plan(test_data={"size": 32}),
-            ["medium, meshes, ", "test_views alone, not size"],
+            ["medium, meshes, ", "test_views, not size"],
         ),
         (plan(placements=["worst"]), ["placements if and only if it has placement_counts"]),
         (plan(rows=[]), ["a plan needs rows"]),
@@ -134,7 +134,10 @@ def test_our_plans_have_every_row_of_the_comparison(name: str) -> None:
         ),
         (plan(rows=[{"name": "a", "classical": "mean"}]), ["row a", "label"]),
         (plan(rows=[{"name": "a b", "label": "A", "classical": "mean"}]), ["'a b'", "letters, digits"]),
-        (plan(rows=[{"name": "a", "label": "A", "classical": "mean", "takes": []}]), ["has no settings"]),
+        (
+            plan(rows=[{"name": "a", "label": "A", "classical": "mean", "takes": []}]),
+            ["cannot have settings"],
+        ),
         (
             plan(rows=2 * [{"name": "a", "label": "A", "classical": "mean"}]),
             ["two rows of the plan are named a"],

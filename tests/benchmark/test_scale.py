@@ -6,7 +6,7 @@ from normalgan.errors import InputError
 
 @pytest.mark.parametrize("text", ["8", "m", "8 m", "-8m", "8m later", "", "8d"])
 def test_an_invalid_budget_is_refused(text: str) -> None:
-    with pytest.raises(InputError, match=r"is not a span of time; write it like 8m"):
+    with pytest.raises(InputError, match=r"is not a duration; write it like 8m"):
         read_budget(text)
 
 

@@ -1,3 +1,3 @@
-"""Benchmark: compares methods on one split, with one renderer, one budget and the same hints."""
+"""Benchmark: compare methods on the same split, with the same renderer, budget and hints."""
 
 __all__ = []

@@ -1,4 +1,4 @@
-"""Accumulator: the figures of a method, over the whole split and by mesh."""
+"""Accumulator: compute the figures of a method over the whole split and per mesh."""
 
 import math
 from collections.abc import Sequence
@@ -19,13 +19,13 @@ Figure = dict[str, float | None]
 
 
 class Accumulator:
-    """Collects predictions batch by batch, and returns the figures.
+    """Accumulates figures batch by batch.
 
-    These are the figures of `normal_map_metrics`, `MaskIoU`, `Coverage` and `relief_metrics`, and
-    ``calibration_error`` in degrees, if there is a confidence.
+    The figures are those of `normal_map_metrics`, `MaskIoU`, `Coverage` and `relief_metrics`, and
+    ``calibration_error`` in degrees if the method predicts a confidence.
 
     Args:
-        device: where maps are compared.
+        device: device on which maps are compared.
         more: additional metrics.
 
     Attributes:
@@ -42,18 +42,18 @@ class Accumulator:
     def update(
         self, predicted: Tensor, target: Tensor, mask: Tensor, where: Tensor, names: Sequence[str]
     ) -> None:
-        """Count a batch.
+        """Add a batch.
 
         Args:
-            predicted: (N, 3 or 4, H, W) normals, whose length is the probability of an object, and optionally
-                confidence.
-            target: (N, 3, H, W) true unit normals.
+            predicted: (N, 3 or 4, H, W), normals, whose length is the probability of an object, and
+                optionally the confidence.
+            target: (N, 3, H, W), true unit normals.
             mask: (N, 1, H, W), 1 on the object.
-            where: (N, 1, H, W), 1 at the hints, which do not count.
+            where: (N, 1, H, W), 1 at the hints; these pixels are not counted.
             names: names of the samples, ``mesh/view``.
         """
         preds = predicted[:, :3]
-        # A direction of any length counts; the coverage tells where there is none.
+        # A vector of any length counts as a direction; the coverage measures where there is none.
         given = ~(preds == 0).all(1, keepdim=True)
         counted = without_hints(mask, where) * given
         meshes = [mesh_of(name) for name in names]
@@ -71,19 +71,19 @@ class Accumulator:
         self.samples += len(names)
 
     def figures(self) -> Figure:
-        """Return the figures over all samples; None where it is undefined or a map was not finite."""
+        """Return the figures over all samples; None for a figure that is undefined or had non-finite maps."""
         error = {} if self._calibration is None else {"calibration_error": _plain(self._calibration.error())}
         return {**_computed(self._all), **error}
 
     def by_mesh(self) -> dict[str, Figure]:
-        """Return the figures of each mesh and its pixels, without the calibration error."""
+        """Return the figures and the number of pixels of each mesh, without the calibration error."""
         return {
             mesh: {**_computed(metrics), "pixels": int(cast(NormalMapMetric, metrics["l1"]).count)}
             for mesh, metrics in self._by_mesh.items()
         }
 
     def by_distance(self) -> dict[str, list[Figure]]:
-        """Return error and n_z bias in bins of distance from the contour, in ``170ths`` of the picture."""
+        """Return the error and the n_z bias by distance from the contour, in ``170ths`` of the picture."""
         bins = cast(ReliefMetric, self._all["nz_bias"]).profile()
         return {"170ths": [{name: _plain(value) for name, value in one.items()} for one in bins]}
 

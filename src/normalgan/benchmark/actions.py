@@ -1,4 +1,4 @@
-"""What normalgan benchmark does: compare methods, or measure a model or the maps of another program."""
+"""Actions of normalgan benchmark: compare methods, or measure a model or another program's maps."""
 
 from dataclasses import replace
 from functools import partial
@@ -25,9 +25,9 @@ _say = partial(print, flush=True)
 
 
 def compare(plan: Plan, scale: Scale, out: Path, rows: list[str], seeds: list[int]) -> int:
-    """Train and measure some rows of a plan, and return the exit code: 1 if a run failed.
+    """Train and measure some rows of a plan, and return the exit code, which is 1 if a run failed.
 
-    Runs and report go to the folder ``out``. Rows that are not named are reported if they have results.
+    Runs and report go to the folder ``out``. The report also includes other rows that have results.
     """
     every = plan_runs(plan, scale, out, sorted({*plan.seeds, *seeds}))
     runs = [r for r in every if r.row.name in rows and (r.seed is None or r.seed in seeds)]
@@ -50,9 +50,9 @@ def compare(plan: Plan, scale: Scale, out: Path, rows: list[str], seeds: list[in
 
 
 def evaluate(plan: Plan, scale: Scale, name: str, out: Path | None = None) -> int:
-    """Measure a model on the plan's test split, print its tables, and return the exit code.
+    """Measure a model on the plan's test split, print the tables, and return the exit code.
 
-    The model is a file, or ``shipped``. All figures go to ``evaluation.json`` in the folder ``out``.
+    ``name`` is a file or ``shipped``. All figures are written to ``evaluation.json`` in the folder ``out``.
     """
     evaluation = Evaluation(plan, scale, test_alone=True)
     method = saved_method(name, evaluation.shared["data"]["size"], evaluation.device)
@@ -61,7 +61,7 @@ def evaluate(plan: Plan, scale: Scale, name: str, out: Path | None = None) -> in
 
 
 def score(plan: Plan, scale: Scale, folder: Path, out: Path | None = None) -> int:
-    """Measure another program's predictions of the test split as `evaluate` does; see `read_submission`."""
+    """Measure another program's predictions like `evaluate`; see `read_submission`."""
     submission = read_submission(folder)
     counts = list(submission.counts)
     predicted = replace(plan, hint_counts=counts, hints=max(counts) or plan.hints, pins=0)
@@ -83,14 +83,14 @@ def check(plan: Plan, scale: Scale, specification: Path) -> None:
     """Check that a plan at a scale uses the data of a frozen specification.
 
     Raises:
-        InputError: if it does not.
+        InputError: if the data differ.
     """
     track = check_specification(Evaluation(plan, scale, test_alone=True).specification, specification)
     _say(f"{specification}: the track {track}" if track else f"{specification}: as it was frozen")
 
 
 def _report(evaluation: Evaluation, name: str, method: Method, out: Path | None) -> None:
-    """Print the tables of a method's figures, and write the figures to a folder if one is given."""
+    """Print the tables of a method, and write its figures to a folder if one is given."""
     plan, scale, figures = evaluation.plan, evaluation.scale, evaluation.of_method(method)
     one = replace(plan, rows=[Row("model", name, configs=["–"])], reference=None)
     shown = {"model": [{**figures, "seed": None, "images": 0, "curve": []}]}

@@ -1,4 +1,4 @@
-"""The cells of a benchmark's tables: each shows a figure of a method, mean ± spread over its seeds."""
+"""Cells of a benchmark's tables: format a method's figure as mean ± spread over its seeds."""
 
 from collections.abc import Callable, Sequence
 from math import isnan, nan
@@ -22,14 +22,14 @@ __all__ = [
 ]
 
 Cell = Callable[[Sequence[Result]], str]
-"""Return the text of a cell from the runs of a row, one for each seed."""
+"""A function that returns the text of a cell from the runs of a row, one per seed."""
 
 
 def spread_of(values: Sequence[float | None], digits: int, unit: str = "", sign: str = "") -> str:
-    """Return the mean of the values, with the standard deviation of the sample if there are several.
+    """Return the mean of the values, with the sample standard deviation if there are several.
 
     Args:
-        values: the values; a dash is returned if one is None or not a number, or if there are none.
+        values: the values; if there are none, or one is None or NaN, a dash is returned.
         digits: digits after the point.
         unit: unit after the number.
         sign: ``+`` to mark positive means.
@@ -60,7 +60,7 @@ def large(value: float) -> str:
 
 
 def interval_cell(interval: Interval | None, sign: str = "") -> str:
-    """Return an interval of degrees.
+    """Return an interval in degrees as text.
 
     >>> interval_cell(Interval(16.7, 15.9, 17.4)), interval_cell(Interval(-1.5, -2.0, -1.0), "+")
     ('16.70° [15.90, 17.40]', '-1.50° [-2.00, -1.00]')
@@ -77,9 +77,9 @@ def figure_cell(given: str, name: str, unit: str | None = None) -> Cell:
     """Return the cell of a figure.
 
     Args:
-        given: the hints, ``15`` or ``own``.
-        name: name of the figure, such as ``angular_mean``: angles in degrees, shares in per cent.
-        unit: unit of a metric from a plug-in, ``%`` for a share; None for our own figures.
+        given: hints that the method was given, such as ``15`` or ``own``.
+        name: name of the figure, such as ``angular_mean``; angles are in degrees, fractions in per cent.
+        unit: unit of a plug-in's metric, ``%`` for a fraction; None for built-in figures.
     """
     unit = unit_of(name) if unit is None else unit
 
@@ -105,12 +105,12 @@ def distance_cell(given: str, low: float) -> Cell:
 
 
 def pin_cell(strategy: str, number: int) -> Cell:
-    """Return the cell of the mean error after a number of pins, set one by one by a strategy."""
+    """Return the cell of the mean error after a number of pins placed one by one by a strategy."""
     return lambda runs: spread_of([run["pins"][strategy][number] for run in runs if "pins" in run], 2, "°")
 
 
 def share_cell(index: int) -> Cell:
-    """Return the cell of the adversarial share of the gradient at a point of the learning curve."""
+    """Return the cell of the adversarial fraction of the gradient at a point of the learning curve."""
 
     def cell(runs: Sequence[Result]) -> str:
         values = [run["curve"][index].get(SHARE) for run in runs if run["curve"]]
@@ -120,7 +120,7 @@ def share_cell(index: int) -> Cell:
 
 
 def cost_cells() -> dict[str, Cell]:
-    """Return the cells of what a method costs, by their headings."""
+    """Return the cells of the cost of a method, by heading."""
     return {
         "parameters": lambda runs: large(runs[0]["cost"]["parameters"]),
         "FLOPs a map": lambda runs: large(runs[0]["cost"]["flops"]),
@@ -134,4 +134,4 @@ def cost_cells() -> dict[str, Cell]:
 
 def _speed(runs: Sequence[Result]) -> str:
     speed = mean(run["cost"]["images_per_second"] for run in runs)
-    return f"{speed:.1f}" if speed else "–"  # maps of another program have none
+    return f"{speed:.1f}" if speed else "–"  # submissions have no speed

@@ -1,4 +1,4 @@
-"""normalgan benchmark: trains and measures the methods of a plan, or measures one model."""
+"""normalgan benchmark: train and measure the methods of a plan, or measure one model."""
 
 import warnings
 from dataclasses import replace
@@ -19,25 +19,23 @@ __all__ = ["build_parser", "run"]
 
 
 def run(arguments: list[str]) -> int:
-    """Run the command and return the exit code: 1 if a run failed.
+    """Run the command and return the exit code, which is 1 if a run failed.
 
     Raises:
-        InputError: if an argument cannot be used.
-        KeyboardInterrupt: if it was stopped.
+        InputError: if an argument is invalid.
+        KeyboardInterrupt: if the command was stopped.
     """
     options = build_parser().parse_args(arguments)
     if options.human is not None:
         return _measure_human(options)
     apart = [name for name in ("inputs", "score", "evaluate") if getattr(options, name) is not None]
     if len(apart) > 1:
-        raise InputError(
-            f"--{apart[0]} and --{apart[1]} were given, and only one could be done; use a command for each."
-        )
+        raise InputError(f"--{apart[0]} and --{apart[1]} cannot be combined; run a command for each.")
     plan, scale = _read(options)
     out = Path(options.output) if options.output else None
     with warnings.catch_warnings():
         filter_warnings()
-        from normalgan.benchmark import actions  # late, so that --help needs no torch
+        from normalgan.benchmark import actions  # imported here so that --help does not need torch
 
         if options.spec is not None:
             actions.check(plan, scale, find_beside(options.spec))
@@ -58,64 +56,64 @@ def build_parser() -> LightParser:
     parser = LightParser(
         prog="normalgan benchmark",
         usage="%(prog)s --config PLAN --config OVERLAY... [-o FOLDER] [--rows NAME,...] [--seeds N...]",
-        description="Train and measure every method of a plan; go on where it was interrupted.",
+        description="Train and measure every method of a plan; an interrupted benchmark is resumed.",
     )
     parser.add_argument(
         "-c",
         "--config",
         action="append",
         type=str,
-        help="the plan, a file with rows; and overlays of `normalgan fit`, which set the scale; may be given "
+        help="plan (a file with rows), and overlays of `normalgan fit` that set the scale; can be given "
         "several times",
     )
     parser.add_argument(
         "-o",
         "--output",
         type=str | None,
-        help="folder of the runs and the report (default runs/benchmark); with --evaluate the folder of "
+        help="folder of the runs and the report (default runs/benchmark); with --evaluate, the folder of "
         "evaluation.json, which is not written without it",
     )
-    parser.add_argument("--rows", type=str | None, help="names of rows, with commas; by default all")
-    parser.add_argument("--seeds", type=NonNegativeInt, nargs="+", help="seeds in place of the plan's")
+    parser.add_argument("--rows", type=str | None, help="comma-separated names of rows; by default all")
+    parser.add_argument("--seeds", type=NonNegativeInt, nargs="+", help="seeds instead of the plan's")
     parser.add_argument(
-        "--images", type=int | None, help="images that each generator learns from, in place of the plan's"
+        "--images", type=int | None, help="number of training images of each generator, instead of the plan's"
     )
     parser.add_argument(
-        "--budget", type=str | None, help="wall-clock time of each run in place of the images, such as 8m"
+        "--budget", type=str | None, help="wall-clock time of each run instead of the images, such as 8m"
     )
     parser.add_argument(
         "--set",
         action="extend",
         type=str,
         nargs="+",
-        help="settings of data or trainer that override all others, such as data.size=64",
+        help="data or trainer settings that override all others, such as data.size=64",
     )
     parser.add_argument(
         "--evaluate",
         type=str | None,
-        help="measure a model as the plan does, and train nothing: a checkpoint, .safetensors, .onnx, or "
-        "shipped, the one that comes with the package",
+        help="measure a model like the methods of the plan, without training: a checkpoint, .safetensors, "
+        ".onnx, or shipped",
     )
     parser.add_argument(
         "--score",
         type=str | None,
-        help="measure the normal maps in a folder that another program made, and train nothing",
+        help="measure a folder of another program's normal maps, without training",
     )
     parser.add_argument(
         "--inputs",
         type=str | None,
-        help="write the sketches and hints of the test into a folder, for another program, and train nothing",
+        help="write the sketches and hints of the test to a folder for another program, without training",
     )
     parser.add_argument(
         "--human",
         type=str | None,
-        help="measure a model (that of --evaluate, or shipped) on drawings by people, in a folder with a "
-        "drawings.json (docs/compare.md); takes no plan; --rows names groups",
+        help="measure a model (from --evaluate, or shipped) on drawings by people in a folder with a "
+        "drawings.json (docs/compare.md); needs no plan; --rows names groups",
     )
     parser.add_argument(
         "--spec",
         type=str | None,
-        help="a frozen specification, such as configs/benchmark/v3.json; anything else is refused",
+        help="frozen specification that the test data must match, such as configs/benchmark/v3.json",
     )
     return parser
 
@@ -124,7 +122,7 @@ def _measure_human(options: Namespace) -> int:
     """Measure a model on drawings by people, and return the exit code.
 
     Raises:
-        InputError: if the folder or the model cannot be used, or an option does not apply.
+        InputError: if the folder or the model is invalid, or an option does not apply.
     """
     for name in ("config", "seeds", "images", "budget", "set", "score", "inputs", "spec"):
         if getattr(options, name):
@@ -133,7 +131,7 @@ def _measure_human(options: Namespace) -> int:
     out = Path(options.output or "runs/human")
     with warnings.catch_warnings():
         filter_warnings()
-        from normalgan.benchmark.human import human  # late, as above
+        from normalgan.benchmark.human import human  # imported here, as above
 
         human(Path(options.human), options.evaluate or "shipped", out, groups, partial(print, flush=True))
     return 0

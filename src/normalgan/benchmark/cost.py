@@ -1,4 +1,4 @@
-"""Cost: a generator's parameters, operations and speed, and the machine that they were measured on."""
+"""Cost: count a generator's operations, measure its speed, and describe the machine."""
 
 import os
 import platform
@@ -25,14 +25,14 @@ _PACKAGES = ("torch", "lightning", "numpy", "kornia", "torchmetrics")
 
 
 def flops(network: nn.Module, size: int, device: torch.device) -> int:
-    """Return the floating-point operations for one map; a multiplication and an addition count as two.
+    """Return the floating-point operations per map; a multiply-add counts as two.
 
-    Only convolutions and matrix products are counted; they make up nearly all operations.
+    Only convolutions and matrix products, which make up nearly all operations, are counted.
 
     Args:
-        network: a generator, which takes (N, 4, size, size).
-        size: H and W in pixels.
-        device: where the network lies.
+        network: a generator with inputs (N, 4, size, size).
+        size: height and width in pixels.
+        device: device of the network.
     """
     with torch.no_grad(), FlopCounterMode(display=False) as counter:
         network(torch.zeros(1, 4, size, size, device=device))
@@ -40,7 +40,7 @@ def flops(network: nn.Module, size: int, device: torch.device) -> int:
 
 
 def images_per_second(method: Method, batch: Batch, device: torch.device, seconds: float = 1.0) -> float:
-    """Return the maps predicted in a second: for ``seconds``, and at least one batch after one to warm up."""
+    """Return the number of maps predicted per second, measured for ``seconds`` after a warm-up batch."""
     here: Batch = move_data_to_device(batch, device)
     with true_float32():
         method.predict(here, None)
@@ -55,13 +55,13 @@ def images_per_second(method: Method, batch: Batch, device: torch.device, second
 
 
 def _wait(device: torch.device) -> None:
-    """Wait for the device, which works asynchronously."""
+    """Wait until the device has finished its asynchronous work."""
     if device.type == "cuda":
         torch.cuda.synchronize(device)
 
 
 def describe_origin(device: torch.device) -> dict[str, Any]:
-    """Return what figures depend on: ``machine`` (not its name), ``versions`` of packages, and ``commit``."""
+    """Return the ``machine`` (without its name), package ``versions`` and ``commit`` behind the figures."""
     machine: dict[str, str | int] = {
         "system": platform.system(),
         "processor": _processor(),

@@ -1,4 +1,4 @@
-"""The curves of a benchmark: error by training images, and by number of hints."""
+"""Curves of a benchmark: plot the error by training images and by hints, and the calibration."""
 
 from collections.abc import Iterable, Sequence
 from io import BytesIO
@@ -27,10 +27,10 @@ _REFERENCE = "0.25"  # grey
 
 
 def draw_curves(plan: Plan, results: Results, caption: str) -> bytes | None:
-    """Return the curves as a PNG, two panels for each group of rows; None if nothing is trained.
+    """Return the curves as a PNG, two panels per group of rows; None if no row is trained.
 
-    Lines are means over the seeds, bands reach from the lowest seed to the highest. The reference of the
-    plan is in every panel, dashed.
+    Lines are means over the seeds, and bands range from the lowest to the highest seed. The plan's reference
+    is a dashed line in every panel.
     """
     groups: dict[str, list[str]] = {}
     for row in plan.rows:
@@ -48,12 +48,12 @@ def draw_curves(plan: Plan, results: Results, caption: str) -> bytes | None:
             colours[str(plan.reference)] = _REFERENCE
         for name, colour in colours.items():
             label, style = plan.row(name).label, "--" if colour == _REFERENCE else "-"
-            if not plan.row(name).classical:  # the reference may learn nothing
+            if not plan.row(name).classical:  # the reference may not be trained
                 _draw(learning, *learning_curve(results[name]), colour, style, label)
             _draw(hinted, *hint_curve(results[name], plan.counts), colour, style, label, marker="o")
         learning.set(xlabel="images the generator has learnt from", ylabel="mean error, °")
         learning.xaxis.set_major_formatter(lambda images, _: f"{images / 1000:g} k" if images else "0")
-        # In two lines, because a long one would reach the other panel.
+        # In two lines, because a long line would reach into the other panel.
         learning.set_title(f"{group}:\nvalidation, each with its own hints", loc="left", fontsize=10)
         hinted.set(xlabel="hints, uniform on the object", xticks=plan.counts)
         hinted.set_title("test", loc="left", fontsize=10)
@@ -67,9 +67,9 @@ def draw_curves(plan: Plan, results: Results, caption: str) -> bytes | None:
 def draw_calibration(plan: Plan, results: Results, caption: str) -> bytes | None:
     """Return the calibration curves as a PNG: observed error by predicted error; None without confidences.
 
-    One panel without hints and one with the hints of table 1, a line for each row, over all seeds; below it
-    the share of pixels. On the diagonal a model is calibrated; above it, overconfident. The legend has the
-    expected calibration errors.
+    There is one panel without hints and one with the hints of table 1, each with a line per row over all
+    seeds and the fraction of pixels below. A model on the diagonal is calibrated; above it, it is
+    overconfident. The legend lists the expected calibration errors.
     """
     sure = [row for row in plan.rows if any(_promises(run) for run in results.get(row.name, ()))]
     if not sure:
@@ -107,7 +107,7 @@ def _png(figure: Figure) -> bytes:
 
 
 def calibration_curve(runs: Iterable[Result], given: str) -> tuple[Doubles, Doubles, Doubles]:
-    """Return predicted and observed degrees and the share of pixels, each (K,), over all runs."""
+    """Return predicted and observed error in degrees and the fraction of pixels, each (K,), over all runs."""
     bins: dict[int, Doubles] = {}
     for run in runs:
         for one in run["calibration"][given] or ():
@@ -119,14 +119,14 @@ def calibration_curve(runs: Iterable[Result], given: str) -> tuple[Doubles, Doub
 
 
 def _promises(run: Result) -> bool:
-    """Return whether the figures of a run have a calibration curve; older ones have none."""
+    """Return whether the figures of a run have a calibration curve; older figures have none."""
     return any(run.get("calibration", {}).values())
 
 
 def learning_curve(runs: Iterable[Result]) -> tuple[Doubles, Doubles]:
     """Return images (K,) and errors (seeds, K), interpolated at the images of the longest run.
 
-    Under a time budget runs differ in length; a shorter run is filled up with nan.
+    With a time budget, runs differ in length; shorter runs are padded with NaN.
     """
     curves = [
         np.array([(record["images"], record[VALIDATION]) for record in run["curve"]], float).T for run in runs
@@ -137,7 +137,7 @@ def learning_curve(runs: Iterable[Result]) -> tuple[Doubles, Doubles]:
 
 
 def hint_curve(runs: Iterable[Result], counts: Sequence[int]) -> tuple[Doubles, Doubles]:
-    """Return numbers of hints (K,) and errors (seeds, K)."""
+    """Return the numbers of hints (K,) and the errors (seeds, K)."""
     errors = [[run["figures"][str(count)]["angular_mean"] for count in counts] for run in runs]
     return np.array(counts, float), np.array(errors, float)
 

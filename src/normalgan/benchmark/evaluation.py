@@ -1,4 +1,4 @@
-"""Evaluation: a trained run, or a model of any origin, measured on the test split that all rows share."""
+"""Evaluation: measure a trained run, or any other model, on the test split that all rows share."""
 
 import json
 from collections.abc import Iterator
@@ -42,8 +42,8 @@ from normalgan.weights.checkpoint import read_checkpoint
 
 __all__ = ["Evaluation", "maps_of", "read_curve"]
 
-_BATCH = 16  # the same for all methods, because noise that is kept at test depends on it
-_VERSION = 3  # raise it when results hold other figures, so that models are measured again
+_BATCH = 16  # the same for all methods, because noise at test time depends on it
+_VERSION = 3  # increase it when the figures in results change, so that models are measured again
 
 
 @dataclass(frozen=True)
@@ -51,8 +51,8 @@ class Evaluation:
     """Measures methods on one test split with the same hints.
 
     Args:
-        plan: the benchmark, which says the test hints.
-        scale: the sizes of its pictures and networks.
+        plan: the benchmark plan.
+        scale: scale of the pictures and networks.
         test_alone: whether only the test split is rendered, because nothing is trained.
     """
 
@@ -62,7 +62,7 @@ class Evaluation:
 
     @property
     def hash(self) -> str:
-        """A hash of everything, except the data, that determines the figures of a given model."""
+        """A hash of everything except the data that determines the figures of a given model."""
         plan = self.plan
         return digest(
             {"counts": plan.counts, "seed": plan.hint_seed, "which": plan.checkpoint}
@@ -75,18 +75,18 @@ class Evaluation:
 
     @cached_property
     def shared(self) -> Settings:
-        """The settings with the data that all rows share, and where to measure."""
+        """The settings of the data that all rows share and of the device for measuring."""
         return shared_settings(self.plan, self.scale)
 
     @cached_property
     def device(self) -> torch.device:
-        """The device that methods are measured on: a GPU if the scale allows one and there is one."""
+        """The device for measuring: a GPU if the scale allows it and one is available."""
         allowed = self.shared["trainer"]["accelerator"] in {"auto", "gpu", "cuda"}
         return torch.device("cuda" if allowed and torch.cuda.is_available() else "cpu")
 
     @cached_property
     def data(self) -> MeshDataModule:
-        """The shared data, with the test split in the plan's own style; rendered if necessary."""
+        """The shared data, with the test split in the plan's style; rendered if necessary."""
         untaught = all(row.classical in {"constant", "inflation"} for row in self.plan.rows)
         alone = self.test_alone or bool(self.plan.test_data) or untaught
         once = {"on_the_fly": False} if alone else {}
@@ -103,7 +103,7 @@ class Evaluation:
         return collate_decoded([samples[i] for i in spread(len(samples), self.plan.gallery)])
 
     def of_run(self, run: Run) -> Result:
-        """Return the result of a trained run, and leave its maps of the gallery's samples in its folder."""
+        """Return the result of a trained run, and save its maps of the gallery's samples in its folder."""
         result: Result = {"row": run.row.name, "label": run.row.label, "group": run.row.group}
         result |= {"seed": run.seed, "images": 0, "checkpoint": None, "curve": []}
         if run.row.classical:
@@ -120,7 +120,7 @@ class Evaluation:
         return {**result, **self.of_method(method)}
 
     def of_method(self, method: Method) -> dict[str, Any]:
-        """Return the figures of a method, its cost, and the machine."""
+        """Return the figures and the cost of a method, and the machine."""
         plan, device = self.plan, self.device
         measured = asdict(measure(method, self.batches(), self.tests, device))
         if plan.pins and method.takes_hints:
@@ -137,7 +137,7 @@ class Evaluation:
 
     @property
     def tests(self) -> HintTests:
-        """The hints that every method is tested with."""
+        """The hints with which every method is tested."""
         plan = self.plan
         placed = placements(plan.placements, plan.placement_counts)
         return HintTests(
@@ -145,20 +145,20 @@ class Evaluation:
         )
 
     def _pins(self, method: Method, strategy: Strategy) -> list[float]:
-        """Return the mean errors after 0, 1, … pins that a simulated user gives."""
+        """Return the mean errors after 0, 1, … pins placed by a simulated user."""
         with true_float32():
             batches = (move_data_to_device(batch, self.device) for batch in self.batches())
             return pin_curve([pin_one_by_one(method, one, strategy, self.plan.pins) for one in batches])
 
     @cached_property
     def specification(self) -> Specification:
-        """What the figures are measured on."""
+        """The specification of the test data."""
         shared, other = {"batch_size": _BATCH, "workers": 0}, self.plan.test_data
         trained = build_data(self.shared, **shared)
         return specify(build_data(self.shared, **shared, **other) if other else trained, self.tests, trained)
 
     def predict_shown(self, method: Method) -> Floats:
-        """Return a method's predictions for the gallery's samples with the hints of table 1, (K, 3, H, W)."""
+        """Return a method's predictions (K, 3, H, W) for the gallery's samples with the hints of table 1."""
         batch: Batch = move_data_to_device(self.shown, self.device)
         hints = None
         if method.takes_hints:
@@ -176,7 +176,7 @@ class Evaluation:
             case "constant":
                 return constant_method()
             case "mean":
-                # Separate data, so that the training split does not stay in memory.
+                # A separate data module, so that the training split does not stay in memory.
                 data = build_data(self.shared, batch_size=_BATCH)
                 data.render(thorough=False)
                 return mean_method(data.mean_normal_map())
@@ -185,7 +185,7 @@ class Evaluation:
 
 
 def read_curve(folder: Path, most: int = 60) -> list[dict[str, float | None]]:
-    """Return the learning curve of a run: ``most`` records of it with the figures that are drawn."""
+    """Return the learning curve of a run, thinned to ``most`` records with the figures that are drawn."""
     records = json.loads((folder / "curve.json").read_text(encoding="utf-8"))
     kept = ["images", "epoch", "seconds", "val/hints/angular_mean", "val/no_hints/angular_mean"]
     kept += [SHARE] if all(SHARE in record for record in records) else []
@@ -193,6 +193,6 @@ def read_curve(folder: Path, most: int = 60) -> list[dict[str, float | None]]:
 
 
 def maps_of(folder: Path) -> Floats:
-    """Return a run's predictions for the gallery's samples, (K, 3, H, W)."""
+    """Return a run's saved predictions (K, 3, H, W) for the gallery's samples."""
     with np.load(folder / "maps.npz") as file:
         return np.asarray(file["preds"], np.float32)

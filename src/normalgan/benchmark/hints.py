@@ -1,4 +1,4 @@
-"""Test hints: uniform, placed in other ways, or with errors like those of people."""
+"""Test hints: uniform hints, other placements, and inaccurate hints."""
 
 from collections.abc import Callable, Sequence
 
@@ -24,21 +24,21 @@ _SAMPLERS: dict[str, Callable[[int], HintSampler]] = {
     "farthest": FarthestPointHints,
     "worst": WorstErrorHints,
 }
-"""By name: anywhere on the object; where the paper's sampler looks; far from one another; where a method is
+"""Placements by name: uniform on the object; by the paper's sampler; far from each other; where a method is
 most wrong without hints, which only an oracle knows."""
-_TRIES = 16  # directions that are tried before a hint stays where it is
+_TRIES = 16  # number of directions tried before a hint is not moved
 
 
 def hint_order(mask: Tensor, name: str, seed: int, most: int) -> Tensor:
-    """Return the flat indices of a sample's hinted pixels, the first hint first.
+    """Return the flat indices of a sample's hinted pixels, in the order in which hints are added.
 
-    The first five of fifty hints are the five hints.
+    The first five of fifty hints are the same as five hints.
 
     Args:
         mask: (1, H, W), 1 on the object.
-        name: the sample's name, which decides where the points are.
-        seed: a different seed gives different points.
-        most: number of hints; fewer if the object has fewer pixels.
+        name: name of the sample, which determines the points.
+        seed: seed of the points.
+        most: number of hints; there are fewer if the object has fewer pixels.
     """
     pixels = torch.nonzero(mask.flatten() > 0.5).flatten()
     order = np.random.default_rng(derive_seed("benchmark", seed, name)).permutation(len(pixels))
@@ -46,13 +46,13 @@ def hint_order(mask: Tensor, name: str, seed: int, most: int) -> Tensor:
 
 
 def hint_points(mask: Tensor, names: Sequence[str], seed: int, count: int) -> Tensor:
-    """Return the hint mask of a batch, (N, 1, H, W) of the mask's type, 1 at a hint.
+    """Return the hint mask (N, 1, H, W) of a batch, 1 at a hint, in the mask's type.
 
     Args:
         mask: (N, 1, H, W), 1 on the object.
         names: names of the N samples.
         seed: seed of the points.
-        count: hints of each sample; all of its pixels if there are fewer.
+        count: number of hints per sample; fewer if the object has fewer pixels.
     """
     where = torch.zeros_like(mask)
     for sample, one, name in zip(where, mask, names, strict=True):
@@ -61,7 +61,7 @@ def hint_points(mask: Tensor, names: Sequence[str], seed: int, count: int) -> Te
 
 
 def placements(names: Sequence[str], counts: Sequence[int]) -> dict[str, HintSampler]:
-    """Return a sampler for each `Placement` and number of hints, under the name of its figures.
+    """Return a sampler for each `Placement` and number of hints, by the name of its figures.
 
     >>> list(placements(["uniform", "worst"], [3, 10]))
     ['uniform-3', 'uniform-10', 'worst-3', 'worst-10']
@@ -78,19 +78,19 @@ def noisy_hints(
     degrees: float,
     pixels: float,
 ) -> Tensor:
-    """Return hints (N, 4, H, W) turned by an angle and moved by a distance, each in its own random direction.
+    """Return hints (N, 4, H, W), each rotated by an angle and moved by a distance in a random direction.
 
-    Every hint is turned by exactly ``degrees``, never away from the viewer, and moved by ``pixels``, rounded.
-    It stays where it is if that would move it off the object.
+    Every hint is rotated by exactly ``degrees``, never away from the viewer, and moved by ``pixels``,
+    rounded. It is not moved if it would leave the object.
 
     Args:
-        normal: (N, 3, H, W) true unit normals.
+        normal: (N, 3, H, W), true unit normals.
         mask: (N, 1, H, W), 1 on the object.
-        where: (N, 1, H, W), 1 where the hints would be without noise.
+        where: (N, 1, H, W), 1 at the hints without noise.
         names: names of the samples.
-        seed: a different seed gives different directions.
-        degrees: angle of each turn.
-        pixels: length of each shift.
+        seed: seed of the directions.
+        degrees: angle of each rotation.
+        pixels: distance of each shift.
     """
     hints = torch.zeros(len(normal), 4, *normal.shape[2:], dtype=normal.dtype)
     for i, name in enumerate(names):
@@ -107,10 +107,10 @@ def noisy_hints(
 
 
 def turn(normals: Doubles, degrees: float, azimuths: Doubles) -> Doubles:
-    """Turn unit normals (K, 3), z to the viewer, by an angle in degrees, each in its own direction.
+    """Return unit normals (K, 3), z to the viewer, rotated by an angle in degrees, each in its own direction.
 
-    The azimuths (K,) around the normals, in radians, are the directions. A normal that would face away is
-    turned the other way.
+    The directions are azimuths (K,) around the normals in radians. A normal that would face away is rotated
+    in the opposite direction.
 
     >>> turned = turn(np.array([[0.0, 0.0, 1.0]]), 90.0, np.array([0.0]))
     >>> round(float(turned[0, 2]), 6)

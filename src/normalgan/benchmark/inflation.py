@@ -1,4 +1,4 @@
-"""Inflation: the normals of an inflated silhouette, a baseline without learning."""
+"""Inflation: inflate a silhouette, as a baseline without learning."""
 
 from typing import Any
 
@@ -16,17 +16,18 @@ _SIDES = ((0, 1), (0, -1), (1, 0), (-1, 0))  # (rows, columns) to the four neigh
 
 
 def inflate(mask: BoolMask) -> Doubles:
-    """Return the squared height of an inflated silhouette, in pixels², (H, W), 0 off it.
+    """Return the squared height (H, W) of an inflated silhouette, in pixels²; 0 off the silhouette.
 
-    It solves Δh = -4 on the object with h = 0 on its outline, which runs between pixels. Of a disc of
-    radius R it is R² - r², so that the height √h is a hemisphere; of an ellipse, an ellipsoid.
+    This is the solution of Δh = -4 on the object with h = 0 on its outline, which runs between pixels. For a
+    disc of radius R it is R² - r², so the height √h is a hemisphere; for an ellipse it is an ellipsoid.
 
     Args:
         mask: (H, W) True on the object.
 
     References:
         Johnston 2002, "Lumo: Illumination for Cel Animation", NPAR: normals from outlines by diffusion.
-        Baran and Lehtinen 2009, "Notes on Inflating Curves": the root of the solution of Poisson's equation.
+        Baran and Lehtinen 2009, "Notes on Inflating Curves": the square root of a Poisson equation's
+        solution.
     """
     height = np.zeros(mask.shape)
     count = int(mask.sum())
@@ -41,7 +42,7 @@ def inflate(mask: BoolMask) -> Doubles:
     for step in _SIDES:
         there = _beside(number, step)[inner]
         linked = there >= 0
-        # The outline is half a pixel away, and the value beyond it is the negative of the one here.
+        # The outline is half a pixel away, so the value beyond it is the negative of the value here.
         diagonal += np.where(linked, 1.0, 2.0)
         rows.append(here[linked])
         columns.append(there[linked])
@@ -52,7 +53,7 @@ def inflate(mask: BoolMask) -> Doubles:
 
 
 def inflated_normals(mask: BoolMask) -> Floats:
-    """Return the normals of an inflated silhouette, (H, W, 3), x right, y up, z to the viewer; 0 off it.
+    """Return the normals (H, W, 3) of an inflated silhouette, x right, y up, z to the viewer; 0 off it.
 
     Args:
         mask: (H, W) True on the object.
@@ -64,16 +65,16 @@ def inflated_normals(mask: BoolMask) -> Floats:
     """
     height = np.pad(inflate(mask), 1)
     inner = np.pad(mask, 1)
-    # Beyond the outline the solution continues with the opposite sign.
+    # The solution continues beyond the outline with the opposite sign.
     right, left, down, up = (
         np.where(_beside(inner, step), _beside(height, step), -height)[inner] for step in _SIDES
     )
     normals = np.zeros((*mask.shape, 3))
-    # √h is infinitely steep at the outline; times 2√h its gradient is that of h, and the normal is finite.
+    # √h is infinitely steep at the outline, but its gradient times 2√h is the gradient of h, which is finite.
     normals[mask] = np.stack([(left - right) / 2, (down - up) / 2, 2 * np.sqrt(height[inner])], axis=-1)
     return normalize(normals.astype(np.float32))
 
 
 def _beside(array: NDArray[Any], step: tuple[int, int]) -> NDArray[Any]:
-    """Return each pixel's neighbour; the array has an empty border, over which it may wrap."""
+    """Return each pixel's neighbour; the array has an empty border, so wrapping is harmless."""
     return np.roll(array, (-step[0], -step[1]), axis=(0, 1))

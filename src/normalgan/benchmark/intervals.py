@@ -1,4 +1,4 @@
-"""Confidence intervals over test meshes (a bootstrap) and over seeds."""
+"""Confidence intervals over test meshes (by bootstrap) and over seeds."""
 
 from collections.abc import Callable, Mapping, Sequence
 from itertools import product
@@ -34,15 +34,15 @@ class Interval(NamedTuple):
 
 
 def mesh_interval(runs: Sequence[Result], given: str, name: str) -> Interval | None:
-    """Return a method's figure with its interval over meshes; None if there are fewer than two.
+    """Return a method's figure with its interval over meshes; None if there are fewer than two meshes.
 
-    The figure is pooled over pixels in each run, as in the tables, and averaged over the runs. Meshes are
-    drawn with replacement, with all their views; seeds are fixed.
+    The figure is pooled over the pixels of each run, as in the tables, and averaged over the runs. Meshes are
+    resampled with replacement, with all their views; seeds are fixed.
 
     Args:
-        runs: runs of one method, one for each seed.
-        given: the hints, ``15`` or ``own``.
-        name: the figure's name, such as ``angular_mean``; it must be a mean over pixels.
+        runs: runs of one method, one per seed.
+        given: hints that the method was given, such as ``15`` or ``own``.
+        name: name of the figure, such as ``angular_mean``; it must be a mean over pixels.
     """
     table = _table(runs, given, name)
     if table is None:
@@ -53,11 +53,11 @@ def mesh_interval(runs: Sequence[Result], given: str, name: str) -> Interval | N
 def difference_interval(
     runs: Sequence[Result], reference: Sequence[Result], given: str, name: str
 ) -> Interval | None:
-    """Return the difference of a method's figure from the reference's, with its interval over meshes.
+    """Return the difference between a method's figure and the reference's, with its interval over meshes.
 
     The samples are paired: both use the same resampled meshes, so that a mesh that is hard for both cancels
-    out. Seeds are fixed, so this is the interval of these trained networks, not of the methods
-    (`total_interval`). None if their meshes differ or are fewer than two.
+    out. Seeds are fixed, so the interval applies to these trained networks, not to the methods; see
+    `total_interval`. None if the meshes differ or there are fewer than two.
     """
     one, other = _table(runs, given, name), _table(reference, given, name)
     if one is None or other is None or one[0] != other[0]:
@@ -73,7 +73,7 @@ def total_interval(
     The samples are paired by mesh and by common seed. The variances of the means over meshes and over seeds
     are added, which counts their interaction twice and makes the interval too wide rather than too narrow.
     The interval is Student's with Satterthwaite's degrees of freedom. None if there are fewer than two meshes
-    or two such seeds. ``beside`` are the hints of the reference, if they are others.
+    or two common seeds. ``beside`` names the reference's hints if they differ from ``given``.
 
     References:
         Satterthwaite 1946, "An Approximate Distribution of Estimates of Variance Components".
@@ -98,9 +98,9 @@ def total_interval(
 
 
 def draws_of(count: int) -> Indices:
-    """Return the meshes of each bootstrap draw, (draws, count), with replacement.
+    """Return the indices of the meshes of each bootstrap draw, (draws, count), with replacement.
 
-    These are all possible draws if there are at most `DRAWS` of them, otherwise `DRAWS` random ones.
+    These are all possible draws if there are at most `DRAWS`, otherwise `DRAWS` random draws.
 
     >>> draws_of(2).tolist()
     [[0, 0], [0, 1], [1, 0], [1, 1]]
@@ -113,32 +113,32 @@ def draws_of(count: int) -> Indices:
 
 
 def pooled(values: Doubles, pixels: Doubles, draws: Indices) -> Doubles:
-    """Return the mean over the pixels of the drawn meshes, averaged over the runs, (draws,).
+    """Return the mean (draws,) over the pixels of the drawn meshes, averaged over the runs.
 
     Args:
-        values: (meshes, runs) means over each mesh's pixels.
-        pixels: (meshes, runs) number of these pixels.
-        draws: (draws, meshes) indices of the drawn meshes.
+        values: (meshes, runs), mean over each mesh's pixels.
+        pixels: (meshes, runs), number of these pixels.
+        draws: (draws, meshes), indices of the drawn meshes.
     """
     sums, counts = (values * pixels)[draws].sum(1), pixels[draws].sum(1)
     return np.asarray((sums / counts).mean(-1))
 
 
 def _interval(meshes: int, figure: Callable[[Indices], Doubles]) -> Interval:
-    """Return a figure of draws of meshes: that of all of them, and the interval over bootstrap draws."""
+    """Return a figure of all meshes with its interval over bootstrap draws."""
     low, high = np.quantile(figure(draws_of(meshes)), [(1 - LEVEL) / 2, (1 + LEVEL) / 2])
     return Interval(float(figure(np.arange(meshes)[None])[0]), float(low), float(high))
 
 
 def _parts(values: Doubles, pixels: Doubles) -> tuple[Doubles, Doubles]:
-    """Return each run's figure, (runs,), and each mesh's contribution to it, (meshes, runs)."""
+    """Return the figure of each run, (runs,), and the contribution of each mesh to it, (meshes, runs)."""
     weights = pixels / pixels.sum(0)
     figures = (weights * values).sum(0)
     return figures, weights * (values - figures)
 
 
 def _table(runs: Sequence[Result], given: str, name: str) -> tuple[list[str], Doubles, Doubles] | None:
-    """Return the names of the meshes, and values and pixels as `pooled` takes them."""
+    """Return the names of the meshes, and the values and pixels for `pooled`; None if they are missing."""
     found: list[Mapping[str, Mapping[str, float | None]]] = [
         run.get("meshes", {}).get(given, {}) for run in runs
     ]

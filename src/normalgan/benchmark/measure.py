@@ -1,4 +1,4 @@
-"""Measuring a method: with increasing numbers of common hints, and with its own sampler's."""
+"""Measure a method with increasing numbers of common hints, and with its own sampler's hints."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -22,19 +22,19 @@ from normalgan.weights.class_spec import ANY_NUMBER, ClassSpec
 __all__ = ["OWN", "HintTests", "Measured", "measure", "more_metrics", "true_float32"]
 
 OWN = "own"
-"""Stands for the hints of the method's own sampler."""
+"""Name of the figures with the hints of the method's own sampler."""
 
 
 @dataclass(frozen=True)
 class Measured:
-    """Figures by the hints that were given: ``15`` hints, or ``own``.
+    """The figures of a method, by the hints that it was given, such as ``15`` or ``own``.
 
     Args:
-        figures: over all samples, such as ``angular_mean``; None where it is undefined or a map was not
-            finite.
-        meshes: figures by mesh.
+        figures: figures over all samples, such as ``angular_mean``; a figure is None if it is undefined or a
+            map was not finite.
+        meshes: figures per mesh.
         distance: errors by distance from the contour; see `Accumulator.by_distance`.
-        calibration: curve of the confidence; None if there is none.
+        calibration: calibration curve of the confidence, or None.
     """
 
     figures: dict[str, Figure]
@@ -44,7 +44,7 @@ class Measured:
 
     @classmethod
     def of(cls, gathered: Mapping[str, Accumulator]) -> Self:
-        """Return the figures of the accumulated predictions, by the hints that were given."""
+        """Return the figures of accumulated predictions."""
         return cls(
             figures={given: one.figures() for given, one in gathered.items()},
             meshes={given: one.by_mesh() for given, one in gathered.items()},
@@ -55,15 +55,15 @@ class Measured:
 
 @dataclass(frozen=True)
 class HintTests:
-    """The hints that a method is tested with, besides its own sampler's.
+    """The hints with which methods are tested, in addition to their own samplers' hints.
 
     Args:
         counts: numbers of common hints, uniform on the object.
         seed: seed of all hints.
         placements: samplers, by the name of their figures.
         noise: errors of hints in degrees and pixels, by the name of their figures.
-        noisy: number of common hints that are off.
-        metrics: additional metrics, for every kind of hints.
+        noisy: number of common hints in tests with noise.
+        metrics: additional metrics, measured with all hints.
     """
 
     counts: Sequence[int]
@@ -75,7 +75,7 @@ class HintTests:
 
     @property
     def names(self) -> list[str]:
-        """The names of the figures."""
+        """The names of all figures."""
         return [*map(str, self.counts), *self.placements, *self.noise, OWN]
 
 
@@ -83,10 +83,10 @@ def more_metrics(named: Sequence[str | dict[str, Any]]) -> list[MapMetric]:
     """Return the metrics that a plan names.
 
     Args:
-        named: names of registered classes, or these as ``class_path`` with ``init_args``.
+        named: names of registered classes, or mappings with ``class_path`` and ``init_args``.
 
     Raises:
-        InputError: if a metric is unknown, does not take its settings, or shares its name with another.
+        InputError: if a metric is unknown, its settings are invalid, or two metrics have the same name.
     """
     given = [{"class_path": each} if isinstance(each, str) else each for each in named]
     metrics = [ClassSpec.of(each, ANY_NUMBER).build(METRICS) for each in given]
@@ -97,9 +97,9 @@ def more_metrics(named: Sequence[str | dict[str, Any]]) -> list[MapMetric]:
 def measure(method: Method, batches: Iterable[Batch], tests: HintTests, device: torch.device) -> Measured:
     """Return the figures of a method on the samples.
 
-    A hinted pixel counts for no method, even if it takes no hints, so that all are measured on the same
-    pixels. With their own samplers' hints the pixels differ from method to method. ``own`` also has
-    ``hints``, the mean number of hints of a sample.
+    Hinted pixels are not counted, even for methods without hints, so that all methods are measured on the
+    same pixels. With the hints of their own samplers, the pixels differ between methods. ``own`` also has
+    ``hints``, the mean number of hints per sample.
     """
     gathered = {given: Accumulator(device, tests.metrics) for given in tests.names}
     hints_given = 0
@@ -122,7 +122,7 @@ def measure(method: Method, batches: Iterable[Batch], tests: HintTests, device: 
 
 
 def _hints(own: HintSampler, batch: Batch, error: Tensor, tests: HintTests) -> Iterator[tuple[str, Tensor]]:
-    """Yield by name the hints (N, 4, H, W), on the CPU: a different device would draw different ones."""
+    """Yield the hints (N, 4, H, W) by name, drawn on the CPU, because other devices draw other hints."""
     normal, mask, names, seed = batch["normal"], batch["mask"], batch["name"], tests.seed
     for count in tests.counts:
         yield str(count), hints_at(normal, hint_points(mask, names, seed, count))
@@ -135,7 +135,7 @@ def _hints(own: HintSampler, batch: Batch, error: Tensor, tests: HintTests) -> I
 
 @contextmanager
 def true_float32() -> Iterator[None]:
-    """Keep a GPU from convolving in TF32, which has 10 bits, so that it measures as the CPU does."""
+    """Disable TF32, which has a 10-bit mantissa, so that a GPU gives the same figures as the CPU."""
     before = torch.backends.cudnn.allow_tf32
     torch.backends.cudnn.allow_tf32 = False
     try:

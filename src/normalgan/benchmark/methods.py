@@ -35,15 +35,15 @@ __all__ = [
 
 @dataclass(frozen=True)
 class Method:
-    """A method and its properties.
+    """A method of predicting normal maps.
 
     Args:
-        predict: returns the normals (N, 3, H, W) of a batch, or these with confidence (N, 4, H, W), given
-            hints (N, 4, H, W) or none; only classical methods may use the truth, as their docstrings say.
-        sampler: gives the hints that it was trained for.
-        generator: its network; None if it has none.
-        timed: whether it predicts here, so that its speed can be measured; predictions of another program are
-            only read.
+        predict: function of a batch and hints (N, 4, H, W) or None, which returns normals (N, 3, H, W), or
+            normals and confidence (N, 4, H, W). Only classical methods may use the truth; their docstrings
+            say so.
+        sampler: sampler of the hints that the method was trained with, or None.
+        generator: network of the method, or None.
+        timed: whether the speed can be measured; predictions of another program are only read.
     """
 
     predict: Callable[[Batch, Tensor | None], Tensor]
@@ -53,12 +53,12 @@ class Method:
 
     @property
     def takes_hints(self) -> bool:
-        """Whether it takes hints."""
+        """Whether the method uses hints."""
         return not isinstance(self.sampler, NoHints)
 
 
 def constant_method() -> Method:
-    """Return the method whose normals all face the viewer."""
+    """Return the method that always predicts normals that face the viewer."""
     facing = torch.tensor([0.0, 0.0, 1.0]).view(1, 3, 1, 1)
     return Method(lambda batch, hints: facing.to(batch["normal"]).expand_as(batch["normal"]))
 
@@ -69,7 +69,7 @@ def mean_method(mean_map: Tensor) -> Method:
 
 
 def inflation_method() -> Method:
-    """Return the method that inflates the true mask, which no other method sees."""
+    """Return the method that inflates the true mask, which other methods do not see."""
 
     def predict(batch: Batch, hints: Tensor | None) -> Tensor:
         masks = batch["mask"][:, 0].cpu().numpy() > 0.5
@@ -80,13 +80,13 @@ def inflation_method() -> Method:
 
 
 def weights_method(weights: Weights, device: torch.device) -> Method:
-    """Return the model of a weights file, in float32, ready to predict."""
+    """Return the model of a weights file as a method, in float32."""
     notes = weights.notes
     model = NormalGAN(
         generator=weights.generator(),
         discriminator=None,
         hint_sampler=notes.build_hint_sampler(),
-        objective=Wasserstein(),  # nothing is learnt
+        objective=Wasserstein(),  # not used, because nothing is trained
         noise_at_test=notes.noise_at_test,
         seed=notes.seed,
     )
@@ -94,7 +94,7 @@ def weights_method(weights: Weights, device: torch.device) -> Method:
 
 
 def model_method(model: NormalGAN) -> Method:
-    """Return a model as a method; noise at test time depends on the samples alone."""
+    """Return a model as a method; its noise at test time only depends on the samples."""
     model.eval()
     model.keep_noise()
 
@@ -109,18 +109,18 @@ def model_method(model: NormalGAN) -> Method:
 
 
 def saved_method(name: str, size: int, device: torch.device) -> Method:
-    """Return a model as a method; all file formats of one model give the same figures.
+    """Return a saved model as a method; all file formats of a model give the same figures.
 
     Args:
-        name: name of the file; ``shipped`` for the one in the package.
-        size: side of the pictures to predict.
-        device: device of the network; ONNX runs on the CPU.
+        name: path of the file, or ``shipped``.
+        size: side of the pictures in pixels.
+        device: device of the network; ONNX models run on the CPU.
 
     Raises:
-        InputError: if it cannot be used, or was trained at another size.
+        InputError: if the file is invalid, or the model was trained at a different size.
     """
     path = find_model(name)
-    # The package's own may use a GPU, through torch.
+    # The shipped model can run on a GPU, through torch.
     if path.suffix.lower() == ".onnx" and name != SHIPPED_NAME:
         return _onnx_method(path, size)
     if path.suffix.lower() in SUFFIXES:
@@ -149,6 +149,6 @@ def _onnx_method(path: Path, size: int) -> Method:
 
 
 def _channels(normal: Floats, confidence: Floats | None) -> Tensor:
-    """Return normals (S, S, 3) and confidence (S, S), if there is one, as (3 or 4, S, S)."""
+    """Return normals (S, S, 3) and the optional confidence (S, S) as (3 or 4, S, S)."""
     channels = torch.from_numpy(normal).permute(2, 0, 1)
     return channels if confidence is None else torch.cat([channels, torch.from_numpy(confidence)[None]])

@@ -1,4 +1,4 @@
-"""The gallery of a benchmark: a few test samples with the map and error of every method."""
+"""Gallery of a benchmark: draw a few test samples with the map and error of every method."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,14 +20,14 @@ Picture = NDArray[np.generic]
 
 @dataclass(frozen=True)
 class Line:
-    """The predictions of one method, with its label; the samples are in the same order for every method."""
+    """The label and predictions of one method; the samples are in the same order for all methods."""
 
     label: str
     rows: Sequence[Row]
 
 
 def draw_methods(lines: Sequence[Line], caption: str) -> bytes:
-    """Return the picture as a PNG: two columns a sample (map, error), a line a method, the truth above."""
+    """Return the gallery as a PNG: two columns per sample (map, error), the truth, and a row per method."""
     samples = lines[0].rows
     width = _LABEL + len(samples) * 2 * (_CELL + _GAP) + 3 * _GAP * len(samples)
     height = 2 * _HEAD + (len(lines) + 1) * (_CELL + _GAP)
@@ -44,7 +44,7 @@ def draw_methods(lines: Sequence[Line], caption: str) -> bytes:
 
     def name(text: str, line: int) -> None:
         y = _HEAD + line * (_CELL + _GAP) + _CELL / 2
-        # More letters of this size would not fit beside the pictures.
+        # Longer labels would not fit next to the pictures.
         sheet.text(_LABEL - 10, y, fill(text, 24), ha="right", va="center", fontsize=9)
 
     sheet.text(0.01 * width, 8, caption, fontsize=10, va="top")
@@ -64,7 +64,7 @@ def draw_methods(lines: Sequence[Line], caption: str) -> bytes:
 
 
 def _hinted(row: Row) -> NDArray[np.uint8]:
-    """Return the sketch (H, W, 3) with dots of the hints' colours in it."""
+    """Return the sketch (H, W, 3) with coloured dots at the hints."""
     picture = np.repeat((255 * (1 - row.sketch))[..., None], 3, axis=-1)
     reach = max(1, round(row.mask.shape[0] / 90))
     for y, x in np.argwhere(row.hints[3] > 0.5):

@@ -1,4 +1,4 @@
-"""Pins: hints given one at a time, each after seeing the last map, as in the studio."""
+"""Pins: simulate a user who places one hint at a time after seeing the current map."""
 
 from collections.abc import Sequence
 from typing import Literal
@@ -17,20 +17,20 @@ from normalgan.metrics import angular_error, without_hints
 __all__ = ["STRATEGIES", "Strategy", "pin_curve", "pin_one_by_one"]
 
 Strategy = Literal["worst", "suggested"]
-"""Where the next pin goes: where the error is greatest, as an oracle knows; or where the studio suggests."""
+"""How the next pin is placed: at the largest error, which only an oracle knows, or as the studio suggests."""
 STRATEGIES: tuple[Strategy, ...] = ("worst", "suggested")
 
-_AROUND = 5  # pixels over which an error is visible
+_AROUND = 5  # window in pixels over which errors are averaged
 
 
 def pin_one_by_one(method: Method, batch: Batch, strategy: Strategy, count: int) -> Tensor:
-    """Return the sums of the angular error after 0, 1, … pins of a batch of N samples, and of its pixels.
+    """Return the summed angular error of N samples after 0, 1, … pins, and the number of pixels.
 
-    Only pixels without a pin at the end count, so that they are the same at every number. Each pin gives the
-    true normal.
+    Pixels that have a pin in the end are not counted, so that the pixels are the same for every number of
+    pins. Each pin has the true normal.
 
     Returns:
-        (N, count + 2): sums in degrees after each number of pins, then the number of pixels.
+        (N, count + 2), sums in degrees after each number of pins, followed by the number of pixels.
     """
     target, mask = batch["normal"], batch["mask"]
     where = torch.zeros_like(mask)
@@ -53,7 +53,7 @@ def pin_curve(sums: Sequence[Tensor]) -> list[float]:
 
 
 def _next(predicted: Tensor, angle: Tensor, mask: Tensor, where: Tensor, strategy: Strategy) -> Tensor:
-    """Return where the next pin of each sample goes, (N, 1, H, W)."""
+    """Return the position of the next pin of each sample as a mask (N, 1, H, W)."""
     chosen = torch.zeros_like(mask)
     free = (mask > 0.5) & (where <= 0.5)
     if strategy == "worst":

@@ -1,4 +1,4 @@
-"""Plan: the rows and settings of a benchmark, read from a YAML file and checked."""
+"""Plan: read and check the YAML file with the rows and settings of a benchmark."""
 
 import re
 from collections import Counter
@@ -19,28 +19,28 @@ Settings = dict[str, Any]
 _DRAWN = ("hand", "lines", "medium")
 _MESHES = ("meshes", "reading", "split", "test_views")
 _TEST_DATA = (*_DRAWN, *_MESHES)
-"""Settings of the data that may be others for the test split; its size is that of the networks."""
+"""Data settings that may differ for the test split; its size may not, because it must match the networks."""
 Placement = Literal["uniform", "curvature", "farthest", "worst"]
-"""See `normalgan.benchmark.hints`, which needs torch."""
+"""Ways to place hints; see `normalgan.benchmark.hints`, which is not imported here because it needs torch."""
 Part = TypeVar("Part", "Plan", "Row")
 
 
 @dataclass(frozen=True)
 class Row(Record):
-    """A line of the table: a trained method, or one without training.
+    """A row of the table: a trained method, or a classical method without training.
 
-    The settings of a trained method are composed as for `normalgan fit`, and later ones win: its configs, its
-    changes, the data of the plan, the overlays of the scale, its settings.
+    The settings of a trained method are composed as for `normalgan fit`. In increasing order of precedence,
+    they are the row's configs, its changes, the plan's data, the scale's overlays and the row's settings.
 
     Args:
-        name: name of its folder.
-        label: in tables and pictures.
+        name: name of the row's folder.
+        label: label in tables and pictures.
         group: heading in tables.
-        classical: a method without training.
-        configs: files that it is put together from; relative to the plan, or else to the working directory.
-        changes: settings, in dots, before the overlays of the scale.
-        settings: settings, in dots, that win over these.
-        takes: settings of the overlays that it takes, in dots; None takes all.
+        classical: name of a method without training; None for a trained method.
+        configs: configuration files, relative to the plan, or else to the working directory.
+        changes: dotted settings that the scale's overlays override.
+        settings: dotted settings that override the scale's overlays.
+        takes: dotted names of the settings that the row takes from the overlays; None takes all.
     """
 
     name: str
@@ -58,7 +58,7 @@ class Row(Record):
         if (self.classical is None) == (not self.configs):
             raise InputError(f"the row {self.name} must have either configs or classical.")
         if self.classical and (self.changes or self.settings or self.takes is not None):
-            raise InputError(f"the row {self.name} is classical and has no settings, changes or takes.")
+            raise InputError(f"the row {self.name} is classical and cannot have settings, changes or takes.")
 
 
 @dataclass(frozen=True)
@@ -66,24 +66,24 @@ class Plan(Record):
     """A benchmark.
 
     Args:
-        name: in reports.
-        images: number of training images of each generator, with repetitions.
-        rows: what is compared.
-        data: settings of the data that all rows share.
-        test_data: settings of data that differ for the test split: how it is drawn, or other meshes.
-        seeds: seeds of initialisation, training hints and dropout; a run for each.
-        hints: how many hints table 1 gives.
+        name: name of the benchmark in reports.
+        images: number of training images of each generator, including repetitions.
+        rows: the methods to compare.
+        data: data settings that all rows share.
+        test_data: data settings that differ for the test split, such as its drawing style or its meshes.
+        seeds: seeds of initialisation, training hints and dropout; each row has one run per seed.
+        hints: number of hints in table 1.
         hint_counts: numbers of hints in the curve; 0 and ``hints`` are always measured.
         hint_seed: seed of the test hints.
-        checkpoint: which one is measured: the ``best`` on the validation split, or the ``last``.
-        gallery: test samples in the gallery.
-        reference: name of the row that every panel of the curves shows.
-        placements: ways of placing hints that all methods are tested with, at equal counts.
-        placement_counts: how many hints each placement gives.
-        noise_degrees: by how much hints of table 1 are turned, in tests of hints that are off.
-        noise_pixels: by how much they are moved.
-        pins: number of pins that a simulated user gives in turn; 0 tests none.
-        metrics: other metrics that are measured, each a name or a ``class_path`` with ``init_args``.
+        checkpoint: checkpoint that is measured: the ``best`` on the validation split, or the ``last``.
+        gallery: number of test samples in the gallery.
+        reference: name of the row that is shown in every panel of the curves.
+        placements: ways to place hints with which all methods are tested, at equal counts.
+        placement_counts: numbers of hints for each placement.
+        noise_degrees: angles by which the hints of table 1 are rotated in tests of inaccurate hints.
+        noise_pixels: distances by which the hints of table 1 are moved in tests of inaccurate hints.
+        pins: number of pins that a simulated user places one by one; 0 disables the test.
+        metrics: additional metrics, each a name or a mapping with ``class_path`` and ``init_args``.
     """
 
     name: str
@@ -109,34 +109,34 @@ class Plan(Record):
         check_ranges(self)
         for name in ("rows", "seeds"):
             if not getattr(self, name):
-                raise InputError(f"a plan needs {name}, but its list of them is empty.")
+                raise InputError(f"a plan needs {name}, but the list is empty.")
         other = [name for name in self.test_data if name not in _TEST_DATA]
         if other:
-            raise InputError(f"test_data of a plan has {', '.join(_TEST_DATA)} alone, not {other[0]}.")
+            raise InputError(f"test_data of a plan can only have {', '.join(_TEST_DATA)}, not {other[0]}.")
         if bool(self.placements) != bool(self.placement_counts):
             raise InputError("a plan has placements if and only if it has placement_counts.")
         twice = [name for name, times in Counter(row.name for row in self.rows).items() if times > 1]
         if twice:
-            raise InputError(f"two rows of the plan are named {twice[0]}; each needs a name of its own.")
+            raise InputError(f"two rows of the plan are named {twice[0]}; names must be unique.")
         if self.reference is not None:
             self.row(self.reference)
 
     @property
     def noise(self) -> dict[str, tuple[float, float]]:
-        """Errors of hints in degrees and pixels, by the name of their figures."""
+        """The errors of hints in degrees and pixels, by the name of their figures."""
         turned = {f"degrees-{degrees:g}": (degrees, 0.0) for degrees in self.noise_degrees}
         return turned | {f"pixels-{pixels:g}": (0.0, pixels) for pixels in self.noise_pixels}
 
     @property
     def counts(self) -> list[int]:
-        """The numbers of hints that are measured, in ascending order."""
+        """All numbers of hints that are measured, in ascending order."""
         return sorted({0, self.hints, *self.hint_counts})
 
     def row(self, name: str) -> Row:
-        """Return the row of a name.
+        """Return the row with a name.
 
         Raises:
-            InputError: if there is none.
+            InputError: if there is no such row.
         """
         for row in self.rows:
             if row.name == name:
@@ -145,29 +145,29 @@ class Plan(Record):
 
 
 def is_plan(path: str | Path) -> bool:
-    """Return whether a configuration is a plan: it has rows, or takes another plan's.
+    """Return whether a configuration is a plan, that is, has rows or a base.
 
     Raises:
-        InputError: if it cannot be read as a configuration.
+        InputError: if the file is not a readable configuration.
     """
     return not {"rows", "base"}.isdisjoint(read_yaml(path))
 
 
 def read_plan(path: str | Path) -> Plan:
-    """Return the plan of a file.
+    """Return the plan in a file.
 
-    Its ``base`` names another plan in the same folder, which provides missing fields and the first rows.
+    ``base`` names another plan in the same folder, which provides missing fields and the first rows.
 
     Raises:
-        InputError: if something in it cannot be used; the sentence names the file and the row.
+        InputError: if something in the plan is invalid; the message names the file and the row.
     """
     content, rows = _with_base(Path(path), ())
     return _read(Plan, {**content, "rows": rows}, f"the plan {path}")
 
 
 def _with_base(path: Path, above: tuple[Path, ...]) -> tuple[Settings, list[Row]]:
-    """Return settings and rows of a plan, including its base's; ``above`` are the plans based on it."""
-    path = Path(find_config(str(path)))  # its base lies beside it, in the package too
+    """Return the settings and rows of a plan, including its base's; ``above`` are the plans based on it."""
+    path = Path(find_config(str(path)))  # a base is in the same folder, also in the package
     if path.resolve() in above:
         raise InputError(f"the plan {path} is its own base; a base must be another plan.")
     content = read_yaml(path)
@@ -189,16 +189,16 @@ def _with_base(path: Path, above: tuple[Path, ...]) -> tuple[Settings, list[Row]
 
 
 def _beside(plan: Path, name: str) -> str:
-    """Return the file of this name next to the plan, or else the name itself."""
+    """Return the path of the named file next to the plan if it exists, otherwise the name itself."""
     beside = plan.parent / name
     return str(beside) if beside.is_file() else name
 
 
 def read_yaml(path: str | Path) -> Settings:
-    """Return the settings of a configuration file, the user's or the package's.
+    """Return the settings of a user's or shipped configuration file.
 
     Raises:
-        InputError: if it cannot be read as one.
+        InputError: if the file is not a readable configuration.
     """
     path = find_config(str(path))
     check_config(path)

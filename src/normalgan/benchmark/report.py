@@ -1,4 +1,4 @@
-"""The report of a benchmark: results.json, table.md and pictures of the results so far."""
+"""Report of a benchmark: write results.json, table.md and pictures of the results so far."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -26,9 +26,9 @@ def write_report(evaluation: Evaluation, runs: Sequence[Run], folder: Path) -> N
     """Write the results of a plan's runs so far, each file atomically.
 
     Args:
-        evaluation: how they are measured.
+        evaluation: evaluation that the results belong to.
         runs: all runs of the plan, finished or not.
-        folder: where the report goes.
+        folder: output folder.
     """
     plan, scale = evaluation.plan, evaluation.scale
     done = _done(evaluation, runs)
@@ -63,12 +63,12 @@ def write_report(evaluation: Evaluation, runs: Sequence[Run], folder: Path) -> N
 
 
 def _done(evaluation: Evaluation, runs: Sequence[Run]) -> list[tuple[Run, Result]]:
-    """Return the runs that have a result of this plan and scale."""
+    """Return the runs that have a result for this plan and scale."""
     done = []
     for run in runs:
         try:
             result = read_result(run, evaluation.hash)
-        except InputError:  # damaged; the run reports it in its turn
+        except InputError:  # damaged, which is reported when it is the run's turn
             continue
         if result:
             done.append((run, {**result, "scale": evaluation.scale.name}))

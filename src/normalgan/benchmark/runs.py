@@ -1,4 +1,4 @@
-"""Runs: a row of the plan with one seed; all settings are resolved before training."""
+"""Runs: resolve the settings of each row and seed of a plan before training."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -27,18 +27,18 @@ _OWN_DATA = (
     *("data.animals.extra", "data.animals.extra_postures", "data.augmentation", "data.batch_size"),
     *("data.on_the_fly", "data.reading.variants", "data.reading.variation", "data.storage", "data.workers"),
 )
-"""Settings of the data that may differ between rows; all others are the same."""
+"""Data settings that may differ between rows; all others must be the same."""
 
 
 @dataclass(frozen=True)
 class Run:
-    """A row under one seed.
+    """A row of the plan with one seed.
 
     Args:
         row: row of the plan.
         seed: seed of initialisation, training hints and dropout; None without training.
-        folder: where it is kept.
-        settings: all of `normalgan fit`; for a row without training, only the data settings count.
+        folder: folder of the run.
+        settings: all settings of `normalgan fit`; without training, only the data settings are used.
     """
 
     row: Row
@@ -48,12 +48,12 @@ class Run:
 
     @property
     def title(self) -> str:
-        """The run in messages."""
+        """The name of the run in messages."""
         return self.row.name if self.seed is None else f"{self.row.name}, seed {self.seed}"
 
     @cached_property
     def identity(self) -> Settings:
-        """Everything that training depends on; runs of equal identity give equal models on one machine."""
+        """Everything that training depends on; equal identities give equal models on the same machine."""
         settings = without(self.settings, MACHINE)
         if self.row.classical:
             settings = {"data": settings["data"], "classical": self.row.classical}
@@ -63,12 +63,12 @@ class Run:
 
     @cached_property
     def hash(self) -> str:
-        """The identity in a few letters."""
+        """A short hash of the identity."""
         return digest(self.identity)
 
 
 def build_data(settings: Settings, **changes: Any) -> MeshDataModule:
-    """Return the data of a run's settings, with some settings of the data changed."""
+    """Return the data module of a run's settings, with some data settings changed."""
     parser = OwnDefaultsParser(exit_on_error=False)
     parser.add_class_arguments(MeshDataModule, "data")
     parsed = parser.parse_object({"data": changes}, parser.parse_object({"data": settings["data"]}))
@@ -77,26 +77,26 @@ def build_data(settings: Settings, **changes: Any) -> MeshDataModule:
 
 
 def shared_settings(plan: Plan, scale: Scale) -> Settings:
-    """Return the settings with the data that all rows share, and where to measure.
+    """Return the settings of the data that all rows share and of the device for measuring.
 
     Raises:
-        InputError: if they cannot be used.
+        InputError: if a setting is invalid.
     """
     overlays = [part(overlay, ["data", "trainer"]) for overlay in scale.overlays]
     layers = [{"data": nest(plan.data)}, *overlays, scale.given or {}]
     if plan.test_data:
         try:
-            compose([*layers, {"data": plan.test_data}])  # what cannot be used is refused before any training
+            compose([*layers, {"data": plan.test_data}])  # refuses invalid settings before training
         except InputError as error:
             raise InputError(f"test_data of the plan cannot be used: {error}") from error
     return compose(layers)
 
 
 def row_settings(plan: Plan, row: Row, scale: Scale) -> Settings:
-    """Return all settings of a trained row, except for the seed and the span.
+    """Return all settings of a trained row, except for the seed and the duration.
 
     Raises:
-        InputError: if they cannot be used; the sentence names the row.
+        InputError: if a setting is invalid; the message names the row.
     """
     layers = [read_yaml(path) for path in row.configs]
     layers += [nest(row.changes), {"data": nest(plan.data)}]
@@ -104,14 +104,14 @@ def row_settings(plan: Plan, row: Row, scale: Scale) -> Settings:
     try:
         return compose([*layers, nest(row.settings), scale.given or {}])
     except InputError as error:
-        raise InputError(f"the row {row.name} cannot be put together: {error}") from error
+        raise InputError(f"the row {row.name} cannot be composed: {error}") from error
 
 
 def check_shared(row: Row, settings: Settings, shared: Settings) -> None:
-    """Make sure that a row is trained and tested on the data that all share.
+    """Check that a row uses the data that all rows share.
 
     Raises:
-        InputError: if it is not.
+        InputError: if its data settings differ.
     """
     differing = differences(*(without({"data": each["data"]}, _OWN_DATA) for each in (settings, shared)))
     if differing:
@@ -124,16 +124,16 @@ def check_shared(row: Row, settings: Settings, shared: Settings) -> None:
 
 
 def timed(settings: Settings, images: int, samples: int, seconds: float | None) -> Settings:
-    """Return settings under which the generator learns from a number of images, or for a span of time.
+    """Return settings that train the generator on a number of images or for a wall-clock time.
 
-    Epochs are rounded to whole ones; with ``n_critic`` n it takes n batches until the generator steps. A
-    cosine schedule ends with the run. Under a time budget the schedule follows the clock.
+    The duration is rounded to whole epochs; with ``n_critic`` n, the generator steps every n batches. A
+    cosine schedule ends with the run. With a time budget, the schedule follows the clock.
 
     Args:
         settings: settings of a row.
-        images: the number; batches for the discriminator alone do not count.
-        samples: in the training split.
-        seconds: the wall-clock budget; None trains on the number of images.
+        images: number of images; batches that only train the discriminator are not counted.
+        samples: number of samples in the training split.
+        seconds: wall-clock budget; None trains on the number of images.
     """
     model, trainer, batch = settings["model"], dict(settings["trainer"]), settings["data"]["batch_size"]
     callbacks = [*(trainer["callbacks"] or []), {"class_path": "normalgan.callbacks.LearningCurve"}]
@@ -143,7 +143,7 @@ def timed(settings: Settings, images: int, samples: int, seconds: float | None) 
         clock = {"class_path": "normalgan.callbacks.WallClockSchedule", "init_args": {"seconds": seconds}}
         callbacks.append(clock)
     else:
-        whole = samples // batch * batch if samples >= batch else samples  # a last batch that is not full
+        whole = samples // batch * batch if samples >= batch else samples  # without an incomplete last batch
         trainer["max_epochs"] = max(1, round(images * _batches_a_step(settings) / whole))
         if schedule is not None and "T_max" in schedule.get("init_args", {}):
             arguments = {**schedule["init_args"], "T_max": trainer["max_epochs"]}
@@ -153,10 +153,10 @@ def timed(settings: Settings, images: int, samples: int, seconds: float | None) 
 
 
 def plan_runs(plan: Plan, scale: Scale, out: Path, seeds: Sequence[int]) -> list[Run]:
-    """Return all runs of a plan, those without training first, then seed by seed.
+    """Return all runs of a plan: rows without training first, then seed by seed.
 
     Raises:
-        InputError: if a row cannot be trained, or cannot be compared with the others.
+        InputError: if a row is invalid, or its data differ from the other rows'.
     """
     shared = shared_settings(plan, scale)
     runs = [Run(row, None, out / row.name, shared) for row in plan.rows if row.classical]

@@ -1,4 +1,4 @@
-"""Scale: the sizes of networks and pictures in a benchmark, and the time of a run."""
+"""Scale: the sizes of networks and pictures in a benchmark, and the time budget."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -22,10 +22,10 @@ class Scale:
     """Settings that overlay all rows of a plan.
 
     Args:
-        name: the name in every result.
-        overlays: settings of `normalgan fit`; a row may take only some; later ones win.
-        given: settings of data and trainer that override all others.
-        seconds: wall-clock budget of a run, instead of the plan's number of images; None for none.
+        name: name of the scale in every result.
+        overlays: settings of `normalgan fit`, of which a row may take only some; later overlays win.
+        given: data and trainer settings that override all others.
+        seconds: wall-clock budget of a run; None uses the plan's number of images.
     """
 
     name: str
@@ -35,37 +35,37 @@ class Scale:
 
     @property
     def changed(self) -> dict[str, Any]:
-        """The given settings that change figures, by their names in dots."""
+        """The given settings that change figures, by their dotted names."""
         return flatten(without(self.given or {}, MACHINE))
 
 
 def read_scale(paths: Sequence[str | Path], given: Sequence[str] = (), seconds: float | None = None) -> Scale:
-    """Return the scale of some overlays; it is named after them.
+    """Return the scale of some overlays, which is named after them.
 
     Args:
         paths: files with settings of `normalgan fit`.
-        given: settings of data and trainer, each as ``name=value``, the value in YAML.
-        seconds: wall-clock budget of a run.
+        given: data and trainer settings as ``name=value``, with the value in YAML.
+        seconds: wall-clock budget of a run, or None.
 
     Raises:
-        InputError: if something cannot be used.
+        InputError: if a file or setting is invalid.
     """
     name = "+".join(Path(path).stem for path in paths) or "published"
     return Scale(name, tuple(read_yaml(path) for path in paths), _given(given), seconds)
 
 
 def read_budget(text: str) -> float:
-    """Return a span of time in seconds.
+    """Return a duration such as ``1h30m`` in seconds.
 
     Raises:
-        InputError: if it is none.
+        InputError: if the text is not a duration.
 
     >>> [read_budget(text) for text in ("8m", "90s", "1h30m", "0.5h")]
     [480.0, 90.0, 5400.0, 1800.0]
     """
     parts = re.findall(r"(\d+(?:\.\d+)?)([hms])", text)
     if not parts or "".join(number + unit for number, unit in parts) != text:
-        raise InputError(f"the budget {text!r} is not a span of time; write it like 8m, 90s or 1h30m.")
+        raise InputError(f"the budget {text!r} is not a duration; write it like 8m, 90s or 1h30m.")
     seconds = sum(float(number) * _UNITS[unit] for number, unit in parts)
     if seconds <= 0:
         raise InputError(f"the budget {text!r} must be more than zero; write it like 8m, 90s or 1h30m.")

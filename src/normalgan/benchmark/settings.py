@@ -1,4 +1,4 @@
-"""Settings: nested mappings as `normalgan fit` takes them, merged by its parser."""
+"""Settings: nest, flatten, compare and merge the settings of `normalgan fit`."""
 
 import hashlib
 import json
@@ -19,11 +19,11 @@ MACHINE = (
     *("trainer.default_root_dir", "trainer.enable_progress_bar"),
     *("ckpt_path", "output", "pictures", "report", "trainer.logger", "weights_only"),
 )
-"""Settings that say where and how to work, and change no figure."""
+"""Settings of paths and resources, which do not change any figure."""
 
 
 def nest(dotted: Mapping[str, Any]) -> Settings:
-    """Return settings in dots as nested mappings.
+    """Return dotted settings as nested mappings.
 
     Raises:
         InputError: if a setting is both a value and a group.
@@ -38,7 +38,7 @@ def nest(dotted: Mapping[str, Any]) -> Settings:
         for group in groups:
             place = place.setdefault(group, {})
             if not isinstance(place, dict):
-                raise InputError(f"the setting {name} lies in one that has a value already.")
+                raise InputError(f"the setting {name} lies in a setting that already has a value.")
         if last in place:
             raise InputError(f"the setting {name} is given twice.")
         place[last] = nest(value) if isinstance(value, Mapping) else value
@@ -46,7 +46,7 @@ def nest(dotted: Mapping[str, Any]) -> Settings:
 
 
 def flatten(settings: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    """Return nested settings with their names in dots.
+    """Return nested settings by their dotted names.
 
     >>> flatten({"data": {"size": 64, "hand": {}}})
     {'data.size': 64, 'data.hand': {}}
@@ -61,7 +61,7 @@ def flatten(settings: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
 
 
 def part(settings: Mapping[str, Any], names: Sequence[str] | None) -> Settings:
-    """Return only those settings that are named or lie under a name; None names all.
+    """Return only the named settings and groups; None returns all.
 
     >>> part({"data": {"size": 64, "workers": 2}, "trainer": {"devices": 1}}, ["data.size", "trainer"])
     {'data': {'size': 64}, 'trainer': {'devices': 1}}
@@ -72,7 +72,7 @@ def part(settings: Mapping[str, Any], names: Sequence[str] | None) -> Settings:
 
 
 def without(settings: Mapping[str, Any], names: Sequence[str]) -> Settings:
-    """Return the settings without those that are named or lie under a name."""
+    """Return the settings without the named settings and groups."""
     return nest({name: value for name, value in flatten(settings).items() if not _under(name, names)})
 
 
@@ -80,9 +80,9 @@ def compose(layers: Sequence[Mapping[str, Any]]) -> Settings:
     """Return all settings of `normalgan fit` with defaults; later layers win.
 
     Raises:
-        InputError: if `normalgan fit` would refuse them.
+        InputError: if `normalgan fit` would refuse the settings.
     """
-    from normalgan.cli.training.command import resolved_settings  # here: it imports lightning
+    from normalgan.cli.training.command import resolved_settings  # here because it imports lightning
 
     with TemporaryDirectory() as folder:
         arguments: list[str] = []
@@ -94,7 +94,7 @@ def compose(layers: Sequence[Mapping[str, Any]]) -> Settings:
 
 
 def digest(settings: Mapping[str, Any]) -> str:
-    """Return a hash of the settings, 12 letters and digits; their order does not matter.
+    """Return a hash of the settings, 12 characters long and independent of their order.
 
     >>> digest({"a": 1, "b": [2]}) == digest({"b": [2], "a": 1}) != digest({"a": 1, "b": [3]})
     True
@@ -103,7 +103,7 @@ def digest(settings: Mapping[str, Any]) -> str:
 
 
 def differences(a: Mapping[str, Any], b: Mapping[str, Any]) -> list[str]:
-    """Return the names, in dots, of the settings that differ.
+    """Return the dotted names of the settings that differ.
 
     >>> differences({"data": {"size": 64, "seed": 0}}, {"data": {"size": 32, "seed": 0}})
     ['data.size']

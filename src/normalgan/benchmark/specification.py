@@ -1,4 +1,4 @@
-"""Specification: hashes of a benchmark's test data, which tell whether two reports are comparable."""
+"""Specification: hash a benchmark's test data, so that comparable reports can be recognised."""
 
 from pathlib import Path
 from typing import Any
@@ -18,21 +18,21 @@ _SCORING = (
     "v3: direction error on the true object wherever a direction is given, at any length; an object is where "
     "vectors are longer than 1/2, or where a submission is opaque; ranked by IoU * error + (1 - IoU) * 90"
 )
-_DRAWN_ALIKE = ("size", "renderer")  # the size stands beside, and renderers give the same maps
+_DRAWN_ALIKE = ("size", "renderer")  # the size has its own entry, and all renderers give the same maps
 
 
 def specify(data: MeshDataModule, tests: HintTests, trained: MeshDataModule | None = None) -> Specification:
-    """Return everything that a model's figures depend on, as hashes.
+    """Return hashes of everything that a model's figures depend on.
 
-    ``meshes`` stands for the names of each split's meshes, ``views`` for how and how often each test mesh is
-    looked at and drawn, ``hints`` for where the common hints lie,
-    ``scoring`` for the rule that makes figures of maps; ``size`` is that of the pictures in pixels.
-    ``training`` stands for how the training split is drawn, if that differs.
+    ``meshes`` covers the names of the meshes in each split; ``views``, the views and drawing style of the
+    test meshes; ``hints``, the positions of the common hints; ``scoring``, the rules for computing figures.
+    ``size`` is the side of the pictures in pixels. ``training`` covers the drawing style of the training
+    split, if it differs.
 
     Args:
-        data: the benchmark's data.
-        tests: the hints of the test.
-        trained: the data of the training split, if they differ.
+        data: data of the benchmark.
+        tests: hints of the test.
+        trained: data of the training split, if they differ.
     """
     recipe = _drawn(data)
     other = {} if trained is None or _drawn(trained) == recipe else {"training": digest(_drawn(trained))}
@@ -51,14 +51,14 @@ def _drawn(data: MeshDataModule) -> dict[str, Any]:
 
 
 def check_specification(found: Specification, path: Path) -> str:
-    """Check a benchmark against a frozen specification, and return the name of its track.
+    """Check a benchmark against a frozen specification, and return the name of the track.
 
     Args:
-        found: the specification of its data.
-        path: JSON file: a specification by its version, for each track and size of picture.
+        found: specification of the benchmark's data.
+        path: JSON file with the frozen specification for each track and size of pictures.
 
     Raises:
-        InputError: if they differ, or the file is not a specification.
+        InputError: if the specifications differ, or the file is not a specification.
     """
     frozen = _read(path)
     sizes = sorted({int(one["size"]) for one in frozen["sizes"]})
@@ -76,7 +76,7 @@ def check_specification(found: Specification, path: Path) -> str:
     if named[nearest]:
         of_track = f", the track {nearest}" if nearest else ""
         raise InputError(
-            f"this is not the benchmark that {path} holds as {frozen['version']}{of_track}: its "
+            f"the test data do not match {frozen['version']}{of_track} in {path}: "
             f"{' and '.join(named[nearest])} differ."
         )
     return nearest

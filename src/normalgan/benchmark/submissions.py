@@ -1,9 +1,9 @@
-"""Submissions: another program's normal maps of the test views, measured like our methods.
+"""Submissions: measure another program's normal maps of the test views.
 
-A submission is a folder of ``submission.json``, ``{"name": "…"}``, and normal maps: ``0/horse/3.png`` is the
-prediction for view 3 of the mesh horse without hints, ``15/horse/3.png`` with the benchmark's 15 hints. A map
-declares two things: its colours the direction of each pixel, its opacity where there is an object. Without
-opacity an object is where the vector is longer than 1/2, as for our methods.
+A submission is a folder with ``submission.json``, ``{"name": "…"}``, and normal maps: ``0/horse/3.png`` is
+the prediction for view 3 of the mesh horse without hints, ``15/horse/3.png`` the prediction with the
+benchmark's 15 hints. The colours of a map give the direction at each pixel, and its opacity marks the object.
+In an opaque map, pixels with a vector longer than 1/2 belong to the object, as for our methods.
 """
 
 import json
@@ -30,19 +30,19 @@ __all__ = ["SUBMISSION", "Submission", "read_submission", "write_inputs"]
 
 SUBMISSION = "submission.json"
 _SILENT = 0.05
-"""A shorter vector is the grey of the background, in 8 or 16 bits."""
+"""Minimum length of a vector; shorter vectors are background grey, in 8 or 16 bits."""
 _THERE, _ABSENT = 1.0, 0.25
-"""Lengths of vectors where a submission says that there is an object, and where that there is none."""
+"""Vector lengths assigned to pixels that a submission marks as object and as background."""
 
 
 @dataclass(frozen=True)
 class Submission:
-    """A folder with another program's predictions.
+    """Another program's predictions.
 
     Args:
-        folder: its folder.
-        name: in tables.
-        counts: numbers of hints that there are maps for; 0 among them.
+        folder: folder of the submission.
+        name: name in tables.
+        counts: numbers of hints for which there are maps, including 0.
     """
 
     folder: Path
@@ -50,19 +50,19 @@ class Submission:
     counts: tuple[int, ...]
 
     def method(self) -> Method:
-        """Return the maps as a method, which reads the maps for the number of hints that it is given."""
+        """Return the maps as a method, which reads the maps that match the number of given hints."""
 
         def predict(batch: Batch, hints: Tensor | None) -> Tensor:
             given = [0] * len(batch["name"]) if hints is None else hints[:, 3].sum((1, 2)).int().tolist()
             size = batch["normal"].shape[2]
-            # A small object has fewer hints than were asked for.
+            # A small object may have fewer hints than requested.
             folders = [min(count for count in self.counts if count >= number) for number in given]
             named = zip(folders, batch["name"], strict=True)
             maps = torch.stack([self._read(*one, size) for one in named])
             _refuse_flipped_green(self.folder, maps, batch)
             return maps.to(batch["normal"])
 
-        # A submission with hinted maps takes hints, but has no sampler.
+        # A submission with hinted maps uses hints, but has no sampler of its own.
         return Method(predict, UniformHints(0, 0) if max(self.counts) else NoHints(), timed=False)
 
     def _read(self, count: int, name: str, size: int) -> Tensor:
@@ -78,7 +78,7 @@ class Submission:
         if pixels.shape[2] == 4:
             present = pixels[..., 3:] > 0.5
             normals = normals / np.maximum(length, _SILENT) * np.where(present, _THERE, _ABSENT)
-        # Grey has no exact middle: 128 is a short vector, whose direction would count as a guess.
+        # 8-bit grey has no exact centre: 128 is a short vector, whose direction would count as a prediction.
         normals[length[..., 0] < _SILENT] = 0
         return torch.from_numpy(np.ascontiguousarray(normals)).permute(2, 0, 1)
 
@@ -92,10 +92,11 @@ def _refuse_flipped_green(folder: Path, maps: Tensor, batch: Batch) -> None:
         float(torch.corrcoef(torch.stack([maps[:, axis][on].double(), truth[on].double()]))[0, 1])
         for axis, truth in enumerate(batch["normal"][:, :2].cpu().unbind(1))
     )
-    # An untrained network stays within 0.05 of zero; one as wrong as a constant normal has 0.4.
+    # An untrained network has a correlation within 0.05 of zero, and one with the error of a constant normal
+    # has 0.4.
     if x > 0.2 and y < -0.2:
         raise InputError(
-            f"the maps in {folder} look as if their green had the opposite direction: x agrees with the true "
+            f"the maps in {folder} seem to have a flipped green channel: x agrees with the true "
             f"normals (correlation {x:.2f}) and y contradicts them ({y:.2f}); write green up, as in OpenGL."
         )
 
@@ -104,7 +105,7 @@ def read_submission(folder: Path) -> Submission:
     """Return the submission in a folder.
 
     Raises:
-        InputError: if it has no readable ``submission.json`` with a name, or no maps without hints.
+        InputError: if the folder has no readable ``submission.json`` with a name, or no maps without hints.
     """
     path, like = folder / SUBMISSION, 'it must be like {"name": "theirs"}.'
     content = read_json(path, like=like)
@@ -112,15 +113,15 @@ def read_submission(folder: Path) -> Submission:
         raise InputError(f"{path} has no name; {like}")
     counts = sorted(int(one.name) for one in folder.iterdir() if one.is_dir() and one.name.isdecimal())
     if 0 not in counts:
-        raise InputError(f"{folder} has no folder 0 with the maps painted without hints.")
+        raise InputError(f"{folder} has no folder 0 with the maps predicted without hints.")
     return Submission(folder, content["name"], tuple(counts))
 
 
 def write_inputs(folder: Path, batch: Batch, counts: Sequence[int], seed: int) -> None:
-    """Write the inputs that another program needs to predict a batch: sketches, and the hints as JSON.
+    """Write the sketches and hints that another program needs to predict a batch.
 
-    ``sketches/horse/3.png`` has ink black on white. ``hints/horse/3.json`` has the points in order, each with
-    ``x``, ``y`` (whole pixels from the left and the top) and ``normal``; of n hints these are the first n.
+    ``sketches/horse/3.png`` is black ink on white. ``hints/horse/3.json`` lists the points in order, each
+    with ``x``, ``y`` (whole pixels from the left and the top) and ``normal``; n hints are the first n points.
     """
     most = max(counts, default=0)
     for i, name in enumerate(batch["name"]):

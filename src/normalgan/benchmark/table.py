@@ -1,4 +1,4 @@
-"""The tables of a benchmark, as Markdown: a row for each method."""
+"""Tables of a benchmark in Markdown, with a row per method."""
 
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -76,13 +76,13 @@ _PINS_NOTES = (
 )
 
 _Columns = Mapping[str, Cell]
-"""The columns of a table: what fills the cells, by heading."""
+"""The columns of a table: the function that fills the cells, by heading."""
 
 
 def markdown(
     plan: Plan, scale: Scale, results: Results, specification: Mapping[str, str | int] | None = None
 ) -> str:
-    """Return all tables of what has been measured so far, after the hashes of the test data if given."""
+    """Return all tables of the results so far, preceded by the hashes of the test data if given."""
     bare, hinted = "0", str(plan.hints)
     sections = [
         _introduction(plan, scale, results, specification),
@@ -107,12 +107,12 @@ def markdown(
 
 
 def markdown_table(headings: Sequence[str], rows: Iterable[Sequence[str]], names: int = 1) -> list[str]:
-    r"""Return the lines of a table whose numbers are aligned to the right.
+    r"""Return the lines of a table with right-aligned numbers.
 
     Args:
         headings: headings of the columns.
         rows: the cells of each row.
-        names: how many of the first columns hold text.
+        names: number of leading columns that hold text.
 
     >>> print("\n".join(markdown_table(["mesh", "error"], [["horse", "20.0°"]])))
     | mesh | error |
@@ -124,11 +124,11 @@ def markdown_table(headings: Sequence[str], rows: Iterable[Sequence[str]], names
 
 
 def ranked_error(error: float, iou: float) -> float:
-    """Return the ranking score of a method, in degrees: a pixel missed or wrongly predicted counts 90°.
+    """Return the ranking score of a method in degrees; missed and falsely predicted pixels count as 90°.
 
     Args:
         error: mean angular error on the true object, in degrees.
-        iou: intersection over union of the predicted object and the true one.
+        iou: intersection over union of the predicted and the true object.
 
     >>> ranked_error(20.0, 1.0), ranked_error(20.0, 0.5), ranked_error(20.0, 0.0)
     (20.0, 55.0, 90.0)
@@ -137,7 +137,7 @@ def ranked_error(error: float, iou: float) -> float:
 
 
 def mesh_table(result: Result, hints: int) -> str:
-    """Return the figures of one run or model by mesh, as Markdown, without and with the hints of table 1."""
+    """Return the figures of a run or model per mesh, without and with the hints of table 1, as Markdown."""
     columns = [("0", name) for name in ("angular_mean", "nz_bias", "angular_rim", "angular_deep", "mask_iou")]
     columns += [(str(hints), name) for name in ("angular_mean", "nz_bias")]
     headings = [f"{FIGURES.get(name) or RELIEF[name]}, {given or 'no'} hints" for given, name in columns]
@@ -153,10 +153,10 @@ def mesh_table(result: Result, hints: int) -> str:
 
 
 def interval_table(plan: Plan, results: Results) -> list[str]:
-    """Return the lines of table 3: mean errors, and differences from the reference, over the test meshes.
+    """Return the lines of table 3: mean errors and differences from the reference, over the test meshes.
 
-    If a row has two seeds or more, table 4 follows: the differences over the test meshes and the seeds;
-    else a sentence says what it needs.
+    If a row has at least two seeds, table 4 follows with the differences over test meshes and seeds;
+    otherwise a sentence says what it needs.
     """
     reference = results.get(plan.reference or "", [])
     columns: dict[str, Cell] = {}
@@ -187,7 +187,7 @@ def _introduction(
     lines = [f"# {plan.name}, scale {scale.name}", ""]
     if scale.seconds:
         lines.append(f"{scale.seconds:g} seconds a run.")
-    elif any(run["images"] for run in _runs(results)):  # a saved model does not know
+    elif any(run["images"] for run in _runs(results)):  # a saved model does not record it
         lines.append(f"{plan.images} images a generator.")
     if scale.changed:
         lines.append("With " + ", ".join(f"{name}={value}" for name, value in scale.changed.items()) + ".")
@@ -217,7 +217,7 @@ def _accuracy(plan: Plan, results: Results, title: str, given: str) -> list[str]
 
 
 def _ranking(plan: Plan, results: Results, given: str) -> list[str]:
-    """Return the ranking with some hints; nothing if no row has its figures."""
+    """Return the ranking with the given hints; empty if no row has the figures."""
     ranked = []
     for row in plan.rows:
         figures = [run["figures"].get(given, {}) for run in results.get(row.name, ())]
@@ -242,7 +242,7 @@ def _relief(plan: Plan, results: Results, given: str) -> list[str]:
 
 
 def _distances(plan: Plan, results: Results, given: str) -> list[str]:
-    """Return the errors by distance from the contour, outermost first; nothing if they were not measured."""
+    """Return the errors by distance from the contour, outermost first; empty if they were not measured."""
     profiles = [run.get("distance", {}).get(given, {}).get("170ths", ()) for run in _runs(results)]
     edges = {one["from"]: one["to"] for profile in profiles for one in profile}
     columns = {
@@ -254,7 +254,7 @@ def _distances(plan: Plan, results: Results, given: str) -> list[str]:
 
 
 def _further(plan: Plan, results: Results) -> Iterator[tuple[str, _Columns, str]]:
-    """Yield the title and columns of the tables that only some plans ask for."""
+    """Yield title, columns and notes of the tables that only some plans have."""
     for count in plan.placement_counts:
         yield (
             f"Where hints lie: mean error with {count} hints, placed",
@@ -295,7 +295,7 @@ def _hint_counts(plan: Plan, results: Results) -> list[str]:
 
 
 def _section(title: str, plan: Plan, results: Results, columns: _Columns, notes: str = "") -> list[str]:
-    """Return a section with a table that has a row for each method, under the headings of their groups."""
+    """Return a section with a table that has a row per method, under group headings."""
     rows = []
     group = None
     for row in plan.rows:
@@ -330,7 +330,7 @@ def _runs(results: Results) -> Iterator[Result]:
 
 
 def _machines(results: Results) -> str:
-    """Return the sentence on where the speed was measured."""
+    """Return the sentence about the machines on which the speed was measured."""
     machines = {
         one.get("gpu") or f"{one['cores']} cores of {one['processor']}, threads: {one['threads']}"
         for one in (run["machine"] for run in _runs(results))

@@ -1,4 +1,4 @@
-"""Train the runs of a benchmark one after the other; finished ones are skipped."""
+"""Train the runs of a benchmark one after the other, skipping finished runs."""
 
 import json
 import subprocess
@@ -30,7 +30,7 @@ __all__ = [
 Result = dict[str, Any]
 """The result of a run; see `normalgan.benchmark.evaluation`."""
 Results = Mapping[str, Sequence[Result]]
-"""The results of each row, one for each seed, by the name of the row."""
+"""The results of each row, one per seed, by the name of the row."""
 
 State = Literal["new", "begun", "trained", "done"]
 
@@ -40,10 +40,10 @@ def read_state(run: Run, evaluation: str) -> State:
 
     Args:
         run: the run, whose folder may be missing.
-        evaluation: the hash of how it is measured; a result of a different one does not count.
+        evaluation: hash of the evaluation; results of a different evaluation are ignored.
 
     Raises:
-        InputError: if its folder holds a run with other settings.
+        InputError: if the folder holds a run with other settings.
     """
     record = _read(run.folder / "run.json")
     if record is None:
@@ -60,7 +60,7 @@ def read_state(run: Run, evaluation: str) -> State:
 
 
 def read_result(run: Run, evaluation: str) -> Result | None:
-    """Return the result of a run, if it matches the plan; None if there is none."""
+    """Return the result of a run that matches the plan; None if there is none."""
     result = _read(run.folder / "result.json")
     return result if result and (result["hash"], result["evaluation"]) == (run.hash, evaluation) else None
 
@@ -73,9 +73,9 @@ def run_all(
     report: Callable[[], None],
     say: Callable[[str], None],
 ) -> list[str]:
-    """Train and measure unfinished runs, report after each, and return a sentence for each that failed.
+    """Train and measure unfinished runs, report after each, and return a message for each that failed.
 
-    ``evaluation`` is the hash of how they are measured; ``say`` tells the user.
+    ``evaluation`` is the hash of the evaluation; ``say`` prints a message.
     """
     failures = []
     for run in runs:
@@ -87,7 +87,7 @@ def run_all(
             if state in {"new", "begun"}:
                 _write(run, trained=False)
                 if not run.row.classical:
-                    say(f"{run.title}: {'training' if state == 'new' else 'going on'}")
+                    say(f"{run.title}: {'training' if state == 'new' else 'resuming'}")
                     train(run)
                 _write(run, trained=True)
             say(f"{run.title}: measuring")
@@ -95,7 +95,7 @@ def run_all(
             write_json(run.folder / "result.json", {**result, "hash": run.hash, "evaluation": evaluation})
         except InputError as error:
             failures.append(f"{run.title} failed: {error}")
-        except Exception as error:  # the other runs go on, whatever is raised here
+        except Exception as error:  # any exception, so that the other runs continue
             failures.append(f"{run.title} failed: {type(error).__name__}: {brief(error)}")
         else:
             report()
@@ -105,11 +105,11 @@ def run_all(
 
 
 def fit(run: Run) -> None:
-    """Train a run by `normalgan fit` in its own process; an interrupted one is resumed.
+    """Train a run with `normalgan fit` in a separate process, resuming an interrupted run.
 
     Raises:
-        RunError: if it fails; its output is in ``train.log``.
-        KeyboardInterrupt: if it was stopped.
+        RunError: if training fails; its output is in ``train.log``.
+        KeyboardInterrupt: if training was stopped.
     """
     settings, log = run.folder / "settings.yaml", run.folder / "train.log"
     write_bytes(settings, yaml.safe_dump(run.settings).encode())
@@ -123,15 +123,15 @@ def fit(run: Run) -> None:
         raise KeyboardInterrupt
     if done.returncode:
         said = log.read_text(encoding="utf-8").strip().splitlines()
-        raise RunError(f"its training ended with code {done.returncode}: {said[-1] if said else 'no word'}")
+        raise RunError(f"its training ended with code {done.returncode}: {said[-1] if said else 'no output'}")
 
 
 def measured_checkpoint(run: Run, which: Literal["best", "last"]) -> Path:
     """Return the checkpoint that is measured.
 
     Raises:
-        RunError: if training left no checkpoint.
-        InputError: if it cannot be read, or the best one is missing.
+        RunError: if training has left no checkpoint.
+        InputError: if the checkpoint cannot be read, or the best one is missing.
     """
     last = run.folder / "checkpoints" / "last.ckpt"
     if not last.is_file():
@@ -140,7 +140,7 @@ def measured_checkpoint(run: Run, which: Literal["best", "last"]) -> Path:
 
 
 def write_json(path: Path, content: Any) -> None:
-    """Write a JSON file atomically; a list of numbers or names takes one line."""
+    """Write a JSON file atomically, with each list of numbers or names on one line."""
     write_bytes(path, (_dumped(content) + "\n").encode())
 
 

@@ -79,7 +79,7 @@ def test_a_checkpoint_that_is_missing(bench: Bench, tmp_path: Path) -> None:
     bench.run("test", tmp_path, "--ckpt_path", "lats").refused("no model lats; ", "Did you mean last?")
     run("export", "shippd", "-o", "m.onnx").refused("no model shippd; ", "Did you mean shipped?")
     for command in ("validate", "test"):
-        bench.run(command, tmp_path).refused(f"{command} needs a trained model: --ckpt_path")
+        bench.run(command, tmp_path).refused(f"{command} needs a trained model; pass --ckpt_path")
 
 
 @pytest.mark.filterwarnings("default")

@@ -36,7 +36,7 @@ def test_a_layer_that_is_full_says_so_when_the_pen_comes_down(studio: Studio, tm
     assert not studio.inked(125, 128)
     # A mirrored line that is turned would be two.
     page.keyboard.press("Control+a")
-    with studio.saying("The layer has no room for that much."):
+    with studio.saying("This layer can't hold that much."):
         page.locator("#select-turn").click()
     assert page.locator("#undo").is_disabled()
 

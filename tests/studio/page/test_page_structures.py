@@ -152,7 +152,7 @@ def test_a_picture_becomes_a_structure_that_is_saved_with_the_drawing(studio: St
     page = studio.page
     bare = result(studio)
     page.keyboard.press("Shift+W")
-    with studio.saying("is the same all over"):
+    with studio.saying("is uniform"):
         page.set_input_files(
             "#structure-file", {"name": "grey.png", "mimeType": "image/png", "buffer": picture("flat")}
         )

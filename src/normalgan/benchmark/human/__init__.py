@@ -1,4 +1,4 @@
-"""Drawings by people of objects with known normals: reading and measuring."""
+"""Read and measure drawings by people of objects with known normals."""
 
 from normalgan.benchmark.human.command import human
 

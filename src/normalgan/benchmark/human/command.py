@@ -1,4 +1,4 @@
-"""normalgan benchmark --human: measures a model on drawings by people of objects whose normals are known."""
+"""normalgan benchmark --human: measure a model on drawings by people of objects with known normals."""
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -36,10 +36,11 @@ def human(
 ) -> Measurement:
     """Measure a model on the drawings in a folder; write results.json, table.md and gallery.png to ``out``.
 
-    The folder is one for `read_drawings`, the model a file or ``shipped``. Without groups all are measured.
+    See `read_drawings` for the folder. The model is a file or ``shipped``. Without ``groups``, all groups are
+    measured.
 
     Raises:
-        InputError: if the folder or the model cannot be used.
+        InputError: if the folder or the model is invalid.
     """
     listed, left_out = read_drawings(folder)
     known = Counter(drawing.group for drawing in listed)
@@ -69,7 +70,7 @@ def human(
 
 
 def tables(model: str, measured: Measurement) -> str:
-    """Return the figures as Markdown: by group, and by drawing."""
+    """Return the figures by group and by drawing, as Markdown."""
     most = str(COUNTS[-1])
     headings = ["drawings", "drawings", "objects", "no hints", "95 % over objects", f"{most} hints"]
     headings += ["95 % over objects", "median, no hints", "where both are, no hints", "mask IoU"]

@@ -1,4 +1,4 @@
-"""drawings.json: drawings by people, each with a normal map of the object or with its mesh and camera."""
+"""drawings.json: list drawings by people, each with a normal map, or with a mesh and a camera."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,15 +22,15 @@ _KEYS = {"drawing", "mesh", "projection", "normal", "group"}
 
 @dataclass(frozen=True)
 class HumanDrawing:
-    """A drawing of an object whose normals are known.
+    """A drawing of an object with known normals.
 
     Args:
-        name: ``object/person``, unique in its folder; intervals are taken over objects.
-        group: drawings that are reported together, such as concept or presentation.
-        drawing: picture file.
-        truth: file of the normal map, pixel on pixel with the drawing; or of the mesh.
-        projection: (3, 4) from the mesh file's coordinates to pixels of the drawing, y downwards; None for a
-            normal map.
+        name: ``object/person``, unique in its folder; intervals are computed over objects.
+        group: name of the drawings that are reported together, such as concept or presentation.
+        drawing: path of the picture.
+        truth: path of the mesh, or of a normal map that is aligned with the drawing.
+        projection: (3, 4), projection from the mesh file's coordinates to pixels of the drawing, y down; None
+            for a normal map.
     """
 
     name: str
@@ -41,10 +41,10 @@ class HumanDrawing:
 
 
 def read_drawings(folder: Path) -> tuple[list[HumanDrawing], list[str]]:
-    """Return the drawings that ``drawings.json`` of a folder lists, and a sentence for each unusable entry.
+    """Return the drawings listed in a folder's ``drawings.json``, and a message for each unusable entry.
 
     Raises:
-        InputError: if there is no such file, or it lists no usable drawing.
+        InputError: if the file does not exist or lists no usable drawing.
     """
     path = folder / INDEX
     if not path.is_file():

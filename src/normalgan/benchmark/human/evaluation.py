@@ -1,4 +1,4 @@
-"""Evaluation of drawings by people: predicted as `generate` does, compared with their meshes' normals."""
+"""Evaluate drawings by people: predict them like `generate`, and compare with the true normals."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
@@ -28,15 +28,15 @@ from normalgan.rendering.renderers.embree import EmbreeRenderer
 __all__ = ["COUNTS", "Measurement", "measure_drawings", "sample_of"]
 
 COUNTS = (0, 15)
-"""Numbers of hints that every drawing is painted with, those of the benchmark's table 1."""
+"""Numbers of hints with which every drawing is predicted, as in the benchmark's table 1."""
 _VISIBLE = 0.05
-"""Ink fainter than this is not seen."""
+"""Minimum ink of a line."""
 _LARGEST_SIDE = 4096
-"""Larger drawings are refused, because the map of one would take minutes."""
+"""Maximum side of a drawing in pixels; a larger one would take minutes to predict."""
 _APART = 0.1
-"""If the boxes of a drawing and its object share less, the sheet or the camera is another one."""
+"""Minimum overlap of the boxes of the lines and the object; less means a wrong sheet size or camera."""
 _CPU = torch.device("cpu")
-_placed = lru_cache(maxsize=4)(read_placed_mesh)  # drawings of a mesh come in a row
+_placed = lru_cache(maxsize=4)(read_placed_mesh)  # drawings of the same mesh are consecutive
 
 
 @dataclass
@@ -44,10 +44,10 @@ class Measurement:
     """The figures of a folder of drawings.
 
     Args:
-        groups: figures of a group of drawings, in the form of a benchmark method's.
-        drawings: name, group, object, size and figures of each.
-        left_out: a sentence for each that could not be measured.
-        shown: rows of the gallery, without hints and with the most.
+        groups: figures of each group, in the form of a benchmark method's figures.
+        drawings: name, group, object, size and figures of each drawing.
+        left_out: a message for each drawing that could not be measured.
+        shown: rows of the gallery, without hints and with the largest number of hints.
     """
 
     groups: dict[str, dict[str, Any]] = field(default_factory=dict)
@@ -57,16 +57,16 @@ class Measurement:
 
 
 def sample_of(drawing: HumanDrawing) -> Batch:
-    """Return the drawing with the true normals beneath it, a batch of one; padded to a square with paper.
+    """Return a drawing with its true normals as a batch of one, padded to a square with paper.
 
     Raises:
-        InputError: if one of its files or its camera cannot be used, none of the mesh is on the sheet, or
-            lines and object lie in different places on it.
+        InputError: if a file or the camera is invalid, the mesh is outside the sheet, or the lines and the
+            object are at different positions.
     """
     ink = read_drawing(drawing.drawing)
     side = max(ink.shape)
     if side > _LARGEST_SIDE:
-        raise InputError(f"it is {side} pixels wide; up to {_LARGEST_SIDE} can be measured.")
+        raise InputError(f"it is {side} pixels wide; the limit is {_LARGEST_SIDE}.")
     normal, mask = np.zeros((side, side, 3), np.float32), np.zeros((side, side), bool)
     if drawing.projection is None:
         pair = PairFiles(drawing.name, drawing.drawing, drawing.truth).load()
@@ -77,13 +77,13 @@ def sample_of(drawing: HumanDrawing) -> Batch:
         maps = EmbreeRenderer().render(placed.mesh, camera_of(drawing.projection, placed, side), side)
         normal, mask = maps.normal, maps.mask
     if not mask.any():
-        raise InputError("its camera shows nothing of the mesh.")
+        raise InputError("its camera does not see the mesh.")
     ink = np.pad(ink, [(0, side - length) for length in ink.shape])
     shared = _shared(box_of(ink > _VISIBLE), box_of(mask))
     if shared < _APART:
         raise InputError(
-            f"the lines and the object as its camera shows it lie apart: their boxes share {shared:.0%}; "
-            f"is the camera for a sheet of {side} pixels?"
+            "the lines and the projected mesh are at different positions: their boxes overlap by "
+            f"{shared:.0%}; is the camera for a sheet of {side} pixels?"
         )
     return {
         "sketch": torch.from_numpy(ink)[None, None],
@@ -108,10 +108,11 @@ def measure_drawings(
     gallery: int,
     say: Callable[[str], None],
 ) -> Measurement:
-    """Return the figures of all drawings, and name those that cannot be measured.
+    """Return the figures of all drawings that can be measured, and messages about the others.
 
-    Hints are the true normals at uniform random points on the object; hinted pixels do not count. A drawing
-    without a visible object counts as an empty prediction. ``gallery`` of them are kept to be shown.
+    Hints are the true normals at uniform random points on the object; hinted pixels are not counted. A
+    drawing in which no object is found counts as an empty prediction. ``gallery`` drawings are kept for the
+    gallery.
     """
     found = Measurement()
     gathered: dict[str, dict[str, Accumulator]] = {}
@@ -149,7 +150,7 @@ def measure_drawings(
 
 
 def _predict(predictor: Predictor, batch: Batch, count: int, seed: int) -> tuple[Tensor, Tensor, str]:
-    """Return the prediction (1, 3 or 4, S, S), zero off the object, the hints and the findings."""
+    """Return the prediction (1, 3 or 4, S, S), zero off the object; the hints; and the findings."""
     where = hint_points(batch["mask"], batch["name"], seed, count)
     hints = hints_at(batch["normal"], where)
     given = np.ascontiguousarray(hints[0].permute(1, 2, 0).numpy()) if count else None
@@ -163,7 +164,7 @@ def _predict(predictor: Predictor, batch: Batch, count: int, seed: int) -> tuple
 
 
 def _of_one(predicted: Tensor, batch: Batch, where: Tensor) -> Figure:
-    """Return the error on the object, the error where it is predicted, and the IoU of the prediction."""
+    """Return the error on the object, the error where both objects overlap, and the IoU of the prediction."""
     preds = predicted[:, :3]
     there, seen = batch["mask"] > 0.5, (preds != 0).any(1, keepdim=True)
     counted = without_hints(batch["mask"], where) > 0.5

@@ -1,4 +1,4 @@
-"""Registration: the camera that aligns a mesh with a drawing, from a projection matrix."""
+"""Registration: compute the camera that aligns a mesh with a drawing from a projection matrix."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,19 +16,19 @@ from normalgan.rendering.mesh_files import MeshFile, place
 __all__ = ["CREASE_ANGLE", "PlacedMesh", "camera_of", "read_placed_mesh"]
 
 CREASE_ANGLE = 40.0
-"""Edges sharper than this, in degrees, stay hard: most objects that people were asked to draw have them."""
+"""Minimum angle in degrees of a hard edge; most of the drawn objects have hard edges."""
 _SKEWED = 0.03
-"""A camera whose axes are farther from right angles, or an orthographic one whose axes differ more in scale,
-does not turn normals into normals."""
+"""Maximum skew of a camera's axes, and maximum relative difference in scale of an orthographic camera's axes;
+beyond it, normals are not mapped to normals."""
 
 
 @dataclass(frozen=True)
 class PlacedMesh:
-    """A mesh ready to render, and where it lay in its file.
+    """A mesh ready to render, with the transform back to its file's coordinates.
 
     Args:
-        mesh: centred and of unit radius, as all are.
-        to_file: (4, 4) from there to the coordinates of the file.
+        mesh: the mesh, centred and scaled to unit radius.
+        to_file: (4, 4), transform from the mesh's coordinates to the file's.
     """
 
     mesh: Mesh
@@ -36,29 +36,29 @@ class PlacedMesh:
 
 
 def read_placed_mesh(path: Path) -> PlacedMesh:
-    """Return the mesh in a file, and its transform back to the file's coordinates.
+    """Return the mesh in a file, with the transform back to the file's coordinates.
 
     Raises:
-        InputError: if it cannot be read or holds no surface.
+        InputError: if the file cannot be read or has no surface.
     """
     file = MeshFile(str(path), crease_angle=CREASE_ANGLE)
     return PlacedMesh(*place(file.name, file, *read_triangles(path)))
 
 
 def camera_of(projection: Doubles, placed: PlacedMesh, side: int) -> Camera:
-    """Return the camera that shows a mesh on a square drawing as a projection does.
+    """Return the camera that corresponds to a projection of a mesh onto a square drawing.
 
-    A projection K [R | t] is taken apart by an RQ decomposition (Hartley and Zisserman, "Multiple View
-    Geometry", 2nd edition, section 6.2.4); one whose last row is 0 0 0 w is orthographic.
+    A projection K [R | t] is decomposed by RQ decomposition (Hartley and Zisserman, "Multiple View Geometry",
+    2nd edition, section 6.2.4). A projection whose last row is 0 0 0 w is orthographic.
 
     Args:
-        projection: (3, 4) from the mesh file's coordinates, homogeneous, to pixels of the drawing, x to the
-            right and y downwards from the upper left corner; of any length and sign.
+        projection: (3, 4), projection from homogeneous coordinates of the mesh file to pixels of the drawing,
+            x right and y down from the upper left corner; its scale and sign are arbitrary.
         placed: the mesh.
         side: side of the drawing in pixels.
 
     Raises:
-        InputError: if no camera fits: it is singular, skewed, a mirror, or stands in the mesh.
+        InputError: if the projection is singular, skewed or mirrored, or the camera is inside the mesh.
     """
     matrix = projection @ placed.to_file
     if not np.isfinite(matrix).all() or np.linalg.norm(matrix[:, :3]) == 0:
@@ -71,13 +71,13 @@ def camera_of(projection: Doubles, placed: PlacedMesh, side: int) -> Camera:
 
 def _perspective(matrix: Doubles, placed: PlacedMesh, side: int) -> Camera:
     vertices = placed.mesh.vertices.astype(np.float64)
-    if matrix[2, 3] < 0:  # the mesh's centre is the origin, in front of the eye
+    if matrix[2, 3] < 0:  # the origin, the centre of the mesh, must be in front of the camera
         matrix = -matrix
     determinant = float(np.linalg.det(matrix[:, :3]))
     if determinant <= 0:
         raise InputError("its projection is singular or shows the mesh in a mirror; y must point down.")
     inner, rotation = rq(matrix[:, :3])
-    signs = np.sign(np.diag(inner))  # a focal length is positive
+    signs = np.sign(np.diag(inner))  # focal lengths must be positive
     inner, rotation = inner * signs, rotation * signs[:, None]
     scale = inner[2, 2]
     inner = inner / scale
@@ -86,10 +86,10 @@ def _perspective(matrix: Doubles, placed: PlacedMesh, side: int) -> Camera:
     shift = np.linalg.solve(inner, matrix[:, 3]) / scale
     depth = vertices @ rotation[2] + shift[2]
     if depth.min() <= 0:
-        raise InputError("its camera stands within the mesh or before a part of it.")
+        raise InputError("its camera is inside the mesh, or part of the mesh is behind it.")
     (fx, _, cx), (_, fy, cy) = inner[0], inner[1]
     window = (-cx / fx, (side - cx) / fx, (cy - side) / fy, cy / fy)
-    upright = np.diag([1.0, -1.0, -1.0])  # from y down and z forward
+    upright = np.diag([1.0, -1.0, -1.0])  # from a camera with y down and z forward
     near, far = 0.99 * float(depth.min()), 1.01 * float(depth.max())
     return Camera(upright @ rotation, upright @ shift, True, window, near, far)
 

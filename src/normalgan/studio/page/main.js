@@ -1,4 +1,4 @@
-/** Main: puts the parts of the studio together. */
+/** Main: assemble the parts of the studio. */
 
 import { Arranging } from "./board/arranging.js";
 import { Board } from "./board/board.js";
@@ -60,7 +60,7 @@ const lights = new Lights(result.viewer, () => result.view, (each) => result.sho
 result.onLight = (/** @type {number[]} */ light) => lights.took(light);
 const materials = new Materials(editor, predictor, result);
 const panes = new Panes(board, overlay, predictor, status);
-// Marks would hide the map from whoever only looks at it.
+// In a result-only view, marks would hide the map.
 overlay.marked = () => panes.layout === "result" || ["hint", "region", "brush"].includes(editor.tool);
 overlay.onMoved = () => {
   const [a, b, c, d, e, f] = overlay.camera.transform();
@@ -94,7 +94,7 @@ const tool = () => {
   return null;
 };
 const overResult = () => {
-  // Beside the drawing, pen and eraser draw there; over the result they move the light, if there is one.
+  // If the drawing is visible too, pen and eraser only draw there, and move the light over the result.
   const drawing = ["pen", "eraser"].includes(editor.tool) && panes.layout !== "result";
   if (drawing || editor.tool === "light") return result.view === "map" ? null : light;
   return tool();
@@ -106,7 +106,7 @@ new Toolbar(editor, inks);
 offerSamples((doc, name) => {
   projects.load(doc, null, false).then((shown) => {
     if (!shown) return;
-    if (panes.layout === "drawing") panes.show("both"); // its map is to be seen
+    if (panes.layout === "drawing") panes.show("both"); // the map should be visible
     status.say(say("opened", { name }));
   }).catch((error) => status.fail(error));
 });
@@ -117,7 +117,7 @@ const brush = new Brushes(editor, (file) => importing.pictureOf(file), announce)
 const layers = new Layers(editor, inks, announce);
 autosave.addEventListener("failed", (event) => status.fail(/** @type {CustomEvent} */ (event).detail));
 
-// What was done last is no news once something else is done; who does it says so after it.
+// A new action clears the last message; its own message follows.
 editor.addEventListener("change", (event) => /** @type {CustomEvent} */ (event).detail.live || status.clear());
 editor.addEventListener("full", () => status.say(text.noRoom, "warning"));
 let { tool: chosenTool } = editor;
@@ -157,7 +157,7 @@ const escape = () => {
   status.clear();
   editor.set({ chosen: -1, area: -1, suggestions: [], selection: NOTHING });
 };
-/** The pane that is on show, and its middle. */
+/** Returns the visible pane and its centre. */
 const middle = () => {
   const { camera } = board.visible ? board : overlay;
   return { camera, x: camera.pane.width / 2, y: camera.pane.height / 2 };
@@ -167,7 +167,7 @@ const zoom = (factor) => {
   const { camera, x, y } = middle();
   camera.zoom(x, y, factor);
 };
-// All repeats are to be seen.
+// All repeats should be visible.
 result.onLook = (/** @type {"tiled" | "pixelated"} */ way) => {
   if (way !== "tiled") return;
   view.fit();
@@ -179,7 +179,7 @@ const turn = (degrees) => {
   camera.turn(x, y, (degrees * Math.PI) / 180);
 };
 editor.addEventListener("open", () => {
-  drop(); // a stroke that was begun on the drawing before
+  drop(); // a stroke begun on the previous drawing
   view.fit();
 });
 const remove = () => {

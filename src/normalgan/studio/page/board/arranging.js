@@ -1,4 +1,4 @@
-/** Arranging: what is selected is flipped, turned, duplicated, copied, pasted, nudged and brought to another layer. */
+/** Arranging: flip, rotate, duplicate, copy, paste, nudge the selection, or move it to another layer. */
 
 import { LISTS, MOST_LAYERS, activeLayer, changedLayer, hasRoom, newDocument, parseDocument, picturesOf, structuresOf, withActive, withNewLayer, withStructures } from "../drawing/document.js";
 import { aboutPoint, alongWith, movedParts } from "../drawing/moving.js";
@@ -10,14 +10,14 @@ import { say, text } from "../text/text.js";
 /** @typedef {import("../drawing/document.js").Doc} Doc @typedef {import("../drawing/document.js").Layer} Layer */
 /** @typedef {Pick<Layer, "strokes" | "hints" | "areas" | "mask">} Parts */
 
-/** Pixels by which a copy lies beside what it is of. */
+/** Offset in pixels of a copy from its original. */
 const BESIDE = 12;
-/** The width and height of the paper on the clipboard: a document that holds only parts. */
+/** Name of a document on the clipboard, which only holds the copied parts. */
 const NAME = "clipboard";
 
 /**
- * Returns what goes with a selection, or what stays.
- * @param {Layer} layer @param {import("../drawing/editor.js").Selection} selection in it, with nothing to be cut @param {boolean} goes
+ * Returns the parts of a layer that belong to a selection, or the parts that stay.
+ * @param {Layer} layer @param {import("../drawing/editor.js").Selection} selection in the layer, with all cuts done @param {boolean} goes
  * @returns {Parts}
  */
 function partsOf(layer, selection, goes) {
@@ -32,13 +32,13 @@ function partsOf(layer, selection, goes) {
 /** @param {import("../drawing/document.js").Stroke} stroke */
 const isInk = ({ kind }) => kind !== "eraser";
 
-/** Puts parts in front of what a layer has. @param {Layer} layer @param {Parts} parts @returns {Layer | null} null: there is no room */
+/** Adds parts in front of a layer's own. @param {Layer} layer @param {Parts} parts @returns {Layer | null} null: there is no room */
 function withParts(layer, parts) {
   const both = { ...layer, ...Object.fromEntries(LISTS.map((list) => [list, [...layer[list], ...parts[list]]])) };
   return hasRoom(both) ? both : null;
 }
 
-/** Moves parts by so much to the right and down. @param {Parts} parts @param {number} by @param {Doc} doc @returns {Parts} */
+/** Moves parts to the right and down by a number of pixels. @param {Parts} parts @param {number} by @param {Doc} doc @returns {Parts} */
 function beside(parts, by, doc) {
   const places = (/** @type {unknown[]} */ list) => new Set(list.keys());
   const all = { strokes: places(parts.strokes), hints: places(parts.hints), areas: places(parts.areas), mask: places(parts.mask) };
@@ -87,7 +87,7 @@ export class Arranging {
     this.target.replaceChildren(...options.map(({ value, words }) => make("option", { value, text: words })));
   }
 
-  /** Turns or flips about the middle of the selection. @param {number} angle radians, clockwise @param {boolean} flipped from left to right, before it is turned */
+  /** Rotates or flips the selection about its centre. @param {number} angle radians, clockwise @param {boolean} flipped horizontally, before the rotation */
   turn(angle, flipped) {
     const { editor } = this;
     const box = boxOfSelection(editor.doc, editor.selection);
@@ -102,7 +102,7 @@ export class Arranging {
     if (isNothing(editor.selection)) return false;
     onceCut(editor, this.announce, () => {
       const { strokes, pictures } = withCuts(editor.doc, editor.selection).selection;
-      // Presses on one selection are one step, however long the hand looks at it between them.
+      // Consecutive presses on the same selection are one step in history, however long the pauses.
       this.#move({ scale: 1, x, y }, `nudged ${JSON.stringify([strokes, pictures])}`);
     });
     return true;
@@ -116,7 +116,7 @@ export class Arranging {
     editor.commit(doc, kind, Infinity);
   }
 
-  /** Puts a copy of the selected lines beside them. */
+  /** Adds a copy of the selected lines next to them. */
   duplicate() {
     const { editor } = this;
     if (!hasInk(editor.selection)) return;
@@ -126,7 +126,7 @@ export class Arranging {
     });
   }
 
-  /** Brings the selected lines to another layer, to be worked on from now. @param {string} target its id, or "new" */
+  /** Moves the selected lines to another layer and makes it the active one. @param {string} target its id, or "new" */
   toLayer(target) {
     const { editor } = this;
     this.target.value = "";
@@ -144,7 +144,7 @@ export class Arranging {
     const parts = partsOf(layer, selection, true);
     const stays = partsOf(layer, selection, false);
     if (stays.strokes.some(isInk)) {
-      // What is erased must be so on both.
+      // Erased areas must stay erased on both layers.
       stays.strokes = layer.strokes.filter((stroke) => !isInk(stroke) || stays.strokes.includes(stroke));
       if (target === "new") parts.strokes = layer.strokes.filter((stroke) => !isInk(stroke) || parts.strokes.includes(stroke));
     }
@@ -165,7 +165,7 @@ export class Arranging {
     const { clipboardData } = event;
     const atOnce = isCut(editor.selection);
     onceCut(editor, this.announce, () => this.#take(cut, async (words) => {
-      // The event's own clipboard is closed once the event is over.
+      // The event's clipboard can only be used during the event.
       if (atOnce) clipboardData?.setData("text/plain", words);
       else await navigator.clipboard.writeText(words);
     }));
@@ -202,7 +202,7 @@ export class Arranging {
       doc = parseDocument(JSON.parse(words));
       await decodeAll(picturesOf(doc));
     } catch {
-      return; // it is something else
+      return; // the clipboard holds something else
     }
     const { editor } = this;
     const parts = activeLayer(doc);
@@ -210,12 +210,12 @@ export class Arranging {
     this.#put(there ? beside(parts, BESIDE, editor.doc) : parts, doc.structures);
   }
 
-  /** Whether copying and pasting is about the drawing, and not about a field. @param {Event} event */
+  /** Whether a clipboard event concerns the drawing instead of a text field. @param {Event} event */
   #isOurs(event) {
     return !document.querySelector("dialog[open]") && !fieldOf(event, "input, textarea");
   }
 
-  /** Puts parts onto the layer that is worked on, and selects them. @param {Parts} parts @param {import("../drawing/document.js").OwnStructure[]} [structures] that they have */
+  /** Adds parts to the active layer and selects them. @param {Parts} parts @param {import("../drawing/document.js").OwnStructure[]} [structures] that they have */
   #put(parts, structures = []) {
     const { editor } = this;
     const layer = withParts(editor.layer, parts);

@@ -1,4 +1,4 @@
-/** Board: a pane of the drawing or of its result: the sheet, and above it points, suggestions and the tool's nib. */
+/** Board: a pane of the drawing or of its result, with points, suggestions and the tool's cursor above the sheet. */
 
 import { clear, context2d } from "../drawing/canvas.js";
 import { Camera } from "./camera.js";
@@ -8,7 +8,7 @@ import { Sheet } from "./sheet.js";
 
 /** @typedef {{x: number, y: number}} Point */
 
-/** Whether a sheet shows two documents alike. @param {import("../drawing/document.js").Doc} a @param {import("../drawing/document.js").Doc} b */
+/** Whether two documents look the same on a sheet. @param {import("../drawing/document.js").Doc} a @param {import("../drawing/document.js").Doc} b */
 function showsAlike(a, b) {
   if (a.pictures !== b.pictures || a.active !== b.active || a.layers.length !== b.layers.length) return false;
   return a.layers.every(({ id, visible, strokes }, i) => {
@@ -19,12 +19,12 @@ function showsAlike(a, b) {
 
 export class Board {
   /**
-   * @param {HTMLCanvasElement} canvas above, which takes the pointer
-   * @param {HTMLCanvasElement} below for the sheet
+   * @param {HTMLCanvasElement} canvas the upper canvas, which receives pointer events
+   * @param {HTMLCanvasElement} below the lower canvas, for the sheet
    * @param {import("../drawing/editor.js").Editor} editor
    * @param {import("../drawing/ink.js").Inks} inks
    * @param {import("./camera.js").View} view shared by all panes
-   * @param {HTMLElement} [focus] takes the keys; by default the canvas
+   * @param {HTMLElement} [focus] the element that receives key events; by default the canvas
    */
   constructor(canvas, below, editor, inks, view, focus = canvas) {
     this.canvas = canvas;
@@ -35,15 +35,15 @@ export class Board {
     this.camera = new Camera(view);
     this.camera.doc = editor.doc;
     this.sheet = new Sheet(below, editor, inks, this.camera);
-    /** @type {Point | null} where the keyboard's cursor is, in the drawing */
+    /** @type {Point | null} position of the keyboard cursor in the drawing */
     this.cursor = null;
-    /** @type {Point | null} where the pointer is, in the drawing */
+    /** @type {Point | null} position of the pointer in the drawing */
     this.pointer = null;
-    /** Returns the area between lines about a point, and what it is. @type {(at: Point) => import("../drawing/areas.js").Vote | null} */
+    /** Returns the enclosed area at a point, and whether it is object. @type {(at: Point) => import("../drawing/areas.js").Vote | null} */
     this.voteAt = () => null;
-    /** Whether points are on show. @type {() => boolean} */
+    /** Whether points are shown. @type {() => boolean} */
     this.marked = () => true;
-    /** Called after each picture, for what floats above. @type {() => void} */
+    /** Called after each redraw, to update floating elements. @type {() => void} */
     this.onDrawn = () => {};
     /** Called when the camera has moved. @type {() => void} */
     this.onMoved = () => {};
@@ -52,7 +52,7 @@ export class Board {
     editor.addEventListener("change", () => {
       inks.sync(editor.doc);
       this.camera.doc = editor.doc;
-      // A point that moves leaves the sheet as it is.
+      // Moving a point does not change the sheet.
       if (!showsAlike(editor.doc, shown)) this.sheet.redraw();
       if (editor.doc.width !== shown.width || editor.doc.height !== shown.height) this.moved();
       shown = editor.doc;
@@ -65,7 +65,7 @@ export class Board {
     inks.sync(editor.doc);
   }
 
-  /** Whether the pane is on show. */
+  /** Whether the pane is visible. */
   get visible() {
     return this.canvas.clientWidth > 0;
   }
@@ -74,21 +74,21 @@ export class Board {
     return this.camera.pane;
   }
 
-  /** Draws all anew, after the camera has moved. */
+  /** Redraws everything after the camera has moved. */
   moved() {
     this.sheet.redraw();
     this.redraw();
     this.onMoved();
   }
 
-  /** Draws what lies above the sheet with the next frame. */
+  /** Redraws everything above the sheet in the next frame. */
   redraw() {
     this.frame ||= requestAnimationFrame(() => this.#draw());
   }
 
   #resized() {
     const { clientWidth, clientHeight } = this.canvas;
-    if (!clientWidth || !clientHeight) return; // another pane has all the room
+    if (!clientWidth || !clientHeight) return; // another pane fills the window
     const [width, height] = [clientWidth, clientHeight].map((side) => Math.round(side * devicePixelRatio));
     [this.canvas.width, this.canvas.height] = [width, height];
     this.camera.pane = { width: clientWidth, height: clientHeight };
@@ -117,7 +117,7 @@ export class Board {
     this.onDrawn();
   }
 
-  /** Draws how wide the tool is, where the pointer or the keyboard's cursor is. */
+  /** Draws the outline of the tool at the pointer or the keyboard cursor. */
   #nib() {
     const { context, camera, editor } = this;
     const at = this.cursor ?? this.pointer;

@@ -1,4 +1,4 @@
-/** Camera: where the drawing lies in a pane. Panes that share a view show the same part of it, turned alike. */
+/** Camera: maps the drawing to a pane. Panes that share a view show the same part of the drawing at the same rotation. */
 
 const LEAST = 0.05;
 const MOST = 40;
@@ -6,26 +6,26 @@ const MARGIN = 24;
 
 /** @typedef {{x: number, y: number}} Point @typedef {{width: number, height: number}} Size */
 
-/** What all panes show; event `change`. */
+/** The view shared by all panes; emits `change`. */
 export class View extends EventTarget {
   constructor() {
     super();
-    /** How much larger than when all of the drawing fits. */
+    /** Zoom relative to the scale at which the whole drawing fits. */
     this.zoom = 1;
-    /** The point in the middle of the pane, as shares of the drawing's sides. */
+    /** The point at the centre of the pane, as fractions of the drawing's sides. */
     this.x = 0.5;
     this.y = 0.5;
-    /** How far the drawing is turned, clockwise, in radians. */
+    /** Clockwise rotation of the drawing in radians. */
     this.angle = 0;
   }
 
-  /** Shows all of the drawing, upright. */
+  /** Shows the whole drawing, upright. */
   fit() {
     Object.assign(this, { zoom: 1, x: 0.5, y: 0.5, angle: 0 });
     this.changed();
   }
 
-  /** Tells all panes. */
+  /** Notifies all panes. */
   changed() {
     this.dispatchEvent(new Event("change"));
   }
@@ -41,14 +41,14 @@ export class Camera {
     this.doc = { width: 1, height: 1 };
   }
 
-  /** Pixels of the pane for one of the drawing where all of it fits. */
+  /** Pane pixels per drawing pixel at which the whole drawing fits. */
   get fitted() {
     const { pane, doc } = this;
     const margin = Math.min(MARGIN, pane.width / 20);
     return Math.max(1e-3, Math.min((pane.width - 2 * margin) / doc.width, (pane.height - 2 * margin) / doc.height));
   }
 
-  /** Pixels of the pane for one of the drawing. */
+  /** Pane pixels per drawing pixel. */
   get scale() {
     return this.fitted * this.view.zoom;
   }
@@ -66,7 +66,7 @@ export class Camera {
     this.#hold(this.toDrawing(width / 2 - dx, height / 2 - dy), width / 2, height / 2);
   }
 
-  /** Turns the drawing around a point of the pane. @param {number} x @param {number} y @param {number} by radians */
+  /** Rotates the drawing around a point of the pane. @param {number} x @param {number} y @param {number} by radians */
   turn(x, y, by) {
     const held = this.toDrawing(x, y);
     const angle = this.view.angle + by;
@@ -74,7 +74,7 @@ export class Camera {
     this.#hold(held, x, y);
   }
 
-  /** Returns where a point of the pane lies in the drawing. @param {number} x @param {number} y @returns {Point} */
+  /** Converts a point of the pane to the drawing. @param {number} x @param {number} y @returns {Point} */
   toDrawing(x, y) {
     const [a, b, c, d, e, f] = this.transform();
     const [dx, dy] = [x - e, y - f];
@@ -82,15 +82,15 @@ export class Camera {
     return { x: (d * dx - c * dy) / determinant, y: (a * dy - b * dx) / determinant };
   }
 
-  /** Returns where a point of the drawing lies in the pane. @param {number} x @param {number} y @returns {Point} */
+  /** Converts a point of the drawing to the pane. @param {number} x @param {number} y @returns {Point} */
   toPane(x, y) {
     const [a, b, c, d, e, f] = this.transform();
     return { x: a * x + c * y + e, y: b * x + d * y + f };
   }
 
   /**
-   * Returns the way from the drawing to the pane as a canvas takes it.
-   * @param {number} [ratio] pixels of the canvas for one of the pane
+   * Returns the transform from the drawing to the pane, as a canvas takes it.
+   * @param {number} [ratio] canvas pixels per pane pixel
    * @returns {[number, number, number, number, number, number]}
    */
   transform(ratio = 1) {
@@ -102,7 +102,7 @@ export class Camera {
     ];
   }
 
-  /** Brings a point of the drawing to where it was in the pane. @param {Point} held @param {number} x @param {number} y */
+  /** Moves the view so that a point of the drawing is at the given point of the pane. @param {Point} held @param {number} x @param {number} y */
   #hold(held, x, y) {
     const at = this.toDrawing(x, y);
     this.view.x += (held.x - at.x) / this.doc.width;

@@ -1,22 +1,22 @@
-/** Keyboard pen: a cursor on the board that arrow keys move and that draws, erases and pins. */
+/** Keyboard pen: a cursor on the board, moved with the arrow keys, that draws, erases and sets points. */
 
 import { say, text } from "../text/text.js";
 
-/** Pixels that Shift nudges. */
+/** Nudge in pixels with Shift. */
 const FAR = 10;
 /** @type {Record<string, [number, number]>} */
 const ARROWS = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
-/** Lets keys work on a board that has the focus. */
+/** Handles keys on a focused board. */
 export class KeyboardPen {
-  /** @type {import("./tools.js").Tool | null} the tool of the stroke that goes on */
+  /** @type {import("./tools.js").Tool | null} the tool of the current stroke */
   #active = null;
 
   /**
    * @param {import("./board.js").Board} board
    * @param {() => import("./tools.js").Tool | null} tool
    * @param {import("../elements/status.js").Status} status
-   * @param {(x: number, y: number) => boolean} nudge moves what is selected; whether there is something
+   * @param {(x: number, y: number) => boolean} nudge moves the selection; returns whether there is one
    */
   constructor(board, tool, status, nudge) {
     this.board = board;
@@ -46,7 +46,7 @@ export class KeyboardPen {
     event.preventDefault();
   }
 
-  /** Moves the cursor, which begins in the middle. @param {[number, number]} way @param {number} step */
+  /** Moves the cursor, which starts at the centre. @param {[number, number]} way @param {number} step */
   #move([dx, dy], step) {
     const { board } = this;
     const { width, height } = board.editor.doc;
@@ -72,7 +72,7 @@ export class KeyboardPen {
       status.say(text.penUp);
     } else if (chosen) {
       chosen.down(this.#touch());
-      // A point is pinned, and an area filled, by one press; a stroke goes on until the next.
+      // One press sets a point or fills an area, but a stroke lasts until the next press.
       if (editor.tool === "hint" || (editor.tool === "mask" && editor.fills)) chosen.up();
       else {
         this.#active = chosen;
@@ -81,7 +81,7 @@ export class KeyboardPen {
     }
   }
 
-  /** Drops the stroke that goes on. */
+  /** Cancels the current stroke. */
   #lift() {
     this.#active?.cancel();
     this.#active = null;

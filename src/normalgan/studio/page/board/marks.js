@@ -1,4 +1,4 @@
-/** Marks: how points and suggestions look on the board, and which one is meant by a click. */
+/** Marks: draw points and suggestions on the board, and find the one at a click. */
 
 import { anchorOf, knobOf, reachOf } from "../drawing/document.js";
 import { colourOf } from "../drawing/normal.js";
@@ -17,7 +17,7 @@ const DARK = "#33343c";
 const CUT = "#d0342c";
 
 /**
- * Draws a disc in the colour of its normal, with a needle that leans as the normal does.
+ * Draws a disc in the colour of its normal, with a needle that leans like the normal.
  * @param {CanvasRenderingContext2D} context @param {Camera} camera @param {{x: number, y: number}} at in the drawing
  * @param {import("../drawing/document.js").Normal} normal @param {boolean} chosen
  */
@@ -49,7 +49,7 @@ function drawMark(context, camera, at, normal, chosen) {
 }
 
 /**
- * Draws how far a point has an effect: a ring, with a knob to drag.
+ * Draws the reach of a point as a ring with a knob to drag.
  * @param {CanvasRenderingContext2D} context @param {Camera} camera @param {import("../drawing/document.js").Hint} hint
  */
 function drawReach(context, camera, hint) {
@@ -82,7 +82,7 @@ export function drawHints(context, camera, editor) {
 }
 
 /**
- * Draws areas where a tool works on them.
+ * Draws areas while a tool that edits them is active.
  * @param {CanvasRenderingContext2D} context @param {Camera} camera @param {Editor} editor
  */
 export function drawAreas(context, camera, editor) {
@@ -98,7 +98,7 @@ export function drawAreas(context, camera, editor) {
     }
     [context.lineJoin, context.lineCap] = ["round", "round"];
     if (area.size) {
-      // Its tint would hide what is judged while its ball is turned; a structure is seen itself.
+      // A tint would hide the effect while the ball is rotated; a structure is visible by itself.
       if (chosen && editor.draft) continue;
       if (area.structure) {
         drawMark(context, camera, anchorOf(area), area.normal, chosen);
@@ -125,7 +125,7 @@ export function drawAreas(context, camera, editor) {
 }
 
 /**
- * Draws a line or a shape that is not in the ink yet, and the line at which all is mirrored.
+ * Draws a line or shape that is not yet in the ink, and the axis of symmetry.
  * @param {CanvasRenderingContext2D} context @param {Camera} camera @param {Editor} editor
  */
 export function drawGuides(context, camera, editor) {
@@ -155,7 +155,7 @@ export function drawGuides(context, camera, editor) {
 }
 
 /**
- * Draws what the mask brush is adding or cutting; what it has done shows as the object itself.
+ * Draws the current stroke of the mask brush; finished strokes show in the object itself.
  * @param {CanvasRenderingContext2D} context @param {Camera} camera @param {Editor} editor
  */
 export function drawMaskStroke(context, camera, editor) {
@@ -176,8 +176,7 @@ export function drawMaskStroke(context, camera, editor) {
 }
 
 /**
- * Tints the area between lines that a click would turn over, and says what it is; one that lies open to the paper's edge
- * has no tint.
+ * Tints the enclosed area that a click would flip, and labels it. An area that is open to the paper's edge has no tint.
  * @param {CanvasRenderingContext2D} context @param {Camera} camera @param {import("../drawing/areas.js").Vote | null} vote
  * @param {{x: number, y: number}} at where the pointer is, in the drawing
  */
@@ -201,7 +200,7 @@ export function drawVote(context, camera, vote, at) {
   context.fillText(words, left + 8, top + 13);
 }
 
-/** Rings the places of what is said about the map. @param {CanvasRenderingContext2D} context @param {Camera} camera @param {Editor} editor */
+/** Draws rings at the places of findings. @param {CanvasRenderingContext2D} context @param {Camera} camera @param {Editor} editor */
 export function drawRings(context, camera, editor) {
   for (const [left, top] of editor.ringed) {
     const { x, y } = camera.toPane(left, top);
@@ -236,7 +235,7 @@ export function drawSuggestions(context, camera, editor) {
 }
 
 /**
- * Returns the index of the point nearest to where was clicked, or -1 if none is near.
+ * Returns the index of the point nearest to a click, or -1 if none is near.
  * @param {{x: number, y: number}[]} points in the drawing
  * @param {{x: number, y: number}} at in the drawing
  * @param {number} reach in pixels of the drawing

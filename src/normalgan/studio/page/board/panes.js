@@ -1,4 +1,4 @@
-/** Panes: which of them are on show, and what of the drawing lies over the result. */
+/** Panes: which panes are visible, and how the drawing overlays the result. */
 
 import { context2d } from "../drawing/canvas.js";
 import { $ } from "../elements/dom.js";
@@ -10,11 +10,11 @@ const OBJECT = [91, 98, 224];
 /** @typedef {"drawing" | "result" | "both"} Layout */
 /** @type {Layout[]} */
 const LAYOUTS = ["drawing", "result", "both"];
-/** Windows in which each of two panes would be too small. */
+/** Windows that are too small for two panes. */
 const SMALL = "(max-width: 560px), (max-height: 430px)";
 
 /**
- * Returns a picture in one colour.
+ * Returns a picture of a single colour with varying opacity.
  * @param {number} width @param {number} height @param {number[]} colour @param {(pixel: number) => number} opacity 0 to 255
  * @returns {HTMLCanvasElement}
  */
@@ -33,10 +33,10 @@ function tinted(width, height, [red, green, blue], opacity) {
   return canvas;
 }
 
-/** Draws how unsure the model is: the more, the more amber. @param {{shares: Uint8Array, width: number, height: number}} doubt */
+/** Draws the model's uncertainty in amber. @param {{shares: Uint8Array, width: number, height: number}} doubt */
 const veilOf = ({ shares, width, height }) => tinted(width, height, AMBER, (pixel) => Math.min(235, 2.2 * shares[pixel]));
 
-/** Draws where the object is. @param {import("../result/predictor.js").Painted} painted */
+/** Draws a tint over the object. @param {import("../result/predictor.js").Painted} painted */
 const objectOf = ({ rgba, width, height }) => tinted(width, height, OBJECT, (pixel) => Math.round(0.3 * rgba[4 * pixel + 3]));
 
 export class Panes {
@@ -56,10 +56,10 @@ export class Panes {
     const usual = () => (small.matches ? "drawing" : "both");
     this.layout = usual();
     small.addEventListener("change", () => this.show(usual()));
-    /** @type {number | null} share of the result's width where the drawing ends; null does not compare */
+    /** @type {number | null} fraction of the result's width covered by the drawing; null disables the comparison */
     this.divider = null;
     this.lines = false;
-    /** @type {import("../result/predictor.js").Predictor["doubt"]} what the veil shows */
+    /** @type {import("../result/predictor.js").Predictor["doubt"]} the uncertainty shown by the veil */
     this.doubted = null;
     for (const layout of LAYOUTS) $(`layout-${layout}`).addEventListener("click", () => this.show(layout));
     $("compare").addEventListener("click", () => this.compare());
@@ -83,25 +83,25 @@ export class Panes {
     this.#show();
   }
 
-  /** Gives one pane all the room, or takes it back. @param {"drawing" | "result"} pane */
+  /** Maximises one pane, or restores both. @param {"drawing" | "result"} pane */
   enlarge(pane) {
     this.show(this.layout === pane ? "both" : pane);
   }
 
-  /** Shows the drawing beside a divider in the result, or ends that. */
+  /** Toggles the comparison of drawing and result with a divider. */
   compare() {
     this.divider = this.divider === null ? 0.5 : null;
     this.#show();
     if (this.divider !== null) $("divider").focus();
   }
 
-  /** Shows the lines over the result, or hides them. */
+  /** Toggles the lines over the result. */
   overlay() {
     this.lines = !this.lines;
     this.#show();
   }
 
-  /** Tints the object in the drawing, where the mask is worked on. */
+  /** Tints the object in the drawing while the mask is edited. */
   #showObject() {
     const { sheet } = this.drawing;
     const { painted } = this.predictor;
@@ -116,7 +116,7 @@ export class Panes {
     const { layout, divider, lines, predictor } = this;
     /** @type {HTMLElement} */ (document.querySelector("main")).dataset.layout = layout;
     for (const each of LAYOUTS) $(`layout-${each}`).setAttribute("aria-pressed", String(each === layout));
-    // Samples are offered where one looks.
+    // Samples are offered in the visible pane.
     $(layout === "drawing" ? "empty-board" : "empty-result").append($("offer"));
     $("compare").setAttribute("aria-pressed", String(divider !== null));
     $("lines").setAttribute("aria-pressed", String(lines));
@@ -125,10 +125,10 @@ export class Panes {
     $("divider").style.left = `${100 * (divider ?? 0)}%`;
     $("divider").setAttribute("aria-valuenow", String(Math.round(100 * (divider ?? 0))));
     const { sheet } = this.result;
-    // As large as the map: it is not drawn anew for each step of the divider.
+    // The veil is as large as the map, so it is not recomputed at each step of the divider.
     if (this.doubted !== predictor.doubt) [this.doubted, sheet.veil] = [predictor.doubt, predictor.doubt && veilOf(predictor.doubt)];
     if (predictor.wantsDoubt && predictor.unsure === false) this.status.say(text.noDoubt, "warning");
-    // A large result is drawn on: its lines must be seen then.
+    // The user draws on a maximised result, so its lines must be visible.
     const over = { lines: lines || layout === "result", paper: false };
     sheet.parts = divider === null
       ? [{ from: 0, to: 1, ...over }]

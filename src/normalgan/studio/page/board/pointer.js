@@ -1,4 +1,4 @@
-/** Pointer: mouse, pen and fingers on a board, as strokes, pinches and moves of the view. */
+/** Pointer: turn mouse, pen and touch input on a board into strokes, pinches and panning. */
 
 import { apart } from "../drawing/simplify.js";
 
@@ -6,22 +6,22 @@ import { apart } from "../drawing/simplify.js";
 
 /** @type {Record<string, number>} */
 const REACH = { mouse: 14, pen: 16, touch: 24 };
-/** Radians that two fingers turn before the paper turns with them. */
+/** Rotation of two fingers, in radians, at which the paper starts to rotate. */
 const LEAST_TURN = 0.3;
 
-/** Milliseconds that a tap of several fingers takes at most, and pixels that they stir. */
+/** Maximum duration of a multi-finger tap in milliseconds, and maximum movement in pixels. */
 const [TAP, STIRRED] = [300, 12];
 
-/** Milliseconds that a hand may keep a pen away and still rest on the screen: its touches are no fingers. */
+/** Time in milliseconds after the last pen event during which touches count as the resting hand. */
 const RESTS = 500;
 
-/** Whether it is the other end of a pen. @param {PointerEvent} event */
+/** Whether the event comes from the eraser end of a pen. @param {PointerEvent} event */
 const isEraser = (event) => event.pointerType === "pen" && (event.button === 5 || (event.buttons & 32) !== 0);
 
 /** @param {Place} from @param {Place} to */
 const angle = (from, to) => Math.atan2(to.y - from.y, to.x - from.x);
 
-/** What mouse, pen and fingers do on one board: the tool's strokes, or moves of the view. */
+/** Handles the pointers on one board, which draw with the tool or move the view. */
 export class Pointers {
   /**
    * @param {import("./board.js").Board} board
@@ -34,24 +34,24 @@ export class Pointers {
     this.tool = tool;
     this.touched = touched;
     this.tapped = tapped;
-    /** @type {Map<number, Place & {pen: boolean}>} fingers and others that are down, in the pane */
+    /** @type {Map<number, Place & {pen: boolean}>} all pressed pointers, in the pane */
     this.pressed = new Map();
-    /** @type {Tool | null} what the gesture began with */
+    /** @type {Tool | null} the tool of the current gesture */
     this.active = null;
     this.panning = false;
-    /** When a pen was near the pane last. */
+    /** Time of the last pen event near the pane. */
     this.penAt = -Infinity;
-    /** Whether a pen has said how hard it is pressed. */
+    /** Whether the pen reports pressure. */
     this.feelsPressure = false;
     this.spaceHeld = false;
-    /** Radians that two fingers have turned. */
+    /** Rotation of two fingers so far, in radians. */
     this.turned = 0;
-    /** Fingers of the tap that may be going on; none if it is none. */
+    /** The multi-finger tap that may be in progress. */
     this.tap = { fingers: 0, since: 0, stirred: 0 };
     this.#listen();
   }
 
-  /** Drops the gesture that goes on. */
+  /** Cancels the current gesture. */
   cancel() {
     this.active?.cancel();
     this.active = null;
@@ -92,7 +92,7 @@ export class Pointers {
     const { board, pressed } = this;
     const pen = event.pointerType === "pen";
     if (pen) {
-      // The hand came down before its pen: what it has begun was not meant.
+      // The hand touched the screen before the pen, so its gesture was not intended.
       this.cancel();
       pressed.clear();
       this.penAt = event.timeStamp;
@@ -100,7 +100,7 @@ export class Pointers {
     if (this.active && event.pointerType !== "touch") return;
     this.touched();
     board.canvas.setPointerCapture(event.pointerId);
-    // Its ring is for keys.
+    // The focus ring is for keyboard users.
     board.focus.focus(/** @type {FocusOptions} */ (/** @type {object} */ ({ preventScroll: true, focusVisible: false })));
     event.preventDefault();
     board.cursor = null;
@@ -118,7 +118,7 @@ export class Pointers {
   #begin(event) {
     const { board } = this;
     const chosen = this.tool(event);
-    // Where there is a pen, a finger or the palm only moves the paper.
+    // Once a pen has been used, touch only moves the paper.
     this.panning = !chosen || this.spaceHeld || event.button === 1 || (this.penAt > -Infinity && event.pointerType === "touch");
     board.canvas.classList.toggle("grabbing", this.panning);
     if (this.panning) return;
@@ -138,7 +138,7 @@ export class Pointers {
     board.pointer = board.camera.toDrawing(at.x, at.y);
     if (before) {
       tap.stirred += apart(before, at);
-      // Fingers that lie still stir a little.
+      // Resting fingers always move a little.
       if (pressed.size > 1 && tap.stirred < STIRRED) return;
       if (pressed.size > 1) this.#pinch(event.pointerId, before, at);
       else if (this.panning) board.camera.pan(at.x - before.x, at.y - before.y);
@@ -174,25 +174,25 @@ export class Pointers {
     else camera.zoom(x, y, Math.exp(-by));
   }
 
-  /** Zooms and turns the view as two fingers do. @param {number} id of the one that moves @param {Place} from @param {Place} to */
+  /** Zooms and rotates the view with two fingers. @param {number} id of the one that moves @param {Place} from @param {Place} to */
   #pinch(id, from, to) {
     const { camera } = this.board;
     const [other] = [...this.pressed].filter(([key]) => key !== id).map(([, at]) => at);
     const growth = apart(other, to) / Math.max(1, apart(other, from));
     const turn = angle(other, to) - angle(other, from);
     this.turned += Math.atan2(Math.sin(turn), Math.cos(turn));
-    // A pinch that is meant to zoom always turns a little.
+    // A pinch meant to zoom always rotates a little.
     if (camera.view.angle !== 0 || Math.abs(this.turned) > LEAST_TURN) {
       camera.zoom(other.x, other.y, growth);
       camera.turn(other.x, other.y, turn);
       return;
     }
-    // Around the middle, which then follows by half: what is under either finger stays there.
+    // Zoom around the midpoint, which then moves by half, so that the drawing stays under both fingers.
     camera.zoom((from.x + other.x) / 2, (from.y + other.y) / 2, growth);
     camera.pan((to.x - from.x) / 2, (to.y - from.y) / 2);
   }
 
-  /** Whether it is a touch of the hand that holds a pen. @param {PointerEvent} event */
+  /** Whether a touch comes from the hand that holds the pen. @param {PointerEvent} event */
   #rests(event) {
     return event.pointerType === "touch" && (event.timeStamp - this.penAt < RESTS || [...this.pressed.values()].some(({ pen }) => pen));
   }
@@ -203,13 +203,13 @@ export class Pointers {
     return { x: event.clientX - box.left, y: event.clientY - box.top };
   }
 
-  /** Returns what a tool is told of an event. @param {PointerEvent} event @returns {import("./tools.js").Touch} */
+  /** Returns the touch that is passed to a tool for an event. @param {PointerEvent} event @returns {import("./tools.js").Touch} */
   #touch(event) {
     const { camera } = this.board;
     const { x, y } = this.#inPane(event);
     const pen = event.pointerType === "pen";
     this.feelsPressure ||= pen && event.pressure > 0;
-    // A mouse has no pressure, and some pens report none: they draw with the middle one. Others report 0 as they are lifted.
+    // A mouse has no pressure, and some pens report none: they draw with medium pressure. Other pens report 0 when they are lifted.
     const pressure = pen && this.feelsPressure ? event.pressure : 0.5;
     const reach = (REACH[event.pointerType] ?? REACH.mouse) / camera.scale;
     return { ...camera.toDrawing(x, y), pressure, reach, scale: camera.scale, pane: { x, y }, straight: event.shiftKey, eraser: isEraser(event) };

@@ -1,21 +1,21 @@
-/** Selection's frame: the box around what is chosen, with the handles that scale and turn it. */
+/** Selection frame: the box around the selection, with handles to scale and rotate it. */
 
 import { boxOfSelection } from "../drawing/selection.js";
 
 const ACCENT = "#5b62e0";
-/** Pixels that the handle at a corner is wide, and from the box to the knob that turns it. */
+/** Width of a corner handle in pixels, and distance of the rotation knob from the box. */
 const [HANDLE, KNOB] = [9, 26];
 
 /** @param {import("../drawing/moving.js").Box} box */
 export const cornersOf = ({ left, top, right, bottom }) => [[left, top], [right, top], [right, bottom], [left, bottom]].map(([x, y]) => ({ x, y }));
 
-/** Where a selection is held to be turned: above its middle. @param {import("../drawing/moving.js").Box} box @param {number} scale pixels of the pane for one of the drawing */
+/** Returns the position of the rotation knob, above the centre of the selection. @param {import("../drawing/moving.js").Box} box @param {number} scale pixels of the pane for one of the drawing */
 export const knobOf = ({ left, top, right }, scale) => ({ x: (left + right) / 2, y: top - KNOB / scale });
 /** @param {{x: number, y: number}} at @returns {[number, number]} */
 const pairOf = ({ x, y }) => [x, y];
 
 /**
- * Draws the box around what is chosen, with a handle at each corner, and what is being drawn around more.
+ * Draws the box around the selection with a handle at each corner, and the current marquee or lasso.
  * @param {CanvasRenderingContext2D} context
  * @param {import("./camera.js").Camera} camera
  * @param {import("../drawing/editor.js").Editor} editor
@@ -50,7 +50,7 @@ export function drawSelection(context, camera, editor) {
   }
 }
 
-/** Draws a line that is seen on light and on dark. @param {CanvasRenderingContext2D} context @param {boolean} dashed */
+/** Draws a line that is visible on light and dark backgrounds. @param {CanvasRenderingContext2D} context @param {boolean} dashed */
 function outline(context, dashed) {
   context.setLineDash(dashed ? [5, 4] : []);
   for (const [colour, width] of /** @type {[string, number][]} */ ([["rgb(255 255 255 / 90%)", 3], [ACCENT, 1.5]])) {

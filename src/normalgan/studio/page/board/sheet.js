@@ -1,4 +1,4 @@
-/** Sheet: paper, pictures and ink of a pane, drawn where they changed. */
+/** Sheet: the paper, pictures and ink of a pane, redrawn only where they changed. */
 
 import { clear, context2d } from "../drawing/canvas.js";
 import { decoded } from "../drawing/pictures.js";
@@ -6,14 +6,14 @@ import { drawPicture } from "../drawing/strokes.js";
 
 /** @typedef {{left: number, top: number, right: number, bottom: number}} Box in pixels of the drawing */
 /**
- * @typedef {object} Part what is shown between two places of the pane
- * @property {number} from share of the pane's width
+ * @typedef {object} Part a vertical strip of the pane
+ * @property {number} from start as a fraction of the pane's width
  * @property {number} to
  * @property {boolean} lines whether the ink is drawn
- * @property {boolean} paper whether paper and pictures lie under it
+ * @property {boolean} paper whether paper and pictures are drawn below the ink
  */
 
-/** Opacity of the lines of layers that are not worked on. */
+/** Opacity of the lines of inactive layers. */
 const OTHERS = 0.4;
 const ALL = { left: -Infinity, top: -Infinity, right: Infinity, bottom: Infinity };
 /** @type {Part[]} */
@@ -33,14 +33,14 @@ export class Sheet {
     this.camera = camera;
     this.context = context2d(canvas);
     this.parts = WHOLE;
-    /** @type {HTMLCanvasElement | null} lies over the whole drawing, under its ink */
+    /** @type {HTMLCanvasElement | null} a tint over the whole drawing, below the ink */
     this.veil = null;
-    /** @type {Box | null} what is to be drawn with the next frame */
+    /** @type {Box | null} the region to redraw in the next frame */
     this.stale = null;
     this.frame = 0;
   }
 
-  /** Draws a part with the next frame. @param {Box} [box] */
+  /** Redraws a region in the next frame. @param {Box} [box] */
   redraw(box = ALL) {
     const { stale } = this;
     this.stale = stale
@@ -52,7 +52,7 @@ export class Sheet {
     this.frame ||= requestAnimationFrame(() => this.#draw());
   }
 
-  /** Takes the size of its pane; at once, or it would flicker, as setting a size empties a canvas. @param {number} width @param {number} height */
+  /** Resizes the sheet and redraws it at once, because resizing clears the canvas and would make it flicker. @param {number} width @param {number} height */
   resize(width, height) {
     [this.canvas.width, this.canvas.height] = [width, height];
     this.stale = ALL;
@@ -63,10 +63,10 @@ export class Sheet {
     cancelAnimationFrame(this.frame);
     this.frame = 0;
     const { canvas, context } = this;
-    // What was drawn before it was hidden is no longer so.
+    // A sheet that was hidden is out of date.
     const stale = canvas.hidden ? ALL : this.stale ?? ALL;
     this.stale = null;
-    // Blending even an empty sheet with what lies below takes most of the time of a frame where there is no graphics card.
+    // Without a graphics card, blending even an empty sheet takes most of the time of a frame.
     canvas.hidden = !this.veil && this.parts.every(({ lines, paper }) => !lines && !paper);
     if (canvas.hidden) return;
     const { width, height } = canvas;
@@ -89,7 +89,7 @@ export class Sheet {
   #clip({ left, top, right, bottom }) {
     const ratio = devicePixelRatio;
     const corners = [[left, top], [right, top], [right, bottom], [left, bottom]].map(([x, y]) => this.camera.toPane(x, y));
-    // Whole pixels, or edges would be blended twice.
+    // The box is rounded to whole pixels; otherwise its edges would be blended twice.
     const [x, y] = [corners.map((each) => each.x), corners.map((each) => each.y)].map((all) => Math.floor(Math.min(...all) * ratio) - 1);
     const [x2, y2] = [corners.map((each) => each.x), corners.map((each) => each.y)].map((all) => Math.ceil(Math.max(...all) * ratio) + 1);
     this.context.beginPath();
@@ -106,13 +106,13 @@ export class Sheet {
     context.setTransform(...camera.transform(ratio));
     const zoom = (camera.scale * ratio) / this.inks.of(worked).scale;
     context.imageSmoothingEnabled = zoom < 8;
-    // Mipmaps are dear, and only show where it gets much smaller.
+    // Mipmaps are slow and only matter when the ink is much reduced.
     context.imageSmoothingQuality = zoom < 0.6 ? "medium" : "low";
     if (paper) {
       context.fillStyle = "#fff";
       context.fillRect(0, 0, doc.width, doc.height);
     }
-    // A picture may lie beside the paper, to be looked at.
+    // A reference picture may lie next to the paper.
     if (paper) for (const picture of doc.pictures.filter((each) => each.visible)) {
       context.globalAlpha = picture.opacity;
       drawPicture(context, decoded(picture.picture), picture);
@@ -122,10 +122,10 @@ export class Sheet {
     context.rect(0, 0, doc.width, doc.height);
     context.clip();
     if (this.veil) context.drawImage(this.veil, 0, 0, doc.width, doc.height);
-    // The paper of an imported drawing must not hide what is traced.
+    // The paper of an imported drawing must not hide reference pictures.
     if (doc.pictures.length || layers.length > 1 || !paper) context.globalCompositeOperation = "multiply";
     if (lines) for (const layer of layers) {
-      // What is not worked on steps back.
+      // Inactive layers are faded.
       context.globalAlpha = paper && layer !== worked ? OTHERS : 1;
       context.drawImage(this.inks.of(layer).canvas, 0, 0, doc.width, doc.height);
     }

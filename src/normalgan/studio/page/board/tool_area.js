@@ -9,14 +9,14 @@ import { nearest } from "./marks.js";
 
 /** @typedef {import("./tools.js").Touch} Touch */
 
-/** What has no direction of its own. @type {import("../drawing/document.js").Normal} */
+/** The normal of areas without a direction. @type {import("../drawing/document.js").Normal} */
 const FRONT = [0, 0, 1];
 
-/** Region and brush: what is circled is turned as a whole, what is brushed gets a direction, which the ball tells, is smoothed, or gets a structure. */
+/** Region and brush: a circled region is tilted rigidly; a brush stroke gets a direction, is smoothed, or gets a structure. */
 export class AreaTool {
   /**
    * @param {import("../drawing/editor.js").Editor} editor
-   * @param {() => import("../result/predictor.js").Painted | null} map what was painted last
+   * @param {() => import("../result/predictor.js").Painted | null} map returns the latest map
    * @param {import("../elements/status.js").Announce} announce
    */
   constructor(editor, map, announce) {
@@ -28,7 +28,7 @@ export class AreaTool {
     /** @type {number | undefined} */
     this.size = undefined;
     this.step = 0;
-    /** Index of the area whose mark is pressed, -1 is none. */
+    /** Index of the area whose mark is pressed; -1 for none. */
     this.pressed = -1;
   }
 
@@ -69,7 +69,7 @@ export class AreaTool {
     else if (points.length >= 6) this.#add({ points, normal: meanNormal(this.map(), points, this.editor.doc) });
   }
 
-  /** Ends a stroke of the brush. @param {number[]} points @param {number} size */
+  /** Finishes a brush stroke. @param {number[]} points @param {number} size */
   #brushed(points, size) {
     const { editor } = this;
     const { doc, direction, structure, ownStructure: own } = editor;
@@ -78,7 +78,7 @@ export class AreaTool {
     if (works === "direction") {
       this.#add({ ...stroke, normal: direction ?? normalAt(this.map(), points[0] / doc.width, points[1] / doc.height) });
     } else if (works === "smooth") {
-      // There is nothing to be turned: the next stroke may follow at once.
+      // A smoothing stroke has no direction to set, so the next stroke can follow at once.
       editor.commit(withArea(doc, { ...stroke, smooths: true }));
     } else {
       const whole = withStructures(doc, structure.picture === own?.id && own ? [own] : []);
@@ -87,7 +87,7 @@ export class AreaTool {
     }
   }
 
-  /** Adds an area, which can be turned then. @param {import("../drawing/document.js").Area} area */
+  /** Adds an area and selects it, so that it can be tilted. @param {import("../drawing/document.js").Area} area */
   #add(area) {
     const { editor } = this;
     const index = editor.layer.areas.length;

@@ -1,4 +1,4 @@
-/** Hint tool: points that fix the direction of the surface. */
+/** Hint tool: set points that fix the direction of the surface. */
 
 import { layerAt } from "../drawing/areas.js";
 import { MOST_HINTS, activeLayer, changedHint, knobOf, middleOfPixel, mostReach, withHint } from "../drawing/document.js";
@@ -8,20 +8,20 @@ import { nearest } from "./marks.js";
 
 /** @typedef {import("./tools.js").Touch} Touch */
 
-/** Points: a click pins or chooses one, dragging moves it. Not before its end: the press may be the first of two fingers. */
+/** Points: a click sets or selects a point, and dragging moves it. A click only counts on release, because it may be the first of two fingers. */
 export class HintTool {
   /**
    * @param {import("../drawing/editor.js").Editor} editor
-   * @param {() => import("../result/predictor.js").Painted | null} map what was painted last
+   * @param {() => import("../result/predictor.js").Painted | null} map returns the latest map
    * @param {import("../elements/status.js").Announce} announce
    */
   constructor(editor, map, announce) {
     this.editor = editor;
     this.map = map;
     this.announce = announce;
-    /** @type {{index: number, dx: number, dy: number, from: Touch, moved: boolean, ring: boolean} | null} ring: its reach is changed */
+    /** @type {{index: number, dx: number, dy: number, from: Touch, moved: boolean, ring: boolean} | null} ring: whether the reach is dragged */
     this.held = null;
-    /** @type {Touch | null} where no point was when it was pressed */
+    /** @type {Touch | null} a press where there is no point */
     this.pressed = null;
   }
 
@@ -38,7 +38,7 @@ export class HintTool {
     this.held = { index, dx: x - touch.x, dy: y - touch.y, from: touch, moved: false, ring };
   }
 
-  /** Takes the suggestion at a touch, or pins a point there. @param {Touch} touch */
+  /** Accepts the suggestion at a touch, or sets a point there. @param {Touch} touch */
   #press(touch) {
     const { editor } = this;
     const { doc, layer } = editor;
@@ -47,7 +47,7 @@ export class HintTool {
       this.accept(suggestion);
       return;
     }
-    // A direction is of the part that is seen there, whichever layer is worked on.
+    // A point belongs to the visible layer at that place, even if another layer is active.
     const front = layerAt(doc, touch);
     const other = front !== null && front.id !== layer.id;
     if (other) editor.work(front.id);
@@ -85,7 +85,7 @@ export class HintTool {
     this.editor.drop();
   }
 
-  /** Takes a suggestion as a point. @param {number} index */
+  /** Accepts a suggestion as a point. @param {number} index */
   accept(index) {
     const { editor } = this;
     const { normal, ...at } = editor.suggestions[index];
@@ -93,7 +93,7 @@ export class HintTool {
   }
 
   /**
-   * Pins a point.
+   * Sets a point.
    * @param {{x: number, y: number}} at @param {import("../drawing/document.js").Normal} normal
    * @returns {boolean} whether there was room for it
    */

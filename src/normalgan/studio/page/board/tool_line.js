@@ -8,15 +8,15 @@ import { text } from "../text/text.js";
 
 /** @typedef {import("./tools.js").Touch} Touch */
 
-/** Radians within which a straight line is level, upright or diagonal. */
+/** Angle in radians within which a straight line snaps to horizontal, vertical or diagonal. */
 const SNAP = 0.06;
 const ALL = { left: -Infinity, top: -Infinity, right: Infinity, bottom: Infinity };
-/** Milliseconds that a pen is held still at the end of a stroke to make a shape of it; pixels of the pane that it may stir; and that the stroke goes at least. */
+/** Milliseconds that a pen must be held still at the end of a stroke to turn it into a shape; its maximum movement meanwhile; and the minimum length of the stroke, in pane pixels. */
 const [HELD, STIRRED, LEAST_WAY] = [600, 4, 30];
-/** A hand that tests lead pauses wherever the machine is busy, so they set a longer time. */
+/** Simulated pointers in tests pause whenever the machine is busy, so tests set a longer time. */
 const heldFor = () => Number(document.documentElement.dataset.held ?? HELD);
 
-/** Pen and eraser: a stroke from down to up. */
+/** Pen and eraser: draw a stroke from press to release. */
 export class LineTool {
   /**
    * @param {import("../drawing/editor.js").Editor} editor
@@ -27,14 +27,14 @@ export class LineTool {
     this.editor = editor;
     this.inks = inks;
     this.announce = announce;
-    /** @type {Touch | null} where the pen is held still, maybe */
+    /** @type {Touch | null} where the pen may be held still */
     this.rest = null;
     this.waiting = 0;
-    /** @type {import("../drawing/document.js").Line | null} the stroke as it was drawn, if a shape was made of it */
+    /** @type {import("../drawing/document.js").Line | null} the original stroke, if it was turned into a shape */
     this.raw = null;
     /** @type {import("../drawing/document.js").Line | null} */
     this.line = null;
-    /** @type {Touch | null} where a straight line begins */
+    /** @type {Touch | null} start of a straight line */
     this.start = null;
     this.smoother = new Smoother(0, 1);
   }
@@ -83,11 +83,11 @@ export class LineTool {
     this.line = this.raw = null;
     editor.guide = null;
     if (raw) {
-      // Undo leads back to the stroke as it was drawn.
+      // Undo restores the original stroke.
       const before = editor.doc;
       editor.commit(withStroke(before, raw));
       editor.commit(withStroke(before, line));
-      this.announce(text.shaped); // still so, now that it is done
+      this.announce(text.shaped); // announced again, now that the stroke is finished
       return;
     }
     editor.draw(this.inks.of(editor.layer).draw(line, true), true);
@@ -104,19 +104,19 @@ export class LineTool {
     this.editor.drop();
   }
 
-  /** Waits whether the pen is held still; keys, which have no place in the pane, pause for other reasons. @param {Touch} touch */
+  /** Starts the timer for a pen that is held still. Keyboard strokes have no pane position and are ignored. @param {Touch} touch */
   #wait(touch) {
     if (!touch.pane || this.line?.kind !== "pen") return;
     if (this.rest && Math.hypot(touch.x - this.rest.x, touch.y - this.rest.y) * touch.scale < STIRRED) return;
     this.rest = touch;
     clearTimeout(this.waiting);
     this.waiting = setTimeout(() => {
-      // A busy page learns with the next frame that the hand has moved on meanwhile.
+      // On a busy page, later movements only arrive with the next frame.
       requestAnimationFrame(() => this.rest === touch && this.#shape(touch));
     }, heldFor());
   }
 
-  /** Brings the stroke back as it was drawn: it was a pause, and not its end. @param {Touch} touch */
+  /** Restores the original stroke, because the pen was only pausing. @param {Touch} touch */
   #goOn({ scale }) {
     const { raw, editor, inks } = this;
     if (!raw) return;
@@ -128,7 +128,7 @@ export class LineTool {
     editor.draw(ALL, true);
   }
 
-  /** Makes a shape of the stroke, if it means one. @param {Touch} touch */
+  /** Turns the stroke into a shape, if it resembles one. @param {Touch} touch */
   #shape(touch) {
     const { line, editor, inks } = this;
     const { scale } = touch;
@@ -141,9 +141,9 @@ export class LineTool {
     if (!shape) return;
     this.raw = { ...line, points };
     const pressure = rounded(points.reduce((sum, value, i) => (i % 3 === 2 ? sum + value : sum), 0) / places.length);
-    // A corner that is there twice is sharp: between points a line is curved.
+    // Lines are curved between points, but a repeated point gives a sharp corner.
     this.line = { ...line, points: shape.points.flatMap(({ x, y }) => Array.from({ length: shape.sharp ? 2 : 1 }, () => [rounded(x), rounded(y), pressure]).flat()) };
-    // Its end may still be moved.
+    // The end of the line can still be moved.
     if (shape.points.length === 2) this.start = { ...touch, ...shape.points[0] };
     inks.sync(editor.doc); // without the stroke
     editor.draw(ALL, true);
@@ -152,7 +152,7 @@ export class LineTool {
     this.announce(text.shaped);
   }
 
-  /** Shows a straight line to where the pointer is; near a level, an upright or a diagonal it is exactly that. @param {Touch} touch */
+  /** Shows a straight line to the pointer, snapped to horizontal, vertical or diagonal. @param {Touch} touch */
   #straight(touch) {
     const { line, start, editor } = this;
     if (!line || !start) return;

@@ -1,4 +1,4 @@
-/** Mask tool: what is object, and what is not. */
+/** Mask tool: mark object and holes. */
 
 import { Areas } from "../drawing/areas.js";
 import { MOST_MASK_STROKES, withMaskStroke } from "../drawing/document.js";
@@ -7,14 +7,14 @@ import { text } from "../text/text.js";
 
 /** @typedef {import("./tools.js").Touch} Touch */
 
-/** Places that are asked along each side of the paper whether they are object. */
+/** Number of sample points along each side of the paper for deciding whether an area is object. */
 const VOICES = 64;
 
-/** Mask brush: adds to the object or cuts from it; or a click makes an area between lines object or hole. */
+/** Mask brush: adds to the object or cuts from it; in click mode, it flips an enclosed area between object and hole. */
 export class MaskTool {
   /**
    * @param {import("../drawing/editor.js").Editor} editor
-   * @param {() => import("../result/predictor.js").Painted | null} map what was painted last
+   * @param {() => import("../result/predictor.js").Painted | null} map returns the latest map
    * @param {import("../elements/status.js").Announce} announce
    */
   constructor(editor, map, announce) {
@@ -23,7 +23,7 @@ export class MaskTool {
     this.areas = new Areas();
     this.announce = announce;
     this.step = 1;
-    /** @type {Touch | null} where an area is clicked */
+    /** @type {Touch | null} the press on an area */
     this.pressed = null;
   }
 
@@ -68,7 +68,7 @@ export class MaskTool {
   }
 
   /**
-   * Returns the area about a point, and whether most of it is object: a click turns that over.
+   * Returns the area at a point, and whether most of it is object; a click flips it.
    * @param {{x: number, y: number}} at
    * @returns {import("../drawing/areas.js").Vote | null}
    */
@@ -78,7 +78,7 @@ export class MaskTool {
     return area && { area, object: this.#isObject(area, x, y) };
   }
 
-  /** Makes an area object, or a hole if it was one. @param {Touch} touch */
+  /** Flips an area between object and hole. @param {Touch} touch */
   #toggle({ x, y }) {
     const { editor } = this;
     const vote = this.voteAt({ x, y });
@@ -93,7 +93,7 @@ export class MaskTool {
   }
 
   /**
-   * Whether the map on show has more of an area as object than not.
+   * Whether most of an area is object in the current map.
    * @param {import("../drawing/areas.js").Area} area @param {number} x @param {number} y of a point in it
    */
   #isObject(area, x, y) {
@@ -113,6 +113,6 @@ export class MaskTool {
         if (area.shows(right, down)) sum += voice(right, down);
       }
     }
-    return (sum || voice(x, y)) > 0; // a narrow area may lie between them all
+    return (sum || voice(x, y)) > 0; // a narrow area may fall between all sample points
   }
 }

@@ -1,4 +1,4 @@
-/** Select tool: chooses, moves, scales, turns and removes strokes, pictures and parts of pictures. */
+/** Select tool: selects, moves, scales, rotates and deletes strokes, pictures and parts of pictures. */
 
 import { activeLayer, withActive } from "../drawing/document.js";
 import { NOTHING } from "../drawing/editor.js";
@@ -11,29 +11,29 @@ import { cornersOf, knobOf } from "./selection_frame.js";
 
 /** @typedef {import("../drawing/editor.js").Selection} Selection @typedef {import("./tools.js").Touch} Touch */
 
-/** Pixels of the drawing from which the hand scales at least: nearer to the fixed corner each would do too much. */
+/** Minimum distance from the fixed corner, in drawing pixels, for scaling; closer, each pixel would scale too much. */
 const LEAST = 4;
-/** How far one drag scales. */
+/** Limits of the scale of one drag. */
 const SCALES = { least: 0.02, most: 50 };
-/** Radians of the steps in which Shift turns. */
+/** Step of a rotation with Shift, in radians. */
 const TURN = Math.PI / 12;
 
 /**
- * @typedef {object} Held a drag that goes on
+ * @typedef {object} Held the current drag
  * @property {"move" | "scale" | "turn" | "around"} kind
- * @property {Touch} from where it began
- * @property {{x: number, y: number}} [fixed] what stays where it is while it scales or turns
+ * @property {Touch} from where the drag started
+ * @property {{x: number, y: number}} [fixed] the fixed point of a scaling or rotation
  * @property {Selection} before
- * @property {Touch} [late] where the hand is before the parts of cut pictures are there
+ * @property {Touch} [late] the latest position while pictures are still being cut
  */
 
-/** Returns how a drag moves, scales or turns what is chosen. @param {Held} held @param {Touch} touch @returns {import("../drawing/moving.js").Move} */
+/** Returns the move that a drag makes. @param {Held} held @param {Touch} touch @returns {import("../drawing/moving.js").Move} */
 function moveOf({ kind, from, fixed }, touch) {
   if (!fixed) return { scale: 1, x: touch.x - from.x, y: touch.y - from.y };
   if (kind === "turn") {
     const direction = (/** @type {Touch} */ at) => Math.atan2(at.y - fixed.y, at.x - fixed.x);
     const angle = direction(touch) - direction(from);
-    // With Shift in steps.
+    // Shift rotates in steps.
     return aboutPoint(fixed, { scale: 1, angle: touch.straight ? Math.round(angle / TURN) * TURN : angle });
   }
   const length = (/** @type {Touch} */ at) => Math.hypot(at.x - fixed.x, at.y - fixed.y);
@@ -41,7 +41,7 @@ function moveOf({ kind, from, fixed }, touch) {
   return aboutPoint(fixed, { scale });
 }
 
-/** Select: a click or what is drawn around chooses; a drag moves, scales or turns what is chosen. */
+/** Select: a click, marquee or lasso selects; a drag moves, scales or rotates the selection. */
 export class SelectTool {
   /** @param {import("../drawing/editor.js").Editor} editor @param {import("../elements/status.js").Announce} announce */
   constructor(editor, announce) {
@@ -73,7 +73,7 @@ export class SelectTool {
     this.held = { kind: "move", from: touch, before: editor.selection };
   }
 
-  /** Holds what is chosen by its knob or a corner. @param {Touch} touch @returns {Held | null} null: neither is there */
+  /** Starts a drag of the knob or a corner handle. @param {Touch} touch @returns {Held | null} null if neither is hit */
   #heldByHandle(touch) {
     const { doc, selection } = this.editor;
     const box = boxOfSelection(doc, selection);
@@ -101,14 +101,14 @@ export class SelectTool {
       return;
     }
     const move = moveOf(held, touch);
-    // A press that stirs a little only chooses.
+    // A press that hardly moves only selects.
     if (!held.fixed && !editor.draft && Math.hypot(move.x, move.y) < touch.reach / 4) return;
     const { doc, selection } = withMoved(editor.history.state, held.before, move);
     editor.selection = selection;
     editor.preview(doc);
   }
 
-  /** Draws a line or a box around what is to be chosen. @param {Touch} from where it began @param {Touch} touch */
+  /** Extends the marquee or lasso. @param {Touch} from where it began @param {Touch} touch */
   #drawAround(from, touch) {
     const { editor } = this;
     if (editor.lassoes) {
@@ -151,7 +151,7 @@ export class SelectTool {
     this.editor.drop();
   }
 
-  /** Chooses what lies within a box, besides what was chosen. @param {import("../drawing/moving.js").Box} box @param {Selection} before */
+  /** Selects everything within a box, in addition to the previous selection. @param {import("../drawing/moving.js").Box} box @param {Selection} before */
   #chooseIn(box, before) {
     const { editor } = this;
     const inside = (/** @type {import("../drawing/document.js").Stroke | import("../drawing/document.js").Picture} */ item) => {
@@ -163,7 +163,7 @@ export class SelectTool {
     editor.set({ selection: together(before, { strokes, pictures }) });
   }
 
-  /** Chooses what lies within a lasso; one that is only a click chooses what is there. @param {{from: Touch, before: Selection}} held @param {number[]} drawn */
+  /** Selects everything within a lasso; a lasso that is only a click selects what it hits. @param {{from: Touch, before: Selection}} held @param {number[]} drawn */
   #drawnAround({ from, before }, drawn) {
     const { editor } = this;
     const { layer, doc } = editor;
@@ -178,13 +178,13 @@ export class SelectTool {
     const { strokes, cuts } = chosenBy(layer, lasso);
     const pictures = doc.pictures.flatMap((picture, i) => (cornersOf(extentOf(picture)).every(inside) ? [i] : []));
     const found = together({ strokes: before.strokes, pictures: before.pictures }, { strokes, pictures });
-    // A picture that was chosen whole is cut no more.
+    // A picture that is selected as a whole is not cut.
     const selection = { ...found, cuts: cuts.filter(({ index }) => !found.strokes.includes(index)), lasso };
     this.#choose(selection);
     if (isCut(selection)) return;
     Promise.all(cuts.map(({ ready }) => ready)).then(() => {
       if (editor.selection !== selection) return;
-      // What is darker there is the paper's own shade.
+      // Cuts without ink only contain shaded paper.
       const inked = selection.cuts.filter(({ parts }) => parts?.piece.width);
       if (inked.length < selection.cuts.length) this.#choose({ ...selection, cuts: inked });
       else editor.mark();
@@ -198,7 +198,7 @@ export class SelectTool {
     if (none) this.announce(text.lassoEmpty, "warning");
   }
 
-  /** Removes what is chosen, and says so. */
+  /** Deletes the selection and announces it. */
   remove() {
     const { editor } = this;
     if (isNothing(editor.selection)) return;
@@ -213,14 +213,14 @@ export class SelectTool {
     const { doc, selection: { strokes, pictures } } = withCuts(editor.doc, editor.selection);
     const layer = activeLayer(doc);
     editor.set({ selection: NOTHING });
-    // Without any line, points and regions would be of nothing.
+    // Without lines, points and regions would have no object.
     const all = layer.strokes.every(({ kind }, i) => kind === "eraser" || strokes.includes(i));
     const kept = { strokes: layer.strokes.filter((_, i) => !strokes.includes(i)) };
     const left = strokes.length ? withActive(doc, all ? { strokes: [], hints: [], areas: [], mask: [] } : kept) : doc;
     editor.commit(pictures.length ? { ...left, pictures: doc.pictures.filter((_, i) => !pictures.includes(i)) } : left);
   }
 
-  /** Chooses all strokes. */
+  /** Selects all strokes. */
   all() {
     const strokes = this.editor.layer.strokes.flatMap((stroke, i) => (stroke.kind === "eraser" ? [] : [i]));
     this.editor.set({ tool: "select", selection: { strokes, pictures: [] } });

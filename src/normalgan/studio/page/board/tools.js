@@ -1,4 +1,4 @@
-/** Tools: what a gesture does, whether it comes from a pointer or from the keyboard; and the simplest of them, the light. */
+/** Tools: the interface of a tool for pointer and keyboard gestures, and the light tool. */
 
 /**
  * @typedef {{x: number, y: number, pressure: number, reach: number, scale: number,
@@ -8,14 +8,14 @@
  */
 
 /**
- * @typedef {object} Tool what works on the board from the pointer's or the keyboard's press to its end
+ * @typedef {object} Tool a tool that handles gestures on the board, from press to release
  * @property {(touch: Touch) => void} down
  * @property {(touch: Touch) => void} move
  * @property {() => void} up
  * @property {() => void} cancel
  */
 
-/** Light: a drag over the result moves it. */
+/** Light: dragging over the result moves the light. */
 export class LightTool {
   /** @param {(x: number, y: number) => void} move over a point of the pane */
   constructor(move) {

@@ -1,11 +1,11 @@
-/** Areas: the parts of the paper that lines enclose, which a click makes object or hole. */
+/** Areas: find the areas enclosed by lines, which a click flips between object and hole. */
 
 import { context2d } from "./canvas.js";
 import { inkAt } from "./ink.js";
 
-/** Longer side in pixels at which areas are looked for while the pointer moves. */
+/** Longer side in pixels at which areas are searched while the pointer moves. */
 const SIDE = 512;
-/** How opaque a line is at least that parts one area from another, 0 to 255. */
+/** Minimum ink, 0 to 255, of a line that separates two areas. */
 const INKED = 90;
 const OBJECT = [91, 98, 224, 115];
 const HOLE = [208, 52, 44, 90];
@@ -18,12 +18,12 @@ export class Areas {
   constructor() {
     /** @type {{strokes: object, width: number, height: number, inked: Uint8Array, wide: number, high: number} | null} */
     this.lines = null;
-    /** @type {{lines: object, area: Uint8Array, found: Area} | null} what was asked for last */
+    /** @type {{lines: object, area: Uint8Array, found: Area} | null} result of the last query */
     this.last = null;
   }
 
   /**
-   * Returns the area about a point; null on a line.
+   * Returns the area at a point; null on a line.
    * @param {import("./document.js").Doc} doc @param {import("./document.js").Layer} layer @param {number} x @param {number} y
    * @returns {Area | null}
    */
@@ -33,7 +33,7 @@ export class Areas {
       const { canvas, pixels } = inkAt({ width, height, strokes }, Math.min(SIDE, Math.max(width, height)));
       const { channels, bytes } = pixels();
       const count = canvas.width * canvas.height;
-      // Dark is a line, whatever its colour, as the server has it.
+      // Dark pixels of any colour are lines, as on the server.
       const inked = Uint8Array.from({ length: count }, (_, i) => {
         if (channels === 1) return 255 - bytes[i] > INKED ? 1 : 0;
         const [red, green, blue, alpha] = bytes.subarray(4 * i, 4 * i + 4);

@@ -1,4 +1,4 @@
-/** Canvas: its context for drawing in two dimensions. */
+/** Canvas: 2D contexts. */
 
 /**
  * Returns the context of a canvas; every browser that runs the page has it.
@@ -13,8 +13,8 @@ export function context2d(canvas, settings) {
 }
 
 /**
- * Clears a canvas, so that it shows: a frame of nothing but clearing may never reach the screen in Chromium where the
- * canvas is drawn by the graphics card, and what was there before stays. One pixel, which nobody sees, makes it a drawing.
+ * Clears a canvas. In Chromium with GPU canvases, a frame that only clears may never reach the screen, so an invisible
+ * pixel is drawn as well.
  * @param {CanvasRenderingContext2D} context without a transform
  */
 export function clear(context) {

@@ -1,4 +1,4 @@
-/** Carving: lines that are cut into the object or stand out of it, as the server takes them. */
+/** Carving: convert engraved and embossed lines to the areas that the server takes. */
 
 import { MOST_POINTS, rounded } from "./simplify.js";
 import { boxOf, curveOf, sidesOf, widthAt } from "./strokes.js";
@@ -9,7 +9,7 @@ import { boxOf, curveOf, sidesOf, widthAt } from "./strokes.js";
 /** @type {WeakMap<object, Asked[]>} by the strokes of a layer */
 const known = new WeakMap();
 
-/** Returns what a layer's map is turned by: its areas, then the lines that are carved. @param {import("./document.js").Layer} layer @returns {Asked[]} */
+/** Returns the edits of a layer's map: its areas, then its carved lines. @param {import("./document.js").Layer} layer @returns {Asked[]} */
 export function areasOf({ areas, strokes }) {
   const carved = known.get(strokes) ?? strokes.flatMap((stroke, i) =>
     stroke.kind === "pen" && stroke.carve ? piecesOf(stroke, strokes.slice(i + 1)) : []);
@@ -17,7 +17,7 @@ export function areasOf({ areas, strokes }) {
   return [...areas, ...carved];
 }
 
-/** Returns what was not erased later of a line, in pieces of at most `MOST_POINTS`. @param {Line} line @param {import("./document.js").Stroke[]} later @returns {Asked[]} */
+/** Returns the parts of a line that were not erased later, in pieces of at most `MOST_POINTS` points. @param {Line} line @param {import("./document.js").Stroke[]} later @returns {Asked[]} */
 function piecesOf(line, later) {
   const around = boxOf(line, 0);
   const erasers = later.flatMap((stroke) => (stroke.kind === "eraser" && meet(boxOf(stroke, 0), around) ? sidesOf(stroke) : []))
@@ -46,5 +46,5 @@ function piecesOf(line, later) {
 /** @param {Box} a @param {Box} b */
 const meet = (a, b) => a.left <= b.right && b.left <= a.right && a.top <= b.bottom && b.top <= a.bottom;
 
-/** Returns points along a line, closer than it is wide. @param {{size: number, points: number[]}} side */
+/** Returns points along a line, spaced more closely than its width. @param {{size: number, points: number[]}} side */
 const sampled = (side) => curveOf(side, Math.max(1, side.size / 3));

@@ -1,18 +1,18 @@
-/** Cutting: a worker that splits a picture in two, so that the page stays responsive. */
+/** Cutting: a worker that cuts a piece out of a picture, so that the page stays responsive. */
 
 import { paperUnder } from "./inpainting.js";
 
 /** @typedef {{left: number, top: number, right: number, bottom: number}} Rect in pixels of the picture */
 /**
  * @typedef {{id: number, pixels: Uint8ClampedArray<ArrayBuffer>, width: number, inside: Uint8Array, box: Rect, paper: number[] | null}} CutRequest
- *   pixels: RGBA; inside: above 0 for the pixels of the box that are cut out; paper: its colour, null where it is none
+ *   pixels: RGBA; inside: above 0 for the pixels of the box that are cut out; paper: its colour, null if there is none
  * @typedef {{id: number, rest: string, piece: string, rect: Rect | null}} Answer data URLs; rect: where the piece lies, null if
  *   there is no ink
  */
 
-/** Pixels about a piece that stay empty, so that it has the same edge at every size. */
+/** Empty margin around a piece in pixels, so that its edge looks the same at every size. */
 const EMPTY = 2;
-/** Pixels about what is cut in which its paper is seen. */
+/** Margin in pixels around a cut in which the paper is sampled. */
 const AROUND = 48;
 
 addEventListener("message", async ({ data }) => {
@@ -72,7 +72,7 @@ async function encoded(pixels, x, y, width, height) {
 }
 
 /**
- * Takes a colour off its paper: on that paper the ink that is left looks as before.
+ * Separates ink from its paper, so that the ink looks the same when drawn over that paper.
  * @param {Uint8ClampedArray} data opaque @param {Uint8ClampedArray} paper @param {number} i @param {Uint8ClampedArray} ink red, green, blue, opacity
  */
 function takeOff(data, paper, i, ink) {
@@ -81,7 +81,7 @@ function takeOff(data, paper, i, ink) {
     const [from, to] = [paper[i + k], data[i + k]];
     alpha = Math.max(alpha, to < from ? (from - to) / from : to > from ? (to - from) / (255 - from) : 0);
   }
-  ink[i + 3] = Math.ceil(255 * alpha - 1e-6); // rounding must not make more of it
+  ink[i + 3] = Math.ceil(255 * alpha - 1e-6); // rounding must not increase the opacity
   const share = ink[i + 3] / 255;
   for (let k = 0; k < 3; k++) ink[i + k] = share ? (data[i + k] - (1 - share) * paper[i + k]) / share : 0;
 }

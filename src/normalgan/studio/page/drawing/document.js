@@ -1,4 +1,4 @@
-/** What is drawn, as values that never change: each edit makes a new document, so that undo is a list. */
+/** Document: the drawing as an immutable value. Each edit returns a new document, so undo is a list of documents. */
 
 import { say, text } from "../text/text.js";
 import { LIMITS } from "./limits.js";
@@ -6,31 +6,31 @@ import { LIMITS } from "./limits.js";
 /**
  * @typedef {{kind: "pen" | "eraser", size: number, points: number[], colour?: string, mirror?: number, carve?: number}} Line x, y,
  *   pressure, x, y, pressure, …; colour: "#rrggbb", black if there is none; mirror: x of the upright line at which it is
- *   mirrored, and drawn twice; carve: how far it stands out of the object, as a share of half its width, or below 0 is cut in
+ *   mirrored, and drawn twice; carve: height as a fraction of half its width, negative if engraved
  * @typedef {{x: number, y: number, width: number, height: number, turn?: number, flipped?: boolean}} Box left, top and size
- *   before it is turned; turn: clockwise about its middle, in radians; flipped: from left to right, before it is turned
+ *   before it is turned; turn: clockwise rotation about its centre, in radians; flipped: mirrored horizontally before that
  * @typedef {{kind: "picture", picture: string, paper?: boolean} & Box} Placed `picture` is a data URL; paper: what it shows
  *   was taken off white paper, where its opacity says nothing about the object
  * @typedef {Line | Placed} Stroke what the ink is made of, in order
  * @typedef {[number, number, number]} Normal camera space: x right, y up, z to the viewer
  * @typedef {{x: number, y: number, normal: Normal, reach?: number}} Hint in pixels of the drawing, x right, y down;
- *   reach: how far it has an effect
- * @typedef {{kind: "round" | "flat" | "hollow", bevel: number, strength: number}} Form bevel: how far the curve or the
- *   bevel reaches inwards, as a share of the part's depth; strength: how far it replaces what is predicted; both to 1
+ *   reach: radius of its effect
+ * @typedef {{kind: "round" | "flat" | "hollow", bevel: number, strength: number}} Form bevel: width of the curve or
+ *   the bevel, as a fraction of the part's depth; strength: weight against the prediction; both at most 1
  * @typedef {{kind: string, period: number, turn?: number, x?: number, y?: number, flipped?: boolean, picture?: string}} Structure
- *   kind: one that is built in, or "own"; period: side of its tiles; turn: of them about x, y, clockwise, in radians; flipped: from
- *   left to right before that; picture: which of the document's structures is its own
+ *   kind: one that is built in, or "own"; period: side of its tiles; turn: of them about x, y, clockwise, in radians; flipped: mirrored
+ *   horizontally before that; picture: id of one of the document's structures
  * @typedef {{points: number[], normal: Normal, size?: number, form?: Form | null, soft?: number, strength?: number,
  *   smooths?: boolean, structure?: Structure}} Area x, y, x, y, … of a polygon that is turned as a whole, or of a stroke of that
  *   width that is brushed with a direction, that smooths what is under it, or that gives it a structure; form is a polygon's,
- *   strength a stroke's; soft: the share of a polygon's depth, or of a brush's radius, in which it fades out
+ *   strength a stroke's; soft: width of the fade, as a fraction of a polygon's depth or a brush's radius
  * @typedef {{id: string, picture: string}} OwnStructure a grey tile as a data URL, white is high; id: a hash of it
  * @typedef {{adds: boolean, size: number, points: number[], fills?: boolean}} MaskStroke x, y, x, y, … where the object is
- *   added to or cut from; fills: a click, for all of the area between lines about it
+ *   added to or cut from; fills: a click, which fills the enclosed area
  * @typedef {{id: number, name: string, visible: boolean, strokes: Stroke[], hints: Hint[], areas: Area[],
  *   mask: MaskStroke[], source: Source, form: Form | null}} Layer a part of the drawing
- * @typedef {null | "outline" | "model"} Source where a layer's object is: by itself, inside the outline, as the model sees it
- * @typedef {Omit<Placed, "kind"> & {opacity: number, visible: boolean}} Picture to trace or to look at
+ * @typedef {null | "outline" | "model"} Source source of a layer's mask: automatic, the outline, or the model
+ * @typedef {Omit<Placed, "kind"> & {opacity: number, visible: boolean}} Picture a reference picture
  * @typedef {{name: string, file: string}} Settings name: the project's, or ""; file: the name of the file that it began with, without its ending, or ""
  * @typedef {{format: string, version: number, width: number, height: number, layers: Layer[], active: number,
  *   pictures: Picture[], structures: OwnStructure[], settings: Settings}} Doc layers: the hindmost first, at least one; active: id of the one that is
@@ -40,15 +40,15 @@ import { LIMITS } from "./limits.js";
 export const FORMAT = "normalgan-studio";
 export const VERSION = 5;
 export const { sides: SIDES, strokes: MOST_STROKES, hints: MOST_HINTS, areas: MOST_AREAS, maskStrokes: MOST_MASK_STROKES, layers: MOST_LAYERS, pictures: MOST_PICTURES, name: LONGEST_NAME } = LIMITS;
-/** Kind of a structure that is a picture. */
+/** Kind of a structure that is the user's picture. */
 export const OWN = "own";
-/** From this version on a drawing has layers, and each has its own source. */
+/** First versions in which a drawing has layers, and in which each layer has its own source. */
 const [LAYERED, SOURCED] = [4, 5];
 
 /** @param {number} id @param {string} name @returns {Layer} */
 const newLayer = (id, name) => ({ id, name, visible: true, strokes: [], hints: [], areas: [], mask: [], source: null, form: null });
 
-/** What a layer is called that nobody has named. @param {number} number */
+/** Returns the default name of a layer. @param {number} number */
 const usualName = (number) => say("layerNumber", { number });
 
 /**
@@ -66,7 +66,7 @@ export function newDocument(width, height) {
 export const isEmpty = (doc) =>
   !doc.pictures.length && doc.layers.every(({ strokes, hints }) => !strokes.length && !hints.length);
 
-/** Returns the layer that is worked on. @param {Doc} doc @returns {Layer} */
+/** Returns the active layer. @param {Doc} doc @returns {Layer} */
 export const activeLayer = (doc) => doc.layers.find(({ id }) => id === doc.active) ?? doc.layers[doc.layers.length - 1];
 
 /** @param {Doc} doc @param {number} id @param {Partial<Layer>} change @returns {Doc} */
@@ -74,11 +74,11 @@ export function changedLayer(doc, id, change) {
   return { ...doc, layers: doc.layers.map((layer) => (layer.id === id ? { ...layer, ...change } : layer)) };
 }
 
-/** Changes the layer that is worked on. @param {Doc} doc @param {Partial<Layer>} change @returns {Doc} */
+/** Changes the active layer. @param {Doc} doc @param {Partial<Layer>} change @returns {Doc} */
 export const withActive = (doc, change) => changedLayer(doc, activeLayer(doc).id, change);
 
 /**
- * Adds an empty layer before the one that is worked on, to be worked on from now.
+ * Adds an empty layer in front of the active one and makes it active.
  * @param {Doc} doc @param {string} [name]
  * @returns {Doc}
  */
@@ -94,7 +94,7 @@ export function withNewLayer(doc, name) {
 }
 
 /**
- * Adds layers in front of the others, or in place of them; the front one is to be worked on from now.
+ * Adds layers in front of the others, or instead of them, and makes the front one active.
  * @param {Doc} doc @param {{name: string, visible: boolean, strokes: Stroke[]}[]} layers the hindmost first; a name may be empty
  * @param {boolean} instead
  * @returns {Doc}
@@ -115,7 +115,7 @@ export function withoutLayer(doc, id) {
   return { ...doc, layers, active };
 }
 
-/** Moves a layer to the front, or to the back. @param {Doc} doc @param {number} id @param {number} step @returns {Doc} */
+/** Moves a layer towards the front or the back. @param {Doc} doc @param {number} id @param {number} step @returns {Doc} */
 export function withLayerMoved(doc, id, step) {
   const from = doc.layers.findIndex((layer) => layer.id === id);
   const to = from + step;
@@ -126,10 +126,10 @@ export function withLayerMoved(doc, id, step) {
 }
 
 const MOST = { strokes: MOST_STROKES, hints: MOST_HINTS, areas: MOST_AREAS, mask: MOST_MASK_STROKES };
-/** What is listed on a layer. */
+/** Maximum lengths of a layer's lists. */
 export const LISTS = /** @type {(keyof typeof MOST)[]} */ (Object.keys(MOST));
 
-/** Whether a layer holds no more than a project may: one that held more could not be opened again. @param {Pick<Layer, keyof typeof MOST>} layer */
+/** Whether a layer is within the limits of a project; a larger one could not be opened again. @param {Pick<Layer, keyof typeof MOST>} layer */
 export const hasRoom = (layer) => LISTS.every((list) => layer[list].length <= MOST[list]);
 
 /** @param {Doc} doc @param {Stroke} stroke @returns {Doc} */
@@ -150,7 +150,7 @@ export const withoutHint = (doc, index) => withActive(doc, { hints: activeLayer(
 export const withArea = (doc, area) => withActive(doc, { areas: [...activeLayer(doc).areas, area] });
 
 /**
- * Adds pictures that are structures; those that no stroke has go, if there is no room for all.
+ * Adds pictures that serve as structures; if there are too many, unused ones are dropped.
  * @param {Doc} doc @param {OwnStructure[]} more
  * @returns {Doc | null} null: there is no room
  */
@@ -164,7 +164,7 @@ export function withStructures(doc, more) {
   return structures.length <= LIMITS.structures ? { ...doc, structures } : null;
 }
 
-/** Returns the pictures that areas have as structures. @param {Doc} doc @param {Area[]} areas */
+/** Returns the pictures that areas use as structures. @param {Doc} doc @param {Area[]} areas */
 export function structuresOf({ structures }, areas) {
   const used = new Set(areas.map(({ structure }) => structure?.picture));
   return structures.filter(({ id }) => used.has(id));
@@ -182,7 +182,7 @@ export const withoutArea = (doc, index) => withActive(doc, { areas: activeLayer(
 export const withMaskStroke = (doc, stroke) => withActive(doc, { mask: [...activeLayer(doc).mask, stroke] });
 
 /**
- * Returns the middle of the pixel in which a point lies, or of the nearest one on the paper: there a server puts a hint anyway.
+ * Returns the centre of the pixel of a point, or of the nearest pixel on the paper, where the server would put the hint.
  * @param {{x: number, y: number}} at @param {{width: number, height: number}} paper
  */
 export function middleOfPixel({ x, y }, { width, height }) {
@@ -191,7 +191,7 @@ export function middleOfPixel({ x, y }, { width, height }) {
   return { x: clamp(x, width), y: clamp(y, height) };
 }
 
-/** Where the mark of an area is. @param {Area} area @returns {{x: number, y: number}} */
+/** Returns the position of an area's mark. @param {Area} area @returns {{x: number, y: number}} */
 export function anchorOf({ points, size }) {
   const count = points.length / 2;
   if (size) return { x: points[2 * (count >> 1)], y: points[2 * (count >> 1) + 1] };
@@ -203,16 +203,16 @@ export function anchorOf({ points, size }) {
 /** @param {Doc} doc @param {Picture[]} pictures @returns {Doc} */
 export const withPictures = (doc, pictures) => ({ ...doc, pictures });
 
-/** Returns a length in the range of a structure's periods. @param {number} period */
+/** Returns a length clamped to the range of a structure's periods. @param {number} period */
 export const possiblePeriod = (period) => Math.max(LIMITS.periods.least, Math.min(LIMITS.periods.most, period));
 
 /** @param {Doc} doc @param {Partial<Settings>} settings @returns {Doc} */
 export const withSettings = (doc, settings) => ({ ...doc, settings: { ...doc.settings, ...settings } });
 
-/** Returns the layers on which something is to be seen. @param {Doc} doc @returns {Layer[]} */
+/** Returns the visible layers that are not empty. @param {Doc} doc @returns {Layer[]} */
 export const drawnLayers = (doc) => doc.layers.filter(({ visible, strokes }) => visible && strokes.length > 0);
 
-/** Whether two documents are painted alike. @param {Doc} a @param {Doc} b @returns {boolean} */
+/** Whether two documents give the same map. @param {Doc} a @param {Doc} b @returns {boolean} */
 export function paintsAlike(a, b) {
   if (a.width !== b.width || a.height !== b.height) return false;
   if (a.layers === b.layers) return true;
@@ -221,12 +221,12 @@ export function paintsAlike(a, b) {
     /** @type {const} */ (["id", "strokes", "hints", "areas", "mask", "source", "form"]).every((part) => layer[part] === to[i][part]));
 }
 
-/** All pictures of a document, which must be decoded before it is shown. @param {Doc} doc @returns {string[]} */
+/** Returns all pictures of a document, which must be decoded before it is shown. @param {Doc} doc @returns {string[]} */
 export function picturesOf(doc) {
   return [...doc.layers.flatMap(({ strokes }) => strokes), ...doc.pictures].flatMap((each) => ("picture" in each ? [each.picture] : []));
 }
 
-// What a file holds may be anything.
+// The content of a file may be anything.
 /** @typedef {(value: any) => boolean} Check */
 /** @type {Check} */
 const isNumber = (value) => typeof value === "number" && Number.isFinite(value);
@@ -282,8 +282,8 @@ const isLayer = (value) =>
   isList(value.hints, isHint, MOST_HINTS) && isList(value.areas, isArea, MOST_AREAS) && isList(value.mask, isMaskStroke, MOST_MASK_STROKES);
 
 /**
- * Returns what a file of an older version holds as this version has it: one source was that of all layers; before, there
- * was one layer, and pictures were called so.
+ * Converts a document of an older version to the current one. Earlier versions had one source for all layers; the first
+ * versions had a single layer, and called reference pictures layers.
  * @param {any} doc
  */
 function upgraded(doc) {
@@ -297,7 +297,7 @@ function upgraded(doc) {
 }
 
 /**
- * Returns what keeps a project from being opened if it is the normal of a point or an area alone, by its layer and number.
+ * Returns a message about the first point or area with an invalid normal; empty if there is none.
  * @param {any} layers
  */
 function wrongNormal(layers) {
@@ -314,38 +314,38 @@ function wrongNormal(layers) {
  * Returns a document read from a file or the server.
  * @param {unknown} value what its JSON holds
  * @returns {Doc}
- * @throws {Error} with a sentence if it is no project.
+ * @throws {Error} with a message if it is not a project.
  */
 export function parseDocument(value) {
   const given = /** @type {any} */ (value);
   if (!given || given.format !== FORMAT) throw new Error(text.notProject);
   if (given.version > VERSION) throw new Error(text.newerProject);
   const doc = /** @type {Doc} */ (upgraded(given));
-  const { width, height, layers, active, pictures, structures = [] } = doc; // older drawings have no structures
+  const { width, height, layers, active, pictures, structures = [] } = doc; // older versions have no structures
   const whole = isSide(width) && isSide(height) && isList(layers, isLayer, MOST_LAYERS) && isList(pictures, isPicture, MOST_PICTURES) && isList(structures, isOwnStructure, LIMITS.structures) &&
     layers.every(({ areas }) => areas.every(({ structure }) => structure?.picture === undefined || structures.some(({ id }) => id === structure.picture))) &&
     new Set(layers.map(({ id }) => id)).size === layers.length && layers.some(({ id }) => id === active);
   if (!whole) throw new Error(wrongNormal(layers) || text.notProject);
   const settings = { name: String(doc.settings?.name ?? ""), file: String(doc.settings?.file ?? "") };
-  // Drawings from before there were forms have none.
+  // Older versions have no forms.
   const formed = layers.map((layer) => (layer.form === undefined ? { ...layer, form: null } : layer));
   return { format: FORMAT, version: VERSION, width, height, layers: formed, active, pictures, structures, settings };
 }
 
-/** Pixels of the pane between a point and its ring's knob at least: the point itself is taken hold of too. */
+/** Minimum distance in pane pixels between a point and its ring's knob, so that the point itself can be dragged too. */
 const NEAREST_KNOB = 30;
 /** @typedef {{width: number, height: number}} Size */
-/** The farthest that a point has an effect, as a share of the drawing's longer side. */
+/** Maximum reach of a point, as a fraction of the drawing's longer side. */
 const MOST_REACH = 0.4;
 
 /** @param {Size} doc @returns {number} pixels */
 export const mostReach = ({ width, height }) => MOST_REACH * Math.max(width, height);
 
-/** Returns how far a point has an effect, in pixels. @param {{reach?: number}} hint @param {Size} doc */
+/** Returns the reach of a point in pixels. @param {{reach?: number}} hint @param {Size} doc */
 export const reachOf = ({ reach }, { width, height }) => reach ?? LIMITS.reach * Math.max(width, height);
 
 /**
- * Returns where the ring about a point that shows its reach is taken hold of.
+ * Returns the position of the knob on the ring that shows a point's reach.
  * @param {{x: number, y: number, reach?: number}} hint @param {Size} doc @param {number} scale pixels of the pane for one of the drawing
  */
 export function knobOf(hint, doc, scale) {

@@ -1,4 +1,4 @@
-/** The one place that holds the document: edits come in, and all that shows it is told. */
+/** Editor: holds the document, applies edits and notifies all views. */
 
 import { activeLayer, hasRoom, newDocument } from "./document.js";
 import { History } from "./history.js";
@@ -6,14 +6,14 @@ import { LIMITS } from "./limits.js";
 
 /** @typedef {import("./document.js").Doc} Doc */
 
-/** Milliseconds within which steps of one kind are one, unless they say otherwise. */
+/** Default time in milliseconds within which steps of the same kind are merged. */
 const TOGETHER = 1000;
 
 /** @typedef {{strokes: number[], pictures: number[], cuts?: import("./lasso.js").Cut[], lasso?: import("./lasso.js").Lasso}} Selection
  *   places in the strokes of the layer that is worked on, and in the document's pictures; cuts: pictures among the strokes of
  *   which only what lies in the lasso is chosen */
 
-/** @type {Selection} nothing is chosen */
+/** @type {Selection} the empty selection */
 export const NOTHING = { strokes: [], pictures: [] };
 
 /**
@@ -26,58 +26,58 @@ export class Editor extends EventTarget {
   constructor() {
     super();
     this.history = new History(newDocument(512, 512));
-    /** @type {{kind: string, at: number, state: Doc | null}} the step that was made last */
+    /** @type {{kind: string, at: number, state: Doc | null}} the latest step */
     this.last = { kind: "", at: 0, state: null };
-    /** @type {Doc | null} what a gesture shows before it ends */
+    /** @type {Doc | null} the document shown during a gesture */
     this.draft = null;
     this.tool = "pen";
     /** @type {Record<string, number>} */
     this.widths = { pen: 6, eraser: 24, brush: 48, mask: 48 };
-    /** Whether the mask brush adds to the object, or cuts from it. */
+    /** Whether the mask brush adds to the object instead of cutting from it. */
     this.adds = true;
-    /** Whether a click of the mask tool turns an area over; else it brushes. */
+    /** Whether the mask tool flips areas by clicks instead of brushing. */
     this.fills = true;
-    /** @type {import("./document.js").MaskStroke | null} what the mask brush is drawing */
+    /** @type {import("./document.js").MaskStroke | null} the current stroke of the mask brush */
     this.maskStroke = null;
-    /** @type {import("./document.js").Normal | null} what the brush paints; null takes what is under it */
+    /** @type {import("./document.js").Normal | null} direction of the brush; null uses the direction under it */
     this.direction = null;
-    /** How far the brush fades out and how much it works, as shares; and what it does: turns, smooths or gives a structure. */
+    /** Softness and strength of the brush, as fractions, and its effect: direction, smoothing or structure. */
     this.brush = { soft: 0.6, strength: 1, works: /** @type {"direction" | "smooth" | "structure"} */ ("direction") };
-    /** What the brush gives if that is a structure. @type {import("./document.js").Structure} */
+    /** The brush's structure. @type {import("./document.js").Structure} */
     this.structure = { kind: LIMITS.kinds[0], period: 96 };
-    /** @type {import("./document.js").OwnStructure | null} the picture that was chosen last as a structure: no stroke may have it yet */
+    /** @type {import("./document.js").OwnStructure | null} the picture last chosen as a structure, which may not be used by any stroke yet */
     this.ownStructure = null;
-    /** Whether the pen's lines are cut into the object (-1), stand out of it (1) or only are drawn; and how far, as a share. */
+    /** Whether the pen's lines are engraved (-1), embossed (1) or only drawn (0), and how deep, as a fraction. */
     this.carves = /** @type {-1 | 0 | 1} */ (0);
     this.carveHeight = 0.5;
     this.smoothing = 0.4;
-    /** Of the pen's lines. */
+    /** Colour of the pen's lines. */
     this.colour = "#000000";
     /** Whether pen and eraser draw straight lines. */
     this.straight = false;
-    /** Whether what is drawn is mirrored at the middle of the paper. */
+    /** Whether strokes are mirrored at the centre of the paper. */
     this.symmetry = false;
-    /** @type {Selection} what is chosen to be moved */
+    /** @type {Selection} the selection */
     this.selection = NOTHING;
-    /** Whether a line is drawn around what is chosen, and not a box. */
+    /** Whether the select tool uses a lasso instead of a box. */
     this.lassoes = false;
-    /** @type {import("./moving.js").Box | null} what is drawn around to be chosen */
+    /** @type {import("./moving.js").Box | null} the current selection box */
     this.marquee = null;
-    /** @type {number[] | null} the line that is drawn around it: x, y, x, y, … */
+    /** @type {number[] | null} the current lasso: x, y, x, y, … */
     this.lasso = null;
-    /** @type {import("./document.js").Line | null} the straight line that is being drawn */
+    /** @type {import("./document.js").Line | null} the straight line or shape being drawn */
     this.guide = null;
-    /** Index of the chosen hint, -1 is none. */
+    /** Index of the selected hint; -1 for none. */
     this.chosen = -1;
-    /** Index of the chosen area, -1 is none; no hint is chosen then. */
+    /** Index of the selected area; -1 for none. A hint and an area are never both selected. */
     this.area = -1;
-    /** @type {[number, number][]} places that are shown, of what is said about the map */
+    /** @type {[number, number][]} places of findings that are shown */
     this.ringed = [];
-    /** @type {import("./document.js").Area | null} what is being drawn */
+    /** @type {import("./document.js").Area | null} the area being drawn */
     this.outline = null;
     /** @type {{x: number, y: number, normal: import("./document.js").Normal, gain: number}[]} */
     this.suggestions = [];
-    /** Id of the layer that was worked on before the last change. */
+    /** Id of the active layer before the last change. */
     this.worked = this.layer.id;
   }
 
@@ -86,12 +86,12 @@ export class Editor extends EventTarget {
     return this.draft ?? this.history.state;
   }
 
-  /** The layer that is worked on. @returns {import("./document.js").Layer} */
+  /** The active layer. @returns {import("./document.js").Layer} */
   get layer() {
     return activeLayer(this.doc);
   }
 
-  /** Chooses the layer that is worked on, which is no step in history. @param {number} id */
+  /** Changes the active layer, which is not a step in history. @param {number} id */
   work(id) {
     const before = this.history.state;
     if (before.active === id) return;
@@ -101,14 +101,14 @@ export class Editor extends EventTarget {
     this.#changed(false);
   }
 
-  /** Shows a document while a gesture goes on. @param {Doc} doc */
+  /** Shows a document during a gesture. @param {Doc} doc */
   preview(doc) {
     this.draft = doc;
     this.#changed(true);
   }
 
   /**
-   * Tells that the ink has changed, and the document not yet.
+   * Notifies that the ink has changed before the document.
    * @param {import("./ink.js").Box} box
    * @param {boolean} [ended] whether the document follows at once
    */
@@ -116,12 +116,12 @@ export class Editor extends EventTarget {
     this.dispatchEvent(new CustomEvent("drawing", { detail: { box, ended } }));
   }
 
-  /** Tells that what is drawn above the sheet has changed, and nothing else. */
+  /** Notifies that only the marks above the sheet have changed. */
   mark() {
     this.dispatchEvent(new Event("marks"));
   }
 
-  /** Drops what a gesture showed. */
+  /** Discards the document shown during a gesture. */
   drop() {
     this.draft = null;
     this.#changed(false);
@@ -130,8 +130,8 @@ export class Editor extends EventTarget {
   /**
    * Makes a document the next step in history.
    * @param {Doc} doc
-   * @param {string} [kind] steps of one kind that follow one another at once are one step
-   * @param {number} [within] milliseconds that are at once
+   * @param {string} [kind] consecutive steps of the same kind are merged
+   * @param {number} [within] maximum time between merged steps in milliseconds
    */
   commit(doc, kind = "", within = TOGETHER) {
     this.draft = null;
@@ -152,7 +152,7 @@ export class Editor extends EventTarget {
   /**
    * Starts over with another document.
    * @param {Doc} doc
-   * @param {{states: Doc[], at: number} | null} [past] the steps that led to it, and may lead on; it is the one at `at`
+   * @param {{states: Doc[], at: number} | null} [past] its history; `at` is the index of the document
    */
   open(doc, past = null) {
     this.draft = null;
@@ -166,14 +166,14 @@ export class Editor extends EventTarget {
     this.#changed(false);
   }
 
-  /** @param {"undo" | "redo"} way @returns {boolean} whether there was something to do */
+  /** @param {"undo" | "redo"} way @returns {boolean} whether there was a step */
   step(way) {
     if (way === "undo" ? !this.history.canUndo : !this.history.canRedo) return false;
     this.#goBy(() => this.history[way]());
     return true;
   }
 
-  /** Goes to a step in history. @param {number} at @returns {boolean} whether it is another one */
+  /** Goes to a step in history. @param {number} at @returns {boolean} whether it differs from the current one */
   goTo(at) {
     if (at === this.history.at || at < 0 || at >= this.history.states.length) return false;
     this.#goBy(() => { this.history.at = at; });
@@ -185,12 +185,12 @@ export class Editor extends EventTarget {
     this.draft = null;
     const { layer } = this;
     go();
-    // Places in lists of another length are of other strokes.
+    // If the number of strokes has changed, the selected indices are invalid.
     if (this.layer.strokes.length !== layer.strokes.length) this.selection = NOTHING;
     this.#changed(false);
   }
 
-  /** Changes tool, choice or settings of the page. @param {Partial<Editor>} values */
+  /** Changes the tool, the selection or settings of the page. @param {Partial<Editor>} values */
   set(values) {
     Object.assign(this, values);
     if ((values.chosen ?? -1) >= 0) this.area = -1;
@@ -201,7 +201,7 @@ export class Editor extends EventTarget {
   /** @param {boolean} live */
   #changed(live) {
     const { layer } = this;
-    // Indices are of that layer's lists.
+    // The selected indices belong to the previous layer.
     if (layer.id !== this.worked) this.set({ chosen: -1, area: -1, suggestions: [], selection: NOTHING });
     this.worked = layer.id;
     if (this.chosen >= layer.hints.length) this.set({ chosen: -1 });

@@ -2,7 +2,7 @@
 
 /** @template T */
 export class History {
-  /** @param {T} state @param {number} [most] states that are kept */
+  /** @param {T} state @param {number} [most] maximum number of states */
   constructor(state, most = 500) {
     /** @type {T[]} */
     this.states = [state];
@@ -23,14 +23,14 @@ export class History {
     return this.at < this.states.length - 1;
   }
 
-  /** Adds a state after this one; what was undone is forgotten. @param {T} state */
+  /** Adds a state after the current one and forgets undone states. @param {T} state */
   push(state) {
     this.states.splice(this.at + 1, Infinity, state);
     if (this.states.length > this.most) this.states.shift();
     this.at = this.states.length - 1;
   }
 
-  /** Changes the present state without a step in history. @param {T} state */
+  /** Replaces the current state without a step in history. @param {T} state */
   replace(state) {
     this.states[this.at] = state;
   }

@@ -7,10 +7,10 @@ import { boxOf, drawPiece, drawStroke, prepare, sidesOf } from "./strokes.js";
 
 /** @typedef {{left: number, top: number, right: number, bottom: number}} Box in pixels of the drawing */
 
-/** Finer than this many pixels a side, or than threefold, costs more than it shows. */
+/** Maximum side of the ink in pixels, and maximum scale; more is slow and not visible. */
 const FINE = 1536;
 const MOST = 3;
-/** The darkest that still is paper. */
+/** Darkest level that counts as paper. */
 const WHITE = 250;
 const ALL = { left: -Infinity, top: -Infinity, right: Infinity, bottom: Infinity };
 
@@ -55,7 +55,7 @@ export function inkAt(doc, longest) {
 }
 
 /**
- * Draws the lines of all layers that are on show at another size than their own; what is erased on one stays on the others.
+ * Draws the lines of all visible layers at another size; each eraser only affects its own layer.
  * @param {import("./document.js").Doc} doc
  * @param {number} longest longer side in pixels
  * @returns {HTMLCanvasElement} lines on nothing
@@ -66,15 +66,15 @@ export function linesAt(doc, longest) {
   if (!first) return inkAt({ width, height, strokes: [] }, longest).canvas;
   const context = context2d(first);
   context.setTransform(1, 0, 0, 1, 0, 0);
-  context.globalCompositeOperation = "source-over"; // an eraser may have been the last
+  context.globalCompositeOperation = "source-over"; // the last stroke may have been an eraser
   for (const canvas of others) context.drawImage(canvas, 0, 0);
   return first;
 }
 
 /**
- * Returns the box of what is drawn on the layers that are on show, as far as it lies on the paper.
+ * Returns the bounding box of everything drawn on visible layers, clipped to the paper.
  * @param {import("./document.js").Doc} doc
- * @returns {Box | null} in whole pixels; null: there is nothing
+ * @returns {Box | null} in whole pixels; null if nothing is drawn
  */
 export function drawnBox({ width, height, layers }) {
   let [left, top, right, bottom] = [width, height, 0, 0];
@@ -96,7 +96,7 @@ export function drawnBox({ width, height, layers }) {
 }
 
 export class Ink {
-  /** @param {number} [scale] pixels of the ink for one of the drawing; 0 chooses */
+  /** @param {number} [scale] ink pixels per drawing pixel; 0 chooses automatically */
   constructor(scale = 0) {
     this.canvas = document.createElement("canvas");
     this.context = context2d(this.canvas, { willReadFrequently: true });
@@ -104,18 +104,18 @@ export class Ink {
     this.width = this.height = this.scale = 0;
     /** @type {import("./document.js").Stroke[]} */
     this.drawn = [];
-    /** @type {import("./document.js").Line | null} the stroke that goes on */
+    /** @type {import("./document.js").Line | null} the current stroke */
     this.live = null;
     this.pieces = 0;
-    /** @type {Box | null} what has changed since `pixels` was called last */
+    /** @type {Box | null} the box that has changed since the last call of `pixels` */
     this.stale = ALL;
   }
 
-  /** Makes the pixels those of strokes; what was drawn already is kept. @param {Drawn} doc */
+  /** Draws the strokes that are not drawn yet. @param {Drawn} doc */
   sync(doc) {
     const begun = this.drawn.length <= doc.strokes.length && this.drawn.every((each, i) => each === doc.strokes[i]);
     const sized = doc.width === this.width && doc.height === this.height;
-    // The stroke that was just drawn with the hand is there already, if it is the next.
+    // If the next stroke is the current one, it has already been drawn.
     if (this.live && begun && sized && doc.strokes[this.drawn.length] === this.live) {
       this.drawn = [...this.drawn, this.live];
       this.live = null;
@@ -129,7 +129,7 @@ export class Ink {
   }
 
   /**
-   * Draws what a stroke has got since the last call; `sync` with it as the last stroke keeps it.
+   * Draws the new part of the current stroke; a later `sync` with it as the last stroke keeps it.
    * @param {import("./document.js").Line} line
    * @param {boolean} ended
    * @returns {Box} where something changed
@@ -149,9 +149,9 @@ export class Ink {
   }
 
   /**
-   * Returns the drawing in its own size: grey on white paper where all is pen, else in colour; without paper where
-   * a picture was cut out, since its opacity tells where the object is.
-   * @param {boolean} whole all of it, or only the box that has changed since the last call
+   * Returns the drawing at its own size: grey on white paper if all strokes are black, otherwise in colour; and without
+   * paper if a picture was cut out, because its opacity then shows the object.
+   * @param {boolean} whole whether the whole drawing is returned, or only the box that has changed since the last call
    * @returns {{channels: 1 | 4, box: [number, number, number, number], bytes: Uint8Array}} left, top, right, bottom
    */
   pixels(whole) {
@@ -167,11 +167,11 @@ export class Ink {
     return { channels, box, bytes: averaged(this.context, box, this.scale, channels, onPaper) };
   }
 
-  /** Returns whether there is no ink, be it that all was erased. */
+  /** Returns whether there is no ink, or all of it was erased. */
   isBlank() {
     const { stale } = this;
     const { bytes, channels } = this.pixels(true);
-    this.stale = stale; // the server has not got it
+    this.stale = stale; // nothing has been sent to the server
     return bytes.every((value, i) => (channels === 4 && i % 4 === 3) || value > WHITE);
   }
 
@@ -182,7 +182,7 @@ export class Ink {
     this.stale = ALL;
     [this.width, this.height] = [doc.width, doc.height];
     this.scale = this.fixed || Math.max(1, Math.min(MOST, Math.floor(FINE / Math.max(doc.width, doc.height))));
-    // Setting the size empties the canvas and resets its state.
+    // Setting the size clears the canvas and resets its state.
     [this.canvas.width, this.canvas.height] = [doc.width * this.scale, doc.height * this.scale];
     this.context.scale(this.scale, this.scale);
     this.context.imageSmoothingQuality = "high";
@@ -196,7 +196,7 @@ export class Inks {
     this.known = new Map();
   }
 
-  /** Whether a stroke goes on. */
+  /** Whether a stroke is being drawn. */
   get live() {
     return [...this.known.values()].some((ink) => ink.live !== null);
   }
@@ -208,7 +208,7 @@ export class Inks {
     return ink;
   }
 
-  /** Makes the pixels those of a document. @param {import("./document.js").Doc} doc */
+  /** Draws the strokes of a document that are not drawn yet. @param {import("./document.js").Doc} doc */
   sync({ width, height, layers }) {
     for (const layer of layers) this.of(layer).sync({ width, height, strokes: layer.strokes });
     const ids = new Set(layers.map(({ id }) => id));

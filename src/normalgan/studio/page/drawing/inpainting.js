@@ -1,16 +1,16 @@
-/** Inpainting: the paper under ink, which may be photographed, toned or grainy. */
+/** Inpainting: reconstruct the paper under ink, which may be photographed, toned or grainy. */
 
-/** Side in pixels of the blocks whose means tell the paper's tone: lines are narrower, shadows wider. */
+/** Side in pixels of the blocks whose means give the paper's tone; lines are narrower, and shadows are wider. */
 const BLOCK = 8;
-/** Relaxations of each size. */
+/** Number of relaxations at each scale. */
 const SWEEPS = 6;
-/** Levels by which paper differs from the colour that most of it has: more is ink for sure. */
+/** Maximum difference of paper from its main colour, in levels; more is certainly ink. */
 const WIDE = 64;
-/** Levels by which ink differs from the paper at least and at most, and how many times more than the paper's grain does. */
+/** Minimum and maximum threshold between ink and paper in levels, and its ratio to the paper's grain. */
 const [LEAST, MOST, GRAIN] = [6, 48, 6];
-/** Pixels about ink that go with it: its edge is fainter than the paper's grain. */
+/** Margin in pixels that counts as ink, because the edge of ink is fainter than the paper's grain. */
 const EDGE = 2;
-/** Pixels from where the grain is taken. */
+/** Distances in pixels from which grain is copied. */
 const AWAY = [12, 24, 48, 96];
 
 /**
@@ -44,7 +44,7 @@ function fillSmoothly(values, known, width, height) {
   }
 }
 
-/** Returns a value between pixels. @param {Float32Array} values @param {number} width @param {number} height @param {number} x @param {number} y @param {number} c */
+/** Returns a bilinearly interpolated value. @param {Float32Array} values @param {number} width @param {number} height @param {number} x @param {number} y @param {number} c */
 function between(values, width, height, x, y, c) {
   const [column, row] = [Math.max(0, Math.min(width - 1, x)), Math.max(0, Math.min(height - 1, y))];
   const [left, top] = [Math.floor(column), Math.floor(row)];
@@ -73,7 +73,7 @@ function toneOf(data, isInk, width, height, paper) {
     }
   }
   if (!counts.some(Boolean)) {
-    // Nothing but ink is seen.
+    // There is only ink.
     counts.fill(1);
     for (let i = 0; i < means.length; i++) means[i] = paper[i % 3];
   }
@@ -90,7 +90,7 @@ function toneOf(data, isInk, width, height, paper) {
 const distance = (data, i, colour, at) =>
   Math.max(Math.abs(data[4 * i] - colour[at]), Math.abs(data[4 * i + 1] - colour[at + 1]), Math.abs(data[4 * i + 2] - colour[at + 2]));
 
-/** Returns what is marked and the pixels within a distance of it, along rows and columns. @param {Uint8Array} marked @param {number} width @param {number} by */
+/** Returns marked pixels dilated by a distance along rows and columns. @param {Uint8Array} marked @param {number} width @param {number} by */
 function dilated(marked, width, by) {
   let out = marked;
   for (const [step, limit] of [[1, width], [width, Infinity]]) {
@@ -108,8 +108,8 @@ function dilated(marked, width, by) {
 }
 
 /**
- * Returns where ink is, and the paper without it: under ink it has the tone of the paper around it and the grain of the paper
- * beside it.
+ * Returns the mask of the ink, and the paper without ink. Under ink, the paper has the tone of its surroundings and grain copied
+ * from nearby.
  * @param {Uint8ClampedArray} data RGBA, opaque @param {number} width @param {number} height
  * @param {number[]} paper the colour that most of it has
  * @returns {{isInk: Uint8Array, ground: Uint8ClampedArray}} ground: RGBA

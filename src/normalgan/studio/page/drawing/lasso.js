@@ -1,4 +1,4 @@
-/** Lasso: what lies inside of a line around it is chosen, of an imported drawing its pixels too. */
+/** Lasso: select everything inside a line, including parts of imported pictures. */
 
 import { context2d } from "./canvas.js";
 import { extentOf } from "./moving.js";
@@ -9,26 +9,26 @@ import { drawStroke, sidesOf } from "./strokes.js";
 /** @typedef {{x: number, y: number}} Point @typedef {{left: number, top: number, right: number, bottom: number}} Rect */
 /** @typedef {number[][]} Lasso one or more lines around, each x, y, x, y, … in pixels of the drawing */
 /**
- * @typedef {object} Cut a picture of which only a part is chosen
+ * @typedef {object} Cut a picture of which only a part is selected
  * @property {number} index its place among the layer's strokes
  * @property {Stroke} stroke the picture
- * @property {import("./moving.js").Box} box around the chosen part
- * @property {{rest: Placed, piece: Placed} | null} parts null until they are cut; the piece of no size: there is no ink
- * @property {Promise<void>} ready when they are
+ * @property {import("./moving.js").Box} box around the selected part
+ * @property {{rest: Placed, piece: Placed} | null} parts null until they are cut; a piece of size 0 has no ink
+ * @property {Promise<void>} ready resolves when they are
  */
 
-/** Opacity, to 255, above which a pixel is drawn: paper is never quite even. */
+/** Opacity, out of 255, above which a pixel counts as drawn, because paper is never quite even. */
 const DRAWN = 25;
-/** Below this, to 255, a colour is that of ink, and not of paper. */
+/** Level, out of 255, below which a colour is ink instead of paper. */
 const LIGHT = 128;
 
 /** @type {Worker | null} */
 let worker = null;
 let requests = 0;
-/** @type {Set<string>} pictures that were cut and are in no document yet */
+/** @type {Set<string>} cut pictures that are not in a document yet */
 const unused = new Set();
 
-/** Returns what tells whether a point lies inside. @param {Lasso} lasso @returns {(point: Point) => boolean} */
+/** Returns a function that tests whether a point lies inside. @param {Lasso} lasso @returns {(point: Point) => boolean} */
 export function insideOf(lasso) {
   const context = context2d(document.createElement("canvas"));
   const paths = lasso.map(pathOf);
@@ -51,9 +51,9 @@ function isMostlyInside(line, inside) {
 }
 
 /**
- * Returns what a lasso chooses of a layer: lines that lie mostly inside, and the pixels inside of its pictures.
+ * Returns the selection of a lasso in a layer: lines that lie mostly inside, and the pixels of pictures inside.
  * @param {import("./document.js").Layer} layer @param {Lasso} lasso
- * @returns {{strokes: number[], cuts: Cut[]}} strokes: those that are chosen whole
+ * @returns {{strokes: number[], cuts: Cut[]}} strokes: those that are selected as a whole
  */
 export function chosenBy({ strokes }, lasso) {
   const inside = insideOf(lasso);
@@ -68,7 +68,7 @@ export function chosenBy({ strokes }, lasso) {
     }
     const found = cutOf(stroke, strokes.slice(index + 1).filter(({ kind }) => kind === "eraser"), lasso);
     if (found === "whole") whole.push(index);
-    else if (found) cuts.push(Object.assign(found, { index, stroke })); // the same, as its parts come later
+    else if (found) cuts.push(Object.assign(found, { index, stroke })); // the same object, because its parts are added later
   }
   return { strokes: whole, cuts };
 }
@@ -86,7 +86,7 @@ function canvasOf(width, height) {
   return { canvas, context: context2d(canvas, { willReadFrequently: true }) };
 }
 
-/** Returns the parts of a cut, which are in a document from now on. @param {Cut} cut */
+/** Returns the parts of a cut and marks them as used by a document. @param {Cut} cut */
 export function takeParts({ parts }) {
   if (parts) for (const { picture } of [parts.rest, parts.piece]) unused.delete(picture);
   return parts;
@@ -125,7 +125,7 @@ function cutOf(stroke, erasers, lasso) {
   return cut;
 }
 
-/** Returns the pixels of a picture around points, and one beyond. @param {Point[]} points @param {number} width @param {number} height @returns {Rect} */
+/** Returns the box of a picture's pixels around points, with a margin of one pixel. @param {Point[]} points @param {number} width @param {number} height @returns {Rect} */
 function pixelsAround(points, width, height) {
   const rect = { left: Infinity, top: Infinity, right: -Infinity, bottom: -Infinity };
   for (const { x, y } of points) {
@@ -137,7 +137,7 @@ function pixelsAround(points, width, height) {
 }
 
 /**
- * Erases a picture, and puts its paper where it was erased.
+ * Applies erasers to a picture, and fills the erased parts with its paper.
  * @param {CanvasRenderingContext2D} context the picture @param {DOMMatrix} back from the drawing to it @param {Stroke[]} erasers @param {number[] | null} paper
  */
 function erase(context, back, erasers, paper) {
@@ -150,7 +150,7 @@ function erase(context, back, erasers, paper) {
   context.fillRect(0, 0, context.canvas.width, context.canvas.height);
 }
 
-/** Returns which pixels of a box in a picture lie in a lasso, 1 and 0. @param {Lasso} lasso @param {DOMMatrix} back from the drawing to the picture @param {Rect} box */
+/** Returns 1 for each pixel of a box in a picture that lies in a lasso, else 0. @param {Lasso} lasso @param {DOMMatrix} back from the drawing to the picture @param {Rect} box */
 function pixelsIn(lasso, back, { left, top, right, bottom }) {
   const { context } = canvasOf(right - left, bottom - top);
   context.setTransform(new DOMMatrix().translate(-left, -top).multiply(back));
@@ -162,7 +162,7 @@ function pixelsIn(lasso, back, { left, top, right, bottom }) {
 }
 
 /**
- * Returns what of a picture is drawn inside of a lasso, null for nothing, and whether anything is drawn outside.
+ * Returns the box of a picture's ink inside a lasso, or null, and whether there is ink outside.
  * @param {Uint8ClampedArray} data of the picture @param {number} width @param {{inside: Uint8Array, box: Rect}} lasso which pixels of the box are inside
  * @param {number[] | null} paper
  * @returns {{found: Rect | null, outside: boolean}}
@@ -173,7 +173,7 @@ function drawnIn(data, width, { inside, box: { left, top, right, bottom } }, pap
   let outside = false;
   for (let y = 0; y < height; y++) {
     const crossed = y >= top && y < bottom;
-    if (!crossed && outside) continue; // nothing more can be learned there
+    if (!crossed && outside) continue; // rows without the lasso no longer matter
     for (let x = 0, i = y * width; x < width; x++, i++) {
       const within = crossed && x >= left && x < right && inside[(y - top) * (right - left) + x - left];
       if ((!within && outside) || opacityOf(data, 4 * i, paper) <= DRAWN) continue;
@@ -190,7 +190,7 @@ function drawnIn(data, width, { inside, box: { left, top, right, bottom } }, pap
   return { found: found.right ? found : null, outside };
 }
 
-/** Has a worker part the pixels of a picture. @param {Omit<import("./cutting.js").CutRequest, "id">} request @returns {Promise<import("./cutting.js").Answer>} */
+/** Asks a worker to split the pixels of a picture. @param {Omit<import("./cutting.js").CutRequest, "id">} request @returns {Promise<import("./cutting.js").Answer>} */
 function asked(request) {
   free([...unused]);
   unused.clear();
@@ -213,7 +213,7 @@ function asked(request) {
   });
 }
 
-/** Returns how opaque ink is on its paper, to 255. @param {Uint8ClampedArray} data @param {number} i @param {number[] | null} paper */
+/** Returns the opacity of ink on its paper, 0 to 255. @param {Uint8ClampedArray} data @param {number} i @param {number[] | null} paper */
 function opacityOf(data, i, paper) {
   if (!paper) return data[i + 3];
   let alpha = 0;
@@ -225,7 +225,7 @@ function opacityOf(data, i, paper) {
 }
 
 /**
- * Returns where a part of a picture is placed.
+ * Returns the position of a part of a picture.
  * @param {Placed} stroke @param {Rect} rect in pixels of the picture @param {number} wide of the picture @param {number} high
  */
 function placeOf(stroke, { left, top, right, bottom }, wide, high) {
@@ -235,7 +235,7 @@ function placeOf(stroke, { left, top, right, bottom }, wide, high) {
 }
 
 /**
- * Returns the colour of the paper along a lasso, which mostly runs beside the lines: the median there, or white if it is dark.
+ * Returns the colour of the paper: the median along the lasso, which mostly runs between lines, or white if that is dark.
  * @param {CanvasRenderingContext2D} context the picture @param {{x: number, y: number}[][]} edges of the lasso in the picture
  * @returns {number[]} red, green, blue
  */

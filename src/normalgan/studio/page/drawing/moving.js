@@ -1,4 +1,4 @@
-/** Moving: moves, scales, turns and flips strokes, pictures and whole documents. */
+/** Moving: move, scale, rotate and flip strokes, pictures and whole documents. */
 
 import { SIDES, middleOfPixel, possiblePeriod } from "./document.js";
 import { sidesOf } from "./strokes.js";
@@ -23,7 +23,7 @@ function moved(points, stride, move) {
   return all;
 }
 
-/** Returns where a move brings a point. @param {Move} move @returns {(point: Point) => Point} */
+/** Returns a function that applies a move to a point. @param {Move} move @returns {(point: Point) => Point} */
 function placeBy({ scale, x, y, angle = 0, flipped = false }) {
   const [cos, sin] = [scale * Math.cos(angle), scale * Math.sin(angle)];
   return (point) => {
@@ -33,7 +33,7 @@ function placeBy({ scale, x, y, angle = 0, flipped = false }) {
 }
 
 /**
- * Returns a move about a point, which stays where it is.
+ * Returns a move with a fixed point.
  * @param {Point} point @param {{scale: number, angle?: number, flipped?: boolean}} how
  * @returns {Move}
  */
@@ -42,11 +42,11 @@ export function aboutPoint({ x, y }, { scale, angle = 0, flipped = false }) {
   return { scale, angle, flipped, x: x - scale * (cos * across - sin * y), y: y - scale * (sin * across + cos * y) };
 }
 
-/** Returns a normal that is turned with the surface. @param {import("./document.js").Normal} normal @param {Move} move @returns {import("./document.js").Normal} */
+/** Returns a normal rotated with the surface. @param {import("./document.js").Normal} normal @param {Move} move @returns {import("./document.js").Normal} */
 function movedNormal([x, y, z], { angle = 0, flipped = false }) {
   if (!angle && !flipped) return [x, y, z];
   const [cos, sin, across] = [Math.cos(angle), Math.sin(angle), flipped ? -x : x];
-  // Its y points up, and the paper's down.
+  // The normal's y points up, the paper's down.
   return [cos * across + sin * y, cos * y - sin * across, z];
 }
 
@@ -63,7 +63,7 @@ export function movedPicture(placed, move) {
   };
 }
 
-/** A line that is mirrored becomes two where its mirror is upright no more. @param {Stroke} stroke @param {Move} move @returns {Stroke[]} */
+/** A mirrored line becomes two lines if its axis is no longer vertical. @param {Stroke} stroke @param {Move} move @returns {Stroke[]} */
 function movedStroke(stroke, move) {
   if (stroke.kind === "picture") return [movedPicture(stroke, move)];
   const { mirror, ...line } = stroke;
@@ -101,8 +101,8 @@ const movedMask = (stroke, move) => ({ ...stroke, points: moved(stroke.points, 2
  */
 
 /**
- * Returns what moves with chosen strokes: what was erased, points, regions and strokes of the mask that lie among them. With
- * all strokes of a layer goes all that it has.
+ * Returns everything that moves with selected strokes: erasers, points, regions and mask strokes among them. If all strokes
+ * of a layer are selected, everything on the layer moves.
  * @param {Layer} layer
  * @param {number[]} chosen places of the strokes
  * @param {((point: Point) => boolean) | null} [inside] tells what lies among them; else what lies within their convex hull
@@ -124,7 +124,7 @@ export function alongWith({ strokes, hints, areas, mask }, chosen, inside = null
 }
 
 /**
- * Returns a layer in which some of what it has is moved.
+ * Returns a layer with some of its items moved.
  * @param {Layer} layer @param {Along} along @param {Move} move @param {{width: number, height: number}} doc its paper
  * @returns {{layer: Layer, chosen: number[]}} chosen: where the moved strokes are now, but for erasers
  */
@@ -151,7 +151,7 @@ export function movedParts(layer, along, move, doc) {
   return { layer: moved, chosen };
 }
 
-/** The middle of what points cover. @param {number[]} points @param {number} stride numbers for a point @returns {Point} */
+/** Returns the centre of the bounding box of points. @param {number[]} points @param {number} stride numbers for a point @returns {Point} */
 function middleOf(points, stride) {
   const box = { left: Infinity, top: Infinity, right: -Infinity, bottom: -Infinity };
   for (let i = 0; i < points.length; i += stride) {
@@ -163,7 +163,7 @@ function middleOf(points, stride) {
   return { x: (box.left + box.right) / 2, y: (box.top + box.bottom) / 2 };
 }
 
-/** Returns the corners of a picture, which may be turned. @param {import("./document.js").Box} placed @returns {Point[]} */
+/** Returns the corners of a picture, which may be rotated. @param {import("./document.js").Box} placed @returns {Point[]} */
 function cornersOf({ x, y, width, height, turn = 0 }) {
   const [cos, sin] = [Math.cos(turn), Math.sin(turn)];
   return [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([across, down]) => {
@@ -172,7 +172,7 @@ function cornersOf({ x, y, width, height, turn = 0 }) {
   });
 }
 
-/** Points around all that a stroke covers. @param {Stroke} stroke @returns {Point[]} */
+/** Returns points around everything that a stroke covers. @param {Stroke} stroke @returns {Point[]} */
 function cornersAbout(stroke) {
   if (stroke.kind === "picture") return cornersOf(stroke);
   const reach = stroke.size / 2;
@@ -202,7 +202,7 @@ function hullOf(points) {
   return [...half(sorted), ...half(sorted.reverse())];
 }
 
-/** Above 0 where the way from a over b to c turns clockwise on the screen. @param {Point} a @param {Point} b @param {Point} c */
+/** Positive if the path from a via b to c turns clockwise on the screen. @param {Point} a @param {Point} b @param {Point} c */
 const turnOf = (a, b, c) => (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 
 /** @param {Point[]} hull @param {Point} point */
@@ -235,7 +235,7 @@ export function trimmedTo(doc, { left, top, right, bottom }) {
   return movedOnto(doc, width, height, { scale: 1, x: offset(width, left, right), y: offset(height, top, bottom) });
 }
 
-/** Moves all of a document onto paper of another size. @param {Doc} doc @param {number} width @param {number} height @param {Move} move @returns {Doc} */
+/** Moves the whole content of a document to paper of another size. @param {Doc} doc @param {number} width @param {number} height @param {Move} move @returns {Doc} */
 function movedOnto(doc, width, height, move) {
   const places = (/** @type {unknown[]} */ list) => new Set(list.keys());
   const layers = doc.layers.map((layer) => {
@@ -245,7 +245,7 @@ function movedOnto(doc, width, height, move) {
   return { ...doc, width, height, layers, pictures: doc.pictures.map((picture) => movedPicture(picture, move)) };
 }
 
-/** Returns what a stroke or picture covers. @param {Stroke | Picture} item @returns {Box} */
+/** Returns the bounding box of a stroke or picture. @param {Stroke | Picture} item @returns {Box} */
 export function extentOf(item) {
   if ("picture" in item) {
     const corners = cornersOf(item);
@@ -266,7 +266,7 @@ export function extentOf(item) {
   return box;
 }
 
-/** Returns what several boxes cover; null for none. @param {Box[]} boxes @returns {Box | null} */
+/** Returns the union of boxes; null for none. @param {Box[]} boxes @returns {Box | null} */
 export function unitedBox(boxes) {
   if (!boxes.length) return null;
   return {

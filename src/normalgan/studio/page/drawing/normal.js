@@ -1,4 +1,4 @@
-/** Normals: their colours, their words, and how they turn. */
+/** Normals: colours, descriptions and rotations of normals. */
 
 import { say, text } from "../text/text.js";
 
@@ -8,7 +8,7 @@ import { say, text } from "../text/text.js";
 export const colourOf = (normal) => `rgb(${normal.map((n) => Math.round((n + 1) * 127.5)).join(" ")})`;
 
 /**
- * Returns the normal at a point of a round ball, clamped to what faces the viewer.
+ * Returns the normal at a point of a ball, clamped to the visible half.
  * @param {number} x to the right, radius 1
  * @param {number} y upwards
  * @returns {Normal}
@@ -20,7 +20,7 @@ export function onBall(x, y) {
 }
 
 /**
- * Returns a normal turned to the right and upwards, never away from the viewer.
+ * Returns a normal rotated to the right and upwards, never away from the viewer.
  * @param {Normal} normal
  * @param {number} right degrees
  * @param {number} up degrees
@@ -64,7 +64,7 @@ export function normalAt(map, x, y) {
   return length > 0.1 ? /** @type {Normal} */ (vector.map((value) => value / length)) : [0, 0, 1];
 }
 
-/** How many points a side the mean of an area is taken of. */
+/** Number of sample points per side for the mean of an area. */
 const GRID = 32;
 
 /**

@@ -1,11 +1,11 @@
-/** Pictures: data URLs decoded once, so that drawing them needs no waiting. */
+/** Pictures: decode data URLs once, so that they can be drawn without waiting. */
 
 import { text } from "../text/text.js";
 import { context2d } from "./canvas.js";
 
 /** @type {Map<string, HTMLImageElement>} */
 const known = new Map();
-/** @type {Map<string, boolean>} whether they show nothing in some places */
+/** @type {Map<string, boolean>} whether they have transparent parts */
 const cutOut = new Map();
 
 /** Frees all pictures but these. @param {Iterable<string>} urls */
@@ -23,7 +23,7 @@ export function free(urls) {
  * Decodes pictures.
  * @param {string[]} urls data URLs
  * @returns {Promise<string[]>} those that were not decoded before
- * @throws {Error} with a sentence if one cannot be read.
+ * @throws {Error} with a message if one cannot be read.
  */
 export async function decodeAll(urls) {
   /** @type {string[]} */
@@ -49,7 +49,7 @@ export function decoded(url) {
 }
 
 /**
- * Returns a picture with dark lines: one that is light on dark is inverted, as black pens would not show on it.
+ * Returns a picture with dark lines; a light-on-dark picture is inverted, because black strokes would not show on it.
  * @param {string} url a data URL, decoded
  * @returns {Promise<string>} a data URL, decoded
  */
@@ -65,7 +65,7 @@ export async function darkOnLight(url) {
     light += (pixels.data[i] + pixels.data[i + 1] + pixels.data[i + 2]) * pixels.data[i + 3];
     seen += 765 * pixels.data[i + 3];
   }
-  // Lines on nothing are dark as a whole and need no turning: only a dark paper that covers most does.
+  // Dark lines on a transparent background must not be inverted, only dark paper that covers most of the picture.
   const covered = seen / (765 * 255 * canvas.width * canvas.height);
   if (covered < 0.6 || light / seen > 0.4) return url;
   for (let i = 0; i < pixels.data.length; i++) if (i % 4 < 3) pixels.data[i] = 255 - pixels.data[i];
@@ -75,7 +75,7 @@ export async function darkOnLight(url) {
   return turned;
 }
 
-/** Returns whether a picture that was decoded shows nothing in some places. @param {string} url @returns {boolean} */
+/** Returns whether a decoded picture has transparent parts. @param {string} url @returns {boolean} */
 export function hasHoles(url) {
   const before = cutOut.get(url);
   if (before !== undefined) return before;

@@ -1,6 +1,6 @@
-/** Pixels: a part of a fine canvas, averaged to the drawing's size, as bytes. */
+/** Pixels: average a part of a fine canvas to the drawing's size. */
 
-/** Rows of the drawing that are read at once: all of a large canvas would take much memory. */
+/** Number of rows read at once, because a whole large canvas would take too much memory. */
 const ROWS = 64;
 
 /**
@@ -67,7 +67,7 @@ function coloured(data, out, width, rows, scale, onPaper) {
           opacity += alpha;
         }
       }
-      // Colours of pixels that nobody sees do not count.
+      // Colours of transparent pixels are ignored.
       const white = onPaper ? 255 * (255 * area - opacity) : 0;
       const share = onPaper ? 255 * area : Math.max(opacity, 1);
       out[at] = Math.round((red + white) / share);

@@ -1,30 +1,30 @@
-/** Quick shape: the line, polygon, circle or ellipse that a drawn stroke means. */
+/** Quick shape: find the line, polygon, circle or ellipse that a stroke resembles. */
 
 import { apart, corners, offLine } from "./simplify.js";
 
 /** @typedef {{x: number, y: number}} Point */
 
-/** A stroke ends where it began, if its ends are nearer than this share of its length. */
+/** Maximum distance between the ends of a closed stroke, as a fraction of its length. */
 const CLOSED = 0.15;
-/** How far a stroke strays from a straight line at most, as a share of the line's length. */
+/** Maximum deviation from a straight line, as a fraction of the line's length. */
 const STRAIGHT = 0.12;
-/** How far a corner lies off the side that it would interrupt, as a share of the stroke's size. */
+/** Minimum distance of a corner from the side that it interrupts, as a fraction of the stroke's size. */
 const CORNER = 0.08;
-/** How far points lie off a shape on average at most, as a share of the stroke's size. */
+/** Maximum mean distance from a shape, as a fraction of the stroke's size. */
 const FITS = 0.06;
-/** The same for a way of straight sides that does not close: a curve has none. */
+/** The same for an open polyline; it is stricter, because a curve has no straight sides. */
 const SIDED = 0.02;
-/** An ellipse is the better shape unless the polygon's sides are nearer by this factor. */
+/** Factor by which a polygon must fit better to be chosen instead of an ellipse. */
 const BETTER = 0.6;
 const MOST_CORNERS = 8;
-/** An ellipse that is longer than wide by less is a circle. */
+/** Maximum aspect ratio of an ellipse that becomes a circle. */
 const ROUND = 1.2;
-/** Radians by which a quadrilateral's corners are off a right angle at most to become one, and an axis off the paper's. */
+/** Maximum deviation in radians of a quadrilateral's corners from right angles to become a rectangle, and of an axis from the paper's. */
 const [RIGHT, LEVEL] = [0.3, 0.12];
-/** Points of an ellipse. */
+/** Number of points of an ellipse. */
 const STEPS = 96;
 
-/** Returns points as far from one another along a way. @param {Point[]} way @param {number} count */
+/** Returns evenly spaced points along a path. @param {Point[]} way @param {number} count */
 function spaced(way, count) {
   const ends = [0];
   for (let i = 1; i < way.length; i++) ends.push(ends[i - 1] + apart(way[i], way[i - 1]));
@@ -58,7 +58,7 @@ const mean = (points) => ({
 
 /** @typedef {ReturnType<typeof lineThrough>} Side */
 
-/** Where two lines meet; null if they hardly do. @param {Side} a @param {Side} b @returns {Point | null} */
+/** Returns the intersection of two lines; null if they are nearly parallel. @param {Side} a @param {Side} b @returns {Point | null} */
 function meeting(a, b) {
   const across = Math.sin(b.angle - a.angle);
   if (Math.abs(across) < 0.2) return null;
@@ -66,9 +66,9 @@ function meeting(a, b) {
   return { x: a.x + along * Math.cos(a.angle), y: a.y + along * Math.sin(a.angle) };
 }
 
-/** Returns the corners of a closed way, or null if it has too few or too many. @param {Point[]} way evenly spaced, its end where it began @param {number} size */
+/** Returns the corners of a closed path, or null if it has too few or too many. @param {Point[]} way evenly spaced, its end where it began @param {number} size */
 function polygonOf(way, size) {
-  // From a corner on: the farthest point is one.
+  // The farthest point is a corner, so the path starts there.
   const middle = mean(way);
   const start = way.reduce((most, at, i) => (apart(at, middle) > apart(way[most], middle) ? i : most), 0);
   const round = [...way.slice(start), ...way.slice(1, start + 1)];
@@ -83,7 +83,7 @@ function polygonOf(way, size) {
   return sides.map((side, k) => meeting(sides[(k + count - 1) % count], side) ?? round[places[k]]);
 }
 
-/** Makes four sides those of a rectangle, if they nearly are. @param {Side[]} sides */
+/** Turns four sides into a rectangle if they are close to one. @param {Side[]} sides */
 function squared(sides) {
   /** @param {number} angle */
   const quarter = (angle) => Math.atan2(Math.sin(4 * angle), Math.cos(4 * angle)) / 4;
@@ -131,12 +131,12 @@ function ellipseOf(way) {
   });
 }
 
-/** How far points lie off a shape on average. @param {Point[]} way @param {Point[]} shape */
+/** Returns the mean distance of points from a shape. @param {Point[]} way @param {Point[]} shape */
 const off = (way, shape) =>
   way.reduce((sum, at) => sum + Math.min(...shape.slice(1).map((b, i) => offLine(at, shape[i], b))), 0) / way.length;
 
 /**
- * Returns the corners of the shape that a stroke means, or the points of a circle or an ellipse; null if it is none.
+ * Returns the corners of the shape that a stroke resembles, or the points of a circle or an ellipse; null if there is none.
  * @param {Point[]} drawn
  * @returns {{points: Point[], sharp: boolean} | null} sharp: whether they are corners
  */

@@ -1,4 +1,4 @@
-/** Selection: what is chosen of strokes, pictures and parts of pictures, and what becomes of it when it is cut or moved. */
+/** Selection: the selected strokes, pictures and parts of pictures, and how they are cut and moved. */
 
 import { say, text } from "../text/text.js";
 import { activeLayer, withActive } from "./document.js";
@@ -10,29 +10,29 @@ import { alongWith, extentOf, movedParts, movedPicture, unitedBox } from "./movi
 /** @param {Selection} selection */
 export const isNothing = (selection) => !hasInk(selection) && !selection.pictures.length;
 
-/** Whether anything of the layer is chosen. @param {Selection} selection */
+/** Whether anything on the layer is selected. @param {Selection} selection */
 export const hasInk = ({ strokes, cuts }) => strokes.length > 0 || Boolean(cuts?.length);
 
-/** Returns what tells which points, regions and mask go along with what is chosen; null: what lies among it. @param {Selection} selection */
+/** Returns a function that tests which points, regions and mask strokes move with the selection; null uses its convex hull. @param {Selection} selection */
 export const insideOfSelection = ({ lasso }) => (lasso ? insideOf(lasso) : null);
 
-/** Returns what is chosen, as values. @param {import("./document.js").Doc} doc @param {Selection} selection */
+/** Returns the selected items. @param {import("./document.js").Doc} doc @param {Selection} selection */
 const itemsOf = (doc, { strokes, pictures }) =>
   [...strokes.map((i) => activeLayer(doc).strokes[i]), ...pictures.map((i) => doc.pictures[i])];
 
-/** Returns the box around all that is chosen. @param {import("./document.js").Doc} doc @param {Selection} selection */
+/** Returns the bounding box of the selection. @param {import("./document.js").Doc} doc @param {Selection} selection */
 export const boxOfSelection = (doc, selection) =>
   unitedBox([...itemsOf(doc, selection).map(extentOf), ...(selection.cuts ?? []).map(({ box }) => box)]);
 
-/** Whether all is there that is to be cut: a worker does it, beside the page. @param {Selection} selection */
+/** Whether all cuts, which a worker makes, are finished. @param {Selection} selection */
 export const isCut = ({ cuts }) => !cuts?.some(({ parts }) => !parts);
 
-/** Returns what says why a picture could not be cut. @param {import("../elements/status.js").Announce} announce @returns {(error: unknown) => void} */
+/** Returns a handler that announces why a picture could not be cut. @param {import("../elements/status.js").Announce} announce @returns {(error: unknown) => void} */
 export const cutFailed = (announce) => (error) =>
   announce(say("broken", { reason: error instanceof Error ? error.message : String(error) }), "warning");
 
 /**
- * Does what needs the parts of cut pictures: at once, or once they are there, unless something else is chosen by then.
+ * Calls a function once all cuts are finished, unless the selection has changed by then.
  * @param {import("./editor.js").Editor} editor @param {import("../elements/status.js").Announce} announce @param {() => void} act
  */
 export function onceCut(editor, announce, act) {
@@ -50,7 +50,7 @@ export function onceCut(editor, announce, act) {
 }
 
 /**
- * Cuts the pictures of which only a part is chosen, and chooses that part.
+ * Cuts pictures of which only a part is selected, and selects that part.
  * @param {import("./document.js").Doc} doc @param {Selection} selection
  * @returns {{doc: import("./document.js").Doc, selection: Selection}} the same if there is none
  */
@@ -70,7 +70,7 @@ export function withCuts(doc, selection) {
   return { doc: withActive(doc, { strokes }), selection: { strokes: chosen, pictures, lasso } };
 }
 
-/** Whether something that was hit is chosen. @param {Selection} selection @param {Selection} hit */
+/** Whether a hit item is selected. @param {Selection} selection @param {Selection} hit */
 export const isIn = ({ strokes, pictures }, hit) => strokes.includes(hit.strokes[0]) || pictures.includes(hit.pictures[0]);
 
 /** @param {Selection} a @param {Selection} b @returns {Selection} */

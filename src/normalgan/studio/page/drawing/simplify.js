@@ -7,10 +7,10 @@ import { LIMITS } from "./limits.js";
 /** @param {Point} a @param {Point} b */
 export const apart = (a, b) => Math.hypot(a.x - b.x, a.y - b.y);
 
-/** Returns a coordinate to a hundredth of a pixel. @param {number} value */
+/** Rounds a coordinate to a hundredth of a pixel. @param {number} value */
 export const rounded = (value) => Math.round(value * 100) / 100;
 
-/** How far a point is from the line between two others. @param {Point} at @param {Point} a @param {Point} b */
+/** Returns the distance of a point from the line between two others. @param {Point} at @param {Point} a @param {Point} b */
 export function offLine(at, a, b) {
   const length = apart(a, b) || 1e-9;
   const along = Math.max(0, Math.min(1, ((at.x - a.x) * (b.x - a.x) + (at.y - a.y) * (b.y - a.y)) / length ** 2));
@@ -27,9 +27,9 @@ export function corners(line, most, first = 0, last = line.length - 1) {
   return farthest < 0 ? [first, last] : [...corners(line, most, first, farthest), ...corners(line, most, farthest, last).slice(1)];
 }
 
-/** The most points that the server takes in a region, a brush's or mask's stroke, or a piece of a carved line; a lasso has no more. */
+/** Maximum number of points that the server accepts in a region, a brush or mask stroke, or a piece of a carved line; also used for lassos. */
 export const { points: MOST_POINTS } = LIMITS;
-/** How far the polyline may move at first when points are left out, in pixels of the drawing. */
+/** Initial tolerance in drawing pixels when points are dropped. */
 const LEAST_OFF = 0.25;
 
 /**

@@ -1,4 +1,4 @@
-/** Smoothing: the tip of the pen follows the pointer along the way it goes, whatever the rate of events. */
+/** Smoothing: the pen tip follows the pointer along its path, independently of the event rate. */
 
 const LONGEST = 40;
 
@@ -14,7 +14,7 @@ export class Smoother {
   }
 
   /**
-   * Returns where the tip goes when the pointer comes somewhere.
+   * Returns the new position of the tip for a position of the pointer.
    * @param {{x: number, y: number, pressure: number}} point
    */
   move(point) {
@@ -32,7 +32,7 @@ export class Smoother {
     return this.tip;
   }
 
-  /** Returns where the pointer is: the tip ends there, so that outlines close. */
+  /** Returns the position of the pointer, where the tip ends so that outlines close. */
   end() {
     return this.target;
   }

@@ -1,4 +1,4 @@
-/** Steps: a history of documents as what each of them changed, so that it can be kept. */
+/** Steps: store a history of documents as the changes of each step. */
 
 /** @typedef {import("./document.js").Doc} Doc @typedef {import("./document.js").Layer} Layer
  * @typedef {import("./document.js").Stroke | import("./document.js").Picture} Piece */
@@ -20,12 +20,12 @@ function others(to, from, numbered) {
   return [same, ...to.slice(same).map(numbered)];
 }
 
-/** Returns what of a value is another one. @template {object} T @param {T} to @param {Record<string, any>} [from] @returns {Partial<T>} */
+/** Returns the properties of a value that have changed. @template {object} T @param {T} to @param {Record<string, any>} [from] @returns {Partial<T>} */
 const differing = (to, from) =>
   /** @type {Partial<T>} */ (Object.fromEntries(Object.entries(to).filter(([key, value]) => !from || from[key] !== value)));
 
 /**
- * Returns a history as steps, each of which holds only what it changed.
+ * Returns a history as steps that only hold changes.
  * @param {Past} past
  * @param {number} most steps, as many to be undone as to be redone where there are more
  * @param {(piece: Piece) => number} numbered
@@ -52,7 +52,7 @@ export function toSteps({ states, at }, most, numbered) {
 }
 
 /**
- * Returns the history that was kept as steps; null if something of it is missing.
+ * Returns the history of stored steps; null if something is missing.
  * @param {Steps | undefined} kept
  * @param {(number: number) => any} piece
  * @returns {Past | null}
@@ -63,7 +63,7 @@ export function fromSteps(kept, piece) {
   const list = ([same, ...more], from) => {
     const found = more.map(piece);
     if (found.includes(undefined) || same > (from?.length ?? 0)) throw new RangeError("a piece is missing");
-    // Equal lists are one list, by which others see that nothing has changed.
+    // Unchanged lists must be the same object, which others use to detect changes.
     return from && same === from.length && !found.length ? from : [...(from ?? []).slice(0, same), ...found];
   };
   /** @type {Doc[]} */
@@ -81,19 +81,19 @@ export function fromSteps(kept, piece) {
       states.push(/** @type {Doc} */ ({ ...before, ...more, layers: found ?? before?.layers, pictures: list(pictures, before?.pictures) }));
     }
   } catch {
-    return null; // damaged: the document itself is kept apart from it
+    return null; // damaged history; the document itself is stored separately
   }
   return states[kept.at] ? { states, at: kept.at } : null;
 }
 
-/** Steps that a saved project keeps, and letters of what is in them and no more in the drawing. */
+/** Maximum number of steps in a saved project, and maximum size of items that are no longer in the drawing. */
 const [MOST_SAVED, MOST_LETTERS] = [100, 1_000_000];
 
-/** Returns all that lies on a document, by which its history is numbered. @param {Doc} doc @returns {Piece[]} */
+/** Returns all items of a document, which number its history. @param {Doc} doc @returns {Piece[]} */
 const piecesOf = ({ layers, pictures }) => [...layers.flatMap(({ strokes }) => strokes), ...pictures];
 
 /**
- * Returns the history of a document as a project keeps it: as many of the last steps as are small enough.
+ * Returns the history that is saved with a project: as many of the last steps as fit.
  * @param {Doc} doc the one at `past.at`
  * @param {Past} past
  * @returns {Steps & {pieces: Piece[]}} pieces: what is no more in the document
@@ -115,7 +115,7 @@ export function savedSteps(doc, past) {
 }
 
 /**
- * Returns the history that a project keeps; null if there is none, or if it is damaged.
+ * Returns the history saved with a project; null if there is none or it is damaged.
  * @param {Doc} doc
  * @param {any} saved what the project's file holds
  * @param {(state: unknown) => Doc} check throws if it is no document
@@ -130,11 +130,11 @@ export function pastOf(doc, saved, check) {
     width, height, pictures, ...layers.map(({ id, name, visible, strokes, hints, areas, mask, source, form }) => [id, name, visible, strokes, hints, areas, mask, source, form]),
   ]);
   try {
-    // A history that does not lead to the drawing is another one's.
+    // The history must lead to this drawing.
     const states = past?.states.map(check) ?? [];
     if (!past || content(states[past.at]) !== content(doc)) return null;
     return { states, at: past.at };
   } catch {
-    return null; // the drawing itself is whole
+    return null; // only the history is damaged
   }
 }

@@ -1,4 +1,4 @@
-/** Strokes: a pen's points as a line whose width follows its pressure, drawn piece by piece. */
+/** Strokes: draw a pen's points piece by piece as a line whose width follows the pressure. */
 
 /** @typedef {import("./document.js").Stroke} Stroke */
 
@@ -27,7 +27,7 @@ export function sidesOf(line, from = 0) {
 }
 
 /**
- * Draws the piece of a stroke around point i, between the middles to its neighbours.
+ * Draws the piece of a stroke around point i, between the midpoints to its neighbours.
  * @param {CanvasRenderingContext2D | OffscreenCanvasRenderingContext2D} context in pixels of the drawing
  * @param {{size: number, points: number[]}} line
  * @param {number} i
@@ -39,7 +39,7 @@ export function drawPiece(context, line, i, last) {
   const to = last ? point : middle(point, at(line.points, i + 1));
   const [first, end] = [widthAt(line.size, from.p), widthAt(line.size, to.p)];
   const way = Math.hypot(point.x - from.x, point.y - from.y) + Math.hypot(to.x - point.x, to.y - point.y);
-  // A canvas strokes with one width: where it changes, by short straight parts.
+  // A canvas strokes with constant width, so varying width is drawn in short straight parts.
   const parts = Math.abs(first - end) < ALIKE ? 1 : Math.max(2, Math.ceil(way / 1.5));
   /** @type {{x: number, y: number}} */
   let start = from;
@@ -131,7 +131,7 @@ export function drawStroke(context, stroke, image) {
 }
 
 /**
- * Returns what the pieces of a stroke from a point on can cover.
+ * Returns the bounding box of the pieces of a stroke from a point on.
  * @param {{size: number, points: number[], mirror?: number}} line
  * @param {number} from
  */

@@ -1,22 +1,22 @@
-/** Structure picture: a picture, as of cloth or bark, made a grey tile that repeats without a seam. */
+/** Structure picture: turn a picture, for example of cloth or bark, into a seamless grey tile. */
 
 import { context2d } from "./canvas.js";
 import { LIMITS } from "./limits.js";
 
 const { tile: SIDE } = LIMITS;
-/** Pixels at two edges where the picture fades into what lies beyond the opposite ones. */
+/** Width in pixels of the band in which two edges fade into the opposite ones. */
 const MARGIN = SIDE / 4;
-/** How much more than within a picture that repeats its grey may change from an edge to the opposite one. */
+/** Maximum ratio of the change across opposite edges to the change inside for a picture that already repeats. */
 const SEAM = 1.5;
-/** Pixels around each over which its light is evened out: a picture is brighter where the lamp was. */
+/** Radius in pixels for evening out the lighting of a photo. */
 const EVENED = (3 * SIDE) / 8;
-/** Shares of the pixels that may be black and white in the tile, and the levels between them at the least. */
+/** Fraction of pixels that become black and white in the tile, and minimum difference between the two in levels. */
 const [CLIPPED, FLAT] = [0.01, 6];
 
 /**
  * Returns a tile of the middle of a picture: a data URL of a grey PNG, white is high.
  * @param {CanvasImageSource & {width: number, height: number}} image
- * @returns {string | null} null: it is the same all over
+ * @returns {string | null} null if the picture is uniform
  */
 export function tileFrom(image) {
   const whole = greyOf(image, SIDE);
@@ -51,7 +51,7 @@ function greyOf(image, side) {
   return Float32Array.from({ length: side * side }, (_, i) => 0.2126 * data[4 * i] + 0.7152 * data[4 * i + 1] + 0.0722 * data[4 * i + 2]);
 }
 
-/** Whether a picture goes on at the opposite edges. @param {Float32Array} values */
+/** Whether a picture already repeats at opposite edges. @param {Float32Array} values */
 function repeats(values) {
   return [1, SIDE].every((step) => {
     const [along, last] = [step === 1 ? SIDE : 1, (SIDE - 1) * step];
@@ -79,7 +79,7 @@ function faded(larger) {
   });
 }
 
-/** Takes from each pixel the mean of those about it. @param {Float32Array} values */
+/** Subtracts the local mean from each pixel. @param {Float32Array} values */
 function evened(values) {
   let mean = values;
   for (const step of [1, SIDE, 1, SIDE]) {

@@ -6,9 +6,9 @@
 
 /** Root mean square of a tile's slopes at full strength. */
 const STEEP = 0.6;
-/** Root mean square of the slopes of heights from 0 to 1 below which they are a flat picture, and no structure. */
+/** Root mean square of the slopes, for heights from 0 to 1, below which a picture counts as flat. */
 const EVEN = 1e-4;
-/** Shares of a pixel and its neighbours by which the levels of a picture are smoothed. */
+/** Kernel for smoothing the levels of a picture. */
 const SMOOTHED = [1 / 16, 4 / 16, 6 / 16, 4 / 16, 1 / 16];
 
 /** @type {Map<string, Promise<Tile>>} by the kind, or by the picture */
@@ -23,7 +23,7 @@ export function tileOf(kind, picture) {
   const key = picture ?? kind;
   const found = known.get(key) ?? (picture === undefined ? builtIn(kind) : ofPicture(picture));
   known.set(key, found);
-  found.catch(() => known.delete(key)); // it may come the next time
+  found.catch(() => known.delete(key)); // the next attempt may succeed
   return found;
 }
 
@@ -44,7 +44,7 @@ async function ofPicture(picture) {
   context.drawImage(bitmap, 0, 0);
   const { data } = context.getImageData(0, 0, side, side);
   const heights = Float32Array.from({ length: side * side }, (_, i) => (data[4 * i] + data[4 * i + 1] + data[4 * i + 2]) / 765);
-  // Its 256 levels would be steps.
+  // Smoothed, because 256 levels would give visible steps.
   return tileOfHeights(smoothed(smoothed(heights, side, 1), side, side));
 }
 
@@ -88,7 +88,7 @@ function halved(values, side) {
 }
 
 /**
- * Returns what tells the slope of a structure at a place, to the right and down.
+ * Returns a function that gives the slope of a structure at a point, to the right and down.
  * @param {Tile} tile @param {Structure} structure @param {number} [scale] pixels of the map for one of the drawing
  * @returns {(x: number, y: number, out: number[]) => void} x, y: in pixels of the map
  */

@@ -3,11 +3,11 @@
 import { text } from "../text/text.js";
 import { $, make, open } from "./dom.js";
 
-/** The question that is asked now, or was asked last. @type {Promise<unknown>} */
+/** The current or last question. @type {Promise<unknown>} */
 let asked = Promise.resolve();
 
 /**
- * Asks to choose between ways to go on, once what was asked before is answered: there is one dialog for all questions.
+ * Asks the user to choose an option, after any previous question has been answered; all questions share one dialog.
  * @param {string} title
  * @param {string} body
  * @param {{value: string, text: string, strong?: boolean}[]} ways besides cancelling
@@ -16,7 +16,7 @@ let asked = Promise.resolve();
  */
 export function choose(title, body, ways, more) {
   const answer = asked.then(() => ask(title, body, ways, more));
-  asked = answer.catch(() => {}); // told to who asked
+  asked = answer.catch(() => {}); // reported to the caller
   return answer;
 }
 

@@ -20,7 +20,7 @@ export function fieldOf({ target }, kinds) {
   return found?.getClientRects().length ? found : null;
 }
 
-/** Lets a button be pressed, or not. @param {string} id @param {boolean} enabled */
+/** Enables or disables a button. @param {string} id @param {boolean} enabled */
 export const enable = (id, enabled) => { /** @type {HTMLButtonElement} */ ($(id)).disabled = !enabled; };
 
 /**
@@ -42,7 +42,7 @@ export function make(tag, properties = {}, ...children) {
   return element;
 }
 
-/** Puts words and icons into elements that name them by `data-text`, `data-label` and `data-icon`. */
+/** Fills in the texts and icons of elements with `data-text`, `data-label` or `data-icon`. */
 export function fill(root = document) {
   /** @param {"icon" | "text" | "label"} kind @param {(element: HTMLElement, name: string) => void} put */
   const each = (kind, put) => {
@@ -53,11 +53,11 @@ export function fill(root = document) {
   each("icon", (element, name) => element.prepend(icon(name)));
   each("text", (element, name) => element.append(wordsOf(name)));
   each("label", (element, name) => label(element, wordsOf(name)));
-  // Those that show their words have no other name, and only their keys to be told.
+  // Buttons that show their text need no other name; their tooltip only shows the shortcut.
   for (const element of /** @type {NodeListOf<HTMLElement>} */ (root.querySelectorAll("[data-keys]:not([data-label])"))) element.title = element.dataset.keys ?? "";
 }
 
-/** Names an element for the eye and for screen readers. @param {Element} element @param {string} words */
+/** Sets the tooltip and the accessible name of an element. @param {Element} element @param {string} words */
 export function label(element, words) {
   element.setAttribute("aria-label", words);
   if (!element.matches("button, summary, input, select")) return;
@@ -65,7 +65,7 @@ export function label(element, words) {
   element.setAttribute("title", keys ? `${words} (${keys})` : words);
 }
 
-/** Hands a file to the browser's downloads. @param {Blob} blob @param {string} name */
+/** Downloads a file. @param {Blob} blob @param {string} name */
 export function download(blob, name) {
   const url = URL.createObjectURL(blob);
   make("a", { href: url, download: name }).click();

@@ -1,7 +1,7 @@
-/** Settings: what this browser remembers of how somebody works. Where it cannot, nothing is lost but that. */
+/** Settings: remember preferences in the browser, if it allows that. */
 
 /**
- * Returns what was remembered.
+ * Returns a remembered value.
  * @param {string} key
  * @returns {any} null if nothing was, or if it cannot be read
  */
@@ -9,7 +9,7 @@ export function recalled(key) {
   try {
     return JSON.parse(localStorage.getItem(key) ?? "null");
   } catch {
-    return null; // something else wrote there, or the browser keeps nothing
+    return null; // another program wrote this value, or the browser stores nothing
   }
 }
 
@@ -18,25 +18,25 @@ export function remember(key, value) {
   try {
     localStorage.setItem(key, JSON.stringify(value));
   } catch {
-    // The next page begins with what is usual.
+    // The next page then starts with the defaults.
   }
 }
 
-/** Returns what this tab remembers, also when its page is loaded again; null if nothing. @param {string} key @returns {string | null} */
+/** Returns a value that this tab remembers across reloads; null if there is none. @param {string} key @returns {string | null} */
 export function tabRecalls(key) {
   try {
     return sessionStorage.getItem(key);
   } catch {
-    return null; // the browser was told to keep nothing
+    return null; // storage is disabled in the browser
   }
 }
 
-/** Has this tab remember a value, or forget it. @param {string} key @param {string | null} value */
+/** Makes this tab remember a value or forget it. @param {string} key @param {string | null} value */
 export function tabRemembers(key, value) {
   try {
     if (value === null) sessionStorage.removeItem(key);
     else sessionStorage.setItem(key, value);
   } catch {
-    // The page begins with an empty drawing when it is loaded again.
+    // After a reload, the page then starts with an empty drawing.
   }
 }

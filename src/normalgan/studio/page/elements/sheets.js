@@ -1,4 +1,4 @@
-/** Sheets: what a small window keeps behind a button; in a wide one it stands where it is, and the button is hidden. */
+/** Sheets: panels that open with a button in small windows; in wide windows they are always visible and the button is hidden. */
 
 import { $ } from "./dom.js";
 
@@ -16,7 +16,7 @@ function followSheet(name, onOpen) {
   };
   const isOpen = () => sheet.classList.contains("open");
   button.addEventListener("click", () => show(!isOpen()));
-  sheet.addEventListener("click", () => show(false)); // something in it was chosen
+  sheet.addEventListener("click", () => show(false)); // something in the sheet was chosen
   addEventListener("pointerdown", (event) => {
     const inside = [button, sheet].some((each) => each.contains(/** @type {Node} */ (event.target)));
     if (!inside) show(false);
@@ -30,16 +30,16 @@ function followSheet(name, onOpen) {
   show(false);
 }
 
-/** Lets the buttons of the header, of the tools and of the result open their sheets. */
+/** Makes the buttons of the header, the tools and the result open their sheets. */
 export function followSheets() {
   for (const name of ["menu-toggle", "tools-toggle", "looks-toggle"]) followSheet(name);
 }
 
-/** Pixels between a card and its button, and the window's edge. */
+/** Distance in pixels of a card from its button and from the window's edge. */
 const GAP = 8;
 
 /**
- * Lets a button open a card of pictures to choose from, beside it.
+ * Makes a button open a card of pictures to choose from.
  * @param {string} name of the button
  * @param {() => void} fill makes what is in the card, each time when it opens
  */
@@ -62,6 +62,6 @@ export function followPicker(name, fill) {
     const all = choices();
     all[(all.indexOf(/** @type {HTMLButtonElement} */ (document.activeElement)) + step + all.length) % all.length].focus();
   });
-  // Whoever used keys goes on where the card was opened.
+  // Keyboard users continue at the button that opened the card.
   card.addEventListener("click", () => button.focus());
 }

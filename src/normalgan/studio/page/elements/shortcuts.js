@@ -1,8 +1,8 @@
-/** Shortcuts: keys that work everywhere but in fields and dialogs; the help shows this list. */
+/** Shortcuts: keys that work everywhere except in fields and dialogs; the help lists them. */
 
 import { fieldOf } from "./dom.js";
 
-/** What the help shows: keys, and the key of their words. */
+/** Entries of the help: keys and the name of their text. */
 export const SHOWN = [
   ["P  E  S  H  R  D  M  L  V", "keyPen"],
   ["[  ]", "keyWidth"],
@@ -29,7 +29,7 @@ export const SHOWN = [
 ];
 
 /**
- * Follows the keys.
+ * Handles the shortcuts.
  * @param {Record<string, () => void>} actions by key, with "ctrl+" and "shift+" in front for letters
  */
 export function followKeys(actions) {

@@ -1,11 +1,11 @@
-/** Sorting: a row of a list is dragged to another place in it. */
+/** Sorting: reorder the rows of a list by dragging. */
 
-/** Pixels that a press moves before it drags: less is a click. */
+/** Minimum movement of a drag in pixels; less is a click. */
 const STIRRED = 4;
-/** Pixels at the ends of the list in which dragging scrolls it, and by how many at a time. */
+/** Height in pixels of the zones at the ends of the list in which dragging scrolls it, and pixels per scroll step. */
 const [EDGE, SCROLLED] = [24, 8];
 
-/** One drag of a row, from the press to its end. */
+/** A drag of a row, from press to release. */
 class RowDrag {
   /**
    * @param {HTMLElement} handle of the row, which is pressed
@@ -19,15 +19,15 @@ class RowDrag {
     this.list = list;
     this.moved = moved;
     this.rows = /** @type {HTMLElement[]} */ ([...list.children]);
-    /** Where the rows lie in the list, whatever part of it is on show. */
+    /** Positions of the rows in the list, independent of scrolling. */
     this.middles = this.rows.map((row) => row.offsetTop + row.offsetHeight / 2);
     this.pitch = this.rows.length > 1 ? this.rows[1].offsetTop - this.rows[0].offsetTop : item.offsetHeight;
     this.start = { y: event.clientY, scrolled: list.scrollTop };
-    /** The place that the row has, and the one that it is dragged to. */
+    /** Original index of the row, and index that it is dragged to. */
     this.from = this.to = this.rows.indexOf(item);
-    /** Where the pointer is. */
+    /** Position of the pointer. */
     this.y = event.clientY;
-    /** Whether it is more than a click. */
+    /** Whether the press has become a drag. */
     this.begun = false;
     this.frame = 0;
     this.listening = new AbortController();
@@ -56,7 +56,7 @@ class RowDrag {
     this.#show();
   }
 
-  /** Shows the rows as they would lie now. */
+  /** Shows the rows in their new order. */
   #show() {
     const { rows, middles, pitch, from, list, start } = this;
     const by = this.y - start.y + list.scrollTop - start.scrolled;
@@ -80,7 +80,7 @@ class RowDrag {
     this.frame = requestAnimationFrame(() => this.#scroll());
   }
 
-  /** @param {boolean} kept whether the row stays where it was dragged to */
+  /** @param {boolean} kept whether the row stays at its new position */
   #end(kept) {
     const { item, list, rows, from, to } = this;
     this.listening.abort();
@@ -88,17 +88,17 @@ class RowDrag {
     for (const row of rows) row.style.transform = "";
     item.classList.remove("dragged");
     list.classList.remove("sorting");
-    // What was pressed to be dragged was not clicked.
+    // The end of a drag is not a click.
     if (this.begun) addEventListener("click", (click) => click.stopPropagation(), { capture: true, once: true, signal: AbortSignal.timeout(50) });
     if (kept && to !== from && item.isConnected) this.moved(to - from);
   }
 }
 
 /**
- * Lets a row be dragged to another place in its list.
+ * Makes a row draggable within its list.
  * @param {HTMLElement} handle of the row, which is pressed
  * @param {HTMLElement} item the row
- * @param {(step: number) => void} moved is told by how many rows it went down
+ * @param {(step: number) => void} moved called with the number of rows that it moved down
  */
 export function letSort(handle, item, moved) {
   handle.addEventListener("pointerdown", (event) => {

@@ -1,14 +1,14 @@
-/** Status: one calm line of what was done, and a toast near the act for what went wrong. Screen readers hear both. */
+/** Status: a line for successful actions, and a toast near the action for problems. Screen readers announce both. */
 
 import { Away, Refused } from "../server/api.js";
 import { say, sentence, text } from "../text/text.js";
 import { $ } from "./dom.js";
 
-/** Milliseconds after which what was done is old news. */
+/** Milliseconds after which a success message is cleared. */
 const STAYS = 6000;
-/** Milliseconds that a problem stays; longer while the pointer or the focus is on it. */
+/** Milliseconds for which a problem is shown; longer while the pointer or the focus is on it. */
 const PROBLEM_STAYS = 15_000;
-/** Pixels between a problem and what it is about. */
+/** Distance in pixels between a problem and the element it concerns. */
 const GAP = 10;
 
 /**
@@ -39,7 +39,7 @@ export class Status {
     }
     $("problem-close").addEventListener("click", () => this.#settle());
     addEventListener("resize", () => this.#place());
-    // A toast may come or go after the problem did; neither may cover the other's buttons.
+    // A toast and a problem may appear in any order; neither may cover the other's buttons.
     new ResizeObserver(() => this.#place()).observe($("toast"));
     connection.addEventListener("away", () => this.say(text.offline, "away"));
     connection.addEventListener("back", () => {
@@ -49,27 +49,27 @@ export class Status {
     this.say(text.loading);
   }
 
-  /** @param {string} words @param {Kind} [kind] away stays until the server is back */
+  /** @param {string} words @param {Kind} [kind] `away` stays until the server is back */
   say(words, kind = "") {
     clearTimeout(this.timer);
     this.line.textContent = kind ? "" : words;
-    this.line.title = this.line.textContent; // where it is too long for the window
+    this.line.title = this.line.textContent; // the full text if it is too long for the window
     if (kind) this.#warn(words, kind);
     else if (words !== text.loading) this.timer = setTimeout(() => { this.line.textContent = ""; }, STAYS);
   }
 
-  /** Forgets what was done, and why something could not be done: something else was done since, or will be. */
+  /** Clears success messages and warnings, because a new action starts. */
   clear() {
     if (this.line.textContent !== text.loading) this.say("");
     if (this.problem.dataset.kind === "warning") this.#settle();
   }
 
-  /** Says that the model is there, unless something else was said meanwhile. */
+  /** Announces that the model is ready, unless another message has been shown meanwhile. */
   ready() {
     if (this.line.textContent === text.loading) this.say(text.ready);
   }
 
-  /** Says a figure for the eye only: screen readers would hear one with every stroke. @param {string} words */
+  /** Shows a message without announcing it, because screen readers would read it after every stroke. @param {string} words */
   note(words) {
     $("note").textContent = words;
   }
@@ -78,7 +78,7 @@ export class Status {
   fail(error) {
     if (error instanceof Away) {
       this.connection.lost();
-      this.say(text.offline, "away"); // again, where it is known already: what was begun has ended
+      this.say(text.offline, "away"); // shown again, because a new attempt has failed too
       return;
     }
     this.say(reasonOf(error), "error");
@@ -87,10 +87,10 @@ export class Status {
   /** @param {string} words @param {string} kind */
   #warn(words, kind) {
     const { problem } = this;
-    // What lies behind an open dialog can be neither seen nor pressed. That the server is away is not of the dialog.
+    // Messages behind an open dialog can be neither read nor clicked, so they move into it, except that the server is away.
     const dialog = kind === "away" ? null : document.querySelector("dialog[open] form");
     const buttons = dialog?.querySelector(".ways");
-    if (buttons) buttons.before(problem); // they stay at the dialog's foot and would cover it
+    if (buttons) buttons.before(problem); // they would cover the foot of the dialog
     else (dialog ?? document.body).append(problem);
     problem.dataset.kind = kind;
     problem.hidden = false;
@@ -104,14 +104,14 @@ export class Status {
     if (kind !== "away") wait();
   }
 
-  /** Takes a problem away; that the server is away is said as long as it is. */
+  /** Removes a problem; the message that the server is away stays as long as it is. */
   #settle() {
     clearTimeout(this.problemTimer);
     this.problem.hidden = true;
     document.body.append(this.problem);
   }
 
-  /** Puts the problem beside what was pressed last, or at the foot of the pane. */
+  /** Places the problem next to the last pressed element, or at the foot of the pane. */
   #place() {
     const { problem, act } = this;
     const near = act?.isConnected ? act.closest(".pane, button, summary, label") : null;

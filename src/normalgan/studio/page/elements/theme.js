@@ -1,4 +1,4 @@
-/** Theme: dark or light as the system has it, until it is switched here. */
+/** Theme: dark or light like the system, until the user switches it. */
 
 import { recalled, remember } from "./settings.js";
 

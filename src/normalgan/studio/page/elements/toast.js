@@ -1,18 +1,18 @@
-/** Toast: says for some seconds what was done, with buttons that change it. One at a time. */
+/** Toast: shows what was done for some seconds, with buttons to change it. Only one is shown at a time. */
 
 import { $, make } from "./dom.js";
 
-/** Milliseconds that it stays; longer while the pointer or the focus is on it. */
+/** Milliseconds for which a toast is shown; longer while the pointer or the focus is on it. */
 const STAYS = 12_000;
 
-/** Ends the one that is on show. */
+/** Removes the current toast. */
 let end = () => {};
 
 /**
- * Shows words and buttons.
+ * Shows a message with buttons.
  * @param {string} words
  * @param {{text: string, act: () => void}[]} ways
- * @param {() => void} [ended] called once it has gone and no button was pressed
+ * @param {() => void} [ended] called when it disappears without a button having been pressed
  */
 export function toast(words, ways, ended = () => {}) {
   end();

@@ -1,4 +1,4 @@
-/** Autosave: each change goes to the browser's store at once and to the server some seconds later. */
+/** Autosave: save each change to the browser's store at once, and to the server some seconds later. */
 
 import { isEmpty } from "../drawing/document.js";
 import { Away, autosaves, isGone } from "../server/api.js";
@@ -7,10 +7,10 @@ import { StoreFailure, forget, keep, kept } from "./store.js";
 
 const LATER = 2500;
 
-/** What is said of the browser's store that keeps nothing. */
+/** Messages for failures of the browser's store. */
 const SAID = { full: text.storageFull, newer: text.storageNewer, blocked: text.storageBlocked, silent: text.storageSilent, broken: text.noStorage };
 
-/** Returns a failure of the store in words; of anything else itself. @param {unknown} error @returns {unknown} */
+/** Returns the message for a failure of the store; other errors are returned unchanged. @param {unknown} error @returns {unknown} */
 export const inWords = (error) => (error instanceof StoreFailure ? new Error(SAID[error.why]) : error);
 
 /** Event `failed` (detail: the error) when the browser cannot keep the work. */
@@ -25,32 +25,32 @@ export class Autosave extends EventTarget {
     this.editor = editor;
     this.connection = connection;
     this.tab = tab;
-    /** @type {string | null} what the server called the project as this tab has seen it */
+    /** @type {string | null} the project's ETag as last seen by this tab */
     this.etag = null;
-    /** @type {import("../drawing/document.js").Doc | null} the document as it was last saved or opened: nothing to keep */
+    /** @type {import("../drawing/document.js").Doc | null} the document as last saved or opened, which needs no backup */
     this.clean = editor.doc;
-    /** @type {Left | null} what another tab left and this one shows; it stays where it is until more is drawn and kept */
+    /** @type {Left | null} work of another tab that this tab shows; it is kept until new work has been saved */
     this.borrowed = null;
     this.stale = false;
-    /** How often the document has changed: tells which copy is newer, whatever the clock says. */
+    /** Number of changes of the document, which shows which copy is newer independently of the clock. */
     this.revision = 0;
-    /** @type {Promise<void> | null} the writing to the browser's store that goes on */
+    /** @type {Promise<void> | null} the current write to the browser's store */
     this.writing = null;
-    /** @type {import("../drawing/document.js").Doc | null} what the browser's store holds */
+    /** @type {import("../drawing/document.js").Doc | null} the document in the browser's store */
     this.kept = null;
-    /** Whether the browser's store was full when it was last to keep something. */
+    /** Whether the browser's store was full at the last attempt to write. */
     this.full = false;
     this.timer = 0;
-    /** @type {import("../drawing/document.js").Doc | null} what the server holds, as it has answered */
+    /** @type {import("../drawing/document.js").Doc | null} the document on the server, as acknowledged */
     this.sent = null;
-    /** Whether the server may hold work of this tab: what was sent may have arrived although no answer came. */
+    /** Whether the server may hold work of this tab, because a request may have arrived without an answer. */
     this.there = false;
-    /** @type {Promise<void>} the writing to the server that goes on, or the last one */
+    /** @type {Promise<void>} the current or last write to the server */
     this.sending = Promise.resolve();
     editor.addEventListener("change", (event) => /** @type {CustomEvent} */ (event).detail.live || this.#changed());
     editor.addEventListener("replaced", (event) => {
       const { before, after } = /** @type {CustomEvent} */ (event).detail;
-      if (this.clean === before) this.clean = after; // which layer is worked on is no work that could be lost
+      if (this.clean === before) this.clean = after; // changing the active layer is not work that could be lost
     });
     connection.addEventListener("back", () => this.flush());
     addEventListener("pagehide", () => this.flush());
@@ -60,50 +60,50 @@ export class Autosave extends EventTarget {
     return this.editor.history.state !== this.clean;
   }
 
-  /** Whether there is work on show that is in no project. */
+  /** Whether the current work is not saved in a project. */
   get unsaved() {
     return this.dirty || this.borrowed !== null;
   }
 
-  /** Takes what is on show for what another tab left. @param {Left} left */
+  /** Marks the current document as work left by another tab. @param {Left} left */
   borrow(left) {
     this.borrowed = left;
     this.clean = this.editor.history.state;
   }
 
-  /** Drops what another tab left: it is saved, kept under this one's name, or not wanted any more. */
+  /** Deletes work left by another tab, which has been saved, backed up by this tab, or discarded. */
   async #return() {
     const { borrowed } = this;
     this.borrowed = null;
     if (borrowed) await this.drop(borrowed);
   }
 
-  /** Notes that the document is saved as a project, or fresh: what was kept is dropped. */
+  /** Marks the document as saved or new, and deletes its backup. */
   async settle(doc = this.editor.history.state) {
     this.clean = doc;
     if (this.dirty) return;
     await this.#return();
     clearTimeout(this.timer);
     this.timer = 0;
-    await this.sending; // or it would lie there although it is saved
+    await this.sending; // otherwise the backup would remain although the document is saved
     await forget(this.tab, true).catch((error) => this.#failed(error));
     await this.#withdraw();
   }
 
-  /** Drops what a tab has kept, here and on the server. @param {Left} left */
+  /** Deletes the backup of a tab, here and on the server. @param {Left} left */
   async drop({ tab, here, there }) {
     if (here) await forget(tab, tab === this.tab).catch((error) => this.#failed(error));
     if (there) await autosaves.remove(tab).catch((error) => this.#failed(error));
   }
 
-  /** Keeps what is drawn here and on the server. @returns {Promise<boolean>} whether one of them has it */
+  /** Backs up the drawing here and on the server. @returns {Promise<boolean>} whether at least one backup succeeded */
   async secure() {
     await Promise.all([this.#keep(), this.flush()]);
     const { state } = this.editor.history;
     return this.kept === state || this.sent === state;
   }
 
-  /** Sends what has changed to the server. */
+  /** Sends changes to the server. */
   async flush() {
     clearTimeout(this.timer);
     this.timer = 0;
@@ -114,7 +114,7 @@ export class Autosave extends EventTarget {
     await this.sending;
   }
 
-  /** Takes back what the server holds where all that changed was undone: it would be offered as unsaved work. */
+  /** Deletes the server's backup if all changes were undone; otherwise it would be offered as unsaved work. */
   async #withdraw() {
     if (this.dirty || !this.there) return;
     this.sent = null;
@@ -122,7 +122,7 @@ export class Autosave extends EventTarget {
       await autosaves.remove(this.tab);
       this.there = false;
     } catch (error) {
-      this.there = !isGone(error); // tried again once the server is back
+      this.there = !isGone(error); // retried once the server is back
       this.#failed(error);
     }
   }
@@ -139,14 +139,14 @@ export class Autosave extends EventTarget {
   }
 
   #changed() {
-    // From now on it is this tab's, whatever is undone.
+    // From now on it is this tab's work, even after undo.
     if (this.borrowed && this.dirty) this.clean = null;
     this.revision += 1;
     this.#keep();
     this.timer ||= setTimeout(() => this.flush(), LATER);
   }
 
-  /** Writes to the browser's store, one writing at a time, the newest last. @returns {Promise<void>} */
+  /** Writes to the browser's store, one write at a time, the newest last. @returns {Promise<void>} */
   #keep() {
     this.stale = true;
     this.writing ??= this.#write();
@@ -170,7 +170,7 @@ export class Autosave extends EventTarget {
     this.writing = null;
   }
 
-  /** Tells of a failure of the browser's store; that it is full only once while the server takes the work. @param {unknown} error */
+  /** Reports a failure of the browser's store; while the server accepts the work, a full store is reported only once. @param {unknown} error */
   #storeFailed(error) {
     const full = error instanceof StoreFailure && error.why === "full";
     if (!full || !this.full || !this.sent || this.connection.away) this.#failed(error);
@@ -193,7 +193,7 @@ export class Autosave extends EventTarget {
  */
 
 /**
- * Returns unsaved work of tabs that are closed, newest first; what both stores hold counts once.
+ * Returns unsaved work of closed tabs, newest first, without duplicates between the two stores.
  * @param {Set<string> | null} open tabs that live, if that is known
  * @returns {Promise<{left: Left[], failed: unknown}>} failed: why the browser's store could not be read, null if it was
  */

@@ -13,7 +13,7 @@ import { say, text, wordsOf } from "../text/text.js";
 import { drawFitted } from "./gallery.js";
 
 const KEY = "normalgan-export";
-/** Longer side in pixels of a preview. */
+/** Longer side of a preview in pixels. */
 const LOOK = 256;
 /** @returns {HTMLSelectElement} */
 const whatList = () => $("export-what");
@@ -45,13 +45,13 @@ export class Exporting {
     this.editor = editor;
     this.predictor = predictor;
     this.status = status;
-    /** @type {Record<string, string[]>} the formats of each kind of file, as the menu lists them */
+    /** @type {Record<string, string[]>} the formats of each kind of file, in the menu's order */
     this.formats = Object.fromEntries([...whatList().options].map((each) => [each.value, (each.dataset.formats ?? "").split(" ")]));
     this.offered = this.formats;
-    /** Counts the previews that were asked for, so that only the latest is shown. */
+    /** Number of requested previews, so that only the latest is shown. */
     this.looks = 0;
     const everything = /** @type {HTMLOptionElement} */ (whatList().querySelector("[value=all]"));
-    everything.hidden = true; // the engines' tiles stand for it
+    everything.hidden = true; // represented by the tiles of the engines
     $("export-engines").append(...["", ...this.formats.all].map((engine) => {
       const input = make("input", { type: "radio", name: "engine", value: engine });
       input.addEventListener("change", () => this.#take(engine));
@@ -63,9 +63,9 @@ export class Exporting {
     this.#recall();
   }
 
-  /** Has only what can be exported here be chosen. @param {Record<string, string[]>} offered formats of each kind of file */
+  /** Disables kinds of files that cannot be exported here. @param {Record<string, string[]>} offered formats of each kind of file */
   offer(offered) {
-    this.offered = { ...offered, lit: this.formats.lit }; // the page makes it
+    this.offered = { ...offered, lit: this.formats.lit }; // made by the page itself
     const what = whatList();
     for (const option of what.options) {
       option.disabled = !(option.value in this.offered);
@@ -76,7 +76,7 @@ export class Exporting {
     this.#formats();
   }
 
-  /** Asks what to export, and hands it to the browser's downloads or to the clipboard. */
+  /** Asks what to export, and downloads it or copies it to the clipboard. */
   async ask() {
     if (!drawnLayers(this.editor.doc).length) {
       this.status.say(text.exportEmpty, "warning");
@@ -93,7 +93,7 @@ export class Exporting {
     await this.#made(way === "copy" ? () => this.#copy() : () => this.#save(this.#request()));
   }
 
-  /** Hands the lit result to the browser's downloads, at the drawing's own size. */
+  /** Downloads the lit result at the drawing's own size. */
   async saveLit() {
     const { name, file } = this.editor.doc.settings;
     await this.#made(() => this.#save({ ...this.#request(), name: name || file || text.untitled.toLowerCase(), what: "lit", size: null }));
@@ -116,11 +116,11 @@ export class Exporting {
     this.status.say(say("exported", { name }));
   }
 
-  /** Puts the picture onto the clipboard. */
+  /** Copies the picture to the clipboard. */
   async #copy() {
-    // A promise, so that the browser takes it as what was clicked for however long the file takes.
+    // A promise, so that the browser accepts it as the result of the click however long the file takes.
     const picture = this.#file(this.#request()).then(({ blob }) => new Blob([blob], { type: "image/png" }));
-    picture.catch(() => {}); // what goes wrong is told by the writing
+    picture.catch(() => {}); // errors are reported by the write
     try {
       await navigator.clipboard.write([new ClipboardItem({ "image/png": picture })]);
     } catch (error) {
@@ -146,11 +146,11 @@ export class Exporting {
       more.line_art = await toBase64(lines);
       more.lit_picture = await toBase64(await this.#lit(longest === own ? null : longest));
     }
-    // At its own size the file is of the very pixels that the map on show is of.
+    // At its own size, the file is made from the same pixels as the current map.
     return longest === own ? this.predictor.ask(exported, more) : this.predictor.askAt(longest, exported, more);
   }
 
-  /** Returns the result under the light as it is seen, a PNG. @param {number | null} longest longer side; null is the drawing's own @returns {Promise<Blob>} */
+  /** Returns a PNG of the result as currently lit. @param {number | null} longest longer side; null keeps the drawing's @returns {Promise<Blob>} */
   async #lit(longest) {
     const { predictor } = this;
     const shown = longest === null && predictor.whole ? predictor.painted : null;
@@ -179,7 +179,7 @@ export class Exporting {
     remember(KEY, { what, format, y, alpha, size });
   }
 
-  /** Shows what was chosen the last time. */
+  /** Restores the last choice. */
   #recall() {
     const before = recalled(KEY) ?? {};
     if (Object.hasOwn(this.formats, before.what)) field("export-what").value = before.what;
@@ -195,12 +195,12 @@ export class Exporting {
     const what = field("export-what").value;
     const words = (/** @type {string} */ format) => (format in text ? wordsOf(what === "height" && format === "png" ? "png16" : format) : format.toUpperCase());
     const has = (/** @type {string} */ format) => this.offered[what]?.includes(format) ?? false;
-    // Where all files are wanted, each format is an engine.
+    // For all files, each format is an engine.
     $("export-format").replaceChildren(...this.formats[what].map((format) => make("option", { value: format, text: words(format), disabled: !has(format) })));
     this.#rows();
   }
 
-  /** Takes an engine, or one file of the menu. @param {string} engine */
+  /** Selects an engine, or a single file. @param {string} engine */
   #take(engine) {
     whatList().value = engine ? "all" : "map";
     this.#formats();
@@ -208,7 +208,7 @@ export class Exporting {
     this.#rows();
   }
 
-  /** Shows only what goes with the kind of file, and what will be written. */
+  /** Shows only the options of the kind of file, and the files that will be written. */
   #rows() {
     const what = whatList().value;
     const all = what === "all";
@@ -221,7 +221,7 @@ export class Exporting {
     $("export-alpha-row").hidden = what !== "map";
     enable("export-copy", ["png8", "png"].includes(field("export-format").value));
     this.#list();
-    this.#preview().catch(() => {}); // the export itself says what is wrong
+    this.#preview().catch(() => {}); // the export itself reports errors
   }
 
   /** Lists the files that will be written. */
@@ -235,7 +235,7 @@ export class Exporting {
     $("export-files").replaceChildren(...(one ? [] : names.map((each) => make("li", { text: each }))));
   }
 
-  /** Shows a picture of what will be written. */
+  /** Shows a preview of the export. */
   async #preview() {
     const look = ++this.looks;
     const { what, format, y } = this.#request();
@@ -259,7 +259,7 @@ export class Exporting {
   }
 }
 
-/** @param {import("../result/predictor.js").Painted} map @param {Uint8ClampedArray | Uint8Array} rgba @param {boolean} down whether green is turned over */
+/** @param {import("../result/predictor.js").Painted} map @param {Uint8ClampedArray | Uint8Array} rgba @param {boolean} down whether green is flipped */
 function canvasOf({ width, height }, rgba, down) {
   const canvas = document.createElement("canvas");
   [canvas.width, canvas.height] = [width, height];

@@ -1,4 +1,4 @@
-/** Folder: drawings that lie side by side on the disk, or their maps, as a gallery to open them from. */
+/** Folder: a gallery of a folder's drawings or their maps, from which they are opened. */
 
 import { context2d } from "../drawing/canvas.js";
 import { newDocument, parseDocument, picturesOf, withStroke } from "../drawing/document.js";
@@ -13,17 +13,17 @@ import { projectIn } from "./projects.js";
 
 const PROJECT = ".normalgan";
 const KEY = "normalgan-folder";
-/** Longer side of the maps: sharp where a pixel of the page is two of the screen. */
+/** Longer side of the maps, which are sharp on screens with two pixels per CSS pixel. */
 const LONGEST = 2 * SIDE;
-/** @typedef {"drawings" | "maps" | "lit"} Shown what the tiles show */
+/** @typedef {"drawings" | "maps" | "lit"} Shown what the tiles display */
 
-/** Returns the files that lie in a dropped folder, not those of folders within it. @param {FileSystemDirectoryEntry} folder @returns {Promise<File[]>} */
+/** Returns the files in a dropped folder, without those in subfolders. @param {FileSystemDirectoryEntry} folder @returns {Promise<File[]>} */
 async function filesIn(folder) {
   const reader = folder.createReader();
   /** @type {File[]} */
   const files = [];
   for (;;) {
-    // Chromium gives a hundred at a time.
+    // Chromium returns a hundred entries at a time.
     const entries = await new Promise((resolve, reject) => { reader.readEntries(resolve, reject); });
     if (!entries.length) return files;
     for (const entry of entries) if (entry.isFile) files.push(await new Promise((resolve, reject) => { entry.file(resolve, reject); }));
@@ -64,7 +64,7 @@ export class Folder {
     });
   }
 
-  /** Shows what was dropped, if it is a folder or several files. @param {DataTransfer} dropped @returns {boolean} */
+  /** Shows dropped files if they are a folder or several files. @param {DataTransfer} dropped @returns {boolean} */
   take(dropped) {
     const entry = dropped.items[0]?.webkitGetAsEntry?.();
     if (entry?.isDirectory) {
@@ -75,7 +75,7 @@ export class Folder {
     return true;
   }
 
-  /** @param {File[]} files @param {string} name of the folder, "" if they are of none */
+  /** @param {File[]} files @param {string} name of the folder; "" if there is none */
   show(files, name) {
     this.drawings = files.filter((file) => this.#kind(file)).sort((a, b) => a.name.localeCompare(b.name, undefined, { numeric: true }));
     $("folder-title").textContent = !name ? text.drawings : say(this.drawings.length ? "folderOf" : "folderNone", { name });
@@ -110,7 +110,7 @@ export class Folder {
       await drawDocument(canvas, await projectIn(file));
       return;
     }
-    // What the browser cannot read the server can.
+    // The server can read more formats than the browser.
     const bitmap = await createImageBitmap(file).catch(() => null);
     if (bitmap) {
       drawFitted(canvas, bitmap);
@@ -123,7 +123,7 @@ export class Folder {
     drawFitted(canvas, image);
   }
 
-  /** Draws the map that a file gets when it is opened. @param {File} file @param {HTMLCanvasElement} canvas @param {boolean} lit @param {(words: string) => void} note */
+  /** Draws the map of a file. @param {File} file @param {HTMLCanvasElement} canvas @param {boolean} lit @param {(words: string) => void} note */
   async #drawMap(file, canvas, lit, note) {
     note(text.predicting);
     /** @type {string[]} */
@@ -153,7 +153,7 @@ export class Folder {
       if (error instanceof Away) this.projects.status.fail(error);
       throw error instanceof Lacking ? new Error(wordsOfFindings(error.findings)) : error;
     } finally {
-      // A drawing that is being opened by now needs them.
+      // A drawing that is being opened may need them.
       if (canvas.closest("dialog[open]")) free(fresh);
     }
   }

@@ -1,4 +1,4 @@
-/** Gallery: tiles of projects, or of the drawings in a folder. Each is drawn once it comes into sight. */
+/** Gallery: tiles of projects or of drawings in a folder, drawn when they become visible. */
 
 import { context2d } from "../drawing/canvas.js";
 import { parseDocument, picturesOf } from "../drawing/document.js";
@@ -15,15 +15,15 @@ export const SIDE = 192;
  * @typedef {object} Tile
  * @property {string} name
  * @property {string} [note] below the name
- * @property {string} key changes where the picture does
- * @property {(canvas: HTMLCanvasElement, note: (words: string) => void) => Promise<void>} draw may say something below the name
+ * @property {string} key changes when the picture does
+ * @property {(canvas: HTMLCanvasElement, note: (words: string) => void) => Promise<void>} draw may write below the name
  * @property {() => void} open
  * @property {{words: string, act: () => void}} [remove]
  */
 
-/** @type {Map<string, {canvas: HTMLCanvasElement, words: string}>} pictures that are drawn and what is said of them, by their tiles' keys */
+/** @type {Map<string, {canvas: HTMLCanvasElement, words: string}>} drawn pictures and their notes, by the keys of the tiles */
 const drawn = new Map();
-/** One after the other: a folder may hold hundreds. */
+/** Tiles are drawn one after the other, because a folder may hold hundreds. */
 let queue = Promise.resolve();
 
 /** Shows tiles in a list. @param {HTMLElement} list @param {Tile[]} tiles */
@@ -37,14 +37,14 @@ export function showTiles(list, tiles) {
       if (!tile || !canvas || !below) continue;
       queue = queue.then(async () => {
         if (!target.isConnected) return;
-        // Nothing is drawn behind a closed dialog: it waits until it is in sight again.
+        // Nothing is drawn in a closed dialog until it is visible again.
         if (!list.closest("dialog[open]")) { seen.observe(target); return; }
         const before = below.textContent;
         /** @param {string} words */
         const note = (words) => { below.textContent = below.title = words; };
         await tile.draw(canvas, note).then(
           () => drawn.set(tile.key, { canvas, words: below.textContent }),
-          (error) => note(error instanceof Away ? before : reasonOf(error)), // that it is away is said once for all
+          (error) => note(error instanceof Away ? before : reasonOf(error)), // that the server is away is reported only once
         );
       });
     }
@@ -67,7 +67,7 @@ export function showTiles(list, tiles) {
   }));
 }
 
-/** Draws a picture as large as fits. @param {HTMLCanvasElement} canvas @param {HTMLCanvasElement | HTMLImageElement | ImageBitmap} picture */
+/** Draws a picture scaled to fit. @param {HTMLCanvasElement} canvas @param {HTMLCanvasElement | HTMLImageElement | ImageBitmap} picture */
 export function drawFitted(canvas, picture) {
   const { width, height } = canvas;
   const scale = Math.min(width / picture.width, height / picture.height);
@@ -76,13 +76,13 @@ export function drawFitted(canvas, picture) {
 }
 
 /**
- * Draws a document, which may be damaged, and keeps none of its pictures.
+ * Draws a document, which may be damaged, without keeping its pictures.
  * @param {HTMLCanvasElement} canvas @param {unknown} value
  */
 export async function drawDocument(canvas, value) {
   const doc = parseDocument(value);
   const fresh = await decodeAll(picturesOf(doc));
   drawFitted(canvas, linesAt(doc, SIDE));
-  // One that is being opened by now needs them.
+  // A document that is being opened may need them.
   if (canvas.closest("dialog[open]")) free(fresh);
 }

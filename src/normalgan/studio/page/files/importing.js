@@ -1,4 +1,4 @@
-/** Importing: a picture becomes the drawing, its layers those of the drawing, or it is one to trace over. */
+/** Importing: open a picture as the drawing, as layers, or as a reference picture. */
 
 import { MOST_LAYERS, MOST_PICTURES, isEmpty, withLayers, withPictures, withSettings, withStroke } from "../drawing/document.js";
 import { darkOnLight, decodeAll } from "../drawing/pictures.js";
@@ -7,11 +7,11 @@ import { $, make } from "../elements/dom.js";
 import { Refused, imported, importedLayers } from "../server/api.js";
 import { say, text } from "../text/text.js";
 
-/** @typedef {"" | "drawing" | "layers" | "traced"} Way as what a picture is imported; "" asks */
+/** @typedef {"" | "drawing" | "layers" | "traced"} Way how a picture is imported; "" asks the user */
 
 /**
  * @typedef {{picture: string, width: number, height: number, given: [number, number], parts: number, pages: boolean,
- *   notes: import("../server/api.js").LayerNote[], layers: (() => Promise<import("../server/api.js").ImportedLayers>) | null}} Found layers: reads them; null: it has none
+ *   notes: import("../server/api.js").LayerNote[], layers: (() => Promise<import("../server/api.js").ImportedLayers>) | null}} Found layers: reads the layers; null if there are none
  */
 
 const TRACED = 0.5;
@@ -19,7 +19,7 @@ const TRACED = 0.5;
 /** @param {{picture: string}} found */
 const urlOf = ({ picture }) => `data:image/png;base64,${picture}`;
 
-/** Returns the name of a file without its ending and what no project's name has. @param {string} file */
+/** Returns the name of a file without its ending and characters that are invalid in project names. @param {string} file */
 const plainName = (file) => file.replace(/\.[^.]*$/, "").replace(/[^\p{L}\p{M}\p{N}_-]+/gu, " ").trim();
 
 export class Importing {
@@ -36,7 +36,7 @@ export class Importing {
     this.projects = projects;
     /** @type {Way} */
     this.as = "";
-    /** Takes what was dropped, if it is a folder or several files. @type {(dropped: DataTransfer) => boolean} */
+    /** Handles dropped files if they are a folder or several files. @type {(dropped: DataTransfer) => boolean} */
     this.onSeveral = () => false;
     /** @type {HTMLInputElement} */
     const chosen = $("import-file");
@@ -83,7 +83,7 @@ export class Importing {
     return { ...picture, layers: layered ? () => importedLayers(file) : null };
   }
 
-  /** Returns a picture as a data URL, its first page or frame; null: it says why not. @param {File} file */
+  /** Returns a picture as a data URL, its first page or frame; null after announcing an error. @param {File} file */
   async pictureOf(file) {
     try {
       return urlOf(await this.read(file));
@@ -93,20 +93,20 @@ export class Importing {
     }
   }
 
-  /** Puts what a file holds into the document; asks what is not said. @param {Found} first its first page or frame @param {Way} as @param {File} file */
+  /** Imports a file into the document, asking for anything that is not specified. @param {Found} first its first page or frame @param {Way} as @param {File} file */
   async put(first, as, file) {
     const found = await this.#chosen(first, as, file);
     if (found) await this.#place(found.picture, found.way, file.name, found.part);
   }
 
   /**
-   * Asks as what a file comes in, and which of its pages or frames.
+   * Asks how a file is imported, and which page or frame.
    * @param {Found} picture its first one @param {Way} as @param {File} file
-   * @returns {Promise<{picture: Found, way: Way, part: number} | null>} null: it does not
+   * @returns {Promise<{picture: Found, way: Way, part: number} | null>} null if the user cancels
    */
   async #chosen(picture, as, file) {
     let chosen = { picture, way: as, part: 1 };
-    if (!(picture.parts > 1) || as) return chosen; // without a server nobody counts them
+    if (!(picture.parts > 1) || as) return chosen; // without a server, they cannot be counted
     const input = make("input", { type: "number", min: "1", max: String(picture.parts), value: "1" });
     const preview = make("img", { src: urlOf(picture), alt: "", class: "thumbnail" });
     let asked = Promise.resolve();
@@ -125,7 +125,7 @@ export class Importing {
     return way ? { ...chosen, way } : null;
   }
 
-  /** Opens a picture as a drawing of its own. @param {File} file @param {() => void} [ready] called once it is read */
+  /** Opens a picture as a new drawing. @param {File} file @param {() => void} [ready] called once it is read */
   async open(file, ready = () => {}) {
     try {
       const picture = await this.read(file);
@@ -139,7 +139,7 @@ export class Importing {
   }
 
   /**
-   * Puts a picture, or the layers of its file, into the document, and says so.
+   * Adds a picture, or the layers of its file, to the document, and announces it.
    * @param {Found} found @param {Way} as @param {string} name @param {number} [part] which of its pages or frames it is
    */
   async #place(found, as, name, part = 1) {
@@ -159,7 +159,7 @@ export class Importing {
       said = await this.#placeLayers(read, fresh, name);
       lost = notesOf(read.notes);
     } else {
-      lost = notesOf(notes.filter(({ reason }) => reason !== "frame")); // which frame it is is said anyway
+      lost = notesOf(notes.filter(({ reason }) => reason !== "frame")); // the frame is announced anyway
       if (parts > 1) said = `${said} ${say(pages ? "importedPage" : "importedFrame", { number: part, count: parts })}`;
       const doc = fresh ? { ...this.editor.doc, width, height } : this.editor.doc;
       const placed = within(doc, width, height)({ x: 0, y: 0, width, height });
@@ -177,7 +177,7 @@ export class Importing {
   }
 
   /**
-   * Puts layers in front of those that are there; of a document in which nothing is drawn they become all.
+   * Adds layers in front of the existing ones, or replaces the layers of an empty document.
    * @param {import("../server/api.js").ImportedLayers} found @param {boolean} fresh @param {string} name
    * @returns {Promise<string>} what was done
    */
@@ -189,7 +189,7 @@ export class Importing {
     const drawn = await Promise.all(layers.map(async ({ name: given, opacity, picture, ...box }) => {
       const url = `data:image/png;base64,${picture}`;
       await decodeAll([url]);
-      // A sheet with lines on it may be dark; what is cut out of nothing is dark where it was drawn so.
+      // An opaque sheet may be light on dark and needs inverting; a transparent layer does not.
       const whole = box.width === width && box.height === height;
       /** @type {import("../drawing/document.js").Placed} */
       const stroke = { kind: "picture", picture: whole ? await darkOnLight(url) : url, ...place(box) };
@@ -204,7 +204,7 @@ export class Importing {
     ].join(" ");
   }
 
-  /** Says why a file was not imported. @param {unknown} error @param {string} name */
+  /** Announces why a file was not imported. @param {unknown} error @param {string} name */
   #failed(error, name) {
     if (error instanceof Refused) this.status.fail(new Error(say("badImport", { name, reason: error.message })));
     else this.status.fail(error);
@@ -224,7 +224,7 @@ export class Importing {
 /** @param {string[]} names */
 const quoted = (names) => [...new Set(names)].map((each) => `“${each}”`).join(", ");
 
-/** Says which layers are not shown as their program shows them. @param {import("../server/api.js").LayerNote[]} notes @returns {string[]} */
+/** Returns messages about layers that look different from the program that wrote the file. @param {import("../server/api.js").LayerNote[]} notes @returns {string[]} */
 function notesOf(notes) {
   /** @type {Record<string, keyof typeof text>} */
   const words = { damaged: "importedDamaged", no_pixels: "importedNoPixels", foreign: "importedForeign", effect: "importedEffect", frame: "importedStill" };
@@ -235,7 +235,7 @@ function notesOf(notes) {
 }
 
 /**
- * Returns what places a part of a picture where it lies when the picture is as large as fits in the middle of a document.
+ * Returns a function that places a part of a picture that is centred in a document and scaled to fit.
  * @param {import("../drawing/document.js").Doc} doc @param {number} width of the picture @param {number} height
  */
 function within(doc, width, height) {

@@ -1,4 +1,4 @@
-/** Projects: saved on the server, opened again, or kept as files. */
+/** Projects: save projects on the server, and open them from the server or from files. */
 
 import { isEmpty, newDocument, parseDocument, picturesOf, withSettings } from "../drawing/document.js";
 import { decodeAll, keepOnly } from "../drawing/pictures.js";
@@ -13,10 +13,10 @@ import { drawDocument, showTiles } from "./gallery.js";
 
 const CONFLICT = 412;
 const ENDING = ".normalgan";
-/** What the tab remembers: the project that it shows as the server has it. */
+/** Setting of the tab with the project that it shows. */
 const SHOWN = "normalgan-project";
 
-/** Returns what the JSON of a project's file holds; null, which is no project, if it is damaged. @param {File} file @returns {Promise<unknown>} */
+/** Returns the JSON content of a project's file; null if it is damaged. @param {File} file @returns {Promise<unknown>} */
 export const projectIn = (file) => file.text().then(JSON.parse).catch(() => null);
 
 export class Projects {
@@ -29,11 +29,11 @@ export class Projects {
     this.editor = editor;
     this.autosave = autosave;
     this.status = status;
-    /** @type {import("../drawing/document.js").Doc | null} what may be left: saved, empty, or given up when that was asked */
+    /** @type {import("../drawing/document.js").Doc | null} the document that can be left without asking: saved, empty or discarded */
     this.left = null;
-    /** The name under which this drawing could not be saved yet: nobody types it twice. */
+    /** The name under which saving failed, so that the user need not type it again. */
     this.tried = "";
-    /** @type {{doc: import("../drawing/document.js").Doc, etag: string | null, past: import("../drawing/steps.js").Past} | null} what was given up now */
+    /** @type {{doc: import("../drawing/document.js").Doc, etag: string | null, past: import("../drawing/steps.js").Past} | null} the document that was just discarded */
     this.discarded = null;
     $("open-file").addEventListener("change", () => this.#openFile());
     $("open-file-button").addEventListener("click", () => $("open-file").click());
@@ -44,7 +44,7 @@ export class Projects {
     return this.editor.doc.settings.name;
   }
 
-  /** What the server called the state that this tab has seen; null: none yet. @returns {string | null} */
+  /** The ETag of the project as last seen by this tab; null if there is none. @returns {string | null} */
   get etag() {
     return this.autosave.etag;
   }
@@ -53,7 +53,7 @@ export class Projects {
     this.autosave.etag = etag;
   }
 
-  /** Saves under the project's name, or asks for one. @returns {Promise<boolean>} whether it was saved */
+  /** Saves under the project's name, or asks for a name. @returns {Promise<boolean>} whether it was saved */
   async save() {
     return this.name ? this.#write(this.name, this.etag) : this.saveAs();
   }
@@ -78,11 +78,11 @@ export class Projects {
       return false;
     }
     this.#remember(name);
-    // What was drawn while it was being saved stays unsaved.
+    // Changes made while saving stay unsaved.
     const now = editor.history.state;
     const unchanged = now.layers === doc.layers && now.pictures === doc.pictures && now.width === doc.width && now.height === doc.height;
     const named = unchanged ? doc : withSettings(editor.history.state, { name });
-    // No step either: what is undone is of that project.
+    // Not a step in history, because undone steps belong to the project too.
     editor.history.states = editor.history.states.map((state) => withSettings(state, { name }));
     editor.history.replace(named);
     editor.dispatchEvent(new CustomEvent("state"));
@@ -93,7 +93,7 @@ export class Projects {
 
   /** @param {string} name @param {string | null} etag @returns {Promise<boolean>} whether it was saved */
   async #conflict(name, etag) {
-    // Where another tab has deleted it there is nothing to overwrite.
+    // If another tab has deleted the project, there is nothing to overwrite.
     const gone = etag !== null && (await projects.read(name).then(() => false, isGone));
     if (gone) return this.#write(name, null);
     const ways = [{ value: "overwrite", text: text.overwrite }, { value: "copy", text: text.copy, strong: true }];
@@ -124,22 +124,22 @@ export class Projects {
   }
 
   /**
-   * Shows a document that came from somewhere.
+   * Shows a loaded document.
    * @param {unknown} value
-   * @param {string | null} etag null: it is not the project of that name as the server has it
-   * @param {boolean} saved whether it need not be kept
-   * @param {import("../drawing/steps.js").Past | null} past the steps that led to it; by default those that a project keeps
-   * @returns {Promise<boolean>} whether it is shown: what was drawn while it came may be kept instead
+   * @param {string | null} etag null if it is not the server's version of the project
+   * @param {boolean} saved whether it needs no backup
+   * @param {import("../drawing/steps.js").Past | null} past its history; by default the one saved in the project
+   * @returns {Promise<boolean>} whether it is shown; false if the user keeps changes made while it was loading
    */
   async load(value, etag = null, saved = true, past = null) {
     const doc = parseDocument(value);
     const found = past ?? pastOf(doc, /** @type {any} */ (value).history, parseDocument);
-    // A project's name is no step: whatever is undone, it is that project.
+    // The project's name is not a step in history; undo does not change it.
     const before = found && { ...found, states: found.states.map((state) => withSettings(state, { name: doc.settings.name })) };
     const pictures = [...new Set([doc, ...(before?.states ?? [])].flatMap(picturesOf))];
     await decodeAll(pictures);
     if (this.editor.history.state !== this.left && !(await this.mayLeave())) return false;
-    // The very document of the history, by which others see what in it is the same as in the step before.
+    // The same object as in the history, so that unchanged parts are recognised.
     this.#show(before ? before.states[before.at] : doc, etag, saved, before);
     return true;
   }
@@ -156,7 +156,7 @@ export class Projects {
     this.#remember(etag === null ? null : doc.settings.name);
     if (saved) this.autosave.clean = doc;
     this.editor.open(doc, past);
-    keepOnly([doc, ...(past?.states ?? [])].flatMap(picturesOf)); // the history of the document before has gone
+    keepOnly([doc, ...(past?.states ?? [])].flatMap(picturesOf)); // the history of the previous document is gone
     const { discarded } = this;
     this.discarded = null;
     if (discarded) {
@@ -166,12 +166,12 @@ export class Projects {
     if (saved) this.autosave.settle(doc).catch((error) => this.status.fail(error));
   }
 
-  /** Shows the projects to choose from. */
+  /** Shows a dialog to choose a project. */
   async choose() {
     /** @type {HTMLDialogElement} */
     const dialog = $("open-dialog");
     if (!dialog.open) dialog.showModal();
-    $("open-none").hidden = true; // not known yet
+    $("open-none").hidden = true; // the list is still loading
     /** @type {{name: string, changed: string}[]} */
     let rows = [];
     let none = text.openNone;
@@ -187,14 +187,14 @@ export class Projects {
       name, key: `${name} ${changed}`, note: new Date(changed).toLocaleString([], { dateStyle: "medium", timeStyle: "short" }),
       draw: async (canvas) => drawDocument(canvas, (await projects.read(name)).doc),
       open: () => {
-        dialog.close(); // one may draw while it comes
+        dialog.close(); // the user may draw while it is loading
         this.open(name);
       },
       remove: { words: say("deleteProject", { name }), act: () => this.#remove(name) },
     })));
   }
 
-  /** Opens a project of the server. @param {string} name */
+  /** Opens a project from the server. @param {string} name */
   async open(name) {
     if (!(await this.mayLeave())) return;
     try {
@@ -206,7 +206,7 @@ export class Projects {
     }
   }
 
-  /** Opens the project that this tab showed before the page was loaded again, if any; it may be gone by now. */
+  /** Reopens the project that this tab showed before a reload, if it still exists. */
   async reopen() {
     const name = tabRecalls(SHOWN);
     if (name === null) return;
@@ -214,7 +214,7 @@ export class Projects {
     await this.open(name);
   }
 
-  /** @param {string | null} name of the project that this tab shows; null: it shows none */
+  /** @param {string | null} name of the project that this tab shows, or null */
   #remember(name) {
     tabRemembers(SHOWN, name);
   }
@@ -246,7 +246,7 @@ export class Projects {
     await this.openFile(file);
   }
 
-  /** Opens a project that was kept as a file. @param {File} file @param {() => void} [ready] called once it is read */
+  /** Opens a project from a file. @param {File} file @param {() => void} [ready] called once it is read */
   async openFile(file, ready = () => {}) {
     if (!(await this.mayLeave())) return;
     try {
@@ -259,7 +259,7 @@ export class Projects {
     }
   }
 
-  /** Gives the project as a file. */
+  /** Downloads the project as a file. */
   download() {
     const { history } = this.editor;
     const doc = { ...history.state, history: savedSteps(history.state, history) };

@@ -1,4 +1,4 @@
-/** Start: what the command line named or the tab showed is opened, and unsaved work is offered. */
+/** Start: open what the command line named or the tab showed, and offer unsaved work. */
 
 import { isEmpty, parseDocument, picturesOf } from "../drawing/document.js";
 import { linesAt } from "../drawing/ink.js";
@@ -18,17 +18,17 @@ import { openTabs } from "./tab.js";
  *   autosave: import("./autosave.js").Autosave, status: import("../elements/status.js").Status}} Parts */
 
 const OPENED = "normalgan-opened";
-/** Side of the small pictures of unsaved work. */
+/** Side of the thumbnails of unsaved work. */
 const SMALL = 96;
 
 /**
- * Opens what the command line named, or again what the tab showed, then offers unsaved work.
+ * Opens what the command line named, or what the tab showed before, and then offers unsaved work.
  * @param {Parts} parts
  */
 export async function begin(parts) {
   const { projects, importing, status } = parts;
   try {
-    // Once in a tab: a page that is loaded again offers what was made of it since.
+    // Only once per tab: after a reload, unsaved changes to it are offered instead.
     const again = tabRecalls(OPENED) !== null;
     const first = again ? null : await named().catch((error) => status.fail(error));
     if (again) await projects.reopen();
@@ -38,7 +38,7 @@ export async function begin(parts) {
     if (first?.kind === "drawing") {
       const file = await namedFile(first.name);
       const found = await importing.read(file);
-      // A file with layers or pages asks as what it is to come in, and the page is ready meanwhile.
+      // For a file with layers or pages the user is asked how to import it, and the page is ready meanwhile.
       const asks = found.layers !== null || found.parts > 1;
       const placed = importing.put(found, asks ? "" : "drawing", file);
       if (asks) placed.catch((error) => status.fail(error));
@@ -58,11 +58,11 @@ export async function begin(parts) {
 }
 
 /** @typedef {import("./autosave.js").Left} Left @typedef {import("./autosave.js").Found} Found */
-/** @type {Left[]} what is left to be offered */
+/** @type {Left[]} the remaining unsaved work */
 let offered = [];
 
 /**
- * Restores what is the only unsaved work, where nothing else would be lost; else offers the newest, and a list of all.
+ * Restores unsaved work if it is the only one and nothing would be lost; otherwise offers the newest and a list.
  * @param {Left[]} found @param {Parts} parts @param {boolean} sure whether no other tab can be working on it
  */
 async function offer(found, parts, sure) {
@@ -84,7 +84,7 @@ async function offer(found, parts, sure) {
     if (!next.problem) [newest, about] = [other, next];
   }
   const { name, when, problem, read } = about;
-  // What only the server has may be another browser's, which is still open.
+  // Work that only the server has may belong to another open browser.
   if (found.length === 1 && sure && newest.here && read && !read.missing && fits(read, parts)) {
     await restoreAtOnce(newest, read, about, parts);
     return;
@@ -104,14 +104,14 @@ async function offer(found, parts, sure) {
   $("restore").hidden = false;
 }
 
-/** Says where projects are opened how much unsaved work there is. */
+/** Shows the amount of unsaved work in the dialog for opening projects. */
 function noteCount() {
   $("open-unsaved").hidden = !offered.length;
   $("open-unsaved").textContent = say("unsavedWork", { count: offered.length });
   if (!offered.length) $("restore").hidden = true;
 }
 
-/** Whether unsaved work goes on from what is on show: nothing, or the project that it was made from. @param {Found} read @param {Parts} parts */
+/** Whether unsaved work continues the current document, which is empty or the project that the work is based on. @param {Found} read @param {Parts} parts */
 function fits({ doc, etag }, { projects, autosave }) {
   if (autosave.unsaved) return false;
   const { editor } = projects;
@@ -120,7 +120,7 @@ function fits({ doc, etag }, { projects, autosave }) {
 }
 
 /**
- * Restores unsaved work without being asked. It stays where it is until more is drawn.
+ * Restores unsaved work without asking. Its backup is kept until something is drawn.
  * @param {Left} left @param {Found} read @param {{name: string, when: string}} about @param {Parts} parts
  */
 async function restoreAtOnce(left, read, { name, when }, { projects, autosave, status }) {
@@ -131,7 +131,7 @@ async function restoreAtOnce(left, read, { name, when }, { projects, autosave, s
   offered = [];
   noteCount();
   const back = async () => {
-    // What was drawn since is this tab's, and is asked about.
+    // Changes since then belong to this tab, and the user is asked about them.
     if (autosave.borrowed === left) {
       autosave.borrowed = null;
       offered = [left];
@@ -143,7 +143,7 @@ async function restoreAtOnce(left, read, { name, when }, { projects, autosave, s
 }
 
 /** @typedef {ReturnType<typeof actsOf>} Acts */
-/** What can be done with unsaved work. @param {Parts} parts */
+/** Returns the actions for unsaved work. @param {Parts} parts */
 function actsOf(parts) {
   const { projects, autosave, status } = parts;
   /** @param {() => Promise<void>} work */
@@ -153,14 +153,14 @@ function actsOf(parts) {
     if (!(await projects.mayLeave())) return;
     const { doc, etag, past, missing } = await left.read();
     if (!(await projects.load(doc, etag, false, past))) return;
-    // It is this tab's now. The old one goes once it is kept under this one's name, and never what could not be read.
+    // The work now belongs to this tab. The old backup is deleted once this tab has its own, unless part of it could not be read.
     if ((await autosave.secure()) && !missing) await autosave.drop(left);
     offered = offered.filter((each) => each !== left || missing);
     noteCount();
     $("restore").hidden = true;
     status.say(missing ? say("restoredPart", { count: missing }) : text.restored, missing ? "loss" : "");
   };
-  /** Discards after a question; until the toast has gone it can be undone. @param {Left[]} dropped @returns {Promise<void>} */
+  /** Discards work after confirmation; it can be undone while the toast is shown. @param {Left[]} dropped @returns {Promise<void>} */
   const discard = async (dropped) => {
     const { name, when } = await described(dropped[0]);
     const one = dropped.length === 1;
@@ -176,7 +176,7 @@ function actsOf(parts) {
 }
 
 /**
- * Shows all unsaved work to choose from, each with its name, time and picture.
+ * Shows a dialog of all unsaved work with name, time and thumbnail.
  * @param {Left[]} found @param {Acts} acts
  */
 async function list(found, { restore, discard, said }) {
@@ -202,7 +202,7 @@ async function list(found, { restore, discard, said }) {
 }
 
 /**
- * Returns what unsaved work is called, when it was changed, a small picture of it, and why it cannot be read, if so.
+ * Returns the name, time and thumbnail of unsaved work, or why it cannot be read.
  * @param {Left} left
  */
 async function described({ name, changed, read }) {

@@ -1,11 +1,11 @@
-/** Store: unsaved work in the browser's own database, at once and without the server. */
+/** Store: keep unsaved work in the browser's own database, without the server. */
 
 import { fromSteps, toSteps } from "../drawing/steps.js";
 
 const NAME = "normalgan-studio";
-/** Of each tab its document, with the numbers of its strokes and pictures in place of these. */
+/** Documents by tab, with numbers instead of strokes and pictures. */
 const HEADS = "unsaved";
-/** Strokes and pictures by [tab, number]: a stroke is written once, and not with every one that follows. */
+/** Strokes and pictures by [tab, number], so that each stroke is written only once. */
 const PIECES = "pieces";
 
 /** @typedef {import("../drawing/document.js").Doc} Doc @typedef {import("../drawing/document.js").Layer} Layer
@@ -19,9 +19,9 @@ const PIECES = "pieces";
  *   history?: import("../drawing/steps.js").Steps}} Entry
  */
 
-/** Of the database's layout; a page of another version may have used it before. */
+/** Version of the database schema; a page of another version may have used the database before. */
 const VERSION = 2;
-/** Milliseconds after which a browser that says nothing is taken to keep nothing: to read, and to write. */
+/** Timeouts in milliseconds for reading and for writing, after which the store counts as unusable. */
 const PATIENCE = { readonly: 10_000, readwrite: 60_000 };
 
 /**
@@ -46,12 +46,12 @@ function failure(error) {
 
 /** @type {Promise<IDBDatabase> | null} */
 let opened = null;
-/** @type {WeakMap<object, number>} the number of each stroke and picture of this page */
+/** @type {WeakMap<object, number>} the numbers of this page's strokes and pictures */
 const numbers = new WeakMap();
-/** @type {Set<number>} what is in the database of this page */
+/** @type {Set<number>} this page's items in the database */
 const stored = new Set();
 let next = 0;
-/** @type {Promise<unknown>} what writes last: `stored` is true of the database only between writings */
+/** @type {Promise<unknown>} the last write; `stored` matches the database only between writes */
 let writing = Promise.resolve();
 
 /** @template T @param {() => Promise<T>} work @returns {Promise<T>} */
@@ -61,7 +61,7 @@ function inTurn(work) {
   return done;
 }
 
-/** Takes the database for closed: the next one who needs it opens it again, and nothing is known of what is in it. */
+/** Marks the database as closed; it is reopened on the next access, and its content is unknown until then. */
 function closed() {
   opened = null;
   stored.clear();
@@ -92,9 +92,9 @@ function database() {
     request.onsuccess = () => {
       clearTimeout(timer);
       const { result } = request;
-      // Nobody waits for it any more: the next one who needs it opens it again.
+      // Nobody waits for it any longer; it is reopened on the next access.
       if (given) return result.close();
-      // A newer page could not change the database while this one holds it.
+      // An open connection would block the upgrade of a newer page.
       result.onversionchange = () => {
         result.close();
         closed();
@@ -104,7 +104,7 @@ function database() {
     };
   });
   opened = opening;
-  // Tried again with the next change: it may work by then.
+  // Retried with the next change.
   opening.catch(() => { if (opened === opening) opened = null; });
   return opening;
 }
@@ -131,11 +131,11 @@ async function run(mode, work) {
       try {
         request = work(transaction.objectStore(HEADS), transaction.objectStore(PIECES));
       } catch (error) {
-        transaction.abort(); // or it would keep half of the work
+        transaction.abort(); // otherwise half of the work would be stored
         throw error;
       }
       if (mode === "readonly") {
-        // Large values come after the request was made: a transaction that is told to commit is complete without them.
+        // Large values arrive after the request; an explicit commit would complete the transaction without them.
         request.onsuccess = () => {
           clearTimeout(timer);
           resolve(request.result);
@@ -146,13 +146,13 @@ async function run(mode, work) {
         clearTimeout(timer);
         resolve(request.result);
       };
-      // Left to itself it commits when the request's answer is back here: a page that closes first takes it along.
+      // An automatic commit waits for the result of the request, and would be lost if the page closed before that.
       transaction.commit();
     });
   } catch (error) {
     const failed = failure(error);
     const { name } = /** @type {{name?: string}} */ (failed.cause ?? {});
-    if (name === "InvalidStateError") closed(); // the connection was closed without a word
+    if (name === "InvalidStateError") closed(); // the connection was closed without an event
     throw failed;
   }
 }
@@ -160,7 +160,7 @@ async function run(mode, work) {
 /** @param {string} tab */
 const ofTab = (tab) => IDBKeyRange.bound([tab], [tab, []]);
 
-/** Steps of history that are kept. */
+/** Maximum number of stored steps of history. */
 const MOST_STEPS = 100;
 
 /**
@@ -235,7 +235,7 @@ export async function kept() {
 async function each(values, keys, one) {
   const found = await run("readonly", keys);
   const all = await run("readonly", values).catch(() => null);
-  // Between the two another page may have written.
+  // Another page may have written between the two reads.
   if (all?.length === found.length) return found.map((key, i) => [key, all[i]]);
   return Promise.all(found.map(async (key) => /** @type {[IDBValidKey, any]} */ ([key, await run("readonly", one(key)).catch(() => undefined)])));
 }
@@ -248,7 +248,7 @@ async function each(values, keys, one) {
 async function whole(tab, head, history) {
   const entries = await each((_, pieces) => pieces.getAll(ofTab(tab)), (_, pieces) => pieces.getAllKeys(ofTab(tab)), (key) => (_, pieces) => pieces.get(key));
   const found = new Map(entries.map(([key, value]) => [/** @type {[string, number]} */ (key)[1], value]));
-  // The first version kept the strokes themselves.
+  // The first version stored the strokes themselves.
   /** @param {any} each */
   const piece = (each) => (typeof each === "number" ? found.get(each) : each);
   let missing = 0;
@@ -265,7 +265,7 @@ async function whole(tab, head, history) {
   const layers = head.layers.map((/** @type {LayerHead} */ layer) => ({ ...layer, strokes: list(layer.strokes) }));
   const doc = { ...head, layers, pictures: list(head.pictures) };
   const past = missing ? null : fromSteps(history, piece);
-  // The very document of the history, by which others see what in it is the same as in the step before.
+  // The same object as in the history, so that unchanged parts are recognised.
   return { doc: past ? past.states[past.at] : doc, past, missing };
 }
 

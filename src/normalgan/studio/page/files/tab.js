@@ -1,8 +1,8 @@
-/** Tab: an id for each time the page is loaded, and which of them are still open. */
+/** Tab: an id for each loaded page, and the ids of pages that are still open. */
 
 const LOCK = "normalgan-tab-";
 
-/** Returns a new id, held as long as the page lives; a browser that was told to keep nothing may hold none. @returns {Promise<string>} */
+/** Returns a new id, locked as long as the page lives, if the browser supports it. @returns {Promise<string>} */
 export async function claimTab() {
   const bytes = crypto.getRandomValues(new Uint8Array(9));
   const id = Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
@@ -15,7 +15,7 @@ export async function claimTab() {
   return id;
 }
 
-/** Returns the ids of the pages that are open; null if the browser does not say. @returns {Promise<Set<string> | null>} */
+/** Returns the ids of open pages; null if the browser does not report them. @returns {Promise<Set<string> | null>} */
 export async function openTabs() {
   const { held } = await navigator.locks.query().catch(() => ({ held: undefined }));
   return held ? new Set(held.map(({ name = "" }) => name.replace(LOCK, ""))) : null;

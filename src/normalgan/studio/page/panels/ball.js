@@ -1,4 +1,4 @@
-/** Ball: a little sphere in the normal map's colours; where it is touched is where the normal points. */
+/** Ball: a small sphere in normal-map colours; a press on it sets the normal. */
 
 import { context2d } from "../drawing/canvas.js";
 import { onBall, turned } from "../drawing/normal.js";
@@ -54,7 +54,7 @@ export class Ball {
       context.lineTo(x, y);
       context.stroke();
       context.beginPath();
-      // Near the rim the whole handle stays in sight.
+      // The whole handle stays visible near the rim.
       const limit = Math.min(1, (radius - 0.06 * side) / Math.max(1, Math.hypot(x - side / 2, y - side / 2)));
       context.arc(side / 2 + (x - side / 2) * limit, side / 2 + (y - side / 2) * limit, 0.05 * side, 0, 2 * Math.PI);
       context.stroke();
@@ -87,7 +87,7 @@ export class Ball {
     this.onTurn(turned(this.normal, turn[0] * step, turn[1] * step), false);
   }
 
-  /** A held key is one step in history. */
+  /** Repeats of a held key are one step in history. */
   #settle() {
     if (!this.turning) return;
     this.turning = false;

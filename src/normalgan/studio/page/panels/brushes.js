@@ -1,4 +1,4 @@
-/** Brushes: what the direction brush does, and how soft and strong it is; of the chosen stroke, or else of the next. */
+/** Brushes: settings of the direction brush, for the selected stroke or else for the next one. */
 
 import { changedArea, withStructures } from "../drawing/document.js";
 import { LIMITS } from "../drawing/limits.js";
@@ -6,14 +6,14 @@ import { $, field } from "../elements/dom.js";
 import { say } from "../text/text.js";
 import { StructureChoice } from "./structure_choice.js";
 
-/** How much a key changes softness or strength. */
+/** Step of softness or strength per key press. */
 const STEP = 0.1;
 /** @typedef {"soft" | "strength"} Part @type {Part[]} */
 const PARTS = ["soft", "strength"];
-/** What the brush does besides giving a direction. */
+/** Effects of the brush other than a direction. */
 const WORKS = /** @type {const} */ (["smooth", "structure"]);
 
-/** The stroke of the brush that is chosen on the board, if one is. */
+/** Returns the selected brush stroke, if there is one. */
 export class ChosenStroke {
   /** @param {import("../drawing/editor.js").Editor} editor @param {import("../elements/status.js").Announce} announce */
   constructor(editor, announce) {
@@ -28,9 +28,9 @@ export class ChosenStroke {
   }
 
   /**
-   * Changes it, if there is one.
-   * @param {Partial<import("../drawing/document.js").Area>} change @param {boolean} ended @param {string} part presses of which that follow one another are one step
-   * @param {import("../drawing/document.js").OwnStructure[]} [own] pictures that it needs
+   * Changes the selected stroke, if there is one.
+   * @param {Partial<import("../drawing/document.js").Area>} change @param {boolean} ended @param {string} part the setting whose consecutive changes are one step
+   * @param {import("../drawing/document.js").OwnStructure[]} [own] pictures that the change needs
    */
   change(change, ended, part, own = []) {
     const { editor } = this;
@@ -50,7 +50,7 @@ export class ChosenStroke {
 export class Brushes {
   /**
    * @param {import("../drawing/editor.js").Editor} editor
-   * @param {(file: File) => Promise<string | null>} read returns a picture as a data URL; null: it has said why not
+   * @param {(file: File) => Promise<string | null>} read returns a picture as a data URL, or null after announcing an error
    * @param {import("../elements/status.js").Announce} announce
    */
   constructor(editor, read, announce) {
@@ -67,20 +67,20 @@ export class Brushes {
     this.#show();
   }
 
-  /** Lets the brush smooth or give a structure; directions if it does so already. @param {typeof WORKS[number]} works */
+  /** Switches the brush to smoothing or a structure, or back to directions. @param {typeof WORKS[number]} works */
   turnTo(works) {
     const { editor } = this;
     const goes = editor.tool === "brush" && editor.brush.works === works;
     editor.set({ tool: "brush", brush: { ...editor.brush, works: goes ? "direction" : works }, area: -1 });
   }
 
-  /** Makes it softer or stronger. @param {Part} part @param {number} steps */
+  /** Changes softness or strength. @param {Part} part @param {number} steps */
   change(part, steps) {
     if (this.editor.tool !== "brush") return;
     this.#take(part, Math.round(100 * Math.max(0, Math.min(1, this.#now(part) + steps * STEP))) / 100, true);
   }
 
-  /** Takes the next structure. */
+  /** Selects the next structure. */
   next() {
     if (this.editor.tool === "brush" && this.editor.brush.works === "structure") this.structures.next();
   }

@@ -1,11 +1,11 @@
-/** First steps: one sentence at a time, until each was done once; then never again. */
+/** First steps: show one hint at a time until each action has been done once. */
 
 import { $ } from "../elements/dom.js";
 import { recalled, remember } from "../elements/settings.js";
 import { text } from "../text/text.js";
 
 const KEY = "normalgan-first-steps";
-/** How long the last sentence stays. */
+/** Duration of the last hint in milliseconds. */
 const LAST = 6000;
 
 /**
@@ -29,7 +29,7 @@ export function teach(editor, predictor, result) {
     remember(KEY, at);
     strip.hidden = true;
   };
-  // A step that was done before its turn need not be done again.
+  // Steps already done are skipped.
   const look = () => {
     if (at >= steps.length) return;
     const before = at;
@@ -50,7 +50,7 @@ export function teach(editor, predictor, result) {
   for (const name of ["change", "state"]) editor.addEventListener(name, look);
   predictor.addEventListener("painted", look);
   result.addEventListener("view", look);
-  $("export-dialog").addEventListener("focusin", look); // it has the focus once it is open
+  $("export-dialog").addEventListener("focusin", look); // it gets the focus when opened
   if (at < steps.length) show();
   else strip.hidden = true;
 }

@@ -1,4 +1,4 @@
-/** Forms: makes the chosen region, or else the layer that is worked on, round, flat or hollow. */
+/** Forms: make the selected region, or else the active layer, round, flat or hollow. */
 
 import { clear, context2d } from "../drawing/canvas.js";
 import { changedArea, drawnLayers, withActive } from "../drawing/document.js";
@@ -14,11 +14,11 @@ import { say, text, wordsOf } from "../text/text.js";
 /** @type {("none" | Form["kind"])[]} */
 const KINDS = ["none", "round", "flat", "hollow"];
 const NAMES = { none: "formNone", round: "formRound", flat: "formFlat", hollow: "formHollow" };
-/** Pixels of a form's preview a side, and of the map that is asked for it at the most. */
+/** Side of a form's preview in pixels, and maximum side of the map requested for it. */
 const [SIDE, MOST] = [96, 512];
-/** How much of the part lies around it in its preview. */
+/** Margin around the part in its preview, as a fraction of its size. */
 const AROUND = 0.15;
-/** How soft the edge is that says nothing else, of a region as predicted and of one with a form. */
+/** Default softness of the edge of a region without a form, and of one with a form. */
 const SOFT = { none: 0.5, formed: 0 };
 
 /** @typedef {"none" | Form["kind"]} Kind */
@@ -37,9 +37,9 @@ export class Forms {
     this.bevel = field("form-bevel");
     this.strength = field("form-strength");
     this.soft = field("form-soft");
-    /** Counts the previews that were asked for, so that only the latest is shown. */
+    /** Number of requested previews, so that only the latest is shown. */
     this.looks = 0;
-    // What keeps a map from coming is said where the map itself is; a form can be chosen by its icon.
+    // Errors are shown with the map itself; without previews, the forms have icons.
     followPicker("form-choose", () => { this.#preview().catch(() => {}); });
     for (const kind of KINDS) $(`form-${kind}`).addEventListener("click", () => this.#take(kind));
     for (const [event, ended] of /** @type {const} */ ([["input", false], ["change", true]])) {
@@ -55,13 +55,13 @@ export class Forms {
     this.#show();
   }
 
-  /** Takes the next form. */
+  /** Selects the next form. */
   next() {
     this.editor.set({ tool: "region" });
     this.#take(KINDS[(KINDS.indexOf(this.#formNow()?.kind ?? "none") + 1) % KINDS.length]);
   }
 
-  /** Returns the chosen region; undefined is the whole layer. */
+  /** Returns the selected region; undefined stands for the whole layer. */
   #region() {
     const area = this.editor.layer.areas[this.editor.area];
     return area?.size ? undefined : area;
@@ -83,7 +83,7 @@ export class Forms {
 
   /**
    * @param {Partial<import("../drawing/document.js").Area>} change @param {boolean} ended
-   * @param {string} [slider] whose presses that follow one another are one step in history
+   * @param {string} [slider] whose consecutive changes are one step in history
    */
   #change(change, ended, slider) {
     const { editor } = this;
@@ -93,7 +93,7 @@ export class Forms {
     else editor.preview(doc);
   }
 
-  /** Shows what each form would make of the part; until then, and where nothing is drawn, icons stand for it. */
+  /** Shows a preview of each form of the part; until it arrives, or if nothing is drawn, icons are shown. */
   async #preview() {
     const { editor } = this;
     const look = ++this.looks;
@@ -110,7 +110,7 @@ export class Forms {
       const form = (now?.kind ?? "none") === kind ? now : this.#formOf(kind);
       const formed = area ? changedArea(alone, editor.area, { form }) : withActive(alone, { form });
       const map = await this.predictor.askAt(Math.max(2 * SIDE, size), (request) => predict(request), {}, formed, "form");
-      // Another part was chosen, or the card was opened again.
+      // Another part has been selected, or the card has been reopened.
       if (look !== this.looks || editor.layer !== layer || !map) return;
       const canvas = make("canvas", { width: SIDE, height: SIDE, "aria-hidden": "true" });
       drawPart(canvas, map, this.shaded(map), box && scaledBox(box, map.width / doc.width));
@@ -148,7 +148,7 @@ function boxOf(points) {
 /** @param {Box} box @param {number} scale @returns {Box} */
 const scaledBox = ({ x, y, width, height }, scale) => ({ x: x * scale, y: y * scale, width: width * scale, height: height * scale });
 
-/** Returns what the object covers. @param {import("../result/viewer.js").Picture} map @returns {Box} */
+/** Returns the bounding box of the object. @param {import("../result/viewer.js").Picture} map @returns {Box} */
 function objectOf({ rgba, width, height }) {
   /** @type {number[]} */
   const points = [];
@@ -157,8 +157,8 @@ function objectOf({ rgba, width, height }) {
 }
 
 /**
- * Draws a part of a map that was shaded, with some of what is around it.
- * @param {HTMLCanvasElement} canvas @param {import("../result/viewer.js").Picture} map @param {Uint8ClampedArray<ArrayBuffer>} pixels @param {Box} [part] undefined is the object
+ * Draws a part of a shaded map with a margin.
+ * @param {HTMLCanvasElement} canvas @param {import("../result/viewer.js").Picture} map @param {Uint8ClampedArray<ArrayBuffer>} pixels @param {Box} [part] undefined draws the object
  */
 function drawPart(canvas, map, pixels, part = objectOf(map)) {
   const whole = document.createElement("canvas");

@@ -1,26 +1,26 @@
-/** History list: the steps that were done, to go back to any of them. */
+/** History list: lists the steps, and goes back to any of them. */
 
 import { $, make } from "../elements/dom.js";
 import { say, text } from "../text/text.js";
 
-/** Steps that are listed, about the present one; others are undone or redone one by one. */
+/** Maximum number of steps listed around the current one. */
 const SHOWN = 200;
 
-/** Whether a line was made a shape: moved lines keep their number of points. @param {import("../drawing/document.js").Stroke | undefined} from @param {import("../drawing/document.js").Stroke | undefined} to */
+/** Whether a line was turned into a shape; moved lines keep their number of points. @param {import("../drawing/document.js").Stroke | undefined} from @param {import("../drawing/document.js").Stroke | undefined} to */
 const isShaped = (from, to) => from?.kind === "pen" && to?.kind === "pen" && from.points.length !== to.points.length;
 
-/** Whether a part of a picture was taken away. @param {any} from @param {any} to */
+/** Whether a part of a picture was removed. @param {any} from @param {any} to */
 const isCut = (from, to) => from.kind === "picture" && to.kind === "picture" && from.picture !== to.picture;
 
 /** @typedef {import("../drawing/document.js").Stroke} Stroke @typedef {import("../drawing/document.js").Area} Area */
 
-/** Returns what a step did to a layer's strokes. @param {Stroke[]} from @param {Stroke[]} to */
+/** Returns the name of a step that changed a layer's strokes. @param {Stroke[]} from @param {Stroke[]} to */
 function strokesStep(from, to) {
   /** @param {number} count */
   const begins = (count) => from.slice(0, count).every((each, i) => each === to[i]);
   if (from.length === to.length && begins(from.length - 1) && isShaped(from.at(-1), to.at(-1))) return text.stepShape;
   if (to.length > from.length) {
-    // A picture that is cut, or a mirrored line that is turned, becomes two.
+    // A cut picture or a rotated mirrored line becomes two.
     if (!begins(from.length)) return text.stepMoved;
     return { eraser: text.stepErased, picture: text.stepImported, pen: text.stepLine }[to[to.length - 1].kind];
   }
@@ -28,7 +28,7 @@ function strokesStep(from, to) {
   return gone ? text.stepRemoved : text.stepMoved;
 }
 
-/** Returns what a step did to a layer's regions and strokes of the brush. @param {Area[]} from @param {Area[]} to */
+/** Returns the name of a step that changed a layer's regions and brush strokes. @param {Area[]} from @param {Area[]} to */
 function areasStep(from, to) {
   if (to.length < from.length) return text.stepAreaGone;
   if (to.length > from.length) {
@@ -41,7 +41,7 @@ function areasStep(from, to) {
   return to.some((area, i) => differs(["form", "soft"], area, i)) ? text.stepForm : text.stepTurned;
 }
 
-/** Returns what a step did to a layer. @param {import("../drawing/document.js").Layer} old @param {import("../drawing/document.js").Layer} now @returns {string | null} null: nothing */
+/** Returns the name of a step that changed a layer. @param {import("../drawing/document.js").Layer} old @param {import("../drawing/document.js").Layer} now @returns {string | null} null: nothing */
 function layerStep(old, now) {
   if (old.name !== now.name) return text.stepLayerNamed;
   if (old.form !== now.form) return text.stepForm;
@@ -71,7 +71,7 @@ export function nameOf(before, after) {
   if (before.layers.length !== after.layers.length) return before.layers.length < after.layers.length ? text.stepLayer : text.stepLayerGone;
   if (before.layers.some(({ id }, i) => id !== after.layers[i].id)) return text.stepLayerMoved;
   if (before.width !== after.width || before.height !== after.height) return text.stepPaper;
-  // One step changes one layer.
+  // A step changes one layer only.
   const at = Math.max(0, before.layers.findIndex((layer, i) => layer !== after.layers[i]));
   const name = layerStep(before.layers[at], after.layers[at]);
   if (name) return name;

@@ -1,4 +1,4 @@
-/** Layers: the parts of the drawing, in their order of depth; each is painted among the others, what is in front hides the rest. */
+/** Layers: the panel of layers in depth order; each is predicted among the others, and front layers hide those behind. */
 
 import { context2d } from "../drawing/canvas.js";
 import { LONGEST_NAME, MOST_LAYERS, changedLayer, withLayerMoved, withNewLayer, withoutLayer } from "../drawing/document.js";
@@ -8,11 +8,11 @@ import { recalled, remember } from "../elements/settings.js";
 import { letSort } from "../elements/sorting.js";
 import { say, text } from "../text/text.js";
 
-/** Side of the small pictures in pixels of the page. */
+/** Side of the thumbnails in CSS pixels. */
 const SMALL = 36;
 const KEY = "normalgan-layers";
 
-/** Small pictures of layers, as large as fits, made of the ink only when that has changed: of a large drawing that is dear. */
+/** Thumbnails of layers, only updated when the ink has changed, because that is slow for large drawings. */
 class Thumbnails {
   /** @type {Map<number, {strokes: object, width: number, height: number, picture: HTMLCanvasElement}>} by the layer's id */
   #known = new Map();
@@ -27,7 +27,7 @@ class Thumbnails {
     context2d(canvas).drawImage(this.#pictureOf(layer, canvas.width), 0, 0);
   }
 
-  /** Forgets layers that are no more. @param {import("../drawing/document.js").Layer[]} layers */
+  /** Forgets deleted layers. @param {import("../drawing/document.js").Layer[]} layers */
   keepOnly(layers) {
     const ids = new Set(layers.map(({ id }) => id));
     for (const id of this.#known.keys()) if (!ids.has(id)) this.#known.delete(id);
@@ -51,7 +51,7 @@ class Thumbnails {
 
 /** The panel of layers. */
 export class Layers {
-  /** @type {number | null} id of the layer that is being named */
+  /** @type {number | null} id of the layer being renamed */
   #naming = null;
 
   /**
@@ -76,13 +76,13 @@ export class Layers {
       $(`layer-${way}`).addEventListener("click", () => editor.commit(withLayerMoved(editor.doc, editor.layer.id, step)));
     }
     editor.addEventListener("change", (event) => {
-      // A point that is turned leaves the panel as it is.
+      // Rotating a point does not change the panel.
       if (!/** @type {CustomEvent} */ (event).detail.live) this.#fill();
     });
     this.#show(recalled(KEY) === true);
   }
 
-  /** Goes to another layer. @param {number} step 1: the next one in front, -1: the next one behind */
+  /** Activates another layer. @param {number} step 1: the next one in front, -1: the next one behind */
   step(step) {
     const { editor } = this;
     const next = editor.doc.layers[this.#place + step];
@@ -91,7 +91,7 @@ export class Layers {
     this.announce(say("layerWorked", { name: next.name }));
   }
 
-  /** Of the layer that is worked on, from the back. */
+  /** Index of the active layer, from the back. */
   get #place() {
     return this.editor.doc.layers.indexOf(this.editor.layer);
   }
@@ -115,7 +115,7 @@ export class Layers {
     if ($("layers").hidden) return;
     const focused = /** @type {HTMLElement | null} */ (document.activeElement);
     const place = focused && list.contains(focused) ? [...list.querySelectorAll("button, input")].indexOf(focused) : -1;
-    // As they lie: the front one on top.
+    // Front layer on top.
     list.replaceChildren(...[...layers].reverse().map((layer) => this.#row(layer)));
     this.pictures.keepOnly(layers);
     if (place >= 0) /** @type {HTMLElement[]} */ ([...list.querySelectorAll("button, input")])[place]?.focus();
@@ -148,7 +148,7 @@ export class Layers {
     return item;
   }
 
-  /** Returns the name, or the field that it is changed in. @param {import("../drawing/document.js").Layer} layer @returns {HTMLElement} */
+  /** Returns the name of a layer, or the field for renaming it. @param {import("../drawing/document.js").Layer} layer @returns {HTMLElement} */
   #nameOf({ id, name }) {
     if (this.#naming !== id) {
       const button = make("button", { type: "button", class: "name", text: name });
@@ -158,7 +158,7 @@ export class Layers {
     }
     const input = make("input", { type: "text", value: name, maxLength: LONGEST_NAME, "aria-label": text.layerName });
     input.addEventListener("keydown", (event) => {
-      event.stopPropagation(); // letters are no shortcuts here
+      event.stopPropagation(); // letters are not shortcuts here
       if (event.key === "Enter") this.#rename(id, input.value);
       else if (event.key === "Escape") this.#rename(id, name);
     });
@@ -166,7 +166,7 @@ export class Layers {
     return input;
   }
 
-  /** Lets a layer be named. @param {number} id */
+  /** Starts renaming a layer. @param {number} id */
   #beginNaming(id) {
     this.#naming = id;
     this.#fill();

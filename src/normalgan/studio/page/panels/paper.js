@@ -1,4 +1,4 @@
-/** Paper: its size, and the pictures on it or beside it that are traced or looked at. */
+/** Paper: the panel for the paper's size and reference pictures. */
 
 import { withPictures } from "../drawing/document.js";
 import { drawnBox } from "../drawing/ink.js";
@@ -8,7 +8,7 @@ import { icon } from "../elements/icons.js";
 import { say, text } from "../text/text.js";
 
 /**
- * Wires the panel of the paper and its pictures.
+ * Sets up the panel.
  * @param {import("../drawing/editor.js").Editor} editor
  * @param {import("../files/importing.js").Importing} importing
  */
@@ -35,7 +35,7 @@ export function followPaper(editor, importing) {
     $("picture-place").hidden = !pictures.length;
     $("paper-size").textContent = say("pixels", { width, height });
     const list = $("picture-list");
-    // While a slider is held it must not be replaced.
+    // A slider must not be replaced while it is dragged.
     if (list.children.length !== pictures.length) list.replaceChildren(...pictures.map((_, i) => row(i)));
     pictures.forEach((picture, i) => {
       const [visible, opacity] = list.children[i].querySelectorAll("input");
@@ -59,7 +59,7 @@ async function resize(editor) {
   editor.commit(onPaper(editor.doc, field("paper-width").valueAsNumber, field("paper-height").valueAsNumber, along));
 }
 
-/** Makes the paper as large as what is drawn. @param {import("../drawing/editor.js").Editor} editor @param {import("../elements/status.js").Status} status */
+/** Trims the paper to the drawing. @param {import("../drawing/editor.js").Editor} editor @param {import("../elements/status.js").Status} status */
 function trim(editor, status) {
   const box = drawnBox(editor.doc);
   if (!box) {

@@ -1,4 +1,4 @@
-/** Points: the list of hints and suggestions, and the ball beside the chosen one. */
+/** Points: the list of points and suggestions, and the ball next to the selected point. */
 
 import { activeLayer, anchorOf, changedArea, changedHint, mostReach, reachOf, withoutArea, withoutHint } from "../drawing/document.js";
 import { colourOf, inWords } from "../drawing/normal.js";
@@ -8,18 +8,18 @@ import { say, text } from "../text/text.js";
 import { Ball } from "./ball.js";
 
 const COUNT = 6;
-/** Pixels from a point to its ball. */
+/** Distance in pixels from a point to its ball. */
 const GAP = 40;
 /** Pixels that an arrow key moves the card. */
 const STEP = 16;
-/** How far about its middle a mark reaches. */
+/** Radius of a mark in pixels. */
 const MARK = 14;
-/** Height in pixels of a pane in which the card, one part below the other, would lie over what is around it. */
+/** Height in pixels below which a pane is too low for the card's vertical layout. */
 const LOW = 236;
 
 export class Points {
   /**
-   * @param {import("../board/board.js").Board[]} boards that show points; the card is in the one that was touched last
+   * @param {import("../board/board.js").Board[]} boards that show points; the card is in the last touched one
    * @param {import("../board/tool_hint.js").HintTool} tool
    * @param {import("../result/predictor.js").Predictor} predictor
    * @param {import("../elements/status.js").Status} status
@@ -32,7 +32,7 @@ export class Points {
     this.status = status;
     this.editor = this.board.editor;
     this.popover = $("point");
-    /** @type {{x: number, y: number} | null} where the card was dragged to */
+    /** @type {{x: number, y: number} | null} position that the card was dragged to */
     this.dragged = null;
     this.#followHandle($("point-handle"));
     this.ball = new Ball($("ball"), (normal, ended) => this.#turn(normal, ended));
@@ -58,7 +58,7 @@ export class Points {
     this.#show();
   }
 
-  /** Drops suggestions that lie off the object by now. */
+  /** Drops suggestions that are no longer on the object. */
   #keepOnObject() {
     const { editor: { doc, suggestions }, predictor: { painted, whole } } = this;
     if (!suggestions.length || !painted || !whole) return;
@@ -67,7 +67,7 @@ export class Points {
     if (kept.length < suggestions.length) this.editor.set({ suggestions: kept });
   }
 
-  /** Brings the card to another pane. @param {import("../board/board.js").Board} board */
+  /** Moves the card to another pane. @param {import("../board/board.js").Board} board */
   use(board) {
     if (board === this.board) return;
     this.board = board;
@@ -76,13 +76,13 @@ export class Points {
     this.#place();
   }
 
-  /** Chooses a point and gives its ball the focus. @param {number} index */
+  /** Selects a point and focuses its ball. @param {number} index */
   choose(index) {
     this.editor.set({ chosen: index });
     $("ball").focus();
   }
 
-  /** Chooses the next or the previous point. @param {number} step */
+  /** Selects the next or previous point. @param {number} step */
   next(step) {
     const { length } = this.editor.layer.hints;
     if (!length) return;
@@ -90,7 +90,7 @@ export class Points {
     this.choose((from + step + length) % length);
   }
 
-  /** Removes the chosen point or area. */
+  /** Deletes the selected point or area. */
   remove() {
     const { editor } = this;
     const { chosen, area } = editor;
@@ -101,7 +101,7 @@ export class Points {
     this.board.focus.focus();
   }
 
-  /** Leaves the chosen point or area. */
+  /** Deselects the point or area. */
   done() {
     this.editor.set({ chosen: -1, area: -1 });
     this.board.focus.focus();
@@ -114,7 +114,7 @@ export class Points {
     if (!layer.strokes.length) return;
     try {
       const points = await predictor.ask(suggest, { count: COUNT }, [layer]);
-      // What was asked for an older drawing may lie beside the object.
+      // Suggestions for an older drawing may lie off the object.
       if (layer.strokes !== editor.layer.strokes) return;
       editor.set({ suggestions: points, tool: "hint", chosen: -1 });
       if (points.length) status.say(say("suggested", { count: points.length }));
@@ -139,22 +139,22 @@ export class Points {
     const { editor } = this;
     if (editor.chosen < 0) return;
     const { state } = editor.history;
-    // Finer where it is small.
+    // Finer steps for small values.
     const reach = Math.round((this.slider.valueAsNumber / 100) ** 2 * mostReach(state));
-    // Some browsers tell of the end twice; that is one step in history.
+    // Some browsers report the end twice; that is one step in history.
     if (!editor.draft && activeLayer(state).hints[editor.chosen].reach === reach) return;
     this.#change(changedHint(state, editor.chosen, { reach }), ended);
   }
 
   /** @param {import("../drawing/document.js").Doc} doc @param {boolean} ended */
   #change(doc, ended) {
-    // Presses of an arrow that follow one another are one step in history.
+    // Consecutive arrow presses are one step in history.
     if (ended) this.editor.commit(doc, `turned ${this.editor.chosen} ${this.editor.area}`);
     else this.editor.preview(doc);
   }
 
   /**
-   * Returns the chosen point or area: where it is, its direction, and what it is called.
+   * Returns the position, direction and name of the selected point or area.
    * @returns {{x: number, y: number, normal: import("../drawing/document.js").Normal, reach?: number, smooths?: boolean, structure?: import("../drawing/document.js").Structure, ball: "ball" | "areaBall", number: number} | undefined}
    */
   #chosen() {
@@ -187,7 +187,7 @@ export class Points {
     if (focused >= 0) [...chips, ...offers].at(Math.min(focused, chips.length + offers.length - 1))?.focus();
     $("hints-empty").hidden = chips.length + offers.length > 0;
     const chosen = this.#chosen();
-    // There is no ball to a structure, and the brush's own sliders are at hand: the card would only be in its way.
+    // A structure has no ball, and the brush has its own sliders, so the card would only be in the way.
     this.popover.hidden = !chosen || !["hint", "region", "brush"].includes(editor.tool) || (editor.tool === "brush" && chosen.structure !== undefined);
     if (!chosen) return;
     const words = { number: chosen.number, direction: inWords(chosen.normal) };
@@ -213,7 +213,7 @@ export class Points {
     return chip;
   }
 
-  /** Lets the card be dragged; where it was put it stays, until the next page. @param {HTMLElement} handle */
+  /** Makes the card draggable; it stays where it was put until the page is reloaded. @param {HTMLElement} handle */
   #followHandle(handle) {
     /** @type {{x: number, y: number} | null} */
     let from = null;
@@ -238,7 +238,7 @@ export class Points {
   }
 
   /**
-   * Returns where the ball is at the hand: beside its point, and not over others.
+   * Returns a position for the ball next to its point that does not cover other points.
    * @param {{x: number, y: number}} pin in the pane @param {number} width @param {number} height
    */
   #spot(pin, width, height) {
@@ -261,7 +261,7 @@ export class Points {
     return spots.reduce((best, each) => (cost(each) < cost(best) - 0.01 ? each : best));
   }
 
-  /** Puts the ball beside its point, inside the pane. */
+  /** Places the ball next to its point, inside the pane. */
   #place() {
     const chosen = this.#chosen();
     if (!chosen || this.popover.hidden) return;

@@ -1,4 +1,4 @@
-/** Samples: drawings to begin with, as lines that can be changed like any others. */
+/** Samples: drawings to start from, made of ordinary editable lines. */
 
 import { context2d } from "../drawing/canvas.js";
 import { newDocument, withActive } from "../drawing/document.js";
@@ -8,10 +8,10 @@ import { say, text } from "../text/text.js";
 
 const SIDE = 512;
 const SMALL = 72;
-/** Points of a curve between two of a sample's. */
+/** Number of interpolated points between two points of a sample. */
 const PARTS = 6;
 const PEN = 6;
-/** Pixels after which a press on a sample is a stroke. */
+/** Movement in pixels at which a press on a sample becomes a stroke. */
 const STIRRED = 8;
 
 /**
@@ -85,7 +85,7 @@ export function documentOf({ curves }) {
   return withActive(newDocument(SIDE, SIDE), { strokes: curves.map(lineOf) });
 }
 
-/** Lets a stroke begin on what lies over the paper. @param {HTMLElement} above */
+/** Lets strokes start on an element that covers the paper. @param {HTMLElement} above */
 function letDraw(above) {
   /** @type {PointerEvent | null} */
   let pressed = null;
@@ -101,7 +101,7 @@ function letDraw(above) {
   });
 }
 
-/** Offers the samples where the paper is empty. @param {(doc: import("../drawing/document.js").Doc, name: string) => void} take */
+/** Offers the samples on empty paper. @param {(doc: import("../drawing/document.js").Doc, name: string) => void} take */
 export function offerSamples(take) {
   const buttons = SAMPLES.map((sample) => {
     const canvas = make("canvas", { width: SMALL, height: SMALL });

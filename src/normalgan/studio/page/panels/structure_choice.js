@@ -1,4 +1,4 @@
-/** Structure choice: which structure the brush gives, how large and how turned; one that is built in, or a picture of the user's. */
+/** Structure choice: the brush's structure, its size and rotation; either built-in or a picture of the user. */
 
 import { context2d } from "../drawing/canvas.js";
 import { OWN } from "../drawing/document.js";
@@ -13,9 +13,9 @@ import { clayShader, normalised } from "../result/viewer_shading.js";
 import { say, text, wordsOf } from "../text/text.js";
 import { PERIODS } from "./toolbar.js";
 
-/** What structures are called. @type {Record<string, string>} */
+/** Names of the structures. @type {Record<string, string>} */
 const NAMES = { scales: "structureScales", fur: "structureFur", weave: "structureWeave", stone: "structureStone", bark: "structureBark", own: "structureOwn" };
-/** Pixels of a structure's picture a side, and of the tiles in it. */
+/** Side in pixels of a structure's picture, and of the tiles in it. */
 const [SIDE, SHOWN] = [96, 112];
 
 /** @typedef {import("../drawing/document.js").Structure} Structure @typedef {import("../drawing/document.js").OwnStructure} OwnStructure */
@@ -28,7 +28,7 @@ export class StructureChoice {
   /**
    * @param {import("../drawing/editor.js").Editor} editor
    * @param {import("./brushes.js").ChosenStroke} stroke
-   * @param {(file: File) => Promise<string | null>} read returns a picture as a data URL; null: it has said why not
+   * @param {(file: File) => Promise<string | null>} read returns a picture as a data URL, or null after announcing an error
    * @param {import("../elements/status.js").Announce} announce
    */
   constructor(editor, stroke, read, announce) {
@@ -48,7 +48,7 @@ export class StructureChoice {
     this.file.addEventListener("change", () => this.#takeFile());
   }
 
-  /** Takes the next one of all. */
+  /** Selects the next structure. */
   next() {
     const { kind, picture } = this.#now();
     const all = this.#all();
@@ -57,7 +57,7 @@ export class StructureChoice {
     this.#choose(next.kind, next.own);
   }
 
-  /** Shows what is chosen. @param {boolean} used whether the brush gives structures now */
+  /** Shows the current choice. @param {boolean} used whether the brush currently applies structures */
   show(used) {
     for (const each of ["choose", "period-label", "turn-label"]) $(`structure-${each}`).hidden = !used;
     const structure = this.#now();
@@ -74,12 +74,12 @@ export class StructureChoice {
     $("structure-choose").replaceChildren(pictureOf({ kind: structure.kind, period: SHOWN }, own));
   }
 
-  /** Of the chosen stroke, or else of the next. */
+  /** The structure of the selected stroke, or else of the next one. */
   #now() {
     return this.stroke.area?.structure ?? this.editor.structure;
   }
 
-  /** All that can be chosen: first those that are built in, then the drawing's pictures and the one that came last. @returns {{kind: string, own?: OwnStructure, words: string}[]} */
+  /** All available structures: the built-in ones, the drawing's pictures, and the last chosen picture. @returns {{kind: string, own?: OwnStructure, words: string}[]} */
   #all() {
     const { doc: { structures }, ownStructure: last } = this.editor;
     const pictures = last && !structures.some(({ id }) => id === last.id) ? [...structures, last] : structures;
@@ -99,7 +99,7 @@ export class StructureChoice {
   #take(change, ended, own = []) {
     const structure = { ...this.#now(), ...change };
     if (structure.kind !== OWN) delete structure.picture;
-    // Only the chosen stroke lies where it was moved to.
+    // Only the selected stroke keeps its own offset.
     const { kind, period, turn, picture } = structure;
     this.editor.set({ structure: { kind, period, ...(turn && { turn }), ...(picture && { picture }) } });
     if (this.stroke.area?.structure) this.stroke.change({ structure }, ended, Object.keys(change).join(), own);
@@ -132,14 +132,14 @@ export class StructureChoice {
   }
 }
 
-/** Returns a number by which pictures are told apart (FNV-1a). @param {string} picture */
+/** Returns a hash of a picture (FNV-1a). @param {string} picture */
 function hashOf(picture) {
   let hash = 0x811c9dc5;
   for (let i = 0; i < picture.length; i++) hash = Math.imul(hash ^ picture.charCodeAt(i), 0x01000193);
   return (hash >>> 0).toString(16).padStart(8, "0");
 }
 
-/** Returns a picture of a structure in the light, which comes once its tile is there. @param {Structure} structure @param {import("../drawing/document.js").OwnStructure} [own] */
+/** Returns a lit picture of a structure, drawn once its tile has loaded. @param {Structure} structure @param {import("../drawing/document.js").OwnStructure} [own] */
 function pictureOf(structure, own) {
   const canvas = document.createElement("canvas");
   [canvas.width, canvas.height] = [SIDE, SIDE];
@@ -157,6 +157,6 @@ function pictureOf(structure, own) {
       }
     }
     context2d(canvas).putImageData(image, 0, 0);
-  }).catch(() => {}); // its name is there; a stroke with it says what is wrong
+  }).catch(() => {}); // the name is shown; a stroke with it reports the error
   return canvas;
 }

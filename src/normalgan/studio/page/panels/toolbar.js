@@ -1,4 +1,4 @@
-/** Toolbar: which tool, how wide, how smooth; shows what the editor holds. */
+/** Toolbar: the tools and their options. */
 
 import { withActive } from "../drawing/document.js";
 import { LIMITS } from "../drawing/limits.js";
@@ -8,9 +8,9 @@ import { recalled, remember } from "../elements/settings.js";
 import { say, text } from "../text/text.js";
 
 const TOOLS = ["pen", "eraser", "select", "hint", "region", "brush", "mask", "light", "hand"];
-/** Those with options of their own beside the line's. */
+/** Tools with options other than the line's. */
 const WITH_OPTIONS = ["hint", "region", "hand", "select", "mask", "light"];
-/** Sides of a structure's tiles that can be chosen, in pixels of the drawing. */
+/** Range of the side of a structure's tiles in the slider, in drawing pixels. */
 export const PERIODS = [16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512];
 const WIDTHS = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96];
 
@@ -18,11 +18,11 @@ const WIDTHS = [1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96];
 const SWITCHES = ["straight", "symmetry"];
 const KEY = "normalgan-brushes";
 
-/** Keeps how lines are drawn for the next time. @param {import("../drawing/editor.js").Editor} editor */
+/** Saves the line settings for the next session. @param {import("../drawing/editor.js").Editor} editor */
 const keepBrushes = ({ widths, smoothing, colour, brush, structure }) =>
   remember(KEY, { widths, smoothing, colour, brush, ...(!structure.picture && { structure }) });
 
-/** Takes what was kept, as far as it makes sense. @param {import("../drawing/editor.js").Editor} editor */
+/** Restores saved settings that are valid. @param {import("../drawing/editor.js").Editor} editor */
 function recallBrushes(editor) {
   const before = recalled(KEY) ?? {};
   const widths = Object.fromEntries(Object.entries(editor.widths).map(([tool, width]) => [tool, WIDTHS.includes(before.widths?.[tool]) ? before.widths[tool] : width]));
@@ -37,7 +37,7 @@ function recallBrushes(editor) {
 }
 
 /**
- * Returns the tool if it has a width.
+ * Returns the name of the tool if it has a width.
  * @param {import("../drawing/editor.js").Editor} editor
  */
 const toolOf = ({ tool, widths }) => (tool in widths ? tool : undefined);
@@ -50,10 +50,10 @@ export function widen(editor, step) {
   editor.set({ widths: { ...editor.widths, [kind]: width } });
 }
 
-/** Has the pen's lines cut in, then stand out, then only drawn. @param {import("../drawing/editor.js").Editor} editor */
+/** Cycles the pen between engraving, embossing and plain lines. @param {import("../drawing/editor.js").Editor} editor */
 export const turnCarving = (editor) => editor.set({ tool: "pen", carves: editor.carves === 0 ? -1 : editor.carves < 0 ? 1 : 0 });
 
-/** Hides help beside a tool's options where it would be cut off in the middle of its sentence. */
+/** Hides the help next to a tool's options if it would be cut off. */
 function followHelp() {
   const sized = new ResizeObserver((entries) => {
     for (const { target } of entries) target.classList.toggle("cut", target.scrollHeight > target.clientHeight + 1);
@@ -61,7 +61,7 @@ function followHelp() {
   for (const help of document.querySelectorAll(".options > .quiet")) sized.observe(help);
 }
 
-/** The buttons of the tools, and what each tool can be set to. */
+/** The buttons and options of the tools. */
 export class Toolbar {
   /** @param {import("../drawing/editor.js").Editor} editor @param {import("../drawing/ink.js").Inks} inks */
   constructor(editor, inks) {
@@ -106,7 +106,7 @@ export class Toolbar {
     this.#showDrawing();
   }
 
-  /** Shows how lines are drawn. */
+  /** Shows the line settings. */
   #showLine() {
     const { editor, size, smoothing, colour } = this;
     const { tool } = editor;
@@ -127,7 +127,7 @@ export class Toolbar {
     }
   }
 
-  /** Shows whether the pen's lines are cut in or stand out. */
+  /** Shows whether lines are engraved or embossed. */
   #showCarving() {
     const { tool, carves, carveHeight } = this.editor;
     const button = $("carve");

@@ -1,4 +1,4 @@
-/** Findings: what is to be said about a map, in the page's words; those with a place show it on the drawing. */
+/** Findings: messages about a map; findings with a place show it on the drawing. */
 
 import { make } from "../elements/dom.js";
 import { say, sentence, text } from "../text/text.js";
@@ -24,16 +24,16 @@ const WORDS = {
   unseen: ({ share }) => say("foundUnseen", percent(share)),
 };
 
-/** Milliseconds that a place stays on show after its words were pressed. */
+/** Milliseconds for which a place is shown after its message was pressed. */
 const STAYS = 4000;
 
-/** Returns what a finding says. @param {Finding} finding */
+/** Returns the message of a finding. @param {Finding} finding */
 export function wordsOfFinding(finding) {
   const words = WORDS[finding.code]?.(finding) ?? sentence(finding.words ?? "");
   return finding.layer ? `${finding.layer}: ${words}` : words;
 }
 
-/** Returns what findings say. @param {Finding[]} findings */
+/** Returns the messages of findings. @param {Finding[]} findings */
 export const wordsOfFindings = (findings) => findings.map(wordsOfFinding).join(" ");
 
 /**
@@ -70,7 +70,7 @@ export function followFindings(element, editor) {
   };
   return (findings) => {
     const json = JSON.stringify(findings);
-    if (json === shown) return; // what has the focus keeps it
+    if (json === shown) return; // keeps the focus
     shown = json;
     ring([]);
     element.replaceChildren(...findings.map(line));

@@ -1,4 +1,4 @@
-/** Lights: their colours, height, intensity and falloff, which of the two is moved, and a button that lets the light go around. */
+/** Lights: the settings of the lights, and the button that rotates the light. */
 
 import { $, field, label } from "../elements/dom.js";
 import { recalled, remember } from "../elements/settings.js";
@@ -6,13 +6,13 @@ import { text } from "../text/text.js";
 import { DEFAULT_LIGHT, lightOver } from "./viewer_input.js";
 
 const KEY = "normalgan-lights";
-/** Seconds that a turn of the light takes. */
+/** Seconds per rotation of the light. */
 const TURN = 6;
-/** How far out it goes around. */
+/** Radius of the rotation. */
 const OUT = 0.75;
-/** Where the second light is until it is moved: low on the other side. */
+/** Initial direction of the second light: low on the opposite side. */
 const SECOND = lightOver(0.8, -0.35);
-/** Nothing that moves by itself where that was asked for. */
+/** Whether the user prefers reduced motion. */
 const CALM = matchMedia("(prefers-reduced-motion: reduce)");
 
 /** Returns linear red, green and blue. @param {string} colour "#rrggbb" @returns {number[]} */
@@ -34,7 +34,7 @@ function raised([x, y], degrees) {
 const isShare = (value, most) => typeof value === "number" && value >= 0 && value <= most;
 const isColour = (/** @type {unknown} */ value) => typeof value === "string" && /^#[0-9a-f]{6}$/.test(value);
 
-/** The one or two lights, and what sets them. */
+/** One or two lights and their controls. */
 export class Lights {
   /** @param {import("./viewer.js").Viewer} viewer @param {() => string} view which is on show @param {(view: import("./viewer.js").View) => void} show */
   constructor(viewer, view, show) {
@@ -42,13 +42,13 @@ export class Lights {
     this.view = view;
     this.show = show;
     this.colours = ["#ffffff", "#5080ff"];
-    /** How bright they are; 1 is usual. */
+    /** Intensity; 1 is the default. */
     this.intensities = [1, 1];
-    /** How fast they fade, 0 to 1. */
+    /** Falloff, 0 to 1. */
     this.falloff = 0;
     /** Whether there is a second light. */
     this.both = false;
-    /** Which of them is moved. */
+    /** The light that is moved. */
     this.moved = 0;
     this.directions = [DEFAULT_LIGHT, SECOND];
     this.frame = 0;
@@ -100,14 +100,14 @@ export class Lights {
     this.#shine();
   }
 
-  /** Takes the direction that keys have given to the first light. @param {number[]} direction */
+  /** Sets the direction of the first light, changed by keys. @param {number[]} direction */
   took(direction) {
     this.stop();
     this.directions[0] = direction;
     this.#height();
   }
 
-  /** Lets the light go around, or stops it. */
+  /** Starts or stops the rotation of the light. */
   play() {
     if (this.frame) {
       this.stop();
@@ -147,7 +147,7 @@ export class Lights {
     this.#height();
   }
 
-  /** Shows how high the light is that is moved. */
+  /** Shows the height of the light that is moved. */
   #height() {
     const [x, y, z] = this.directions[this.moved];
     field("light-height").value = String(Math.round((Math.atan2(z, Math.hypot(x, y)) * 180) / Math.PI));

@@ -1,4 +1,4 @@
-/** Materials: what the lit result is made of: clay, or the drawing's own colours. */
+/** Materials: show the lit result as clay or in the drawing's own colours. */
 
 import { context2d } from "../drawing/canvas.js";
 import { linesAt } from "../drawing/ink.js";
@@ -28,7 +28,7 @@ export class Materials {
     predictor.addEventListener("painted", () => this.#colour());
     predictor.addEventListener("empty", () => this.#show());
     let { tool } = editor;
-    /** The tool before the light's, to which its button goes back. */
+    /** The tool used before the light tool, which its button restores. */
     let beforeLight = tool;
     editor.addEventListener("state", () => {
       if (editor.tool === tool) return;
@@ -49,7 +49,7 @@ export class Materials {
   }
 
   /**
-   * Returns the drawing's colours, if the result is to have them.
+   * Returns the drawing's colours, if the result shows them.
    * @param {number} longest longer side in pixels
    * @returns {import("./viewer.js").Picture | null}
    */

@@ -1,4 +1,4 @@
-/** Predictor: keeps the result in step with the drawing: one request at a time, each of the newest state. */
+/** Predictor: keep the result up to date with the drawing, with one request at a time for the newest state. */
 
 import { areasOf } from "../drawing/carving.js";
 import { drawnLayers, paintsAlike, possiblePeriod, structuresOf } from "../drawing/document.js";
@@ -15,26 +15,26 @@ import { Away, Lacking, Refused, doubt, height, predict } from "../server/api.js
  * @typedef {{fields: Fields, pixels: Uint8Array}} Part of a request: a layer
  */
 
-/** Bytes of pixels in one request; the server takes 20 MB, and the rest of it is words. */
+/** Maximum bytes of pixels per request; the server accepts 20 MB including the JSON. */
 const MOST_BYTES = 17 * 2 ** 20;
-/** Longer side of the map of a layer that is sent ahead: nobody looks at it. */
+/** Longer side of the map of a layer that is sent ahead; this map is not shown. */
 const AHEAD = 64;
-/** Longer side of the map while a gesture goes on: it follows the hand, and is refined when the hand rests. */
+/** Longer side of the map during a gesture; it is refined when the hand rests. */
 const COARSE = { pen: 256, pin: 512 };
-/** Milliseconds from the end of a stroke to the next, at one a second: where a map takes longer, one of half its size comes first. */
+/** Milliseconds between strokes at one stroke per second; if a map takes longer, a map of half the size is predicted first. */
 const PACE = 650;
-/** Milliseconds after which a hand that draws is to have seen another map, and how many of them what is foreseen may be late. */
+/** Maximum milliseconds between maps while drawing, and tolerance of the estimate. */
 const GAP = 300;
 const LATE = 30;
-/** How fast the time that a map is foreseen to take falls, from one map to the next; it rises at once. */
+/** Decay per map of the estimated prediction time, which rises immediately. */
 const FALL = 0.5;
-/** The server has another drawing than the one that a change was made to. */
+/** Status of the server if a change is based on a drawing that it does not have. */
 const BEHIND = 409;
 
 /** @param {unknown} error */
 const isBrokenOff = (error) => error instanceof Error && error.name === "AbortError";
 
-/** Returns what a layer's areas have as structures, as the server takes it. @param {import("../drawing/document.js").Doc} doc @param {Layer} layer @returns {Record<string, string>} */
+/** Returns the structure pictures of a layer's areas, as the server takes them. @param {import("../drawing/document.js").Doc} doc @param {Layer} layer @returns {Record<string, string>} */
 const sentStructures = (doc, { areas }) => Object.fromEntries(structuresOf(doc, areas).map(({ id, picture }) => [id, picture.split(",")[1]]));
 
 /** @param {import("../drawing/document.js").Structure} structure @param {number} scale */
@@ -56,31 +56,31 @@ export class Predictor extends EventTarget {
     this.connection = connection;
     this.tab = tab;
     this.number = Date.now();
-    /** @type {Map<number, {number: number, channels: 1 | 4}>} of each layer, by its id, the request whose pixels the server has */
+    /** @type {Map<number, {number: number, channels: 1 | 4}>} by layer id, the number of the request whose pixels the server has */
     this.sent = new Map();
-    /** @type {AbortController | null} the painting that goes on */
+    /** @type {AbortController | null} the current prediction */
     this.running = null;
-    /** @type {AbortController | null} the heights that are asked for */
+    /** @type {AbortController | null} the current request for heights */
     this.climbing = null;
-    /** Whether what is being painted is a draft: a stroke that goes on, or coarser than the drawing. */
+    /** Whether the current prediction is a draft, that is, of an unfinished stroke or coarser than the drawing. */
     this.draft = false;
-    /** Since when there has been no new map although there was something to paint. */
+    /** Time since which a new map has been due. */
     this.since = 0;
-    /** Milliseconds that a whole map is foreseen to take, until it is handed to the viewer. */
+    /** Estimated milliseconds for a full map until it is shown. */
     this.took = 0;
     /** Whether something changed since the last request. */
     this.stale = false;
-    /** Whether layers are on show as they were seen before others changed, or at half their size. */
+    /** Whether the shown maps of some layers are outdated in context or at half size. */
     this.behind = false;
-    /** Whether the missing layers, or the full size, are being painted: the next change breaks that off. */
+    /** Whether the remaining layers or the full size are being predicted, which the next change interrupts. */
     this.catchingUp = false;
-    /** @type {"pen" | "pin" | null} the gesture that goes on */
+    /** @type {"pen" | "pin" | null} the current gesture */
     this.gesture = null;
-    /** @type {import("../drawing/document.js").Doc | null} the document as it was painted last, or is being painted */
+    /** @type {import("../drawing/document.js").Doc | null} the document of the last or current prediction */
     this.asked = null;
     /** @type {Painted | null} */
     this.painted = null;
-    /** Whether the map on show is of all that is drawn, and as fine as it will be. */
+    /** Whether the shown map is up to date and at full size. */
     this.whole = false;
     this.wantsHeight = false;
     /** @type {{heights: Float32Array, width: number, height: number} | null} */
@@ -88,28 +88,28 @@ export class Predictor extends EventTarget {
     this.wantsDoubt = false;
     /** @type {{shares: Uint8Array, width: number, height: number} | null} of a right angle, as 0 to 255 */
     this.doubt = null;
-    /** @type {boolean | null} whether the model says how sure it is; null is not known yet */
+    /** @type {boolean | null} whether the model has a confidence; null if not yet known */
     this.unsure = null;
     editor.addEventListener("change", (event) => this.#changed(/** @type {CustomEvent} */ (event).detail.live ? "pin" : null));
     editor.addEventListener("drawing", (event) => /** @type {CustomEvent} */ (event).detail.ended || this.#touched("pen"));
     connection.addEventListener("back", () => this.refresh());
   }
 
-  /** Paints again whatever was painted before. */
+  /** Predicts again, even if nothing has changed. */
   refresh() {
     this.asked = null;
     this.sent.clear();
     this.#changed(null);
   }
 
-  /** Says whether heights are wanted beside the map. @param {boolean} wanted */
+  /** Sets whether heights are requested with the map. @param {boolean} wanted */
   wantHeight(wanted) {
     this.wantsHeight = wanted;
     if (wanted && this.connection.away) this.#failed(new Away());
     if (!this.running) this.#raise();
   }
 
-  /** Says whether it is wanted how unsure the model is. @param {boolean} wanted */
+  /** Sets whether the uncertainty is requested. @param {boolean} wanted */
   wantDoubt(wanted) {
     this.wantsDoubt = wanted;
     this.doubt = null;
@@ -118,7 +118,7 @@ export class Predictor extends EventTarget {
     if (!this.running) this.#doubt();
   }
 
-  /** Asks how unsure the model is of the map on show. */
+  /** Requests the uncertainty of the shown map. */
   async #doubt() {
     const { painted } = this;
     if (!this.wantsDoubt || !this.whole || this.connection.away) return;
@@ -133,7 +133,7 @@ export class Predictor extends EventTarget {
     }
   }
 
-  /** Returns the layers on which something is to be seen, be it a stroke that goes on. @returns {Layer[]} */
+  /** Returns the visible layers that are not empty, including unfinished strokes. @returns {Layer[]} */
   #drawn() {
     const { doc } = this.editor;
     const drawn = drawnLayers(doc);
@@ -141,7 +141,7 @@ export class Predictor extends EventTarget {
   }
 
   /**
-   * Sends a request about the drawing as it is now, of whose pixels only what has changed is sent.
+   * Sends a request about the current drawing with only the changed pixels.
    * @template T
    * @param {(request: import("../server/api.js").Request) => Promise<T>} send
    * @param {object} [more] further fields
@@ -152,9 +152,9 @@ export class Predictor extends EventTarget {
     try {
       return await this.#send(send, layers.map((layer) => this.#part(layer)), more);
     } catch (error) {
-      // What was broken off may have come; where it has not, the server says that it is behind.
+      // An aborted request may have arrived; if not, the server reports that it is behind.
       if (error instanceof Lacking || isBrokenOff(error)) throw error;
-      // Nothing is known of what the server has now.
+      // The server's state is unknown now.
       this.sent.clear();
       if (!(error instanceof Refused) || error.status !== BEHIND) throw error;
       return await this.#send(send, layers.map((layer) => this.#part(layer)), more);
@@ -162,7 +162,7 @@ export class Predictor extends EventTarget {
   }
 
   /**
-   * Sends a request about a drawing at another size: its strokes are drawn anew, and nothing is enlarged.
+   * Sends a request about a drawing at another size, for which the strokes are redrawn instead of scaled.
    * @template T
    * @param {number} longest longer side in pixels
    * @param {(request: import("../server/api.js").Request) => Promise<T>} send
@@ -191,18 +191,18 @@ export class Predictor extends EventTarget {
       };
       return { fields, pixels: bytes };
     });
-    // Apart from what the server keeps of the drawing at its own size.
+    // Kept separate from the server's pixels of the drawing at its own size.
     return this.#send(send, parts, { ...more, tab: `${this.tab} ${purpose}` });
   }
 
-  /** Returns what is sent of a layer: of its pixels those that have changed since. @param {Layer} layer @returns {Part} */
+  /** Returns the part of a layer that has changed since the last request. @param {Layer} layer @returns {Part} */
   #part(layer) {
     const { id, name, hints, mask, source, form } = layer;
     const ink = this.inks.of(layer);
     const { width, height } = ink;
     const before = this.sent.get(id);
     let { channels, box, bytes } = ink.pixels(!before);
-    // A picture came or went: the server's plane is of another kind.
+    // A picture was added or removed, so the server's plane has a different number of channels.
     if (before && before.channels !== channels) ({ channels, box, bytes } = ink.pixels(true));
     const base = before?.channels === channels ? before.number : null;
     const planes = [{ name: "ink", width, height, channels, box }];
@@ -226,7 +226,7 @@ export class Predictor extends EventTarget {
     };
     let size = parts.reduce((sum, { pixels }) => sum + pixels.length, 0);
     const all = [...parts];
-    // Too much for one request: layers go ahead one by one, and the request itself only names them.
+    // Too large for one request: the layers are sent ahead one by one, and the request only refers to them.
     for (let i = 0; i < all.length && size > MOST_BYTES; i++) {
       const { fields, pixels } = all[i];
       const { fields: sent, pixels: bytes } = request([all[i]]);
@@ -247,7 +247,7 @@ export class Predictor extends EventTarget {
       this.#empty();
       return;
     }
-    // What a gesture has painted coarsely is refined when it ends.
+    // A coarse map of a gesture is refined when the gesture ends.
     if (this.asked && paintsAlike(this.asked, doc) && (this.whole || !ended)) return;
     this.#touched(gesture);
   }
@@ -262,7 +262,7 @@ export class Predictor extends EventTarget {
       this.running?.abort();
       this.running = null;
     }
-    // The server gives a draft up for what is none, and the hand sees no map until that is there: it goes on to draw, maybe.
+    // A final request makes the server drop the draft, and no map would be shown until it arrives; the user may continue drawing.
     const affordable = performance.now() + this.took - this.since <= GAP - LATE;
     if (!gesture && this.draft && affordable) this.running = null;
     if (!this.running) this.#run();
@@ -287,7 +287,7 @@ export class Predictor extends EventTarget {
     const running = new AbortController();
     this.running = running;
     this.climbing?.abort();
-    // A stroke that is becoming a shape may be all that there is.
+    // A stroke that is becoming a shape may be the only one.
     while ((this.stale || (this.behind && !this.gesture)) && this.running === running && this.#drawn().length) {
       try {
         await this.#paint(running);
@@ -312,7 +312,7 @@ export class Predictor extends EventTarget {
     const coarse = slow ? Math.round(side / 2) : gesture && COARSE[gesture];
     const longest = coarse && coarse < side ? coarse : null;
     const draft = gesture === "pen" || (gesture !== null && longest !== null);
-    // What has changed is on show first; the other layers, which are seen among all, follow.
+    // Changed layers are shown first; the other layers, whose context has changed, follow.
     const first = !catchingUp && !draft && (slow || this.#drawn().length > 1);
     const refines = catchingUp && Math.max(this.painted?.width ?? 0, this.painted?.height ?? 0) < side;
     [this.draft, this.catchingUp] = [draft, catchingUp];
@@ -323,12 +323,12 @@ export class Predictor extends EventTarget {
     const painted = await this.ask((request) => predict(request, running.signal), asked);
     if (this.running !== running) return;
     if (!painted) {
-      this.stale = true; // another page of this tab's name has asked for something newer
+      this.stale = true; // another page with this tab's id has sent a newer request
       return;
     }
     this.painted = painted;
     this.heights = null;
-    // A gesture that has ended since is refined, whether or not it changed more.
+    // A gesture that has ended meanwhile is refined, even if nothing else changed.
     if (gesture && longest && !this.gesture) this.stale = true;
     this.behind = first;
     this.whole = !longest && !this.stale && !first;
@@ -360,7 +360,7 @@ export class Predictor extends EventTarget {
   /** @param {unknown} error @param {boolean} [painting] */
   #failed(error, painting = true) {
     if (painting && error instanceof Lacking) {
-      // A stroke that was just begun may be no drawing yet, and more may have come since.
+      // A stroke that was just begun may not be a drawing yet, and more may have been drawn since.
       if (this.gesture || this.stale) {
         this.asked = null;
         return;

@@ -1,4 +1,4 @@
-/** Result: the viewer with its tabs, fed by the predictor. */
+/** Result: the viewer with its tabs, which shows the predictor's maps. */
 
 import { $ } from "../elements/dom.js";
 import { recalled, remember } from "../elements/settings.js";
@@ -14,7 +14,7 @@ export const VIEWS = ["map", "lit", "matcap", "flat", "relief"];
 const viewOf = (tab) => /** @type {View} */ (tab.dataset.view);
 const KEY = "normalgan-view";
 
-/** Events: `view` when another view is on show. */
+/** Events: `view` when the view changes. */
 export class Result extends EventTarget {
   /**
    * @param {import("./predictor.js").Predictor} predictor
@@ -22,16 +22,16 @@ export class Result extends EventTarget {
    */
   constructor(predictor, status) {
     super();
-    /** What is on show. @type {View} */
+    /** The current view. @type {View} */
     this.view = "map";
     this.predictor = predictor;
     this.tell = followFindings($("warning"), predictor.editor);
     this.status = status;
-    /** How the flat views show the map. */
+    /** Options of the flat views. */
     this.look = { tiled: false, pixelated: false };
-    /** Called with the light that keys have moved. @type {(light: number[]) => void} */
+    /** Called when keys have moved the light. @type {(light: number[]) => void} */
     this.onLight = () => {};
-    /** Called when the map is repeated, or its pixels are shown, or no longer. @type {(way: "tiled" | "pixelated") => void} */
+    /** Called when repetition or pixel display is switched on or off. @type {(way: "tiled" | "pixelated") => void} */
     this.onLook = () => {};
     this.viewer = new Viewer($("viewer"), {
       text: text.viewerTexts, onError: (words) => this.#say(words), onMove: ({ light }) => this.onLight(light),
@@ -67,7 +67,7 @@ export class Result extends EventTarget {
     this.predictor.wantHeight(view === "relief" && this.viewer.available);
   }
 
-  /** Repeats the map, or shows its pixels, or no longer. @param {"tiled" | "pixelated"} way */
+  /** Toggles repetition or pixel display. @param {"tiled" | "pixelated"} way */
   turnOver(way) {
     this.look = { ...this.look, [way]: !this.look[way] };
     $(way).setAttribute("aria-pressed", String(this.look[way]));
@@ -98,18 +98,18 @@ export class Result extends EventTarget {
     this.viewer.setMap(rgba, width, height);
     $("empty-result").hidden = true;
     $("result").setAttribute("aria-busy", String(!whole));
-    // For tests and benchmarks: which drawing is on show, counted.
+    // A counter of shown drawings, for tests and benchmarks.
     $("result").dataset.painted = String(Number($("result").dataset.painted ?? 0) + 1);
-    // Of a stroke that goes on there is nothing to be said yet.
+    // Unfinished strokes have no findings yet.
     if (!whole) return;
     this.tell(findings);
     this.status.note(say("painted", { ms }));
   }
 
-  /** What the drawing lacks is said where its map would be, until there is one; all else by the status. @param {unknown} error */
+  /** Shows what the drawing lacks in place of the map until there is one; other errors go to the status. @param {unknown} error */
   #failed(error) {
     $("result").setAttribute("aria-busy", "false");
-    this.status.note(""); // heights that were asked for do not come
+    this.status.note(""); // the requested heights will not arrive
     if (error instanceof Lacking) this.tell(error.findings);
     else this.status.fail(error);
   }
@@ -130,7 +130,7 @@ export class Result extends EventTarget {
     this.status.note("");
   }
 
-  /** @param {string | null} words what the viewer cannot do */
+  /** @param {string | null} words what failed */
   #say(words) {
     $("viewer-words").textContent = words ?? "";
     $("viewer-words").hidden = !words;
