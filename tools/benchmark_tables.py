@@ -275,7 +275,8 @@ def placement() -> list[str]:
     )
     lines += [
         "",
-        "Four placements, 17 hints in training (rows) and in the test (columns), and the difference from uniform hints:",
+        "Four placements, 17 hints in training (rows) and in the test (columns), and the difference from "
+        "uniform hints:",
     ]
     matrix = {label: rows[f"paper-{where}-17"] for where, label in names.items()}
     tested = {label: error(f"{where}-17") for where, label in names.items()}
