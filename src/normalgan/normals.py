@@ -83,8 +83,7 @@ def encode(normals: NDArray[np.floating], bits: Bits = 8) -> NDArray[np.uint8] |
     top = 2**bits - 1
     colours = np.empty(normals.shape, np.uint8 if bits == 8 else np.uint16)
     for strip in strips(normals.shape):
-        # In single precision, about one in a hundred boundaries between levels would be off by the last
-        # bit.
+        # In single precision, one in a few hundred boundaries between levels would be off by the last bit.
         levels: NDArray[np.float64] = np.multiply(normals[strip], top / 2, dtype=np.float64)
         levels += top / 2
         colours[strip] = np.clip(np.rint(levels, out=levels), 0, top, out=levels)

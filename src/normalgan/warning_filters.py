@@ -60,7 +60,7 @@ def filter_warnings() -> None:
     """Filter and shorten warnings until the enclosing `warnings.catch_warnings` block ends."""
     logging.getLogger("lightning").handlers[:] = [_HANDLER]
     for name in ("lightning.pytorch", "lightning.fabric"):
-        # Without handlers of the root logger they have some of their own; with them, "lightning" prints too.
+        # Their own handlers would print a second time, next to that of "lightning".
         logger = logging.getLogger(name)
         logger.setLevel(logging.INFO)
         logger.handlers.clear()

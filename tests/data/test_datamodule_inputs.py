@@ -70,7 +70,7 @@ def test_invalid_settings_are_named(meshes: Path, cache: Path, tmp_path: Path) -
         _ = data(tmp_path / "none", cache).sources
     with pytest.raises(InputError, match="three shares"):
         _ = data(meshes, cache, split=Split((0.5, 0.5, 0.5))).sources
-    with pytest.raises(InputError, match="views a mesh are asked for train"):
+    with pytest.raises(InputError, match="views per mesh are requested for train"):
         data(meshes, tmp_path, train_views=0).prepare_data()
     with pytest.raises(InputError, match="render them first"):
         data(meshes, tmp_path).train_dataloader()
@@ -106,9 +106,7 @@ class Nothing(DataSource):
 
 
 def test_a_source_that_gives_no_splits_is_named() -> None:
-    with pytest.raises(
-        InputError, match=r"^Nothing gave None; a data source gives what there is by the name"
-    ):
+    with pytest.raises(InputError, match=r"^Nothing gave None; a data source returns its items by the name"):
         _ = MeshDataModule(source=Nothing()).sources
 
 

@@ -202,8 +202,8 @@ def test_each_mesh_but_the_first_of_a_split_is_loaded_once(
         ),
         ({"train": [Octahedron("a")], "val": [Octahedron("a")]}, 2, 0, "two meshes are named a"),
         ({"train": []}, 2, 0, "there are no meshes"),
-        ({"train": [Octahedron("a")]}, 0, 0, "0 views a mesh are asked for train"),
-        ({"train": [Octahedron("a")]}, {"val": 3}, 0, "0 views a mesh are asked for train"),
+        ({"train": [Octahedron("a")]}, 0, 0, "0 views per mesh are requested for train"),
+        ({"train": [Octahedron("a")]}, {"val": 3}, 0, "0 views per mesh are requested for train"),
         ({"train": [Octahedron("a")]}, 2, -1, "-1 workers were requested"),
         (
             {"train": [Octahedron("a")]},
@@ -246,7 +246,7 @@ def test_a_full_disk_in_a_worker_is_one_sentence(folder: Path, tmp_path: Path) -
     mask.rmdir()
     mask.write_text("in the way")  # works for root too, whom permissions do not bind
     with pytest.raises(
-        InputError, match=r"^cannot write the samples to .*; make room there or name another folder\.$"
+        InputError, match=r"^cannot write the samples to .*; free some space there or name another folder\.$"
     ):
         render(tmp_path, workers=1)
     assert sorted(str(path.relative_to(folder)) for path in folder.glob("done/*/*")) == [

@@ -126,8 +126,8 @@ def test_a_wrong_style_of_a_mixture_is_named_and_not_the_mixture(seen: tuple[Mes
 @pytest.mark.parametrize(
     ("give", "sentence"),
     [
-        (lambda mesh: None, r"^its load gave NoneType; what is rendered is a normalgan\.rendering\.Mesh\.$"),
-        (lambda mesh: (mesh.vertices, mesh.faces), r"^its load gave tuple; what is rendered is a"),
+        (lambda mesh: None, r"^its load gave NoneType; it must be a normalgan\.rendering\.Mesh\.$"),
+        (lambda mesh: (mesh.vertices, mesh.faces), r"^its load gave tuple; it must be a"),
         (
             lambda mesh: replace(mesh, vertices=mesh.vertices.tolist()),
             r"^its load gave a Mesh whose vertices are not an array of \(V, 3\) finite floats\.$",

@@ -101,7 +101,7 @@ def test_an_orientation_file_turns_the_meshes_that_it_names(tmp_path: Path) -> N
     ("text", "message"),
     [
         ("{", "is not JSON"),
-        ("[]", "must hold an object with one entry a mesh"),
+        ("[]", "must hold an object with one entry per mesh"),
         ('{"a": 3}', "mesh 'a': an orientation has 'rotation' and 'inside_out'"),
         ('{"a": {"rotate": 3}}', "and nothing else"),
         ('{"a": {"inside_out": 1}}', "'inside_out' is 1; it must be true or false"),

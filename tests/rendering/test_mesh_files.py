@@ -83,7 +83,7 @@ BAD_FILES: dict[str, tuple[Callable[[Path], Any], str]] = {
     "point.off": (lambda path: write(path, [[1, 1, 1]] * 3, [[0, 1, 2]]), "has only faces without area"),
     "beyond.off": (
         lambda path: write(path, FLAT, [[0, 1, 9]]),
-        "refers to a vertex that is not there|cannot be read",
+        "refers to a missing vertex|cannot be read",
     ),
     "cloud.ply": (cloud, "holds no faces"),
     "empty.obj": (lambda path: path.write_text(""), "holds no faces|cannot be read"),

@@ -62,8 +62,8 @@ def test_the_key_of_samples_tells_styles_and_weights() -> None:
 def test_weights_that_do_not_fit_are_refused() -> None:
     with pytest.raises(InputError, match="empty list; name at least one line style"):
         Mixture([])
-    with pytest.raises(InputError, match="3 weights for 2 styles; give one weight a style"):
+    with pytest.raises(InputError, match="3 weights for 2 styles; give one weight per style"):
         Mixture([THIN, THICK], [1, 2, 3])
     for weights in ([0.0, 0.0], [1.0, -1.0], [1.0, float("nan")], [float("inf"), 1.0]):
-        with pytest.raises(InputError, match="must be numbers from 0 on, one of them above 0"):
+        with pytest.raises(InputError, match="must be numbers of 0 or more, at least one above 0"):
             Mixture([THIN, THICK], weights)

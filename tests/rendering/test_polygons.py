@@ -181,13 +181,13 @@ SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 TRIANGLE = "3 1 0\n0 0 0\n1 0 0\n0 1 0\n"
 PLY = ply(*prism(U), "ascii").decode()
 BAD: dict[str, tuple[bytes | str, str]] = {
-    "beyond.obj": (SQUARE + "f 1 2 9\n", "a face refers to a vertex that is not there"),
-    "zero.obj": (SQUARE + "f 0 1 2\n", "a face refers to vertex 0, which is not there; OBJ counts from 1"),
-    "before.obj": (SQUARE + "f -1 -2 -9\n", "a face refers to vertex -9, which is not there"),
+    "beyond.obj": (SQUARE + "f 1 2 9\n", "a face refers to a missing vertex"),
+    "zero.obj": (SQUARE + "f 0 1 2\n", "a face refers to vertex 0, which is missing; OBJ counts from 1"),
+    "before.obj": (SQUARE + "f -1 -2 -9\n", "a face refers to vertex -9, which is missing"),
     "words.obj": (SQUARE + "f one two three\n", "'f one two three' is not a face"),
     "short.obj": ("v 0 0\n" + SQUARE + "f 1 2 3\n", "'v 0 0' is not a vertex, which has three numbers"),
     "letters.obj": ("v 0 0 x\n" + SQUARE + "f 1 2 3\n", "'v 0 0 x' is not a vertex"),
-    "huge.obj": (SQUARE + f"f 1 2 {10**30}\n", "a face refers to a vertex that is not there"),
+    "huge.obj": (SQUARE + f"f 1 2 {10**30}\n", "a face refers to a missing vertex"),
     "edges.obj": (SQUARE + "f 1 2\nl 1 2 3\n", "holds no faces"),
     "corners.off": (f"OFF\n{TRIANGLE}2000000000 0 1 2\n", "a face declares 2000000000 corners and lists 3"),
     "negative.off": (f"OFF\n{TRIANGLE}-3 0 1 2\n", "a face declares -3 corners"),
@@ -201,7 +201,7 @@ BAD: dict[str, tuple[bytes | str, str]] = {
         "has the line 'property quad y'",
     ),
     "cut.ply": (ply(*prism(U), "binary_big_endian")[:-3], "and it ends before"),
-    "none.gltf": (gltf(6, None, put("meshes", 0, value=7)), "it is not as glTF 2.0 says"),
+    "none.gltf": (gltf(6, None, put("meshes", 0, value=7)), "it does not conform to glTF 2.0"),
     "strange.gltf": (
         gltf(6, None, put("nodes", 0, "mesh", value="a")),
         "refers to entry a of its 1 meshes",

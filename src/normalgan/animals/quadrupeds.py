@@ -28,21 +28,21 @@ _PROUD = 0.007  # distance of its centre outside the skull, so that it does not 
 
 
 _Build = Mapping[str, float]
-"""Ranges of the factors by which an individual differs from its species."""
+"""Factors, named as in `_RANGES`, by which an individual differs from its species."""
 _RANGES: Mapping[str, Span] = {
-    "length": (0.93, 1.07),  # of the torso
-    "depth": (0.92, 1.08),  # of the belly, measured down from the back
+    "length": (0.93, 1.07),  # length of the torso
+    "depth": (0.92, 1.08),  # depth of the belly below the back
     "girth": (0.9, 1.15),  # width of the torso
-    "legs": (0.93, 1.07),  # their length
+    "legs": (0.93, 1.07),  # length of the legs
     "bone": (0.9, 1.15),  # thickness of the legs
-    "neck": (0.92, 1.1),  # its length
+    "neck": (0.92, 1.1),  # length of the neck
     "crest": (0.92, 1.12),  # thickness of the neck
-    "head": (0.94, 1.08),  # its size
-    "muzzle": (0.92, 1.08),  # length of the face before the eyes
-    "ears": (0.85, 1.2),  # their length
+    "head": (0.94, 1.08),  # size of the head
+    "muzzle": (0.92, 1.08),  # length of the face in front of the eyes
+    "ears": (0.85, 1.2),  # length of the ears
     "horns": (0.75, 1.25),  # length of horns, antlers, tusks
-    "tail": (0.85, 1.15),  # its length
-    "humps": (0.8, 1.2),  # their height
+    "tail": (0.85, 1.15),  # length of the tail
+    "humps": (0.8, 1.2),  # height of the humps
 }
 _YOUNG: Mapping[str, float] = {
     "legs": 1.08, "bone": 0.95, "girth": 0.88, "depth": 0.86, "length": 0.9, "head": 1.12, "muzzle": 0.88,

@@ -118,7 +118,7 @@ def turn_normals(normal: Tensor, transform: Tensor) -> Tensor:
     determinant = a * d - b * c
     inverse_transposed = torch.stack([d, -c, -b, a], dim=1).view(-1, 2, 2) / determinant[:, None, None]
     turn = determinant.abs().sqrt()[:, None, None] * inverse_transposed
-    up = torch.tensor([1.0, -1.0], device=normal.device, dtype=normal.dtype)  # pixel y is down
+    up = torch.tensor([1.0, -1.0], device=normal.device, dtype=normal.dtype)  # y is down in pixels
     turn = up[:, None] * turn.to(normal.dtype) * up
     return torch.cat([torch.einsum("nij,njhw->nihw", turn, normal[:, :2]), normal[:, 2:]], dim=1)
 

@@ -154,8 +154,8 @@ class MeshDataModule(LightningDataModule):
         meshes, groups, source, extra = self.meshes, self.groups, self.source, self.animals.extra
         if extra and meshes is None and not groups:
             raise InputError(
-                "data.animals.extra join meshes of yours, and data.meshes names none; data.animals.count "
-                "says how many animals there are without."
+                "data.animals.extra adds animals to your meshes, but data.meshes is not set; set it, or use "
+                "data.animals.count instead."
             )
         given = {"meshes": meshes, "groups": groups, "animals.extra": extra}
         if source is not None and (named := [name for name, value in given.items() if value]):
@@ -189,7 +189,7 @@ class MeshDataModule(LightningDataModule):
             return self._meshes(settings)
         found: object = self.source.split(settings)
         if not isinstance(found, Mapping):
-            raise refused(self.source, found, "a data source gives what there is by the name of the split")
+            raise refused(self.source, found, "a data source returns its items by the name of the split")
         if unknown := set(found) - set(SPLITS):
             raise InputError(
                 f"{class_name(self.source)} has a split {min(unknown)!r}; the splits are {', '.join(SPLITS)}."
@@ -339,7 +339,7 @@ class MeshDataModule(LightningDataModule):
 
     def _open(self, split: str) -> SampleDataset:
         if not self.kept[split]:
-            remedy = "give it a share in data.split.fractions, or names in data.split.file"
+            remedy = "give it a fraction in data.split.fractions, or names in data.split.file"
             pairs = [item for items in self.sources.values() for item in items if isinstance(item, PairFiles)]
             if any(pair.part is not None for pair in pairs):
                 remedy = (

@@ -145,7 +145,7 @@ def none_usable(count: int, noun: str, split: str, reason: str) -> InputError:
 def _refuse_twins(names: Sequence[str], noun: str) -> None:
     twins = [name for name, times in Counter(names).items() if times > 1]
     if twins:
-        raise InputError(f"two {plural(noun)} are named {_few(twins)}; every {noun} needs a name of its own.")
+        raise InputError(f"two {plural(noun)} are named {_few(twins)}; each {noun} needs a unique name.")
 
 
 def _few(names: Sequence[str]) -> str:

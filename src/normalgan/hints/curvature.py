@@ -125,5 +125,5 @@ class CurvatureHints(HintSampler):
             flat = torch.full_like(curvature, self.offset)
             grey = torch.where(high > low, (curvature - low) / (high - low), flat)
         scaled = 255 * grey.clamp(0, 1)
-        # Half up, not half to even, so that all levels are equally wide.
+        # Half up, not half to even, so that each boundary belongs to the upper level.
         return torch.floor(scaled + 0.5 if self.rounding == "round" else scaled)

@@ -41,7 +41,7 @@ def read_triangles(path: Path) -> _Triangles:
         bad = int((~np.isfinite(vertices)).any(axis=1).sum())
         raise InputError(f"{path} has {bad} vertices with a coordinate that is not a finite number.")
     if faces.min() < 0 or faces.max() >= len(vertices):
-        raise InputError(f"{path} has a face that refers to a vertex that is not there; is it truncated?")
+        raise InputError(f"{path} has a face that refers to a missing vertex; is it truncated?")
     return vertices, faces
 
 
@@ -65,7 +65,7 @@ def _parts(path: Path) -> list[_Triangles]:
         raise
     except Exception as error:  # a parser may raise anything on a damaged file
         # Only messages for users; an IndexError describes the parser, not the file.
-        said = f"it is damaged, or not of the kind {suffix}"
+        said = f"it is damaged, or not of the format {suffix}"
         said = brief(error) if isinstance(error, BrokenMeshError) else said
         raise InputError(f"{path} cannot be read as a mesh: {said}.") from error
 

@@ -54,9 +54,7 @@ def check_mesh(loaded: object) -> Mesh:
         InputError: if the mesh is invalid.
     """
     if not isinstance(loaded, Mesh):
-        raise InputError(
-            f"its load gave {type(loaded).__name__}; what is rendered is a normalgan.rendering.Mesh."
-        )
+        raise InputError(f"its load gave {type(loaded).__name__}; it must be a normalgan.rendering.Mesh.")
     for part, wanted, kind in (
         ("vertices", "(V, 3) finite floats", np.floating),
         ("faces", "(F, 3) whole numbers", np.integer),

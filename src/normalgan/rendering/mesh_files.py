@@ -189,7 +189,7 @@ def read_orientations(path: str) -> dict[str, _Orientation]:
     """
     table = read_json(find_beside(path), "the orientation file")
     if not isinstance(table, dict):
-        raise InputError(f"the orientation file {path} must hold an object with one entry a mesh.")
+        raise InputError(f"the orientation file {path} must hold an object with one entry per mesh.")
     return {name: _orientation(f"{path}, mesh {name!r}", entry) for name, entry in table.items()}
 
 

@@ -68,7 +68,7 @@ class Polygons:
             [True, True]
         """
         if len(self.corners) and not (0 <= self.corners.min() <= self.corners.max() < len(self.vertices)):
-            raise BrokenMeshError("a face refers to a vertex that is not there (is it truncated?)")
+            raise BrokenMeshError("a face refers to a missing vertex (is it truncated?)")
         starts = np.cumsum(self.sizes) - self.sizes
         counts = np.maximum(self.sizes - 2, 0)
         firsts = np.cumsum(counts) - counts
@@ -146,7 +146,7 @@ def polygons_of(vertices: Doubles, faces: Sequence[Sequence[int]]) -> Polygons:
     try:
         corners = np.fromiter(chain.from_iterable(faces), np.int64, int(sizes.sum()))
     except OverflowError:
-        raise BrokenMeshError("a face refers to a vertex that is not there") from None
+        raise BrokenMeshError("a face refers to a missing vertex") from None
     return Polygons(vertices, corners, sizes)
 
 
@@ -202,7 +202,7 @@ def _corner(word: str, count: int, line: str) -> int:
         raise BrokenMeshError(f"{line.strip()[:60]!r} is not a face") from None
     if number == 0 or number < -count:
         raise BrokenMeshError(
-            f"a face refers to vertex {str(number)[:20]}, which is not there; OBJ counts from 1"
+            f"a face refers to vertex {str(number)[:20]}, which is missing; OBJ counts from 1"
         )
     return number - 1 if number > 0 else count + number
 

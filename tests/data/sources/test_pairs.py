@@ -312,7 +312,7 @@ def infinite_at_a_pixel(array: NDArray[np.float32]) -> NDArray[np.float32]:
         ),
         (WHITE, FLAT * 255, "the normal map holds no normals: its vectors are 255.00 long at the median"),
         (WHITE, infinite_at_a_pixel(FLAT), "the normal map holds numbers that are not finite"),
-        (WHITE, FLAT * 0, "the normal map holds no object: all its vectors are zero"),
+        (WHITE, FLAT * 0, "the normal map has no object: all its vectors are zero"),
         (WHITE, FLAT[:-1], f"the sketch has {SIZE} × {SIZE} pixels and its normal map {SIZE} × {SIZE - 1}"),
         (WHITE * 255, FLAT, "the image has floats from 255 to 255; black is 0 and white is 1"),
         (WHITE.astype(int), FLAT, "the image is an array of int64; give uint8 from 0 to 255, uint16"),
@@ -391,7 +391,7 @@ def test_a_source_of_pairs_that_loads_something_else_is_told() -> None:
         (turn_to_the_world, r"point away from the viewer \(\d+% on the object have z below 0\)"),
         (make_flat, "shows nothing but its background"),
         (break_file, "cannot be read as an image: it begins as a PNG and is cut short or damaged"),
-        (give_a_hint_off_the_object, "the hint at x 2, y 1 lies off the object"),
+        (give_a_hint_off_the_object, "the hint at x 2, y 1 is outside the object"),
         (erase_sketch, "no lines were found in it"),
     ],
 )

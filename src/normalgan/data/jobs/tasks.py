@@ -220,7 +220,7 @@ DEADLY = "it kills the process that renders it, most likely because memory runs 
 
 _NOBODY = (
     "every mesh kills the workers, most likely because memory runs out; finished samples are "
-    "kept: give them more, and run again."
+    "kept: give them more memory, and run again."
 )
 _HOPELESS = 3  # killing meshes before any task finishes, after which the machine is assumed at fault
 _names: Callable[[MeshTask | ShardTask], tuple[str, ...]] = attrgetter("meshes")

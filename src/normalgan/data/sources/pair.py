@@ -58,7 +58,7 @@ class Pair:
         elif given.shape != (height, width):  # a large picture is downsampled on reading
             given = resize(given.astype(np.float32), (height, width)) > 0.5
         if not given.any():
-            raise InputError("the normal map holds no object: all its vectors are zero.")
+            raise InputError("the normal map has no object: all its vectors are zero.")
         self.mask: BoolMask = given
         _check_normals(normal[self.mask])
         self.normal: Floats = np.where(self.mask[..., None], normalize(normal), np.float32(0))
@@ -205,7 +205,7 @@ def _check_hints(hints: Hints, mask: BoolMask) -> None:
     off = np.flatnonzero(~mask[rows, columns])
     if len(off):
         raise InputError(
-            f"the hint at x {columns[off[0]]}, y {rows[off[0]]} lies off the object; hints lie on it."
+            f"the hint at x {columns[off[0]]}, y {rows[off[0]]} is outside the object; hints must be on it."
         )
 
 

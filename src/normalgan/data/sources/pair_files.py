@@ -308,7 +308,7 @@ def _listed(path: Path, left_out: list[str]) -> Iterator[PairFiles]:
     try:
         text = read_named(path).decode("utf-8-sig")
     except UnicodeDecodeError:
-        raise InputError(f"{path} is not a text in UTF-8; {right}.") from None
+        raise InputError(f"{path} is not UTF-8 text; {right}.") from None
     reader = csv.DictReader(io.StringIO(text), skipinitialspace=True)
     try:
         columns = list(reader.fieldnames or [])

@@ -124,7 +124,7 @@ def views_by_split(
     twins = sorted(name for name, count in Counter(names).items() if count > 1)
     if twins:
         raise InputError(
-            f"two {plural(noun)} are named {twins[0]}; every {noun} needs a name of its own, in one split."
+            f"two {plural(noun)} are named {twins[0]}; each {noun} needs a unique name, in one split."
         )
     if not names:
         raise InputError(f"there are no {plural(noun)} to make samples of; give at least one.")
@@ -133,6 +133,8 @@ def views_by_split(
         if part:
             number = views_per_mesh if isinstance(views_per_mesh, int) else views_per_mesh.get(split, 0)
             if number < 1:
-                raise InputError(f"{number} views a {noun} are asked for {split}; it must be at least 1.")
+                raise InputError(
+                    f"{number} views per {noun} are requested for {split}; it must be at least 1."
+                )
             views[split] = number
     return views

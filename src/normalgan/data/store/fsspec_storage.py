@@ -131,7 +131,7 @@ class Storage:
         except Exception as error:  # as in `read`
             raise unwritable(
                 f"cannot write the samples to {self.url}: {reason(error)}; "
-                "make room there or name another folder.",
+                "free some space there or name another folder.",
                 error if isinstance(error, OSError) else OSError(),
             ) from error
 

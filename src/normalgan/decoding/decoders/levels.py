@@ -40,7 +40,7 @@ def exact_levels(content: bytes, least: int, most: int) -> Any:
         raise RefusedError(f"cannot be read as an image: {first_line(error)}") from None
     if levels is None:
         raise RefusedError(
-            "cannot be read as an image: it is damaged, or of a kind that is not known; save it as PNG"
+            "cannot be read as an image: it is damaged, or of an unknown format; save it as PNG"
         )
     if levels.dtype in {np.dtype(np.float64), np.dtype(np.float16)}:
         levels = levels.astype(np.float32)

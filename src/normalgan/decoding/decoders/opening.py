@@ -1,4 +1,4 @@
-"""Opening of pictures without decoding them, the possible errors, and messages about pixels."""
+"""Opening pictures without decoding them, the errors for it, and the headers of pixels."""
 
 import io
 from importlib import import_module

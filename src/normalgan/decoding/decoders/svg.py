@@ -93,7 +93,7 @@ def sanitize_svg(content: bytes, most: int) -> str:
         nonlocal depth
         depth += 1
         if depth > MOST_DEPTH:
-            raise RefusedError(f"is nested more than {MOST_DEPTH} deep; a drawing is not")
+            raise RefusedError(f"is nested more than {MOST_DEPTH} deep; drawings are not")
         if depth == 1 and _local(name) != "svg":
             raise RefusedError(f"is not an image that can be read; use {KNOWN}")
         kept = "".join(

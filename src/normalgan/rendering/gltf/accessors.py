@@ -53,7 +53,7 @@ def _view(
     stride = view.get("byteStride", width * dtype.itemsize)
     last = offset + (count - 1) * stride + width * dtype.itemsize
     if min(start, offset, stride) < 0 or last > view["byteLength"] or start + last > len(buffer):
-        raise bad_gltf(container.path, f"buffer view {index} ends before the numbers that are to lie in it")
+        raise bad_gltf(container.path, f"buffer view {index} is too short for the numbers in it")
     return np.ndarray(shape, dtype, buffer, start + offset, (stride, dtype.itemsize))
 
 
@@ -68,7 +68,7 @@ def _replaced(container: Container, sparse: dict[str, Any], values: _Array) -> _
         (count, 1),
     )
     if where.max() >= len(values):
-        raise bad_gltf(container.path, "a sparse accessor replaces an element that is not there")
+        raise bad_gltf(container.path, "a sparse accessor replaces a missing element")
     replaced = values.copy()
     replaced[where[:, 0]] = _view(
         container, given["bufferView"], given.get("byteOffset", 0), values.dtype, (count, values.shape[1])

@@ -94,7 +94,7 @@ def refusing_bad_gltf(path: Path) -> Iterator[None]:
     except InputError:
         raise
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
-        raise bad_gltf(path, "it is not as glTF 2.0 says") from error
+        raise bad_gltf(path, "it does not conform to glTF 2.0") from error
 
 
 def has_skin(path: Path) -> bool:
@@ -118,7 +118,10 @@ def read_container(path: Path) -> Container:
     tree, binary = _tree(path)
     for name in map(str, tree.get("extensionsRequired", [])):
         if name not in _KNOWN and not name.startswith(_LOOKS):
-            raise bad_gltf(path, f"it needs the extension {name[:60]}, which is not read; export it without")
+            raise bad_gltf(
+                path,
+                f"it needs the extension {name[:60]}, which is not supported; export the file without it",
+            )
     held = len(mesh_bytes(path)) + sum(len(mesh_bytes(buffer)) for buffer in linked_buffers(path))
     _check_views(path, tree, held)
     _check_counts(path, tree, held)
@@ -147,7 +150,7 @@ def _tree(path: Path) -> tuple[dict[str, Any], bytes | None]:
         tree = json.loads(data)
         version = str(tree["asset"]["version"])
     except RecursionError as error:
-        raise bad_gltf(path, "it is nested more deeply than any mesh file") from error
+        raise bad_gltf(path, "it is nested more deeply than any real mesh file") from error
     except (ValueError, LookupError, TypeError, struct.error) as error:
         raise bad_gltf(path, f"it is not a glTF file: {brief(error)}") from error
     if not version.startswith("2"):
@@ -192,7 +195,7 @@ def _buffer_file(path: Path, uri: str) -> Path:
     """
     name = _name_in_folder(uri)
     if name is None:
-        raise InputError(f"{path} refers to {uri[:80]!r}, which does not lie in its folder.")
+        raise InputError(f"{path} refers to {uri[:80]!r}, which is not in its folder.")
     # %20 in a URI is a space, but some exporters mean it literally. From a folder "a%2fb", ".." would lead
     # out.
     plain = path.parent / uri

@@ -16,8 +16,8 @@ _AROUND = 1  # number of cells around the frame, beyond which the displacement i
 KNOTS = _CELLS + 2 * _AROUND + 3
 """Number of spline coefficients along each axis."""
 _SPREAD = 0.479  # root mean square of a 2D cubic B-spline with standard normal coefficients
-_STEEPEST = 0.45  # of the displacement, times the least stretch of the matrix: below 1, nothing folds over
-_ROUNDS = 12  # rounds of Newton's method; fewer than four suffice where nothing folds over
+_STEEPEST = 0.45  # maximum slope of the displacement relative to the matrix; below 1, nothing folds over
+_ROUNDS = 12  # Newton iterations; fewer than four are enough if nothing folds over
 _CLOSE = 1e-4  # fraction of the side; below this, another Newton iteration leaves less than 1e-7
 
 

@@ -36,12 +36,12 @@ class Mixture(LineDrawing):
         if len(self.weights) != len(self.styles):
             raise InputError(
                 f"Mixture has {len(self.weights)} weights for {len(self.styles)} styles; "
-                "give one weight a style."
+                "give one weight per style."
             )
         if not (np.isfinite(self.weights).all() and min(self.weights) >= 0 and sum(self.weights) > 0):
             raise InputError(
-                f"the weights of Mixture are {self.weights}; they must be numbers from 0 on, "
-                "one of them above 0."
+                f"the weights of Mixture are {self.weights}; they must be numbers of 0 or "
+                "more, at least one above 0."
             )
 
     def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
