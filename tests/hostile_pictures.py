@@ -143,22 +143,22 @@ def hostile(secret: Path) -> dict[str, tuple[bytes, str]]:
         ),
         "laughs.svg": (svg("<text>&a9;</text>", entities(10)), "cannot be drawn as SVG"),
         "zero.svg": (svg('<image width="64" height="64" href="/dev/zero"/>'), "draws '/dev/zero'"),
-        "file.svg": (svg(f'<image width="64" height="64" href="{secret}"/>'), "no file but itself is read"),
+        "file.svg": (svg(f'<image width="64" height="64" href="{secret}"/>'), "external files are not read"),
         "prefix.svg": (
             svg(f'<image width="64" height="64" xlink:href="file://{secret}"/>'),
-            "no file but itself is read",
+            "external files are not read",
         ),
         "fe.svg": (
             svg(f'<filter id="f"><feImage href="{secret}"/></filter><rect width="9" filter="url(#f)"/>'),
-            "no file but itself is read",
+            "external files are not read",
         ),
         "entity.svg": (
             svg('<image width="64" height="64" href="&e;"/>', f'<!DOCTYPE svg [<!ENTITY e "{secret}">]>'),
-            "no file but itself is read",
+            "external files are not read",
         ),
         "inner.svg": (
             svg(embedded(svg(f'<image width="64" height="64" href="{secret}"/>'), "svg+xml")),
-            "no file but itself is read",
+            "external files are not read",
         ),
         "plain.svg": (
             svg(
@@ -166,7 +166,7 @@ def hostile(secret: Path) -> dict[str, tuple[bytes, str]]:
                 + base64.b64encode(svg('<image href="/dev/zero"/>')).decode()
                 + '"/>'
             ),
-            "no file but itself is read",
+            "external files are not read",
         ),
         "bomb.svg": (svg(embedded(png(60_000, 60_000, data=huge))), "has a picture of 60000 × 60000 pixels"),
         "no_end.svg": (SVG.encode() * 2000, "cannot be drawn as SVG|is nested more than"),

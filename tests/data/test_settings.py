@@ -108,7 +108,7 @@ def test_a_share_of_the_extra_animals_holds_postures(meshes: Path, cache: Path) 
 
 
 def test_extra_animals_need_meshes_to_join() -> None:
-    with pytest.raises(InputError, match=r"data\.meshes names none; data\.animals\.count says how"):
+    with pytest.raises(InputError, match=r"data\.meshes is not set; set it, or use"):
         MeshDataModule(animals=EmbeddedAnimals(extra=3))
 
 

@@ -390,7 +390,7 @@ def test_a_source_of_pairs_that_loads_something_else_is_told() -> None:
         (flip_green_of, "looks as if its green had the opposite direction: .* set green to down"),
         (turn_to_the_world, r"point away from the viewer \(\d+% on the object have z below 0\)"),
         (make_flat, "shows nothing but its background"),
-        (break_file, "cannot be read as an image: it begins as a PNG and is cut short or damaged"),
+        (break_file, "cannot be read as an image: it starts like a PNG but is truncated or damaged"),
         (give_a_hint_off_the_object, "the hint at x 2, y 1 is outside the object"),
         (erase_sketch, "no lines were found in it"),
     ],

@@ -245,9 +245,9 @@ def krita(change: bytes, to: bytes) -> bytes:
     ("content", "sentence"),
     [
         (krita(b'nodetype="paintlayer"', b'nodetype="shapelayer"'), "'paper': vector layer left out"),
-        (krita(b'"RGBA" compositeop', b'"CMYKA" compositeop'), "it has its colours in CMYKA"),
+        (krita(b'"RGBA" compositeop', b'"CMYKA" compositeop'), "its colours are CMYKA"),
         (krita(b"<layers>", b"<layers"), "has a broken maindoc.xml"),
-        (krita(b'visible="1"', b'visible="0"'), "has no visible layer that anything is drawn on"),
+        (krita(b'visible="1"', b'visible="0"'), "has no visible layer with content"),
         (encode_layers("psd", SHAPE, STACK)[:900], "has layers that cannot be read"),
     ],
 )
@@ -266,7 +266,7 @@ def test_kinds_are_told_by_what_is_in_a_file(tmp_path: Path) -> None:
 
 def test_a_layer_that_is_broken_does_not_cost_the_others() -> None:
     found = read_layers(Path("a.kra"), krita(b"LZF", b"LZ4"))
-    assert "cannot be read: a tile of it is packed in a way that is not known" in found.notes.text
+    assert "cannot be read: a tile has an unknown compression" in found.notes.text
     assert len(found.layers) == 2
 
 

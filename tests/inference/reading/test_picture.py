@@ -62,8 +62,8 @@ def test_a_picture_that_claims_to_be_huge_is_refused_before_it_is_unpacked(side:
     ("content", "sentence"),
     [
         (b"", "is not an image that can be read"),
-        (b"\x89PNG\r\n\x1a\n", "it begins as a PNG and is cut short or damaged"),
-        (saved(Image.fromarray(GREY), "GIF")[:9], "cannot be read as an image: it begins as a GIF"),
+        (b"\x89PNG\r\n\x1a\n", "it starts like a PNG but is truncated or damaged"),
+        (saved(Image.fromarray(GREY), "GIF")[:9], "cannot be read as an image: it starts like a GIF"),
         (saved(Image.fromarray(GREY), "JPEG")[:900], "cannot be read as an image"),
         (saved(Image.fromarray(GREY), "PNG")[:900], "cannot be read as an image"),
         (bomb(300, 200), "cannot be read as an image"),

@@ -262,5 +262,5 @@ def test_a_picture_that_crashes_its_decoder_is_told_and_the_studio_goes_on(clien
     bomb = svg(nested("g", 900))
     refused = client.post("/api/import", content=bomb, headers={"Content-Type": "image/svg+xml"})
     assert refused.status_code == 400
-    assert refused.json()["error"] == "the picture is nested more than 128 deep; a drawing is not."
+    assert refused.json()["error"] == "the picture is nested more than 128 deep; drawings are not."
     assert client.post("/api/predict", json=asking(1, tab="after")).status_code == 200

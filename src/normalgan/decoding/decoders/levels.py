@@ -48,7 +48,7 @@ def exact_levels(content: bytes, least: int, most: int) -> Any:
     if levels.ndim == 3:
         levels = levels[..., [2, 1, 0, 3][: levels.shape[2]]]
     if levels.dtype.name not in DTYPES or levels.shape[2:] not in {(), (3,), (4,)}:
-        raise RefusedError(f"holds {levels.dtype.name}; levels are of 8 or 16 bits, or floats of 32")
+        raise RefusedError(f"holds {levels.dtype.name}; levels must be 8 or 16 bits, or 32-bit floats")
     return np.ascontiguousarray(levels)
 
 

@@ -75,7 +75,7 @@ def opened(content: bytes) -> "Image":
     try:
         return Image.open(io.BytesIO(content), formats=(found.plugin,))
     except UnidentifiedImageError:
-        raise DamagedError(f"it begins as a {found.name} and is cut short or damaged") from None
+        raise DamagedError(f"it starts like a {found.name} but is truncated or damaged") from None
 
 
 def import_plugin(wanted: Format) -> None:

@@ -197,7 +197,7 @@ def layers(content: bytes, least: int, most: int, seconds: int) -> Iterator[Mess
             _check_parts(len(found), pixels, "layers")
     if not found:
         more = f": {layered.notes}" if str(layered.notes) else ""
-        raise RefusedError(f"has no visible layer that anything is drawn on{more}")
+        raise RefusedError(f"has no visible layer with content{more}")
     durations, full = [min(each, 2**31) for each in layered.durations], [*layered.size[::-1]]
     yield {"count": len(found), "full": full, "durations": durations, **noted(layered.notes)}, None
     for layer in found:

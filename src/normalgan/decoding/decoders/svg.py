@@ -141,7 +141,7 @@ def _check_embedded(link: str, most: int) -> None:
     if start is None:
         shown = link if len(link) <= 60 else f"{link[:57]}…"
         raise RefusedError(
-            f"draws {shown!r}, and no file but itself is read; embed that picture as PNG, JPEG, GIF or WebP"
+            f"draws {shown!r}, but external files are not read; embed the picture as PNG, JPEG, GIF or WebP"
         )
     try:
         # Ignores characters that are not base64, like the drawing library.
@@ -151,7 +151,9 @@ def _check_embedded(link: str, most: int) -> None:
     except (OSError, SyntaxError, ValueError, binascii.Error) as error:
         raise RefusedError(f"has a picture in it that cannot be read: {first_line(error)}") from None
     if max(size) > most:
-        raise RefusedError(f"has a picture of {size[0]} × {size[1]} pixels in it; {most} a side are read")
+        raise RefusedError(
+            f"has a picture of {size[0]} × {size[1]} pixels in it; at most {most} per side can be read"
+        )
 
 
 def _local(name: str) -> str:

@@ -30,8 +30,8 @@ class RidgesAndValleys(SurfaceDrawing):
     Args:
         strength: minimum view-dependent curvature of a ridge or valley, in radians per radius of the
             object in the picture. A line continues as long as it reaches a third of this.
-        sharpness: minimum second derivative of the curvature across a ridge or valley, in units of the
-            curvature cubed. A limb is round, so its middle is not a ridge.
+        sharpness: minimum peakedness of a ridge or valley, the negative second derivative of the curvature
+            across it, in units of the curvature cubed. A limb is round, so its middle is not a ridge.
 
     Raises:
         InputError: if a setting is out of range.

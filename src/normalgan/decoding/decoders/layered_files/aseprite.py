@@ -252,7 +252,7 @@ class AsepriteFile(LayeredFile):
             image = self._tilemap(number, frame, data)
             return None if image is None else (left, top, own, image)
         if kind not in {0, 2}:
-            raise ValueError(f"it is of the unknown kind {kind}")
+            raise ValueError(f"it is of the unknown type {kind}")
         width, height = struct.unpack_from("<HH", data, 16)
         if not 0 < width * height <= MOST_PIXELS:
             raise ValueError(f"it has {width} × {height} pixels")

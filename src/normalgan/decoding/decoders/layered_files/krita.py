@@ -129,7 +129,7 @@ class KritaFile(LayeredZip):
         space = layer.get("colorspacename", "RGBA")
         bands = {"RGBA": "BGRA", "GRAYA": "LA"}.get(space)
         if bands is None:
-            raise ValueError(f"it has its colours in {space}, and not in 8 bits of RGBA or GRAYA")
+            raise ValueError(f"its colours are {space} instead of 8-bit RGBA or GRAYA")
         name, at = layer.get("filename", ""), (int(layer.get("x", "0")), int(layer.get("y", "0")))
         shown = [each for time, each in _keyframes(self.zip, layer) if time <= (self._moment or 0)]
         if shown:
@@ -159,7 +159,7 @@ class KritaFile(LayeredZip):
             _TILE,
             len(bands),
         ):
-            raise ValueError("it has tiles or pixels of another size than 64 × 64 and 8 bits a channel")
+            raise ValueError("its tiles are not 64 × 64 pixels of 8 bits per channel")
         ground = bytes(len(bands))
         if f"{name}.defaultpixel" in self.zip.namelist():
             ground = member_of(self.zip, f"{name}.defaultpixel")[: len(bands)].ljust(len(bands), b"\0")
@@ -170,7 +170,7 @@ class KritaFile(LayeredZip):
             )
             here = end + 1 + int(count)
             if packing != "LZF" or here > len(data):
-                raise ValueError("a tile of it is packed in a way that is not known, or ends too early")
+                raise ValueError("a tile has an unknown compression or is truncated")
             whole.paste(_tile(data[end + 1 : here], bands), (int(left) + at[0], int(top) + at[1]))
         return whole
 
@@ -241,9 +241,9 @@ def _unpacked(packed: bytes, count: int) -> bytes:
         back = ((control & 31) << 8 | packed[at]) + 1
         at += 1
         if back > len(out):
-            raise ValueError("a tile of it refers to what is before its start")
+            raise ValueError("a tile refers to data before its start")
         once = bytes(out[len(out) - back : len(out) - back + length])
         out += (once * (length // len(once) + 1))[:length]
     if len(out) != count:
-        raise ValueError(f"a tile of it has {len(out)} bytes instead of {count}")
+        raise ValueError(f"a tile has {len(out)} bytes instead of {count}")
     return bytes(out)

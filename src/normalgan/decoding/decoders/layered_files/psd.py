@@ -40,7 +40,7 @@ class PsdFile(LayeredFile):
     def _read_layers(self) -> Iterator[Layer]:
         if self._psd.color_mode.name not in {"RGB", "GRAYSCALE"}:
             raise RefusedError(
-                f"has its colours in {self._psd.color_mode.name}; layers of RGB and of greys can be predicted"
+                f"has its colours in {self._psd.color_mode.name}; layers in RGB or greyscale can be predicted"
             )
         yield from _group(self._psd, self._psd, (), 255, self.notes)
 

@@ -42,7 +42,7 @@ class LayeredZip(LayeredFile):
         try:
             return int(width), int(height)
         except ValueError:
-            raise RefusedError("does not say how large it is") from None
+            raise RefusedError("does not give its size") from None
 
     @abstractmethod
     def _described_size(self) -> tuple[str, str]:
