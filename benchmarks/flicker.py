@@ -1,10 +1,11 @@
-"""Tells how still the maps of an animation stand: rigs posed before one camera, drawn and painted.
+"""Measures how much the maps of an animation flicker: rigs posed before one camera, drawn and predicted.
 
 flicker.py RIG.glb [RIG.glb...] [--clips Idle Walk Gallop] [--frames 12] [--model M.onnx] [--sheet OUT.png]
 
-For each clip and each way of painting: the error; the flicker, by how much normals change from a frame to
-the next where the true ones change by less than a degree, painted and true; and the overlap of the masks. The
-ways: each drawing framed for itself, all in one frame, and so and averaged with neighbours. Prints JSON.
+Prints JSON. For each clip and each way of predicting, it gives the error, the flicker and the overlap of the
+masks. The flicker is how much predicted and true normals change from frame to frame where the true ones
+change by less than a degree. The ways: each drawing cropped by itself, all drawings cropped alike, and the
+latter averaged with neighbouring frames.
 """
 
 import argparse
@@ -36,14 +37,14 @@ from normalgan.weights.shipped import find_model
 
 SIDE, AZIMUTH, ELEVATION, STILL = 256, 60.0, 10.0, 1.0
 WIDEST = 1080
-"""Pixels of the picture at most."""
+"""The largest side of the picture in pixels."""
 MARGIN = 6
-"""Pixels above and below what is shown of the frames."""
+"""Margin in pixels above and below the visible part of the frames."""
 WAYS = {"own": (False, False), "shared": (True, False), "steady": (True, True)}
 
 
 def draw(file: MeshFile, clip: str, count: int) -> tuple[list[Floats], list[Maps]]:
-    """Return the drawings of a clip, (SIDE, SIDE) ink each, and what is true of them."""
+    """Return the drawings of a clip, (SIDE, SIDE) ink each, and their true maps."""
     meshes = ClipMeshes(file, clip)
     camera = framed(meshes.hull, look_at_origin(AZIMUTH, ELEVATION, 0.0), None, 0.06)
     lines, inks, truths = SuggestiveContours(resolution=SIDE), [], []
@@ -55,7 +56,7 @@ def draw(file: MeshFile, clip: str, count: int) -> tuple[list[Floats], list[Maps
 
 
 def measure(maps: list[NormalMap], truths: list[Maps]) -> dict[str, float]:
-    """Return the figures of one clip painted in one way."""
+    """Return the figures of one clip predicted in one way."""
     errors, overlaps, flicker, moved = [], [], [], []
     for preds, true in zip(maps, truths, strict=True):
         both = preds.mask & true.mask
@@ -76,7 +77,7 @@ def measure(maps: list[NormalMap], truths: list[Maps]) -> dict[str, float]:
 
 
 def strip(maps: list[NormalMap]) -> NDArray[np.uint8]:
-    """Return maps side by side, and below them lit, cut to the rows in which anything is."""
+    """Return maps side by side with the lit maps below, cut to the rows that hold something."""
     rows = np.flatnonzero(np.any([each.mask.any(1) for each in maps], axis=0))
     shown = slice(max(rows[0] - MARGIN, 0), rows[-1] + MARGIN)
     colours = [np.asarray(encode(paint_flat(each.extended, each.mask)), np.uint8) for each in maps]
@@ -85,13 +86,13 @@ def strip(maps: list[NormalMap]) -> NDArray[np.uint8]:
 
 
 def main() -> None:
-    """Print the figures; write a picture if asked."""
+    """Print the figures, and write a picture on request."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("rigs", nargs="+")
     parser.add_argument("--clips", nargs="+", default=["Idle", "Walk", "Gallop"])
     parser.add_argument("--frames", type=int, default=12)
     parser.add_argument("--model")
-    parser.add_argument("--sheet", type=Path, help="where the first rig's maps go, way below way")
+    parser.add_argument("--sheet", type=Path, help="picture of the first rig's maps, a row for each way")
     asked = parser.parse_args()
     predictor = Predictor(OnnxBackend(find_model(asked.model)))
     figures: dict[str, dict[str, dict[str, float]]] = {}

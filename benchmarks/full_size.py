@@ -1,10 +1,10 @@
-"""Measures `normalgan generate` at the size of a drawing, against the truth: meshes drawn large, no hints.
+"""Measures `normalgan generate` at full size against the truth: meshes drawn large, without hints.
 
 full_size.py MESHES… [--size 1024] [--views 2] [--line-width 3] [--crease-angle 40] [--model FILE]
     [--picture FILE]
 
-Prints JSON: mean angular error on the object, at its rim and deep inside, how far the painted n_z is off, how
-well the object is found. The rim is what lies within 1/170 of the picture's side of the silhouette.
+Prints JSON: the mean angular error on the object, at its rim and deep inside; the error of the predicted n_z;
+and how well the object is found. The rim is everything within 1/170 of the picture's side of the silhouette.
 """
 
 import argparse
@@ -26,7 +26,7 @@ from normalgan.rendering.lines import SuggestiveContours
 from normalgan.rendering.samples import Recipe, Sample
 
 RIM, DEEP = 1 / 170, 1 / 20
-"""Shares of the side: as far from the silhouette the rim reaches, and what lies deep inside begins."""
+"""Distances from the silhouette, as shares of the side, where the rim ends and the deep inside begins."""
 
 
 def main(arguments: list[str]) -> None:
@@ -64,7 +64,7 @@ def main(arguments: list[str]) -> None:
 
 
 def _predict(samples: dict[str, Sample], folder: Path, model: str | None) -> dict[str, tuple[Floats, Floats]]:
-    """Return the normals (H, W, 3) and the opacity (H, W) that the command makes of each sketch."""
+    """Return the normals (H, W, 3) and the opacity (H, W) that the command predicts for each sketch."""
     (folder / "in").mkdir()
     for name, sample in samples.items():
         cv2.imwrite(str(folder / "in" / f"{name}.png"), 255 - sample.sketch)
@@ -77,7 +77,7 @@ def _predict(samples: dict[str, Sample], folder: Path, model: str | None) -> dic
 
 
 def _measure(sample: Sample, normals: Floats, opacity: Floats) -> dict[str, float]:
-    """Return the figures of one drawing; angles are means over the true object, where it was found."""
+    """Return the figures of one drawing; angles are means over the part of the true object that was found."""
     mask, found = sample.mask, opacity > 0.5
     truth = sample.normal.astype(np.float32)
     angle = angles(normals, truth)
@@ -94,7 +94,7 @@ def _measure(sample: Sample, normals: Floats, opacity: Floats) -> dict[str, floa
 
 
 def _draw(samples: dict[str, Sample], predicted: dict[str, tuple[Floats, Floats]], path: Path) -> None:
-    """Write rows of sketch, painted map, true map; and both lit from the upper left."""
+    """Write rows of sketch, predicted map, true map, and both maps lit from the upper left."""
     light = np.array([-0.5, 0.6, 0.62], np.float32)
     rows = []
     for name, sample in samples.items():

@@ -1,10 +1,10 @@
 """Times `normalgan generate`: a cold start to a written map, and a batch against bare inference.
 
-generate.py MODEL [DRAWINGS] [ROUNDS]: a model by `normalgan export`, how many drawings a batch has, and
+generate.py MODEL [DRAWINGS] [ROUNDS]: a model from `normalgan export`, the number of drawings in a batch, and
 how often each is timed. Prints JSON.
 
-generate.py MODEL --memory 10 300 [--side 256]: the most memory that batches of so many drawings take, in a
-process each, or in the one that decodes for it if that takes more.
+generate.py MODEL --memory 10 300 [--side 256]: the peak memory of batches with these numbers of drawings.
+Each batch runs in a process of its own; if the process that decodes for it needs more, that peak counts.
 """
 
 import argparse
@@ -35,20 +35,20 @@ SIDE = 256
 
 
 def timed(what: Callable[[], object], count: int) -> tuple[float, float]:
-    """Return how long calling it takes and how long all processors work on it, seconds for each of many."""
+    """Return the wall-clock and the processor time of a call, in seconds per drawing of ``count``."""
     busy, start = time.process_time(), time.perf_counter()
     what()
     return (time.perf_counter() - start) / count, (time.process_time() - busy) / count
 
 
 def summary(times: list[tuple[float, float]]) -> dict[str, float]:
-    """Return the medians, in milliseconds a drawing."""
+    """Return the medians in milliseconds per drawing."""
     wall, busy = (1000 * statistics.median(each) for each in zip(*times, strict=True))
     return {"wall_ms": round(wall, 2), "processor_ms": round(busy, 2)}
 
 
 def ratio(ours: list[tuple[float, float]], bare: list[tuple[float, float]]) -> float:
-    """Return the median ratio of the wall-clock times of each round."""
+    """Return the median over the rounds of the ratio of wall-clock times."""
     return round(statistics.median(a[0] / b[0] for a, b in zip(ours, bare, strict=True)), 3)
 
 
@@ -69,7 +69,7 @@ def cold(model: Path, drawing: Path, folder: Path) -> float:
 
 
 def draw(count: int, folder: Path, width: int = SIDE, height: int = SIDE) -> list[Path]:
-    """Write as many drawings, no two alike, and return their files."""
+    """Write ``count`` drawings, no two alike, and return their files."""
     originals = sorted(SKETCHES.glob("*.png"))
     drawings = []
     for i in range(count):
@@ -83,7 +83,7 @@ def draw(count: int, folder: Path, width: int = SIDE, height: int = SIDE) -> lis
 
 
 def peak(model: Path, drawings: list[Path], folder: Path) -> tuple[float, float, float]:
-    """Return the most memory in MB that a batch takes in a process of its own, its seconds and its core's."""
+    """Return the peak memory (MB) of a batch in its own process, its wall-clock and its processor seconds."""
     given = map(str, [*drawings, "-o", folder, "--model", model])
     command = [sys.executable, "-m", "normalgan", "generate", *given]
     start = time.perf_counter()
@@ -96,7 +96,7 @@ def peak(model: Path, drawings: list[Path], folder: Path) -> tuple[float, float,
 
 
 def memory(model: Path, counts: list[int], width: int, height: int) -> None:
-    """Print the most memory that batches of some sizes take, and how long, with the start of the command."""
+    """Print the peak memory and the time of batches of these sizes, the start of the command included."""
     with TemporaryDirectory() as temporary:
         drawings = draw(max(counts), Path(temporary), width, height)
         peaks = {str(each): peak(model, drawings[:each], Path(temporary) / str(each)) for each in counts}
@@ -120,7 +120,7 @@ def main(model: Path, count: int = 64, rounds: int = 5) -> None:
         bare: list[tuple[float, float]] = []
         alone, crowd, batch = bare.copy(), bare.copy(), bare.copy()
         arguments = [*map(str, drawings), "-o", str(folder / "batch"), "--model", str(model)]
-        for _ in range(rounds):  # by turns, so that a busy machine slows both
+        for _ in range(rounds):  # in turns, so that a busy machine slows both
             bare.append(timed(lambda: [session.predict(each) for each in seen], count))
             alone.append(timed(lambda: [single.predict(each) for each in seen], count))
             crowd.append(timed(lambda: list(stream(seen, single.predict)), count))
@@ -159,7 +159,7 @@ if __name__ == "__main__":
         type=int,
         nargs="+",
         default=[SIDE],
-        help="pixels of a drawing, with --memory: one side, or width and height",
+        help="with --memory: pixels of a drawing, one side or width and height",
     )
     asked = parser.parse_args()
     if asked.memory:

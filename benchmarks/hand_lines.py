@@ -1,4 +1,4 @@
-"""The hand's evidence: its lines measured beside people's, and what training on them is worth.
+"""The evidence for the hand: measures its lines and people's, and what training on its lines is worth.
 
 benchmarks/hand_lines.py stats
 benchmarks/hand_lines.py train --seeds 0 1 2
@@ -39,18 +39,18 @@ WORDS = {
 
 
 def people(folder: Path) -> dict[str, list[Figures]]:
-    """Return the figures of people's drawings, by the folder they are in."""
+    """Return the figures of people's drawings, by folder."""
     found: dict[str, list[Figures]] = {}
     for path in sorted(folder.glob("*/*.png")):
         grey = cv2.imdecode(np.frombuffer(path.read_bytes(), np.uint8), cv2.IMREAD_GRAYSCALE)
         if grey is None or grey.shape != (SIZE, SIZE):
-            raise SystemExit(f"{path} is no picture of {SIZE} × {SIZE} pixels.")
+            raise SystemExit(f"{path} is not a picture of {SIZE} × {SIZE} pixels.")
         found.setdefault(path.parent.name, []).append(measure(1 - grey.astype(np.float32) / 255))
     return found
 
 
 def ours(views: int) -> dict[str, list[Figures]]:
-    """Return the figures of drawings of embedded animals, by who drew them; all draw the same views."""
+    """Return the figures of drawings of embedded animals, by draughtsman; all draw the same views."""
     found: dict[str, list[Figures]] = {}
     hands = {"exact": None, "hand": Hand(), "hand at 1": Hand(strength=(1.0, 1.0))}
     for kind in KINDS:
@@ -64,7 +64,7 @@ def ours(views: int) -> dict[str, list[Figures]]:
 
 
 def table(groups: dict[str, list[Figures]]) -> str:
-    """Return medians and quartiles as a table in Markdown, one column a group."""
+    """Return medians and quartiles as a Markdown table with a column for each group."""
     names = [f"{name} ({len(group)})" for name, group in groups.items()]
     lines = [f"| | {' | '.join(names)} |", "| --- |" + " --- |" * len(names)]
     values = {name: np.array([astuple(one) for one in group]) for name, group in groups.items()}
@@ -78,7 +78,7 @@ def table(groups: dict[str, list[Figures]]) -> str:
 
 
 def stats(options: argparse.Namespace) -> None:
-    """Print the table of figures; without people's drawings, ours alone."""
+    """Print the table of figures, without people's columns if there are no drawings of theirs."""
     drawn = people(options.sketches)
     if not drawn:
         print(f"There are no drawings in {options.sketches}: people's columns are missing.", file=sys.stderr)
@@ -86,15 +86,15 @@ def stats(options: argparse.Namespace) -> None:
 
 
 def train(options: argparse.Namespace) -> None:
-    """Train and test what is not in the results yet, and print the table."""
-    from hand_training import Settings, run_all  # here: torch takes seconds to import
+    """Train and test what the results lack, and print the table."""
+    from hand_training import Settings, run_all  # imported here, because torch takes seconds to import
 
     settings = Settings(options.epochs, options.animals, options.train_views, options.test_views)
     print(run_all(settings, options.seeds, options.output, options.cache))
 
 
 def main() -> None:
-    """Read the command line and do what it asks for."""
+    """Run the command that the command line names."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     commands = parser.add_subparsers(required=True)
     one = commands.add_parser("stats", help="figures of people's lines and of ours")

@@ -1,4 +1,4 @@
-"""Trains on exact lines and on the hand's, tests each on both, and keeps what it has found run by run."""
+"""Trains on exact lines and on the hand's, tests each model on both, and stores the results run by run."""
 
 import json
 import platform
@@ -31,15 +31,15 @@ _NO_HINTS = "test/no_hints/"
 
 @dataclass(frozen=True)
 class Settings:
-    """The scale of the experiment; all runs of a file of results share it.
+    """The scale of the experiment, which all runs in a results file share.
 
     Args:
-        epochs: of each training.
-        animals: embedded ones, split by animal.
-        train_views: of each training animal.
-        test_views: of each test animal.
+        epochs: epochs of each training.
+        animals: number of embedded animals, split by animal.
+        train_views: views of each training animal.
+        test_views: views of each test animal.
         size: side of the pictures in pixels.
-        batch_size: samples a batch.
+        batch_size: samples in a batch.
     """
 
     epochs: int
@@ -51,7 +51,7 @@ class Settings:
 
 
 def data(settings: Settings, hand: Hand | None, train_views: int, cache: str) -> MeshDataModule:
-    """Return animals and views that are the same whoever draws them."""
+    """Return a data module with the same animals and views for every way of drawing."""
     return MeshDataModule(
         animals=EmbeddedAnimals(settings.animals),
         size=settings.size,
@@ -59,10 +59,10 @@ def data(settings: Settings, hand: Hand | None, train_views: int, cache: str) ->
         val_views=1,
         test_views=settings.test_views,
         hand=hand,
-        lines=SuggestiveContours(resolution=256),  # as configs/quickstart.yaml has it
+        lines=SuggestiveContours(resolution=256),  # as in configs/quickstart.yaml
         cache=cache,
         batch_size=settings.batch_size,
-        # Whole samples are moved about, lines are not roughened: that is what the hand is compared with.
+        # Whole samples are shifted, but lines are not roughened: the hand is compared with exactly that.
         augmentation=Augmentation(jitter=0, dropout=0, width=0),
         seed=0,
     )
@@ -84,7 +84,7 @@ def model(settings: Settings, seed: int) -> NormalGAN:
 
 
 def run(settings: Settings, trained_on: str, seed: int, cache: str) -> dict[str, Any]:
-    """Train one model, test it on both kinds of lines, and return what came out."""
+    """Train one model, test it on both kinds of lines, and return the results."""
     start = time.perf_counter()
     seed_everything(seed, verbose=False)
     network = model(settings, seed)
@@ -112,13 +112,13 @@ def run(settings: Settings, trained_on: str, seed: int, cache: str) -> dict[str,
 
 
 def run_all(settings: Settings, seeds: list[int], output: Path, cache: str) -> str:
-    """Run what the file of results lacks, writing it after each run, and return the table of all in it."""
+    """Run what the results file lacks, save it after each run, and return the table of all its runs."""
     scale = {**asdict(settings), "hand": asdict(Hand())}
     results: dict[str, Any] = {"settings": scale, "commit": "", "machine": machine(), "runs": []}
     if output.exists():
         results = json.loads(output.read_text(encoding="utf-8"))
         if results["settings"] != json.loads(json.dumps(scale)):
-            raise SystemExit(f"{output} holds runs of another scale: name another --output, or remove it.")
+            raise SystemExit(f"{output} holds runs of another scale. Choose another --output, or delete it.")
     done = {(one["seed"], one["trained_on"]) for one in results["runs"]}
     for seed in seeds:
         for trained_on in TRAINED:
@@ -127,7 +127,7 @@ def run_all(settings: Settings, seeds: list[int], output: Path, cache: str) -> s
             results["runs"].append(run(settings, trained_on, seed, cache))
             results["commit"] = commit()
             output.parent.mkdir(parents=True, exist_ok=True)
-            partly = output.with_suffix(".tmp")  # so that a run cut short leaves the file as it was
+            partly = output.with_suffix(".tmp")  # an interrupted run leaves the file unchanged
             partly.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
             partly.replace(output)
             print(f"seed {seed}, trained on {trained_on}: {results['runs'][-1]['seconds']} s", flush=True)
@@ -135,7 +135,7 @@ def run_all(settings: Settings, seeds: list[int], output: Path, cache: str) -> s
 
 
 def table(runs: list[dict[str, Any]]) -> str:
-    """Return the mean angular errors as a table in Markdown: mean ± standard deviation over the seeds."""
+    """Return the mean angular errors as a Markdown table: mean ± standard deviation over the seeds."""
     lines = [
         f"| trained on | {' | '.join(f'tested on {name}' for name in TESTED)} | loss |",
         "| --- |" + " --- |" * 3,
@@ -152,11 +152,11 @@ def table(runs: list[dict[str, Any]]) -> str:
 
 
 def machine() -> dict[str, Any]:
-    """Return what the runs were made on."""
+    """Return the machine and the versions that the runs were made with."""
     return {"processor": platform.machine(), "threads": torch.get_num_threads(), "torch": torch.__version__}
 
 
 def commit() -> str:
-    """Return the commit of the code, marked where it was changed since."""
+    """Return the commit of the code, with a mark if the code has changed since."""
     command = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty", "--abbrev=12"]
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()

@@ -1,6 +1,6 @@
-"""Times the integration of normal maps to heights, and tells how far off the heights of known shapes are.
+"""Times the integration of normal maps to heights, and measures its error on known shapes.
 
-heights.py [ROUNDS]: how often each is timed. Prints JSON.
+heights.py [ROUNDS]: how often each size is timed. Prints JSON.
 """
 
 import json
@@ -20,7 +20,7 @@ SIDES = (256, 512, 1024)
 
 
 def body(side: int) -> tuple[Floats, NDArray[np.bool_], Floats]:
-    """Return the normals, the mask and the heights in pixels of half an ellipsoid with a ball before it."""
+    """Return the normals, the mask and the heights in pixels of half an ellipsoid with a ball in front."""
     along = (np.arange(side) + 0.5) / side * 2 - 1
     x, y = np.meshgrid(along, -along)
     normals, mask = np.zeros((side, side, 3)), np.zeros((side, side), np.bool_)

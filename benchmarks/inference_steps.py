@@ -1,9 +1,9 @@
-"""Times each step from a drawing to its map, in processor time on one thread: the machine may be busy.
+"""Times each step from a drawing to its map, in processor time on one thread, so the machine may be busy.
 
 inference_steps.py [MODEL] [--sides 256 512 1024] [--rounds 15] [--pen 0]: the model that comes with the
-package, or one by `normalgan export`. The drawings are those of ``examples/sketches``, brought to each size
-beforehand; `--pen 6` draws one ellipse within another in place of them, by a pen of 6 pixels at each size.
-Prints JSON: the median of the milliseconds of each step.
+package, or one from `normalgan export`. The drawings are those in ``examples/sketches``, resized to each side
+beforehand. `--pen 6` instead draws one ellipse inside another at each size, with a pen of 6 pixels.
+Prints JSON: the median milliseconds of each step.
 """
 
 import argparse
@@ -30,13 +30,13 @@ SKETCHES = Path(__file__).parents[1] / "examples" / "sketches"
 
 
 class Clock:
-    """Adds up the processor time of functions that are wrapped in it."""
+    """Adds up the processor time of the functions it wraps."""
 
     def __init__(self) -> None:
         self.taken: dict[str, float] = defaultdict(float)
 
     def wrap(self, name: str, work: Callable[..., Any]) -> Callable[..., Any]:
-        """Return the function, timed under a name."""
+        """Return the function wrapped, its time counted under a name."""
 
         def timed(*args: Any, **settings: Any) -> Any:
             start = time.process_time()
@@ -49,7 +49,7 @@ class Clock:
 
     @contextmanager
     def steps(self) -> Iterator[None]:
-        """Time the steps of preparation."""
+        """Time the steps of the preparation."""
         names = ("clean", "read", "decide", "render_model_input")
         patches = [
             patch.object(preparation, name, self.wrap(name, getattr(preparation, name))) for name in names
@@ -80,7 +80,7 @@ def once(drawing: Picture, backend: OnnxBackend) -> dict[str, float]:
 
 
 def ellipses(side: int, width: int) -> Picture:
-    """Return an ellipse within another as a pen of so many pixels draws them."""
+    """Return one ellipse inside another, drawn with a pen of ``width`` pixels."""
     paper = np.full((side, side, 3), 255, np.uint8)
     for share in (0.2, 0.33):
         radii = round(share * side), round(1.15 * share * side)

@@ -1,10 +1,11 @@
-"""Measures how layers are best seen: the mean angular error of parts and of whole objects.
+"""Measures which context suits a layer best, by the mean angular error of parts and of whole objects.
 
 layers.py MESH…
 
-Each mesh is drawn at 512 pixels. Its *parts* are cut from the top and from one side (8 to 40 % of it), before
-what is left. As a *whole* object it stands, 15 to 60 % as large, before another of the meshes. The layer in
-front is predicted alone, among the others, and as `generate --layers` and the studio choose.
+Each mesh is drawn at 512 pixels. A *part*, 8 to 40 % of it, is cut off at the top or at one side and becomes
+the layer in front of the rest. As a *whole* object, the mesh stands in front of another one at 15 to 60 % of
+its size. The layer in front is predicted alone, among the others, and as `generate --layers` and the studio
+choose.
 """
 
 import argparse
@@ -31,14 +32,14 @@ from normalgan.weights.shipped import SHIPPED
 SIDE, OVERLAP = 512, 6
 PARTS, WHOLES = (0.08, 0.15, 0.25, 0.4), (0.15, 0.25, 0.4, 0.6)
 LEAST = 300
-"""Pixels of the smallest part that is measured."""
+"""The smallest part that is measured, in pixels."""
 Layer = tuple[Floats, BoolMask]
-"""Lines (H, W), and which pixels (H, W) are the object's."""
+"""Lines (H, W), and the object's pixels (H, W)."""
 
 
 @dataclass(frozen=True)
 class View:
-    """Lines (H, W), object (H, W) and true normals (H, W, 3) of a mesh."""
+    """The lines (H, W), object (H, W) and true normals (H, W, 3) of a mesh."""
 
     ink: Floats
     mask: BoolMask
@@ -57,7 +58,7 @@ def view(mesh: Path, folder: Path, azimuth: int) -> View:
 
 
 def parts_of(seen: View) -> Iterator[list[Layer]]:
-    """Yield layers: what is left of an object, and the part that was cut from it, in front."""
+    """Yield pairs of layers: the rest of an object, and in front of it the part that was cut off."""
     rows, columns = np.mgrid[: seen.ink.shape[0], : seen.ink.shape[1]]
     for share, along in itertools.product(PARTS, (rows, columns)):
         reach = along[seen.mask]
@@ -68,14 +69,14 @@ def parts_of(seen: View) -> Iterator[list[Layer]]:
 
 
 def _cut(ink: Floats, mask: BoolMask, away: Floats) -> Layer:
-    """Return the lines of a part, with one where it was cut."""
+    """Return the lines of a part, with an additional line along the cut."""
     rim = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8)) > 0
     near = cv2.dilate(mask.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
     return np.maximum(np.where(near, ink, 0), rim & (np.abs(away) < 3)).astype(np.float32), mask
 
 
 def before(seen: View, other: View, share: float) -> tuple[list[Layer], View]:
-    """Return another object with this one before it, at a share of its size; and a view of this one there."""
+    """Return another object with this one in front at a share of its size, and the view of it there."""
     side, canvas = round(2 * SIDE * share), (2 * SIDE, 2 * SIDE)
     top, left = min(SIDE, 2 * SIDE - side), min(SIDE - SIDE // 8, 2 * SIDE - side)
     place = np.s_[top : top + side, left : left + side]
@@ -92,7 +93,7 @@ def before(seen: View, other: View, share: float) -> tuple[list[Layer], View]:
 
 
 def errors(backend: OnnxBackend, layers: list[Layer], normals: Floats) -> list[float]:
-    """Return the mean angular error in degrees of the layer in front, alone, among the others, as chosen."""
+    """Return the mean angular errors in degrees of the layer in front: alone, among the others, as chosen."""
     prepared = [
         prepare(Picture(np.dstack([1 - ink] * 3), None), backend.size, mask, line_widths=backend.line_widths)
         for ink, mask in layers

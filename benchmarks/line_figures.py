@@ -1,4 +1,4 @@
-"""What can be measured of a line drawing's pixels, whoever drew it: ink, widths, bends, ends, junctions."""
+"""Measures any line drawing by its pixels: ink, widths, bends, ends, junctions."""
 
 from dataclasses import dataclass
 
@@ -11,17 +11,15 @@ from skimage.morphology import skeletonize
 from normalgan.arrays import BoolMask, Doubles
 
 _AROUND = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]])
-_INK = 0.4  # from so dark on a pixel counts as ink
-_FINER = 3  # times enlarged
-_SMOOTH = (
-    2.0 * _FINER
-)  # pixels: a chain of pixels turns by 45° at a time, and the line it stands for does not
-_SHORTEST = 8 * _FINER  # pixels: a shorter chain has no curvature to speak of
+_INK = 0.4  # from this darkness on, a pixel counts as ink
+_FINER = 3  # factor of the enlargement
+_SMOOTH = 2.0 * _FINER  # pixels: a chain of pixels turns in steps of 45°, but the line itself does not
+_SHORTEST = 8 * _FINER  # pixels: a shorter chain has no meaningful curvature
 
 
 @dataclass(frozen=True)
 class Figures:
-    """Figures of one drawing; the unit of length is the larger side of what is drawn.
+    """Figures of one drawing; the unit of length is the larger side of the drawn part.
 
     Args:
         density: share of the bounding box that is ink.
@@ -29,10 +27,10 @@ class Figures:
         width_spread: the quartiles' distance over the median of the width along the lines.
         turning: radians per unit along the lines.
         corners: places where a line turns by more than 45° within a fifteenth of the unit, per unit.
-        ends: open ends.
+        ends: number of open ends.
         ends_per_length: open ends per unit.
-        junctions: places where lines meet or cross.
-        length: of all lines, in units.
+        junctions: number of places where lines meet or cross.
+        length: length of all lines, in units.
     """
 
     density: float
@@ -47,9 +45,9 @@ class Figures:
 
 
 def measure(ink: NDArray[np.floating]) -> Figures:
-    """Return the figures of a drawing (H, W), 1 where there is ink, 0 on paper, and grey in between.
+    """Return the figures of a drawing (H, W) with ink 1, paper 0 and greys in between.
 
-    It is enlarged first, so that its greys place the lines' edges more finely than its pixels could.
+    It is enlarged first, because its greys locate the edges of lines more finely than whole pixels.
 
     Raises:
         ValueError: if there is no ink.
@@ -75,7 +73,7 @@ def measure(ink: NDArray[np.floating]) -> Figures:
         turns += float(np.abs(_angles(smooth, 1)).sum())
         run += float(np.hypot(*np.diff(smooth, axis=0).T).sum()) / unit
         corners += _peaks(np.abs(_angles(smooth, max(2, unit // 30))))
-    # Thinning makes two forks of a crossing, as far from one another as the lines are wide.
+    # Thinning splits a crossing into two forks, as far apart as the lines are wide.
     near = cv2.dilate(_junctions(bones).astype(np.uint8), np.ones((1 + 2 * round(median),) * 2, np.uint8))
     ends, junctions = _ends(bones).sum(), label(near)[1]
     return Figures(
@@ -92,7 +90,7 @@ def measure(ink: NDArray[np.floating]) -> Figures:
 
 
 def chains(bones: BoolMask) -> list[NDArray[np.intp]]:
-    """Return the pixels (P, 2), row and column, of each line of a skeleton, in order, between junctions."""
+    """Return the pixels (P, 2), row and column, of each line of a skeleton between junctions, in order."""
     labels, count = label(bones & ~_junctions(bones), np.ones((3, 3)))
     found = np.argwhere(labels)
     order = np.argsort(labels[tuple(found.T)], kind="stable")
@@ -101,7 +99,7 @@ def chains(bones: BoolMask) -> list[NDArray[np.intp]]:
 
 
 def _walk(pixels: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Return the pixels of one line in order, from an end if it has one."""
+    """Return the pixels of one line in order, starting at an end if it has one."""
     left = {(int(row), int(column)) for row, column in pixels}
     steps = [(0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, 1), (-1, -1)]  # straight ones first
 
@@ -119,15 +117,15 @@ def _walk(pixels: NDArray[np.intp]) -> NDArray[np.intp]:
 
 
 def thinned(ink: BoolMask) -> BoolMask:
-    """Return the middle of the lines, a pixel wide."""
+    """Return the middle lines, a pixel wide."""
     bones: BoolMask = skeletonize(ink)
     return bones
 
 
 def without_spurs(bones: BoolMask, distance: NDArray[np.float32]) -> BoolMask:
-    """Return a skeleton without the whiskers that thinning leaves on thick or rough lines.
+    """Return a skeleton without the spurs that thinning leaves on thick or rough lines.
 
-    A whisker runs from an end to a junction, and is no longer than the line is wide there.
+    A spur runs from an end to a junction, and is no longer than the line is wide there.
     """
     junctions = cv2.dilate(_junctions(bones).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
     kept = bones.copy()
@@ -140,7 +138,7 @@ def without_spurs(bones: BoolMask, distance: NDArray[np.float32]) -> BoolMask:
 
 
 def bone_length(bones: BoolMask) -> float:
-    """Return the length of a skeleton in pixels: steps between neighbours, no diagonal beside a corner."""
+    """Return the length of a skeleton in pixels: steps between neighbours, no diagonal across a corner."""
     straight = (bones[1:] & bones[:-1]).sum() + (bones[:, 1:] & bones[:, :-1]).sum()
     a, b, c, d = bones[:-1, :-1], bones[:-1, 1:], bones[1:, :-1], bones[1:, 1:]
     diagonal = (a & d & ~b & ~c).sum() + (b & c & ~a & ~d).sum()
@@ -153,7 +151,7 @@ def _ends(bones: BoolMask) -> BoolMask:
 
 
 def _junctions(bones: BoolMask) -> BoolMask:
-    """Return where three or more lines leave a pixel: paper and bone alternate so often around it."""
+    """Return where three or more lines leave a pixel: skeleton and paper alternate that often around it."""
     padded = np.pad(bones, 1)
     height, width = bones.shape
     ring = [(0, 1), (0, 2), (1, 2), (2, 2), (2, 1), (2, 0), (1, 0), (0, 0)]
@@ -176,5 +174,5 @@ def _angles(path: Doubles, reach: int) -> Doubles:
 
 
 def _peaks(angles: Doubles) -> int:
-    """Return how many runs of points turn by more than 45°."""
+    """Return the number of runs of points that turn by more than 45°."""
     return int(label(angles > np.pi / 4)[1])

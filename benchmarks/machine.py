@@ -1,4 +1,4 @@
-"""What a figure was measured on: the machine, the versions, the commit and the day."""
+"""Describes what a figure was measured on: the machine, the versions, the commit and the date."""
 
 import os
 import platform
@@ -12,11 +12,11 @@ ONE_THREAD = {
     "OPENCV_FOR_THREADS_NUM": "1",
     "LP_NUM_THREADS": "0",  # Mesa's software driver
 }
-"""What an environment must say before anything is imported, for one process to keep to one core."""
+"""The environment that keeps a process to one core; it must be set before any import."""
 
 
 def describe(*packages: str) -> dict[str, object]:
-    """Return the machine, the versions of Python and of some packages, the commit and the day."""
+    """Return the machine, the versions of Python and these packages, the commit and the date."""
     cpus = [
         line.partition(":")[2].strip()
         for line in Path("/proc/cpuinfo").read_text().splitlines()

@@ -1,10 +1,9 @@
-"""Measures how fast samples are made: every renderer and line style, sizes and meshes, side by side.
+"""Measures how fast samples are rendered, for every renderer and line style and for several sizes and meshes.
 
 benchmarks/rendering.py [--quick] [--endurance 10000] [-o docs/results/rendering.json]
 
-Every row is a process of its own, kept to one core. All rows of one size and mesh stay alive together and
-take turns, so that whatever else the machine does falls on all of them; each figure is the median of the
-rounds.
+Every row is a process of its own, restricted to one core. All rows of one size and mesh run side by side and
+take turns, so that other load on the machine affects all of them. Each figure is the median of the rounds.
 """
 
 import argparse
@@ -22,7 +21,7 @@ from typing import Any
 
 from machine import ONE_THREAD, describe
 
-os.environ.update(ONE_THREAD)  # before numpy and its friends are imported, here and in every child
+os.environ.update(ONE_THREAD)  # before NumPy and others are imported, here and in every child process
 
 import numpy as np
 from sampler import Row, endure, serve, spin, write
@@ -35,11 +34,11 @@ from normalgan.rendering.lines import LINE_DRAWINGS
 ANIMALS = {"horse": 2, "lion": 3, "cow": 2}
 DEFAULT = "SuggestiveContours"
 PACKAGES = ("numpy", "scipy", "opencv-python-headless", "pyrender", "embreex")
-SPAWN = get_context("spawn")  # never a fork: it would share the parent's OpenGL
+SPAWN = get_context("spawn")  # never fork: a child would share the parent's OpenGL
 
 
 def make_meshes(faces: Sequence[int], folder: Path) -> None:
-    """Write embedded animals, marched at such a resolution that they have about so many faces."""
+    """Write embedded animals at resolutions that give about these numbers of faces."""
     for species, seed in ANIMALS.items():
         for count in faces:
             rng = np.random.default_rng([zlib.crc32(species.encode()), seed])
@@ -48,21 +47,21 @@ def make_meshes(faces: Sequence[int], folder: Path) -> None:
 
 
 def needs_settings(cls: type) -> bool:
-    """Return whether a class cannot be made without settings, as a mixture of other styles."""
+    """Return whether a class requires settings, as a mixture of other styles does."""
     return any(each.default is each.empty for each in inspect.signature(cls).parameters.values())
 
 
 def start(target: Any, *arguments: Any) -> tuple[Any, Connection]:
-    """Start a process that talks through the connection returned."""
+    """Start a process, and return it with the connection to it."""
     ours, theirs = SPAWN.Pipe()
-    process = SPAWN.Process(target=target, args=(*arguments, theirs), daemon=True)  # ends with this one
+    process = SPAWN.Process(target=target, args=(*arguments, theirs), daemon=True)  # ends with this process
     process.start()
     theirs.close()
     return process, ours
 
 
 def measure(rows: Sequence[Row], folder: str, rounds: int, seconds: float) -> Iterator[dict[str, Any]]:
-    """Yield the figures of rows measured in turns."""
+    """Measure rows in turns, and yield their figures."""
     children = [start(serve, row, folder) for row in rows]
     for _, channel in children:
         channel.recv()  # ready
@@ -85,7 +84,7 @@ def measure(rows: Sequence[Row], folder: str, rounds: int, seconds: float) -> It
 
 
 def speed_up(rounds: int, seconds: float, target: Any, *arguments: Any) -> dict[str, float]:
-    """Return how much two processes do a second together, over what one does alone."""
+    """Return the throughput of two processes together, relative to one alone."""
     children = [start(target, *arguments) for _ in range(2)]
     for _, channel in children:
         channel.recv()  # ready
@@ -105,7 +104,7 @@ def speed_up(rounds: int, seconds: float, target: Any, *arguments: Any) -> dict[
 
 
 def endurance(row: Row, folder: str, number: int) -> dict[str, Any]:
-    """Return the memory a process holds while it makes ``number`` samples, after each twentieth."""
+    """Return the memory that a process holds after each twentieth of ``number`` samples."""
     process, channel = start(endure, row, folder, number)
     held = channel.recv()
     process.join()
@@ -113,7 +112,7 @@ def endurance(row: Row, folder: str, number: int) -> dict[str, Any]:
 
 
 def table(rows: Sequence[dict[str, Any]]) -> str:
-    """Return the rows as Markdown: samples a second and core, and the peak of memory in MB."""
+    """Return the rows as Markdown: samples per second and core, and peak memory in MB."""
     groups = sorted({(row["size"], row["faces"]) for row in rows})
     heads = [f"{size} px, {faces // 1000}k" for size, faces in groups]
     lines = ["| renderer | lines | " + " | ".join(heads) + " |", "| --- | --- |" + " --- |" * len(heads)]
@@ -128,8 +127,8 @@ def main() -> None:
     """Measure, print the tables and write the file."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("-o", "--output", type=Path, help="JSON file to write")
-    parser.add_argument("--quick", action="store_true", help="256 pixels and 10k faces, two short rounds")
-    parser.add_argument("--endurance", type=int, default=0, help="also make so many samples in one process")
+    parser.add_argument("--quick", action="store_true", help="256 pixels, 10k faces, two short rounds")
+    parser.add_argument("--endurance", type=int, default=0, help="also render N samples in one process")
     parser.add_argument("--only", nargs="*", help="line styles; 'maps' for the maps alone (default: all)")
     options = parser.parse_args()
     sizes, faces = ((256,), (10_000,)) if options.quick else ((256, 512, 1024), (10_000, 50_000))
@@ -151,7 +150,7 @@ def main() -> None:
                 result["rows"] += measure(rows, folder, rounds, seconds)
         usual = Row("PyrenderRenderer", DEFAULT, 256, faces[0])
         result["two_workers"] = {**vars(usual), **speed_up(rounds, 2 * seconds, serve, usual, folder)}
-        result["two_loops"] = speed_up(rounds, seconds, spin)  # the most that the machine's cores allow
+        result["two_loops"] = speed_up(rounds, seconds, spin)  # the maximum that the machine's cores allow
         if options.endurance:
             result["endurance"] = endurance(usual, folder, options.endurance)
     print(table(result["rows"]))

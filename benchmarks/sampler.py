@@ -1,4 +1,4 @@
-"""One row of the rendering benchmark, in a process of its own: renders when told, and says how fast."""
+"""One row of the rendering benchmark, in its own process: renders on request, and reports how fast."""
 
 import resource
 import time
@@ -19,13 +19,13 @@ WARM_UP = 3  # samples: compiles shaders, builds search trees, measures curvatur
 
 @dataclass(frozen=True)
 class Row:
-    """What is rendered.
+    """The settings of one row.
 
     Args:
         renderer: name of a renderer.
         lines: name of a line style; None for the maps alone, without a sketch.
         size: side in pixels.
-        faces: about how many faces the meshes have.
+        faces: approximate number of faces of the meshes.
     """
 
     renderer: str
@@ -35,12 +35,12 @@ class Row:
 
     @property
     def title(self) -> str:
-        """Return what it is called in the table."""
+        """Return the name of the row in the table."""
         return "maps alone" if self.lines is None else self.lines
 
 
 def serve(row: Row, folder: str, channel: Connection) -> None:
-    """Render for as many seconds as each message says, and answer with figures, until told 0."""
+    """Render for the number of seconds in each message and answer with figures, until a message says 0."""
     work = samples(row, Path(folder))
     for _ in range(WARM_UP):
         next(work)
@@ -50,14 +50,14 @@ def serve(row: Row, folder: str, channel: Connection) -> None:
 
 
 def spin(channel: Connection) -> None:
-    """Do what needs a core and nothing else, answering as `serve`: what a second core adds."""
+    """Keep a core busy with nothing else, answering like `serve`, to measure what a second core adds."""
     channel.send("ready")
     answer(channel, (sum(range(100_000)) for _ in count()))
     channel.send(0)
 
 
 def answer(channel: Connection, work: Iterator[object]) -> None:
-    """Take steps for as many seconds as each message says, and send how many in what time, until told 0."""
+    """Take steps for the seconds in each message, and send their number and time, until a message says 0."""
     while seconds := channel.recv():
         number, wall, cpu = 0, time.perf_counter(), time.process_time()
         while number == 0 or time.perf_counter() - wall < seconds:
@@ -67,7 +67,7 @@ def answer(channel: Connection, work: Iterator[object]) -> None:
 
 
 def samples(row: Row, folder: Path, views_per_mesh: int = 50) -> Iterator[None]:
-    """Render one sample at each step, without end; the mesh changes now and then."""
+    """Render one sample at each step, endlessly, with a new mesh after every ``views_per_mesh``."""
     renderer = _named(RENDERERS, row.renderer)()
     files = sorted(folder.glob(f"{row.faces}-*.npz"))
     recipe = Recipe(Views(), renderer, _named(LINE_DRAWINGS, row.lines or "OccludingContours")(), row.size)
@@ -83,13 +83,13 @@ def samples(row: Row, folder: Path, views_per_mesh: int = 50) -> Iterator[None]:
 
 
 def resident() -> float:
-    """Return the memory that this process holds now, in MB."""
+    """Return the memory in MB that this process holds now."""
     pages = int(Path("/proc/self/statm").read_text().split()[1])
     return pages * resource.getpagesize() / 2**20
 
 
 def endure(row: Row, folder: str, number: int, channel: Connection) -> None:
-    """Render ``number`` samples; answer with the memory held after each twentieth of them."""
+    """Render ``number`` samples, and answer with the memory after each twentieth of them."""
     work, held = samples(row, Path(folder)), []
     for index in range(number):
         next(work)
@@ -104,7 +104,7 @@ def write(mesh: Mesh, path: Path) -> None:
 
 
 def read(path: Path) -> Mesh:
-    """Return what `write` wrote."""
+    """Return the mesh that `write` wrote."""
     with np.load(path) as stored:
         return Mesh(str(stored["name"]), stored["vertices"], stored["faces"], stored["normals"])
 

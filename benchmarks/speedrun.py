@@ -1,11 +1,11 @@
-"""Speedrun: how long the same small training takes until a fixed validation error, with one idea changed.
+"""Speedrun: how long the same small training takes to reach a fixed validation error, with one idea changed.
 
     python benchmarks/speedrun.py
     python benchmarks/speedrun.py --model.generator.init_args.patch=4
 
-The recipe is benchmarks/speedrun.yaml. Options are those of `normalgan fit`. Seconds count from the start of
-training to the validation at which the error with hints reaches the target, on one thread. Compare runs on
-one idle machine, and over three seeds (--seed_everything) if they are close.
+The recipe is benchmarks/speedrun.yaml, and the options are those of `normalgan fit`. The clock runs on one
+thread, from the start of training to the validation at which the error with hints reaches the target. Compare
+runs on one idle machine, and over three seeds (--seed_everything) if they are close.
 """
 
 import json
@@ -22,11 +22,11 @@ from machine import ONE_THREAD
 HERE = Path(__file__).parent
 ERROR = "val/hints/angular_mean"
 TARGET = 20.0
-"""Degrees: the validation error with hints that ends the race."""
+"""The validation error with hints that ends the race, in degrees."""
 
 
 def seconds_to(curve: Sequence[Mapping[str, Any]], target: float) -> float | None:
-    """Return the seconds at which a learning curve reaches an error, between its points; None if never.
+    """Return the seconds at which a learning curve, interpolated, reaches an error; None if it never does.
 
     >>> curve = [{"seconds": 10, ERROR: 30.0}, {"seconds": 20, ERROR: 20.0}]
     >>> seconds_to(curve, 25.0), seconds_to(curve, 35.0), seconds_to(curve, 5.0)
@@ -54,7 +54,7 @@ def train(settings: Sequence[str], folder: Path) -> list[dict[str, Any]]:
 
 
 if __name__ == "__main__":
-    if os.environ.get("OMP_NUM_THREADS") != "1":  # libraries read it when they are imported
+    if os.environ.get("OMP_NUM_THREADS") != "1":  # libraries read it on import
         os.execve(sys.executable, [sys.executable, *sys.argv], {**os.environ, **ONE_THREAD})
     with TemporaryDirectory() as folder:
         taken = seconds_to(train(sys.argv[1:], Path(folder)), TARGET)

@@ -1,11 +1,11 @@
-"""Measures how much a map changes where the drawing does not: moved by a pixel, or one more stroke far away.
+"""Measures how much a map changes where the drawing does not, after a shift by a pixel or a stroke far away.
 
 steadiness.py DRAWINGS… [--sides 256 1024] [--model FILE] [--picture FILE]
 
-The drawings are files or patterns. Each is painted as it is, moved on its paper by a pixel to the right, down
-and both, and with a short stroke in the emptiest place of the object. Prints JSON: the mean change of the
-normals in degrees where both maps have an object; for the stroke, of what lies farther from it than a quarter
-of the drawing.
+The drawings are files or patterns. Each is predicted unchanged, shifted on its paper by a pixel to the right,
+down and both, and with a short stroke in the emptiest place of the object. Prints JSON: the mean change of
+the normals in degrees where both maps have an object. For the stroke, only pixels farther from it than a
+quarter of the drawing count.
 """
 
 import argparse
@@ -30,9 +30,9 @@ from normalgan.weights.shipped import find_model
 
 MOVES = {"right": (1, 0), "down": (0, 1), "both": (1, 1)}
 STROKE, WIDTH, FAR = 1 / 12, 1 / 170, 1 / 4
-"""Shares of the longer side: how long and wide the stroke is, and from where on a pixel is far from it."""
+"""Shares of the longer side: the stroke's length and width, and the distance from which a pixel is far."""
 MARGIN = 8
-"""Pixels of paper that are added around a drawing, so that it can be moved."""
+"""Pixels of paper added around a drawing, so that it can be shifted."""
 
 
 def drawn(path: Path, side: int) -> NDArray[np.uint8]:
@@ -45,7 +45,7 @@ def drawn(path: Path, side: int) -> NDArray[np.uint8]:
 
 
 def with_stroke(paper: NDArray[np.uint8], mask: NDArray[np.bool_]) -> tuple[NDArray[np.uint8], Floats]:
-    """Return a drawing with a stroke where the object has most room, and how far from it each pixel is."""
+    """Return a drawing with a stroke where the object has most room, and each pixel's distance from it."""
     ink = paper.min(-1) < 128
     room = cv2.distanceTransform((mask & ~ink).astype(np.uint8), cv2.DIST_L2, 5)
     row, column = np.unravel_index(int(room.argmax()), room.shape)
@@ -61,7 +61,7 @@ def with_stroke(paper: NDArray[np.uint8], mask: NDArray[np.bool_]) -> tuple[NDAr
 def change(
     one: NormalMap, other: NormalMap, shift: tuple[int, int] = (0, 0)
 ) -> tuple[Floats, NDArray[np.bool_]]:
-    """Return by how many degrees each normal changes, (H, W), and where both have an object."""
+    """Return the change of each normal in degrees, (H, W), and where both maps have an object."""
     right, down = shift
     back = (-down, -right)
     moved = np.roll(other.extended, back, (0, 1))
@@ -69,7 +69,7 @@ def change(
 
 
 def measure(predictor: Predictor, paper: NDArray[np.uint8]) -> tuple[dict[str, float], list[NormalMap]]:
-    """Return the mean changes of one drawing, and its maps as it is and with the stroke."""
+    """Return the mean changes of one drawing, and its maps without and with the stroke."""
     first = predictor(paper)
     found = {}
     for name, (right, down) in MOVES.items():
@@ -90,7 +90,7 @@ def main() -> None:
     parser.add_argument("drawings", nargs="+")
     parser.add_argument("--sides", type=int, nargs="+", default=[256, 1024])
     parser.add_argument("--model", type=Path)
-    parser.add_argument("--picture", type=Path, help="where each map goes, and below it that with the stroke")
+    parser.add_argument("--picture", type=Path, help="picture of each map, with that of the stroke below it")
     given = parser.parse_args()
     predictor = Predictor(OnnxBackend(find_model(given.model), threads=1))
     paths = sorted(Path(path) for pattern in given.drawings for path in glob.glob(pattern))

@@ -1,17 +1,18 @@
-"""Times `normalgan studio` in Chromium at a person's pace.
+"""Times `normalgan studio` in Chromium at a person's pace, and prints JSON.
 
-studio.py MODEL [--sides 256 512 1024] [--strokes 20] [--memory 0] [--starts 5] [--threads 0]: a model by
-`normalgan export`, or the folder of the page without a server: site/draw after `make docs`. For each side
-of the drawing: strokes with pauses between them, from a stroke's end to its map on show, and to the first
-one of at least half its size; scribbling, four strokes a second, with the longest time without a new map; a
-pin turned by its ball, in maps a second. With `--strokes 0` none of this is timed. `--threads 2` is for the
-page without a server: visited again, its networks take as many threads as half the cores, of which they are
-told four, and each side says whether the page was isolated, and how many threads there were. `--memory 500`
-draws 500 strokes and prints how much the page's memory grew after the first 20, and how much of that in the
-first half.
-`--starts 5` loads the page in five new browser contexts, twice in each, and prints the milliseconds until one
-can draw, and the number of requests. Needs Playwright, and Chromium on the PATH or as NORMALGAN_CHROMIUM.
-Prints JSON.
+studio.py MODEL [--sides 256 512 1024] [--strokes 20] [--memory 0] [--starts 5] [--threads 0]: MODEL is a
+model from `normalgan export`, or the folder of the page without a server, site/draw after `make docs`. It
+needs Playwright, and Chromium on the PATH or in NORMALGAN_CHROMIUM.
+
+For each side of the drawing it times three things. Strokes with pauses between them: from the end of a stroke
+to its visible map, and to the first map of at least half the size. Scribbling at four strokes a second: the
+longest time without a new map. A pin turned by its ball: maps per second. `--strokes 0` skips all of this.
+
+`--threads 2` is for the page without a server. On the second visit its networks use half of the cores as
+threads, and are told that there are four cores. Each side then says whether the page was isolated, and how
+many threads there were. `--memory 500` draws 500 strokes, and prints how much the page's memory grew after
+the first 20, and how much of that in the first half. `--starts 5` loads the page twice in each of five new
+browser contexts, and prints the milliseconds until it can be drawn on, and the number of requests.
 """
 
 import argparse
@@ -44,16 +45,16 @@ WATCH = """(side) => {
   addEventListener("pointerup", (event) => note("up", lifted = event.timeStamp), true);
   const result = document.getElementById("result");
   const ask = window.fetch;
-  let half = false; // the last map is of all strokes, and at half the size or more
+  let half = false; // whether the last map shows all strokes at half the size or more
   window.fetch = async (path, options) => {
     const at = performance.now();
     const answer = await ask(path, options);
     if (path === "/api/predict") half = at >= lifted && 2 * Number(answer.headers.get("X-Width")) >= side;
     return answer;
   };
-  // The map is on the screen with the frame after the one in which the viewer draws it.
+  // The map is visible one frame after the viewer draws it.
   new MutationObserver(() => {
-    // Not busy: the map is of all that was drawn, and as fine as it will be.
+    // Not busy: the map shows all strokes, at its final resolution.
     const kind = result.ariaBusy === "false" ? "whole" : half ? "half" : "map";
     requestAnimationFrame(() => requestAnimationFrame(() => note(kind, performance.now())));
   }).observe(result, { attributeFilter: ["data-painted"] });
@@ -81,7 +82,7 @@ class Hand:
         self.chance = random.Random(1)
 
     def around(self, angle: float, radius: float) -> Point:
-        """Return a point of the screen, on a bent circle about the middle."""
+        """Return a point of the screen, on a deformed circle about the middle."""
         wave = 1 + 0.15 * math.sin(3 * angle)
         return self.middle[0] + wave * radius * math.cos(angle), self.middle[1] + radius * math.sin(angle)
 
@@ -92,19 +93,19 @@ class Hand:
         return [self.around(start + 0.05 * i, radius) for i in range(count)]
 
     def outline(self) -> None:
-        """Draw the object's outline, and wait for its map."""
+        """Draw the outline of the object, and wait for its map."""
         self.stroke([self.around(math.tau * i / 60, self.reach) for i in range(61)])
         self.rest()
 
     def stroke(self, points: list[Point]) -> None:
-        """Draw through points, one in each frame of the screen."""
+        """Draw through points, one per frame of the screen."""
         self.page.mouse.move(*points[0])
         self.page.mouse.down()
         self.follow(points[1:])
         self.page.mouse.up()
 
     def follow(self, points: list[Point]) -> None:
-        """Move through points, one in each frame of the screen."""
+        """Move through points, one per frame of the screen."""
         end = time.perf_counter()
         for point in points:
             self.page.mouse.move(*point)
@@ -112,7 +113,7 @@ class Hand:
             time.sleep(max(0.0, end - time.perf_counter()))
 
     def rest(self) -> None:
-        """Wait until all that was drawn is on show."""
+        """Wait until the map of all strokes is visible."""
         self.page.wait_for_function(
             "() => Number(document.getElementById('result').dataset.painted ?? 0) > 0"
             " && document.getElementById('result').ariaBusy === 'false'"
@@ -120,15 +121,15 @@ class Hand:
         self.page.wait_for_timeout(300)
 
     def events(self) -> list[Event]:
-        """Return what has happened since this was asked last."""
+        """Return the events since the last call."""
         found: list[Event] = self.page.evaluate("() => events.splice(0)")
         return found
 
 
 def strokes(hand: Hand, count: int) -> dict[str, Any]:
-    """Return the milliseconds from the end of strokes, with pauses between them, to their map.
+    """Return the milliseconds from the end of each stroke, with pauses between strokes, to its map.
 
-    A map of half the size may come before it; ``first`` counts either.
+    A map of half the size may come first; ``first`` counts either.
     """
     hand.events()
     for _ in range(count):
@@ -136,7 +137,7 @@ def strokes(hand: Hand, count: int) -> dict[str, Any]:
         time.sleep(hand.chance.uniform(*PAUSES))
     hand.rest()
     events = hand.events()
-    # A stroke that was begun before the map of the one before was there has both in one map.
+    # A stroke begun before the previous map arrived shares its map with the previous stroke.
     return {**waits(events, {"whole"}, count), "first": waits(events, {"half", "whole"}, count)}
 
 
@@ -157,7 +158,7 @@ def waits(events: Sequence[Event], kinds: set[str], count: int) -> dict[str, Any
 
 
 def scribble(hand: Hand, seconds: float) -> dict[str, Any]:
-    """Return how many maps are shown while a hand scribbles, and the longest time (ms) without a new one."""
+    """Return the number of maps shown while a hand scribbles, and the longest time (ms) without a new one."""
     hand.events()
     end, count = time.perf_counter() + seconds, 0
     while time.perf_counter() < end:
@@ -175,7 +176,7 @@ def scribble(hand: Hand, seconds: float) -> dict[str, Any]:
 
 
 def turn(hand: Hand, seconds: float) -> dict[str, Any]:
-    """Return how many maps a second are shown while a pin is turned."""
+    """Return the number of maps per second while a pin is turned."""
     page = hand.page
     page.locator("#tool-hint").click()
     page.mouse.click(*hand.around(1, 0.4 * hand.reach))
@@ -204,10 +205,10 @@ def turn(hand: Hand, seconds: float) -> dict[str, Any]:
 def memory(
     hand: Hand, session: CDPSession, renderers: list[int], answers: list[int], count: int
 ) -> dict[str, Any]:
-    """Return how much memory (MB) the page takes more after so many strokes than after the first twenty.
+    """Return how much the page's memory (MB) grows between the first twenty strokes and the last.
 
-    The browser keeps the bytes of each answer for whoever drives it, up to a limit of its own: they are told
-    beside what its process takes, which has them.
+    The browser keeps the bytes of each answer for its driver, up to a limit of its own. They are part of its
+    process's memory, and are also reported separately.
     """
 
     def measured() -> dict[str, float]:
@@ -220,7 +221,7 @@ def memory(
             "answers_kept_for_the_driver": sum(answers) / 2**20,
         }
         pages = [Path(f"/proc/{pid}/status") for pid in renderers]
-        if all(page.is_file() for page in pages):  # elsewhere than on Linux, the heap has to do
+        if all(page.is_file() for page in pages):  # other systems than Linux measure the heap instead
             kept = [re.search(r"RssAnon:\s+(\d+) kB", page.read_text()) for page in pages]
             found["process"] = sum(int(each[1]) for each in kept if each) / 1024
         return found
@@ -245,7 +246,7 @@ def memory(
 
 
 def starts(browser: Browser, address: str, count: int) -> dict[str, Any]:
-    """Return how long (ms) the page takes until it can be drawn on, with nothing kept and with all kept."""
+    """Return how long (ms) the page takes until it can be drawn on, with an empty and with a full cache."""
     found: dict[str, Any] = {}
     times: dict[str, list[float]] = {"cold": [], "again": []}
     for _ in range(count):
@@ -256,7 +257,7 @@ def starts(browser: Browser, address: str, count: int) -> dict[str, Any]:
             page.goto(address)
             page.wait_for_selector("html[data-ready]")
             kept.append(1000 * (time.perf_counter() - start))
-            # What came from the cache has a size but was not transferred.
+            # A cached resource has a size, but no transfer size.
             asked = "performance.getEntriesByType('resource').filter((each) => each.transferSize > 0).length"
             found[f"{kind}_requests"] = page.evaluate(asked)
         context.close()
@@ -266,7 +267,7 @@ def starts(browser: Browser, address: str, count: int) -> dict[str, Any]:
 
 
 def begin(page: Page, address: str, side: int, *, again: bool) -> Hand:
-    """Open the page, on a second visit if asked, and draw an outline on a new drawing."""
+    """Open the page, ``again`` for a second visit, and draw an outline on a new drawing."""
     page.goto(address)
     if again:
         page.evaluate("navigator.serviceWorker.ready.then(() => true)")
@@ -283,7 +284,7 @@ def begin(page: Page, address: str, side: int, *, again: bool) -> Hand:
 
 
 def with_cores(site: Path, folder: Path, cores: int) -> Path:
-    """Copy the page without a server into a folder, and let its networks believe in a number of cores."""
+    """Copy the page without a server into a folder, with a fixed number of cores for its networks."""
     copy = shutil.copytree(site, folder / "draw")
     networks = copy / "page" / "networks.js"
     told = f'Object.defineProperty(navigator, "hardwareConcurrency", {{ value: {cores} }});\n'
@@ -293,7 +294,7 @@ def with_cores(site: Path, folder: Path, cores: int) -> Path:
 
 @contextmanager
 def serving(model: Path, threads: int) -> Iterator[str]:
-    """Run the studio, or serve the files of the page without one, and give its address."""
+    """Run the studio, or serve the files of the page without a server, and yield the address."""
     with TemporaryDirectory() as folder:
         studio = ["normalgan", "studio", "--no-browser", "--port", "0", "--model", str(model)]
         site = with_cores(model, Path(folder), 2 * threads) if threads else model
@@ -316,7 +317,7 @@ def serving(model: Path, threads: int) -> Iterator[str]:
 
 
 def keep(answers: list[int], inside: list[float], response: Response) -> None:
-    """Keep the bytes of an answer, and the milliseconds that the server took, if it tells them."""
+    """Record the bytes of an answer, and the server's milliseconds if it reports them."""
     answers.append(int(response.headers.get("content-length", 0)))
     if "x-seconds" in response.headers:
         inside.append(1000 * float(response.headers["x-seconds"]))
@@ -333,7 +334,7 @@ def main() -> None:
     parser.add_argument("--threads", type=int, default=0)
     given = parser.parse_args()
     if given.threads and not given.model.is_dir():
-        parser.error(f"--threads are those of the page without a server; {given.model} is not its folder")
+        parser.error(f"--threads is for the page without a server, but {given.model} is not its folder")
     chromium = shutil.which(os.environ.get("NORMALGAN_CHROMIUM") or "chromium")
     figures: dict[str, Any] = {}
     with serving(given.model, given.threads) as address, sync_playwright() as playwright:
@@ -351,7 +352,7 @@ def main() -> None:
             found: dict[str, Any] = {}
             if given.threads:
                 found["isolated"] = page.evaluate("crossOriginIsolated")
-                # The networks' own worker is one of them, and the runtime starts the others.
+                # One of them is the networks' own worker; the runtime starts the others.
                 found["threads"] = 1 + sum("ort-wasm" in worker.url for worker in page.workers)
             if given.strokes:
                 found["stroke_to_map_ms"] = strokes(hand, given.strokes)

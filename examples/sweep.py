@@ -1,7 +1,7 @@
-"""A sweep of the learning rate with Optuna, five tiny models: replace the settings with yours.
+"""Sweeps the learning rate over five tiny models with Optuna; replace the settings with your own.
 
-Writes the runs into the folder sweep, which must not exist yet: fit trains over no finished run. Needs
-`pip install optuna`.
+It needs `pip install optuna`. It writes the runs into the folder sweep, which must not exist yet, because
+`fit` overwrites no finished run.
 """
 
 import json
@@ -22,17 +22,17 @@ SWEEP = Path("sweep")
 
 
 def objective(trial: optuna.Trial) -> float:
-    """Train a model with a trial's learning rate, and return its best validation error."""
+    """Train a model with the learning rate of a trial, and return its best validation error."""
     rate = trial.suggest_float("rate", 1e-4, 1e-2, log=True)
     run = SWEEP / str(trial.number)
     optimizer = ["--model.generator_optimizer", "RAdam", "--model.generator_optimizer.lr", str(rate)]
     if main(["fit", *TINY, *optimizer, "--trainer.default_root_dir", str(run)]):
-        raise optuna.TrialPruned  # the reason is on the error stream
+        raise optuna.TrialPruned  # `fit` has printed the reason to the error stream
     return min(epoch["val/hints/angular_mean"] for epoch in json.loads((run / "curve.json").read_text()))
 
 
 if SWEEP.exists():
-    raise SystemExit(f"{SWEEP} holds a sweep already; move it, or change SWEEP.")
+    raise SystemExit(f"{SWEEP} already holds a sweep. Move it, or change SWEEP.")
 study = optuna.create_study(sampler=optuna.samplers.TPESampler(seed=0))
 study.optimize(objective, n_trials=5)
 print(study.best_params, study.best_value)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Put an add-on where its program looks for it, and note beside it where normalgan is.
+"""Installs an add-on in the folder where its program looks for it, with a note of normalgan's path.
 
     python integrations/install.py inkscape
     python integrations/install.py godot4 --to my_game/
@@ -8,7 +8,7 @@
 The programs are inkscape, gimp3 (or gimp2 for GIMP 2.10), krita, blender, aseprite, godot4 (or godot3 for
 Godot 3) and comfyui.
 
-It needs the standard library alone. What an earlier install put there is replaced.
+It needs only the standard library, and replaces the files of an earlier installation.
 """
 
 import argparse
@@ -24,12 +24,12 @@ COMMAND = "normalgan_command.py"
 
 
 def program_folders(system: str, home: Path, environment: Mapping[str, str]) -> dict[str, Path]:
-    """Return the folder in which each program keeps its settings and what its user adds, without its version.
+    """Return the folder, without its version, that holds each program's settings and user additions.
 
     Args:
-        system: as of `sys.platform`.
-        home: the user's folder.
-        environment: its variables.
+        system: the system, as in `sys.platform`.
+        home: the user's home folder.
+        environment: the environment variables.
     """
     if system == "win32":
         data = Path(environment.get("APPDATA") or home / "AppData" / "Roaming")
@@ -56,14 +56,16 @@ PROGRAMS = program_folders(sys.platform, Path.home(), os.environ)
 
 @dataclass(frozen=True)
 class AddOn:
-    """Where an add-on goes.
+    """Where an add-on is installed, and how.
 
     Args:
-        folder: that the program reads; None where there is none yet, or no usual one: `--to` must name it.
-        files: pairs of what lies here in the program's folder and where it goes in `folder`.
-        beside: where in `folder` the note of the command goes, and for those in Python what calls it.
-        python: whether it calls the command from Python.
-        then: what is left to do in the program.
+        folder: the folder that the program reads; None if it does not exist yet or no usual one exists, in
+            which case `--to` must name it.
+        files: pairs of a path in the program's folder here and its path in `folder`.
+        beside: the folder in `folder` for the note of the command's path, and for the module that calls the
+            command from Python.
+        python: whether the add-on calls the command from Python.
+        then: the steps that remain for the user.
     """
 
     folder: Path | None
@@ -74,7 +76,7 @@ class AddOn:
 
 
 def newest(program: str, versions: str) -> Path | None:
-    """Return the settings of the newest version of a program that was used here, or None."""
+    """Return the settings folder of the newest version of a program used here, or None."""
     used = [path for path in PROGRAMS[program].glob(versions) if path.name.replace(".", "").isdigit()]
     return max(used, key=lambda path: [int(part) for part in path.name.split(".")], default=None)
 
@@ -156,12 +158,12 @@ ADD_ONS = {
 
 
 def install(name: str, folder: Path, normalgan: str) -> None:
-    """Copy an add-on's files.
+    """Copy the files of an add-on.
 
     Args:
-        name: of the add-on.
-        folder: that its program reads.
-        normalgan: the path of the command, or nothing, in which case it is looked for when it is called.
+        name: the name of the add-on.
+        folder: the folder that its program reads.
+        normalgan: the path of the command; if empty, the add-on looks for it on every call.
     """
     add_on = ADD_ONS[name]
     for source, target in add_on.files:
@@ -186,7 +188,7 @@ def install(name: str, folder: Path, normalgan: str) -> None:
 
 
 def own_command() -> str:
-    """Return the command of this clone's environment, or of the search path, or nothing."""
+    """Return the command in this clone's environment or on the search path, or an empty text."""
     for path in (
         HERE.parent / ".venv" / "bin" / "normalgan",
         HERE.parent / ".venv" / "Scripts" / "normalgan.exe",
@@ -200,18 +202,18 @@ def main() -> int:
     """Install the add-on that the command line names."""
     parser = argparse.ArgumentParser(description="Install an add-on for a program.")
     parser.add_argument("name", choices=sorted(ADD_ONS), help="the program")
-    parser.add_argument("--to", type=Path, help="the folder that it goes to, if not the program's usual one")
+    parser.add_argument("--to", type=Path, help="the target folder, if not the program's usual one")
     parser.add_argument(
         "--normalgan", default="", help="the command, by default that of this clone or the search path"
     )
     given = parser.parse_args()
     folder = given.to or ADD_ONS[given.name].folder
     if folder is None:
-        parser.error(f"the add-on for {given.name} goes into a folder of yours: name it with --to")
+        parser.error(f"the add-on for {given.name} has no usual folder: name one with --to")
     found = shutil.which(given.normalgan) if given.normalgan else own_command()
     if given.normalgan and not found:
         parser.error(f"{given.normalgan} is not a command; give the path of normalgan")
-    normalgan = str(Path(found).absolute()) if found else ""  # the program has another working directory
+    normalgan = str(Path(found).absolute()) if found else ""  # the program's working directory differs
     try:
         install(given.name, folder, normalgan)
     except OSError as error:

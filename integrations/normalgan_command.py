@@ -1,6 +1,6 @@
-"""How every add-on calls `normalgan generate`: find the command, run it, and pass on what it says.
+"""Calls `normalgan generate` for every add-on: finds the command, runs it, and passes on its messages.
 
-It is copied into each add-on and runs in the Python of its program, so it needs the standard library alone.
+It is copied into each add-on and runs in the program's Python, so it needs only the standard library.
 """
 
 import os
@@ -12,39 +12,39 @@ from collections.abc import Callable
 from pathlib import Path
 
 RECORD = Path(__file__).with_name("normalgan_path.txt")
-"""Where `install.py` notes the command: a program started from a menu does not see an active environment."""
+"""The file where `install.py` notes the command: a program started from a menu sees no environment."""
 
 FOREIGN = ("PYTHONHOME", "PYTHONPATH", "LD_LIBRARY_PATH")
-"""What programs set for a Python of their own, and what breaks another one."""
+"""Variables that programs set for their own Python, and that break another Python."""
 
 REMEDY = (
     "install it and run integrations/install.py again, or set the environment variable NORMALGAN to the path "
     "of its command."
 )
-"""What to do where no command is found."""
+"""The advice to the user when no command is found."""
 
 
 NO_WINDOW = getattr(subprocess, "CREATE_NO_WINDOW", 0)
-"""On Windows, a command that is started from a program without a console would open one."""
+"""On Windows, a command started from a program without a console would open one."""
 
 PAUSE = 0.05
-"""Seconds between two looks at whether the command has ended: the program stays usable."""
+"""Seconds between two checks whether the command has ended; the program stays usable meanwhile."""
 
 
 class CommandError(Exception):
-    """One sentence for the user: no command was found, or what the command said as it failed."""
+    """One sentence for the user: that no command was found, or the command's error message."""
 
 
 class CancelledError(CommandError):
-    """The user has cancelled; nothing is left to be said."""
+    """The user has cancelled, so there is nothing to report."""
 
 
 def find_command(chosen: str = "") -> str:
     """Return the path of the command.
 
     Args:
-        chosen: one that the user set in the program, or nothing. After it come the environment variable
-            NORMALGAN, what the installer noted, and the search path.
+        chosen: the path that the user set in the program, or empty. If it is empty, the environment variable
+            NORMALGAN, the installer's note and the search path follow in this order.
 
     Raises:
         CommandError: if there is none.
@@ -63,13 +63,13 @@ def find_command(chosen: str = "") -> str:
 
 
 class Running:
-    """A command that predicts the normal map of one drawing, while its program goes on.
+    """A running command that predicts the normal map of one drawing while the program continues.
 
     Args:
-        drawing: its file.
-        output: the map's file.
-        settings: of `normalgan generate`.
-        chosen: as of `find_command`.
+        drawing: the file of the drawing.
+        output: the file for the map.
+        settings: settings of `normalgan generate`.
+        chosen: as in `find_command`.
 
     Raises:
         CommandError: if there is no command, or it cannot be started.
@@ -78,7 +78,7 @@ class Running:
     def __init__(self, drawing: str | Path, output: str | Path, *settings: str, chosen: str = "") -> None:
         command = [find_command(chosen), "generate", *settings, "-o", str(output), "--", str(drawing)]
         environment = {name: value for name, value in os.environ.items() if name not in FOREIGN}
-        # Not a pipe: nobody reads it while the command runs, and a full one would stop it.
+        # Not a pipe: nobody reads it while the command runs, and a full pipe would block the command.
         self._said = tempfile.TemporaryFile()  # noqa: SIM115 - it is closed with the result
         try:
             self._process = subprocess.Popen(
@@ -95,20 +95,20 @@ class Running:
 
     @property
     def ended(self) -> bool:
-        """Whether it has ended, in whatever way."""
+        """Whether the command has ended, successfully or not."""
         return self._process.poll() is not None
 
     def cancel(self) -> None:
-        """End it; it writes a file completely or not at all."""
+        """End the command, which writes a file completely or not at all."""
         self._process.kill()
         self._process.wait()
         self._said.close()
 
     def result(self) -> str:
-        """Wait until it ends, and return what it warned of, or nothing.
+        """Wait for the end of the command, and return its warnings, or an empty text.
 
         Raises:
-            CommandError: with what it said, if it failed.
+            CommandError: if the command failed, with its message.
         """
         code = self._process.wait()
         with self._said:
@@ -130,19 +130,19 @@ def predict(
     """Predict the normal map of one drawing.
 
     Args:
-        drawing: its file.
-        output: the map's file.
-        settings: of `normalgan generate`.
-        chosen: as of `find_command`.
-        meanwhile: called again and again until the command ends; it lets the program work, and returns
-            whether to go on.
+        drawing: the file of the drawing.
+        output: the file for the map.
+        settings: settings of `normalgan generate`.
+        chosen: as in `find_command`.
+        meanwhile: called repeatedly until the command ends; it lets the program work, and returns whether to
+            continue.
 
     Returns:
-        What the command warned of, or nothing.
+        The command's warnings, or an empty text.
 
     Raises:
-        CancelledError: if ``meanwhile`` says so.
-        CommandError: with what the command said, if it failed, or if there is none.
+        CancelledError: if ``meanwhile`` returns False.
+        CommandError: if there is no command, or it failed; then with its message.
     """
     running = Running(drawing, output, *settings, chosen=chosen)
     while meanwhile is not None and not running.ended:

@@ -1,7 +1,7 @@
-"""Looks at what normalgan depends on: the licence of each package, and what is known against it.
+"""Checks the packages that normalgan depends on: their licences and known security advisories.
 
-`make audit` runs it. It ends with 1 if a licence is none of those below or an advisory is known. Advisories
-that cannot be reached are said to be unchecked, and are no failure: a build without a network is not red.
+`make audit` runs it. It exits with 1 if a licence is not in the list below or an advisory is known. Without a
+network it reports that advisories were not checked, and does not fail.
 """
 
 import re
@@ -13,20 +13,20 @@ from importlib.metadata import Distribution, PackageNotFoundError, distribution
 from packaging.requirements import Requirement
 
 EXTRAS = ("", "train", "cluster", "export", "s3")
-"""What a user may install; what developers use besides is not shipped."""
+"""The extras that a user may install; developers' other packages are not shipped."""
 PERMISSIVE = re.compile(
     r"\b(MIT|0?BSD|Apache|ISC|PSF|Python Software Foundation|MPL|HPND|CC0|Zlib|Unlicense|BSL-1|[23]-Clause)\b"
 )
 COPYLEFT = re.compile(r"\b[AL]?GPL|General Public", re.IGNORECASE)
 TEXTS = ("Permission is hereby granted, free of charge", "Redistribution and use in source and binary forms")
-"""How the licences of MIT and BSD begin, for packages that give a text and no name."""
+"""Beginnings of the MIT and BSD licences, for packages that give a text instead of a name."""
 CUDA = ("cuda-", "nvidia-")
-"""Packages of PyTorch's build for NVIDIA's GPUs, under NVIDIA's licence; the build for the CPU has none."""
+"""Packages under NVIDIA's licence, which only PyTorch's build for NVIDIA's GPUs needs."""
 SECONDS = 300
 
 
 def dependencies(name: str, extras: tuple[str, ...] = EXTRAS) -> dict[str, Distribution]:
-    """Return the packages that one needs here, by name, and those that they need, without NVIDIA's."""
+    """Return all direct and indirect dependencies of a package here, by name, except NVIDIA's."""
     found: dict[str, Distribution] = {}
     waiting = [(name, extras)]
     while waiting:
@@ -36,7 +36,7 @@ def dependencies(name: str, extras: tuple[str, ...] = EXTRAS) -> dict[str, Distr
         try:
             found_here = distribution(package)
         except PackageNotFoundError:
-            continue  # of another system
+            continue  # needed only on another system
         if found_here.metadata["Name"] in found:
             continue
         found[found_here.metadata["Name"]] = found_here
@@ -48,7 +48,7 @@ def dependencies(name: str, extras: tuple[str, ...] = EXTRAS) -> dict[str, Distr
 
 
 def permissive(package: Distribution) -> bool:
-    """Return whether a package may be used and passed on freely, by what it says of its licence."""
+    """Return whether a package's stated licence permits free use and redistribution."""
     metadata = package.metadata
     assert isinstance(metadata, Message)  # not so in the types of Python 3.11
     short = metadata.get("License") or ""
@@ -64,7 +64,7 @@ def permissive(package: Distribution) -> bool:
 
 
 def advisories() -> tuple[bool, str]:
-    """Return whether nothing is known against the installed packages, and a line on it."""
+    """Return whether the installed packages have no known advisory, and a line that reports it."""
     command = [sys.executable, "-m", "pip_audit", "--local", "--skip-editable", "--progress-spinner", "off"]
     try:
         done = subprocess.run(
@@ -79,7 +79,7 @@ def advisories() -> tuple[bool, str]:
     if "No module named pip_audit" in done.stderr:
         return True, "advisories: not checked; pip-audit is not installed."
     if done.returncode == 0:
-        # A package that the service has no page of, or none that can be reached, counts as sound there.
+        # A package counts as sound if the service has no page for it or cannot be reached.
         skipped = len(re.findall(r"could not be audited", done.stdout + done.stderr))
         return True, f"advisories: none is known{f'; {skipped} packages not checked' if skipped else ''}."
     if re.search(r"vulnerabilit(y|ies) in", done.stderr + done.stdout):
@@ -89,7 +89,7 @@ def advisories() -> tuple[bool, str]:
 
 
 def main() -> int:
-    """Print what was found; return the exit code."""
+    """Print the findings, and return the exit code."""
     packages = dependencies("normalgan")
     unknown = sorted(name for name, package in packages.items() if not permissive(package))
     print(f"licences: {len(packages) - len(unknown)} of {len(packages)} packages are permissive.")

@@ -1,10 +1,10 @@
-"""Averages a trained network with the weights that it was grown or trained on from.
+"""Averages the weights of a trained network with those that it was grown or trained from.
 
 average_weights.py TRAINED START OUT.safetensors [--share 0.5]
 
-TRAINED and START are checkpoints, safetensors or ONNX files; START may be of a smaller network that TRAINED
-was grown from. The weights that both have become SHARE of those of TRAINED and the rest of those of START;
-channels that are new keep their values. Wortsman et al. 2022, "Robust fine-tuning of zero-shot models".
+TRAINED and START are checkpoints, safetensors or ONNX files. START may hold a smaller network that TRAINED
+was grown from. A weight that both have becomes SHARE × TRAINED + (1 - SHARE) × START, and new channels keep
+their values. Method: Wortsman et al. 2022, "Robust fine-tuning of zero-shot models".
 """
 
 import argparse
@@ -18,11 +18,11 @@ from normalgan.weights.file import Weights
 
 
 def average(trained: Weights, start: Weights, share: float) -> Weights:
-    """Return the average of two networks, of which the second may be smaller."""
+    """Return the average of two networks; the second may be smaller."""
     small, grown = start.generator(), trained.generator()
     assert isinstance(small, ResidualUNetGenerator)
     assert isinstance(grown, ResidualUNetGenerator)
-    grow(small, grown)  # new channels, which nothing of the old reads, are left as they were trained
+    grow(small, grown)  # new channels, which no old channel reads, keep their trained values
     before = grown.state_dict()
     tensors = {
         name: tensor.float().lerp(before[name].float(), 1 - share) if tensor.is_floating_point() else tensor

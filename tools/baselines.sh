@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Trains the methods of the benchmark's first table on the embedded animals, and exports them with a card:
+# Trains the methods in the benchmark's first table on the embedded animals, and exports them with a card:
 # tools/baselines.sh [FOLDER] [PYTHON]
 #
 # The default FOLDER is build/baselines, where `make release` looks. It takes about half an hour on two cores, at 128

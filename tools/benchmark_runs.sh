@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Trains and measures again what a section of docs/benchmark_tables.md shows, and keeps its figures in docs/results:
+# Repeats the training and measuring for a section of docs/benchmark_tables.md, and stores its figures in docs/results:
 # tools/benchmark_runs.sh NAME…      NAME: benchmark_64, critic_64 and so on, as the sections say
 #
 # meshes/ holds the FourLeg meshes. The runs stay in runs; run the command again to continue. PYTHON names the
-# interpreter, ROWS the rows that are trained (pix2pix,ours) in place of those whose figures are there.
+# interpreter, and ROWS the rows to train (pix2pix,ours) instead of those that already have figures.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 python=${PYTHON:-.venv/bin/python}

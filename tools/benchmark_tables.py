@@ -1,4 +1,4 @@
-"""Writes docs/benchmark_tables.md, the full tables of the benchmark, from docs/results.
+"""Writes docs/benchmark_tables.md, the full tables of the benchmark, from the files in docs/results.
 
 tools/benchmark_tables.py: writes the page, and the shipped weights' table in README.md and model_card.md
 tools/benchmark_tables.py --show: prints the page instead
@@ -21,7 +21,7 @@ from normalgan.files.writing import write_bytes
 ROOT = Path(__file__).parents[1]
 RESULTS, PAGE = ROOT / "docs" / "results", ROOT / "docs" / "benchmark_tables.md"
 Runs = Sequence[Any]
-"""The runs of one method, a seed each."""
+"""The runs of one method, one per seed."""
 Cell = Callable[[Runs], str]
 INTRODUCTION = """# Benchmark: all tables
 
@@ -38,12 +38,12 @@ the files in `docs/results`, which also name the machine, the versions and the c
 
 
 def read(name: str) -> Any:
-    """Return the results of one name."""
+    """Return the results with a name."""
     return json.loads((RESULTS / f"{name}.json").read_text(encoding="utf-8"))
 
 
 def methods(results: Mapping[str, Any]) -> dict[str, list[Any]]:
-    """Return the runs of each method by the name of its row, in the order of the plan."""
+    """Return each method's runs by the name of its row, in the order of the plan."""
     found: dict[str, list[Any]] = defaultdict(list)
     for run in results["runs"]:
         found[run["row"]].append(run)
@@ -51,17 +51,17 @@ def methods(results: Mapping[str, Any]) -> dict[str, list[Any]]:
 
 
 def error(given: str, name: str = "angular_mean") -> Cell:
-    """Return what shows a figure of a method."""
+    """Return a cell that shows a figure of a method."""
     return figure_cell(given, name)
 
 
 def beside(reference: Runs, given: str, other: str | None = None) -> Cell:
-    """Return what shows how much larger a method's error is than the reference's, with its interval.
+    """Return a cell that shows how much larger a method's error is than the reference's, with an interval.
 
     Args:
-        reference: runs of the other method; those of the method itself if empty.
+        reference: runs of the reference; if empty, the method itself is the reference.
         given: the hints of the method.
-        other: the hints of the reference; None if they are the same.
+        other: the hints of the reference; None for the same hints.
     """
 
     def cell(runs: Runs) -> str:
@@ -73,7 +73,7 @@ def beside(reference: Runs, given: str, other: str | None = None) -> Cell:
 
 
 def relief(reference: Runs, name: str) -> Cell:
-    """Return what shows how a method's relief or mask without hints differs from the reference's."""
+    """Return a cell that shows how a method's relief or mask without hints differs from the reference's."""
 
     def cell(runs: Runs) -> str:
         found = total_interval(runs, reference, "0", name)
@@ -83,22 +83,22 @@ def relief(reference: Runs, name: str) -> Cell:
 
 
 def pins(where: str, number: int) -> Cell:
-    """Return what shows the error after a number of pins, set one by one."""
+    """Return a cell that shows the error after a number of pins, set one by one."""
     return lambda runs: f"{fmean(run['pins'][where][number] for run in runs):.2f}°"
 
 
 def share(runs: Runs) -> str:
-    """Return the least and the largest final share of the adversarial gradient."""
+    """Return the smallest and the largest final share of the adversarial gradient."""
     found = [run["curve"][-1].get("train/adversarial_share") for run in runs]
     return "–" if None in found else f"{min(found):.2f} to {max(found):.2f}"
 
 
 def table(rows: Mapping[str, Runs], columns: Mapping[str, Cell], first: str = "") -> list[str]:
-    """Return the lines of a table: a line for each row, a cell for each column.
+    """Return the lines of a table.
 
     Args:
-        rows: runs by the label of the row.
-        columns: what shows a cell, by its heading.
+        rows: runs by the label of their row.
+        columns: the function that formats each cell of a column, by the column's heading.
         first: heading of the labels.
     """
     lines = ["", f"| {first} | {' | '.join(columns)} |", f"| --- |{' ---: |' * len(columns)}"]
@@ -108,18 +108,18 @@ def table(rows: Mapping[str, Runs], columns: Mapping[str, Cell], first: str = ""
 
 
 def labelled(rows: Mapping[str, Runs]) -> dict[str, Runs]:
-    """Return runs by their label in place of the name of the row."""
+    """Return the rows with labels as keys in place of names."""
     return {runs[0]["label"]: runs for runs in rows.values()}
 
 
 def section(title: str, name: str, text: str, names: str | None = None) -> list[str]:
-    """Return the beginning of a section: heading, what was compared, and how to repeat it.
+    """Return the beginning of a section: the heading, what was compared, and how to repeat it.
 
     Args:
-        title: heading.
-        name: of the results, from which machine, budget and seeds are taken.
+        title: the heading.
+        name: the name of the results that give the machine, the budget and the seeds.
         text: what was compared, in a sentence or two.
-        names: what `tools/benchmark_runs.sh` is given; the name without it.
+        names: the arguments of `tools/benchmark_runs.sh`; None for ``name``.
     """
     results = read(name)
     budget = f"{results['images']:,} images a method".replace(",", " ")
@@ -140,7 +140,7 @@ def comparison() -> list[str]:
 
 
 def less_the_paper(rows: Mapping[str, Runs]) -> dict[str, Cell]:
-    """Return the columns of what trained methods have minus the paper."""
+    """Return the columns with the differences of trained methods from the paper's."""
     trained = [rows[name] for name in TRAINED if name in rows]
     return {
         f"{heading}, minus the paper": only(trained, cell)
@@ -149,12 +149,12 @@ def less_the_paper(rows: Mapping[str, Runs]) -> dict[str, Cell]:
 
 
 def only(methods: Sequence[Runs], cell: Cell) -> Cell:
-    """Return what shows a cell of these methods and leaves those of others empty."""
+    """Return a cell that is shown for these methods and empty for others."""
     return lambda runs: cell(runs) if any(runs is one for one in methods) else ""
 
 
 def differences(reference: Runs) -> dict[str, Cell]:
-    """Return the columns of differences from a method: no hints, 15, own."""
+    """Return the columns with the differences from a method: without hints, with 15, with its own hints."""
     return {
         "no hints": beside(reference, "0"),
         "15 hints": beside(reference, "15"),
@@ -163,7 +163,7 @@ def differences(reference: Runs) -> dict[str, Cell]:
 
 
 def how_many(runs: Runs) -> str:
-    """Return how many hints a method's own sampler gives a view."""
+    """Return the number of hints per view that a method's own sampler gives."""
     return spread_of([runs[0]["figures"][OWN]["hints"]], 1)
 
 
@@ -178,14 +178,14 @@ FIGURES: dict[str, Cell] = {
 }
 PUBLISHED = "FourLeg meshes, published split: 5 test meshes, 40 views each."
 TRAINED = ("pix2pix", "sketch2normal", "deepnormals-slim", "ours")
-"""The methods beside the paper's, in the order of the tables."""
+"""The methods other than the paper's, in the order of the tables."""
 UNSEEN = {"foreign": "foreign meshes", "people": "bodies", "props": "things"}
-"""The subjects other than FourLegs, by what their plan's name ends in."""
+"""The subjects other than FourLegs, by the ending of their plan's name."""
 THREE = {"no hints": error("0"), "15 hints": error("15"), "50 hints": error("50")}
 
 
 def larger() -> list[str]:
-    """Return the section on 128 pixels: the test meshes, and subjects that none of the methods has seen."""
+    """Return the section on 128 pixels: the test meshes, and subjects that no method has seen."""
     rows = ours_last(methods(read("benchmark_128")))
     lines = section("128 pixels", "benchmark_128", PUBLISHED)
     lines += table(labelled(rows), {**FIGURES, **less_the_paper(rows)}, "method")
@@ -202,12 +202,12 @@ def larger() -> list[str]:
 
 
 def ours_last(rows: Mapping[str, Runs]) -> dict[str, Runs]:
-    """Return runs by row with ours at the end, as in the plan; rows that were added later come before it."""
+    """Return runs by row with ours last, as in the plan, after rows that were added later."""
     return {name: rows[name] for name in sorted(rows, key=lambda name: name == "ours")}
 
 
 def across(rows: Mapping[str, Runs], given: str, reference: str | None = None) -> Cell:
-    """Return what shows a method's error on other meshes, or how much larger it is than the reference's."""
+    """Return a cell that shows a method's error on other meshes, or its excess over the reference's."""
     cell = beside(rows[reference], given) if reference else error(given)
     return lambda runs: cell(rows[runs[0]["row"]])
 
@@ -227,7 +227,7 @@ def folds() -> list[str]:
 
 
 def lead(rows: Mapping[str, Runs], given: str) -> str:
-    """Return the least and the largest lead of ours over the paper by mesh, and in how many runs it leads."""
+    """Return the smallest and largest lead of ours over the paper by mesh, and in how many runs it leads."""
     pairs = [
         (ours["meshes"][given], paper["meshes"][given])
         for ours, paper in zip(rows["ours"], rows["paper"], strict=True)
@@ -239,7 +239,7 @@ def lead(rows: Mapping[str, Runs], given: str) -> str:
 
 
 def placement() -> list[str]:
-    """Return the section on where hints lie and how many there are."""
+    """Return the section on the placement and the number of hints."""
     rows = methods(read("placement_64"))
     names = {
         "uniform": "uniform",
@@ -291,7 +291,7 @@ def placement() -> list[str]:
 
 
 def thresholds() -> list[str]:
-    """Return the section on the levels of the curvature map that training hints lie on."""
+    """Return the section on the curvature levels of training hints."""
     rows = methods(read("thresholds_64"))
     text = "The paper's networks, trained with exactly 17 hints a view on other levels of the curvature map."
     lines = section("Thresholds of the curvature map", "thresholds_64", text)
@@ -324,7 +324,7 @@ def critic() -> list[str]:
 
 
 def ablation() -> list[str]:
-    """Return the section on the parts of ours."""
+    """Return the section on the parts of our method."""
     rows = methods(read("ablation_64"))
     lines = section("Ours, one part changed", "ablation_64", "Each row changes one part of our method.")
     less = {f"{heading}, minus ours": cell for heading, cell in differences(rows["ours"]).items()}
@@ -343,7 +343,7 @@ def ablation() -> list[str]:
 
 
 def drawings() -> list[str]:
-    """Return the section on drawings that differ from those of the training."""
+    """Return the section on drawings that differ from the training drawings."""
     names = {
         "ablation_64": "suggestive contours, as in training",
         "lines_64": "ridges and valleys",
@@ -375,7 +375,7 @@ def drawings() -> list[str]:
 
 
 def of_both(cell: Cell, row: str, papers: Mapping[int, Runs]) -> Cell:
-    """Return what shows a cell of ours, or of the paper's runs that were tested on the same drawings."""
+    """Return a cell of ours, or of the paper's runs tested on the same drawings."""
     return lambda runs: cell(papers[id(runs)] if row == "paper" else runs)
 
 
@@ -405,7 +405,7 @@ def people() -> list[str]:
 CARD = re.compile(r"^\| test set \|.*\n(?:\|.*\n)+", re.MULTILINE)
 """The table of the shipped weights on a page."""
 CARDS = {"README.md": "foreign", "docs/model_card.md": ""}
-"""The pages with such a table, and how the labels of its rows begin."""
+"""The pages with such a table, and the beginning of its rows' labels."""
 SHIPPED = {
     "foreign": "foreign: people and animals in all postures, statues, tools",
     "foreign_dressed": "foreign: clothed people",
@@ -416,17 +416,17 @@ SHIPPED = {
     "people": "same source: bodies",
     "props": "same source: props",
 }
-"""The test sets of the shipped weights by plan: first those from sources that no training mesh comes from."""
+"""The test sets of the shipped weights by plan, first those from sources of no training mesh."""
 
 
 def evaluations() -> dict[str, list[Any]]:
-    """Return the results of the shipped weights by test set, of the sets that were measured."""
+    """Return the results of the shipped weights by test set, for the sets measured so far."""
     known = {label: f"shipped_{plan}" for plan, label in SHIPPED.items()}
     return {label: [read(name)] for label, name in known.items() if (RESULTS / f"{name}.json").exists()}
 
 
 def shipped() -> list[str]:
-    """Return the section on the weights that ship."""
+    """Return the section on the shipped weights."""
     found = evaluations()
     lines = [
         "",
@@ -452,7 +452,7 @@ def shipped() -> list[str]:
 
 
 def card(sets: str = "") -> list[str]:
-    """Return the table of a page: a row for each test set whose label begins with ``sets``."""
+    """Return the table for a page, with a row for each test set whose label begins with ``sets``."""
     columns = {"no hints": error("0"), "15 hints": error("15"), "mask IoU": error("0", "mask_iou")}
     shown = {label: runs for label, runs in evaluations().items() if label.startswith(sets)}
     return table(shown, columns, "test set")[1:]

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
-# Proves that a stranger's package works: builds wheels of normalgan and of examples/normalgan-poisson, installs
-# them into an environment of their own, runs its tests, lists it, trains with it, and loads its checkpoint.
+# Checks that a third-party package works: builds wheels of normalgan and of examples/normalgan-poisson, installs them
+# into a new environment, runs the example's tests, lists its plug-ins, trains with it, and loads its checkpoint.
 #
-#     tools/check_example.sh [PYTHON]      PYTHON: of the environment to take torch and the rest from
+#     tools/check_example.sh [PYTHON]      PYTHON: the interpreter whose environment has torch and the rest
 #
-# The new environment holds the two wheels alone. PyTorch and the other libraries, gigabytes of them, are seen
-# through a .pth file that names the site-packages of PYTHON; a .pth found there is not followed, so that an
-# editable install of normalgan in PYTHON stays out of sight, and what is tested comes from the wheel.
+# The new environment contains only the two wheels. A .pth file that names PYTHON's site-packages makes PyTorch and
+# the other libraries, gigabytes of them, visible. Python does not follow .pth files found there, so an editable
+# install of normalgan in PYTHON stays invisible, and the tests use the wheel.
 set -euo pipefail
 here=$(cd "$(dirname "$0")/.." && pwd)
 python=$(command -v "${1:-$here/.venv/bin/python}") || { echo "there is no Python ${1:-.venv/bin/python}" >&2; exit 2; }

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Installs a wheel without extras into an empty environment and uses it there, without torch:
+# Checks that a wheel without extras works in an empty environment without torch:
 #
 #     tools/check_light.sh WHEEL
 #
@@ -30,7 +30,7 @@ assert find_spec("torch") is None, "torch was installed without the extra"
 normalgan.load("shipped")(sys.argv[1]).save("python.png")
 CHECK
 cmp map.png python.png
-# A command that needs the extra names it.
+# A command that needs the extra says so.
 "$normalgan" fit --config quickstart 2>said.txt && exit 1
 grep -q "normalgan\\[train\\]" said.txt
 "$normalgan" studio --no-browser --port 0 >address.txt &

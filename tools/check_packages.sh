@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Builds wheel and sdist, checks them, installs each in an empty environment and uses it there:
+# Builds wheel and sdist, checks them, and tries each in an empty environment:
 #
-#     tools/check_packages.sh [FOLDER]      FOLDER: of the packages; dist without it
+#     tools/check_packages.sh [FOLDER]      FOLDER: where the packages go, by default dist
 #
-# PyTorch is its build for the CPU, of its own index or, if that is out of reach, uv's usual index;
-# TORCH=torch==2.13.0 takes that version of the usual index in any case.
+# It uses PyTorch's CPU build from PyTorch's own index, or from uv's usual index if that one cannot be reached.
+# TORCH=torch==2.13.0 always takes that version from the usual index.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 here=$PWD
@@ -24,7 +24,7 @@ elif UV_HTTP_RETRIES=1 "$work/tools/bin/uv" pip install --quiet --dry-run --no-d
     --python "$work/tools/bin/python" torch 2>/dev/null; then
     export UV_TORCH_BACKEND=cpu
 else
-    echo "PyTorch's own index of CPU builds is out of reach; asking uv's usual index instead." >&2
+    echo "PyTorch's own index of CPU builds cannot be reached; using uv's usual index instead." >&2
 fi
 "$work/tools/bin/python" -m build --outdir "$folder" # the sdist, and the wheel from the sdist
 "$work/tools/bin/python" -m twine check --strict "$folder"/*
@@ -33,7 +33,7 @@ for package in "$folder"/*.whl "$folder"/*.tar.gz; do
     echo "== $(basename "$package")"
     environment=$work/$(basename "$package")
     "$python" -m venv "$environment"
-    # Named on its own, so that neither the repository nor an index can slip in another.
+    # Installed by its path, so that neither the repository nor an index can substitute another package.
     "$work/tools/bin/uv" pip install --quiet --python "$environment/bin/python" "$package[train]"
     "$work/tools/bin/uv" pip check --python "$environment/bin/python"
     mkdir "$work/empty"
@@ -65,4 +65,4 @@ CHECK
     )
     rm -rf "$work/empty" "$environment"
 done
-echo "wheel and sdist are well."
+echo "wheel and sdist work."

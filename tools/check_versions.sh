@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Runs the quick tests, or those that are named, with the oldest or the newest versions that pyproject.toml allows:
+# Runs the quick tests, or the given ones, with the oldest or the newest versions that pyproject.toml allows:
 #
 #     tools/check_versions.sh lowest-direct|highest [ENVIRONMENT] [TESTS...]
 #
-# PyTorch is its build for the CPU, of its own index: the tests need no other, and it is a tenth of the size.
-# TORCH=torch==2.13.0 takes that version, of uv's usual index; with lowest-direct name the build too, as 2.13.0+cpu.
+# It uses PyTorch's CPU build from PyTorch's own index, which suffices for the tests at a tenth of the size.
+# TORCH=torch==2.13.0 takes that version from uv's usual index; with lowest-direct give the build too, as in 2.13.0+cpu.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -25,5 +25,5 @@ fi
     --resolution "$resolution" --editable '.[dev]'
 "$environment/bin/uv" pip list --python "$environment/bin/python"
 
-# Warnings fail nowhere: the newest tell what they will drop one day, and the oldest stand on newer libraries, which do.
+# Warnings are not errors here: the newest versions announce removals, and the oldest run on newer libraries that do so.
 "$environment/bin/python" -m pytest -m "not slow" -W default "${tests[@]}"

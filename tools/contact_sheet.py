@@ -1,14 +1,15 @@
-"""Puts drawings and their lit maps on a contact sheet, to be judged.
+"""Puts drawings and their lit maps on a contact sheet for a person to judge.
 
 contact_sheet.py OUT [DRAWING…] [--clipart COUNT] [--seed 0] [--model shipped]
 
-OUT.png shows each drawing above its map, lit from the upper left, with a number. OUT.csv has a row for
-each: the share of the picture that is object, the warning, and two columns to fill in, verdict (keep,
-fix or fail) and why. A DRAWING is a file or a folder.
+OUT.png shows each drawing with a number above its map, which is lit from the upper left. OUT.csv has a row
+for
+each: the object's share of the picture, the warning, and two columns to fill in, verdict (keep, fix or fail)
+and why. A DRAWING is a file or a folder.
 
---clipart adds line drawings of the Debian package openclipart-svg, which is in the public domain. They
-are drawn by lot from those that are grey, mostly paper, of thin lines and not tiny; one for each first
-word of a name, as series such as star_20pt differ little.
+--clipart adds line drawings from the Debian package openclipart-svg, which is in the public domain. They are
+chosen at random among grey pictures that are mostly paper with thin lines, and not tiny. Of all names with
+the same first word only one is chosen, because drawings in a series such as star_20pt differ little.
 """
 
 import argparse
@@ -35,7 +36,7 @@ GROUND = np.array([176, 190, 214], np.float32)
 
 
 def clipart(count: int, seed: int) -> list[Path]:
-    """Return line drawings by lot.
+    """Return random line drawings.
 
     Raises:
         SystemExit: if the package is not installed.
@@ -62,7 +63,7 @@ def clipart(count: int, seed: int) -> list[Path]:
 
 
 def is_line_drawing(picture: Picture) -> bool:
-    """Return whether a picture is grey, mostly paper, with lines and little that is black all over."""
+    """Return whether a picture is grey and mostly paper, with lines and few black areas."""
     colour = on_white(picture)
     if min(colour.shape[:2]) < 100 or np.ptp(colour, axis=2).mean() > 0.01:
         return False
@@ -82,14 +83,14 @@ def on_white(picture: Picture) -> NDArray[np.float32]:
 
 
 def drawings(given: list[Path]) -> Iterator[Path]:
-    """Yield files, and those in folders but for masks."""
+    """Yield files, and the files in folders except masks."""
     for path in given:
         inside = sorted(each for each in path.iterdir() if each.is_file()) if path.is_dir() else [path]
         yield from (each for each in inside if path == each or not each.stem.endswith("_mask"))
 
 
 def thumbnail(colour: NDArray[np.float32]) -> Image.Image:
-    """Return a picture (h, w, 3) in [0, 255], at most ``SIDE`` pixels wide and high."""
+    """Return a thumbnail of a picture (h, w, 3) in [0, 255], at most ``SIDE`` pixels wide and high."""
     image = Image.fromarray(np.clip(np.rint(colour), 0, 255).astype(np.uint8))
     image.thumbnail((SIDE, SIDE), Image.Resampling.LANCZOS)
     return image
@@ -108,7 +109,7 @@ def main() -> None:
     given = parser.parse_args()
     paths = [*drawings(given.drawings), *(clipart(given.clipart, given.seed) if given.clipart else [])]
     if not paths:
-        raise SystemExit("name drawings, or ask for --clipart.")
+        raise SystemExit("give drawings, or --clipart.")
     predictor = normalgan.load(given.model)
     lamp = lamp_direction(130, 40)
     rows = -(-len(paths) // COLUMNS)

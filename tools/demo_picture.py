@@ -1,6 +1,6 @@
-"""Sets the maps of the demo's small model beside those of the shipped model: demo_picture.py RUN DRAWINGS.
+"""Compares maps of the demo's small model with those of the shipped model: demo_picture.py RUN DRAWINGS.
 
-RUN is the folder of a run whose `predict` has written ``predictions``; the picture goes to RUN/demo.png.
+RUN is the folder of a run with the ``predictions`` that `predict` wrote; the picture goes to RUN/demo.png.
 """
 
 import sys
@@ -21,14 +21,14 @@ from normalgan.inference.jobs.folders import find_drawings
 from normalgan.inference.outputs.lighting import lamp_direction, shade, to_srgb
 from normalgan.normals import encode, paint_flat, read_png
 
-SIDE = 180  # pixels of a cell
-MARGIN = 110  # pixels to the left, for the names of the rows
+SIDE = 180  # side of a cell in pixels
+MARGIN = 110  # pixels at the left for the names of the rows
 
 
 def map_and_lit(path: Path) -> list[NDArray[np.uint8]]:
-    """Return the colours of a normal map and the map lit, on white."""
+    """Return the colours of a normal map and the lit map, both on white."""
     normals, alpha = read_png(path)
-    if alpha.min() == 1:  # as `predict` writes it: flat off the object
+    if alpha.min() == 1:  # as `predict` writes: flat off the object
         alpha = (np.abs(normals - (0, 0, 1)).max(-1) > 0.01).astype(np.float32)
     clay = to_srgb(shade(normals, lamp_direction(130, 40)))
     lit = 255 + alpha[..., None] * (clay - 255.0)
@@ -40,7 +40,7 @@ def main(arguments: list[str]) -> int:
     run, drawings = Path(arguments[0]), arguments[1:]
     names = [drawing.stem for drawing in find_drawings(drawings, "_normal.png", ())]
     with TemporaryDirectory() as folder:
-        with redirect_stdout(StringIO()):  # the names of temporary files
+        with redirect_stdout(StringIO()):  # suppresses the names of temporary files
             code = normalgan(["generate", *drawings, "-o", folder, "--size", "256", "--alpha"])
         if code:
             return code

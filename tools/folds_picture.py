@@ -1,6 +1,6 @@
-"""Makes the picture of what each test mesh of all folds is painted with: tools/folds_picture.py RESULTS PATH.
+"""Draws the errors on each test mesh of all folds: tools/folds_picture.py RESULTS PATH.
 
-RESULTS is what `tools/join_folds.py -o` writes, PATH the PNG.
+RESULTS is the output of `tools/join_folds.py -o`, and PATH the PNG to write.
 """
 
 import json
@@ -20,10 +20,12 @@ GIVEN = {"0": "no hints", "15": "15 uniform hints"}
 
 
 def picture(results: Mapping[str, Any]) -> bytes:
-    """Return a panel for each number of hints: a dot a seed, a line their mean, meshes by the first row.
+    """Return a PNG with a panel for each number of hints: a dot per seed, and a line through their mean.
+
+    Meshes are in the order of the first row's errors.
 
     Args:
-        results: of the folds, joined.
+        results: the joined results of the folds.
     """
     rows: dict[str, list[Any]] = {}
     for run in results["runs"]:
@@ -50,7 +52,7 @@ def picture(results: Mapping[str, Any]) -> bytes:
 
 
 def mean(runs: list[Any], given: str, mesh: str) -> float:
-    """Return a mesh's error, the mean over the seeds."""
+    """Return the error of a mesh, averaged over the seeds."""
     return fmean(run["meshes"][given][mesh]["angular_mean"] for run in runs)
 
 

@@ -1,6 +1,6 @@
-"""Makes a picture of drawings of flat things, as predicted and in a form: forms_picture.py FILE.
+"""Makes a picture of drawings of flat things, as predicted and in each form: forms_picture.py FILE.
 
-The drawings are made up here: a clock, a shield, a playing card and a heart.
+The drawings come from this file: a clock, a shield, a playing card and a heart.
 """
 
 import sys
@@ -34,7 +34,7 @@ PAPER = 255
 
 
 def drawing(shape: str) -> Picture:
-    """Return a shape as a drawing in lines."""
+    """Return a shape as a line drawing."""
     style = 'fill="none" stroke="black" stroke-width="1.6" stroke-linejoin="round" stroke-linecap="round"'
     size = f'viewBox="-4 -4 108 108" width="{2 * SIDE}" height="{2 * SIDE}"'
     content = (
@@ -53,7 +53,7 @@ def lit(preds: NormalMap) -> NDArray[np.uint8]:
 
 
 def picture() -> NDArray[np.uint8]:
-    """Return a row for each drawing: itself, as predicted, and in each form."""
+    """Return a row for each drawing: the drawing, the map as predicted, and the map in each form."""
     predictor = load()
     rows = []
     for shape in SHAPES:
@@ -75,6 +75,6 @@ if __name__ == "__main__":
         sys.exit("usage: tools/forms_picture.py FILE")
     cv2.setNumThreads(1)
     target = Path(sys.argv[1])
-    # As the other sheets of grey clay: what is lost is not seen, and PNG takes five times as much.
+    # WebP, like the other sheets of grey clay: the loss is invisible, and a PNG is five times as large.
     Image.fromarray(picture()).save(target, quality=80, method=6)
     print(target, f"{target.stat().st_size // 1024} kB")

@@ -1,7 +1,7 @@
 """Fuzzes a reader with atheris: python tools/fuzz.py TARGET [--seconds N] [--corpus FOLDER].
 
-With files after the target, each is read once, without atheris. A target fails if a reader raises anything
-but a refusal of one sentence, or returns something else than it promises.
+With files after the target, it only reads each once, without atheris. A target fails if a reader raises
+anything but a one-sentence refusal, or returns something that it does not promise.
 """
 
 import argparse
@@ -21,22 +21,22 @@ from readers import READERS
 
 FUZZ = "--fuzz"
 TIMEOUT = 60
-"""Seconds for one input, the most that a child of the product would have too."""
+"""Time limit for one input in seconds, the same as for a child process of the product."""
 MOST_BYTES = 2**20
-"""Of an input; longer seeds are cut. A checkpoint that is cut is none, so most must fit."""
+"""Maximum bytes of an input; longer seeds are cut. A cut checkpoint is invalid, so most must fit."""
 MEMORY = 2 * 2**30
-"""Bytes of address space on top of what the libraries map, as in tests/trust/limited.py."""
+"""Bytes of address space beyond what the libraries map, as in tests/trust/limited.py."""
 SECONDS = 600
-"""Of processor time that what limits itself may use in a fuzzer, which has its own clock for each input."""
+"""Seconds of processor time for code that limits itself; the fuzzer has its own clock for each input."""
 LEAST, MOST = 8, 256
-"""Pixels a side of what is decoded."""
+"""Maximum side of a decoded picture in pixels."""
 _folder = tempfile.TemporaryDirectory(prefix="fuzz-")
 
 Read = Callable[[bytes], None]
 
 
 def instrumented(*packages: str) -> AbstractContextManager[object]:
-    """Have modules that are imported meanwhile tell atheris which branches are taken, if it is fuzzing."""
+    """While fuzzing, make modules imported in this context report the branches they take to atheris."""
     if FUZZ not in sys.argv:
         return nullcontext()
     import atheris
@@ -50,8 +50,8 @@ def refusals() -> Iterator[None]:
     """Accept a refusal if it is one sentence.
 
     Raises:
-        AssertionError: if it is not.
-        Exception: any other than a refusal, as it is raised.
+        AssertionError: if it is not one sentence.
+        Exception: any exception other than a refusal.
     """
     from normalgan.errors import InputError
 
@@ -64,14 +64,14 @@ def refusals() -> Iterator[None]:
 
 
 def as_file(data: bytes, name: str) -> Path:
-    """Return a file with these bytes; there is one of each name at a time."""
+    """Return a file with these bytes; it replaces an earlier file of the same name."""
     path = Path(_folder.name) / name
     path.write_bytes(data)
     return path
 
 
 def read_as(data: bytes, name: str, *readers: str) -> None:
-    """Have a file read by readers of `tests/trust/readers.py`, which may refuse it."""
+    """Read a file with readers of `tests/trust/readers.py`, which may refuse it."""
     path = as_file(data, name)
     for reader in readers:
         with refusals():
@@ -79,7 +79,7 @@ def read_as(data: bytes, name: str, *readers: str) -> None:
 
 
 def drawing() -> Read:
-    """Drawings, decoded in this process and not in a child, so that branches of Pillow are seen."""
+    """Target: drawings, decoded in this process instead of a child so that Pillow's branches are visible."""
     with instrumented("PIL"):
         from PIL import Image
 
@@ -89,7 +89,7 @@ def drawing() -> Read:
     Image.init()  # its plug-ins
 
     def read(data: bytes) -> None:
-        if is_svg(data):  # has a target of its own
+        if is_svg(data):  # SVG has its own target
             return
         with suppress(RefusedError, MemoryError):
             image, full = decode(data, LEAST, 1024, 64, MOST, grey=bool(len(data) % 2), notes=[])
@@ -100,7 +100,7 @@ def drawing() -> Read:
 
 
 def svg() -> Read:
-    """SVG, rewritten without what leads out of it, and then drawn in a child as users' are."""
+    """Target: SVG files, rewritten without outside references, then drawn in a child like users' files."""
     with instrumented():
         from normalgan.decoding.decoders.opening import RefusedError
         from normalgan.decoding.decoders.svg import sanitize_svg
@@ -148,7 +148,7 @@ def check_svg(text: str) -> None:
 
 
 def layers() -> Read:
-    """Layered files, PSD, KRA, ORA and Aseprite: the composite, the frames, the layers."""
+    """Target: layered files (PSD, KRA, ORA, Aseprite), with their composite, frames and layers."""
     with instrumented("psd_tools"):
         import psd_tools  # noqa: F401
 
@@ -186,7 +186,7 @@ def layers() -> Read:
 
 
 def check_frames(sent: list[Any]) -> None:
-    """Raise `AssertionError` if frames are not whole."""
+    """Raise `AssertionError` if frames are incomplete."""
     from normalgan.decoding.decoders.opening import MODES
 
     (first, _), *found = sent
@@ -198,7 +198,7 @@ def check_frames(sent: list[Any]) -> None:
 
 
 def animation() -> Read:
-    """Animations, GIF, WebP and PNG: whether they move, and their frames."""
+    """Target: animations (GIF, WebP, PNG), whether they move, and their frames."""
     with instrumented("PIL"):
         from PIL import Image
 
@@ -219,7 +219,7 @@ def animation() -> Read:
 
 
 def mesh() -> Read:
-    """Meshes, in the format that their first bytes are of, and rigs."""
+    """Target: meshes, in the format that their first bytes indicate, and rigs."""
     starts = {b"OFF": "off", b"ply": "ply", b"solid": "stl", b"glTF": "glb", b"{": "gltf", b"\0": "stl"}
     with instrumented("trimesh"):
         import trimesh  # noqa: F401
@@ -235,14 +235,14 @@ def mesh() -> Read:
 
 
 def checkpoint() -> Read:
-    """Checkpoints, as commands read them that predict with them and as `fit` does to go on."""
+    """Target: checkpoints, read as for a prediction and as `fit` reads them to continue."""
     with instrumented():
         import normalgan.weights.checkpoint  # noqa: F401
     return lambda data: read_as(data, "model.ckpt", "checkpoint")
 
 
 def weights() -> Read:
-    """Weights as safetensors, and the generator that they are of."""
+    """Target: safetensors files, and the generator that they describe."""
     with instrumented():
         from normalgan.weights.file import parse_weights
 
@@ -254,7 +254,7 @@ def weights() -> Read:
 
 
 def configuration() -> Read:
-    """Files in YAML: a configuration, a plan."""
+    """Target: YAML files, read as a configuration and as a plan."""
     with instrumented():
         import normalgan.benchmark.plan
         import normalgan.cli.parsing.config_files  # noqa: F401
@@ -262,7 +262,7 @@ def configuration() -> Read:
 
 
 def project() -> Read:
-    """JSON that the studio's page sends: a project to keep, a drawing with hints and areas."""
+    """Target: JSON from the studio's page: a project to store, a drawing with hints and areas."""
     import numpy as np
 
     with instrumented():
@@ -283,7 +283,7 @@ def project() -> Read:
 
 
 def model() -> Read:
-    """Models as ONNX, which are checked, loaded, and given an empty drawing."""
+    """Target: ONNX models, which are checked, loaded and run on an empty drawing."""
     with instrumented():
         import normalgan.inference.network.onnx_backend  # noqa: F401
     return lambda data: read_as(data, "model.onnx", "model")
@@ -298,10 +298,10 @@ TARGETS = {
 
 
 def read_all(target: str, files: list[str], flags: list[str]) -> None:
-    """Read each file once, or fuzz with the flags of libFuzzer, under a limit of memory.
+    """Read each file once, or fuzz with libFuzzer's flags, under a memory limit.
 
     Raises:
-        Exception: any that the target raises; then the file's name is on the error stream.
+        Exception: any exception of the target, after the file's name was printed to the error stream.
     """
     read = TARGETS[target]()
     mapped = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
@@ -318,8 +318,8 @@ def read_all(target: str, files: list[str], flags: list[str]) -> None:
 
 
 def main() -> int:
-    """Fuzz; exit code 1 if anything was found, and the input that shows it lies in the working directory."""
-    if sys.argv[1:2] == [FUZZ]:  # the process that fuzzes: everything it imports is instrumented
+    """Fuzz, and return 1 if a fault was found; the input that causes it lies in the working directory."""
+    if sys.argv[1:2] == [FUZZ]:  # the fuzzing process, in which every import is instrumented
         read_all(sys.argv[2], [], sys.argv[3:])
         return 0
     parser = argparse.ArgumentParser(prog="tools/fuzz.py", description=__doc__.splitlines()[0])

@@ -1,4 +1,4 @@
-"""Seeds: the files that fuzzing starts from: sound ones, and what once broke a reader or tried to."""
+"""Seeds, the files that fuzzing starts from: sound files, and files that broke or attacked a reader."""
 
 import json
 import shutil
@@ -31,8 +31,8 @@ def lay_out_seeds(folder: Path, target: str) -> list[Path]:
     """Write the seeds of a target and return them.
 
     Args:
-        folder: where to.
-        target: its name, such as ``drawing``.
+        folder: the folder to write to.
+        target: name of the target, such as ``drawing``.
 
     Raises:
         KeyError: if there is no such target.
@@ -52,7 +52,7 @@ def lay_out_seeds(folder: Path, target: str) -> list[Path]:
 
 
 def _pictures(target: str) -> Iterable[tuple[str, bytes]]:
-    """Return sound and hostile pictures; those that must be ended by the clock are for a child alone."""
+    """Return sound and hostile pictures, except those that need a child process with a time limit."""
     from sound_files import sound
 
     from hostile_pictures import SLOW, hostile
@@ -73,7 +73,7 @@ def _meshes(_: str) -> Iterable[tuple[str, bytes | str]]:
 
 
 def _layers(_: str) -> Iterable[tuple[str, bytes]]:
-    """Return small layered files, written by the product and by Krita, and cut ones."""
+    """Return small layered files, written by the product and by Krita, and truncated ones."""
     import numpy as np
 
     from normalgan.decoding import DecodedLayer
@@ -96,7 +96,7 @@ def _layers(_: str) -> Iterable[tuple[str, bytes]]:
 
 
 def _animations(_: str) -> Iterable[tuple[str, bytes]]:
-    """Return animations of three frames, and cut ones."""
+    """Return animations of three frames, and truncated ones."""
     import numpy as np
 
     from normalgan.inference.composites.animation import Kind, encode_animation
@@ -155,4 +155,4 @@ READERS = {
     "layers": (),
     "animation": (),
 }
-"""The targets, and what tests/trust/corpus calls what they read."""
+"""The targets, and the names of their kinds of files in tests/trust/corpus."""

@@ -1,9 +1,9 @@
-"""Makes a sheet of drawings and, by `normalgan generate`, their maps, also lit.
+"""Makes a sheet of drawings with their maps from `normalgan generate`, also lit.
 
 generated_picture.py OUTPUT DRAWING… [--predicted 200] [--shown 200] [--columns 6]
 
-Drawings are files, folders or patterns, as `generate` takes them; --predicted is the longer side of the maps,
---shown that of their pictures on the sheet.
+Drawings are files, folders or patterns, as for `generate`. --predicted is the longer side of the maps, and
+--shown is that of their pictures on the sheet.
 """
 
 import argparse
@@ -22,7 +22,7 @@ from normalgan.normals import read_png
 
 
 def square(picture: Image.Image, side: int) -> Image.Image:
-    """Return a picture in the middle of a white square."""
+    """Return a picture centred on a white square."""
     page = Image.new("RGBA", picture.size, "white")
     page.alpha_composite(picture.convert("RGBA"))
     page.thumbnail((side, side))
@@ -32,7 +32,7 @@ def square(picture: Image.Image, side: int) -> Image.Image:
 
 
 def predicted(drawings: list[str], size: int) -> Iterator[tuple[Image.Image, Image.Image]]:
-    """Yield the map of each drawing, and the same lit."""
+    """Yield the map of each drawing, and the lit map."""
     with TemporaryDirectory() as folder:
         if code := normalgan(["generate", *drawings, "-o", folder, "--size", str(size), "--alpha"]):
             sys.exit(code)
@@ -65,7 +65,7 @@ def main(arguments: list[str]) -> None:
         for row, picture in enumerate(column):
             place = number % given.columns * side, (number // given.columns * pictures_each + row) * side
             sheet.paste(picture, place)
-    sheet.save(given.output, quality=88, method=6)  # what PNG takes no notice of
+    sheet.save(given.output, quality=88, method=6)  # PNG ignores these
 
 
 if __name__ == "__main__":

@@ -1,7 +1,7 @@
-"""Prints how many hints CurvatureHints leaves of views of meshes: fewest, median, most, and by mesh.
+"""Prints how many hints CurvatureHints gives for views of meshes: fewest, median, most, in total and by mesh.
 
 tools/hint_counts.py 'meshes/*.off' [SIZE [VIEWS [ORIENTATION]]]
-`animals` in place of meshes takes 20 embedded ones.
+`animals` in place of meshes takes 20 embedded animals.
 """
 
 import argparse
@@ -19,7 +19,7 @@ from normalgan.rendering.samples import sample_rng
 
 
 def main(meshes: str, size: int, views: int, orientation: str | None) -> None:
-    """Render the maps of so many views of each mesh, seed 0, and count."""
+    """Render the maps of this many views of each mesh with seed 0, and count the hints."""
     given = None if meshes == "animals" else meshes
     animals, reading = EmbeddedAnimals(20), MeshReading(orientation=orientation)
     data = MeshDataModule(given, animals=animals, reading=reading, split=Split((1.0, 0.0, 0.0)), size=size)

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Makes a virtual environment and installs the package into it: tools/install.sh VENV EXTRAS
-# PYTHON names the interpreter; TORCH the requirement for PyTorch (a version that the tests were run with).
+# Creates a virtual environment and installs the package into it: tools/install.sh VENV EXTRAS
+# PYTHON names the interpreter, and TORCH the requirement for PyTorch (by default a version that the tests ran with).
 set -eu
 venv=$1
 extras=${2:-}
@@ -20,10 +20,10 @@ if [ ! -x "$venv/bin/python" ]; then
     }
 fi
 
-# uv resolves in a second what takes pip forty, and unpacks in parallel. Where it cannot install, because only pip knows
-# of a mirror for example, pip does.
+# uv resolves in one second instead of pip's forty, and unpacks in parallel. If it cannot install, for example because
+# only pip is configured for a mirror, pip takes over.
 "$venv/bin/pip" install --quiet uv || say "uv cannot be installed; pip takes some minutes more."
-# Neither compiles what it installs, as most modules are never imported: pip would take a minute for PyTorch alone.
+# Neither compiles the installed modules, since most are never imported: pip would take a minute for PyTorch alone.
 with_pip() {
     "$venv/bin/pip" install --no-compile "$@"
 }
@@ -31,13 +31,13 @@ with_uv() {
     UV_HTTP_RETRIES=1 "$venv/bin/uv" pip install --quiet --python "$venv/bin/python" "$@" 2>/dev/null
 }
 
-# PyTorch first: where there is no NVIDIA GPU, its build for the CPU saves gigabytes of CUDA libraries. uv knows
-# where PyTorch keeps those builds; pip alone would take the one with CUDA on Linux.
+# PyTorch comes first: without an NVIDIA GPU, its CPU build saves gigabytes of CUDA libraries. uv knows the index with
+# those builds; on Linux, pip alone would install the CUDA build.
 if ! "$venv/bin/python" -c 'import importlib.metadata as m; m.version("torch")' 2>/dev/null; then
     if [ "$(uname -s)" = Linux ] && ! command -v nvidia-smi >/dev/null 2>&1; then
         say "Installing PyTorch for the CPU …"
         with_uv --torch-backend cpu "$torch" || {
-            say "PyTorch's own index of CPU builds is out of reach; asking pip's index instead."
+            say "PyTorch's own index of CPU builds cannot be reached; using pip's index instead."
             with_pip "$torch"
         }
     else
@@ -46,5 +46,5 @@ if ! "$venv/bin/python" -c 'import importlib.metadata as m; m.version("torch")' 
     fi
 fi
 say "Installing normalgan …"
-# pyrender asks for a PyOpenGL that has no wheel; without the flag older pips complain at length.
+# pyrender requires a PyOpenGL without a wheel; without this flag, older versions of pip print long warnings.
 with_uv --editable ".$extras" || with_pip --quiet --use-pep517 --editable ".$extras"

@@ -1,9 +1,9 @@
-"""Count the functions of normalgan that one drawing passes through: `job_chain.py generate|stroke FILE`.
+"""Counts the functions of normalgan that one drawing passes through: `job_chain.py generate|stroke FILE`.
 
-`generate` follows a job of `normalgan generate`, from `JobPredictor` on; `stroke` follows a drawing of the
-studio, from its predictor on. Two figures are printed, each with its number of modules: all functions that
-run, and those that are handed the drawing as a whole, as `self` or as an argument of a class in `CARRIERS`.
-With `--list` each function is printed too; those that are handed the drawing have a star.
+`generate` follows a job of `normalgan generate` from `JobPredictor` on; `stroke` follows a drawing of the
+studio from its predictor on. It prints two figures, each with the number of modules: all functions that run,
+and those that receive the whole drawing, as `self` or as an argument of a class in `CARRIERS`. `--list` also
+prints each function, with a star if it receives the drawing.
 """
 
 import sys
@@ -16,7 +16,7 @@ from typing import Any
 import normalgan
 
 CARRIERS = {"Job", "DrawingFiles", "Drawing", "DrawingRequest", "Picture", "Prepared", "Member"}
-"""Classes that hold a drawing, or what is known of it, on the way to its map."""
+"""Classes that hold a drawing, or facts about it, on the way to its map."""
 STARTS = {
     "generate": ("normalgan/inference/predict_job.py", "JobPredictor.__call__"),
     "stroke": ("normalgan/studio/predictions/predictor.py", "Predictor.predict"),
@@ -25,7 +25,7 @@ SOURCE = str(Path(normalgan.__file__).parents[1])
 
 
 class Chain:
-    """The functions that run from one of `STARTS` until it returns, in whatever thread."""
+    """Records the functions that run from the call of one of `STARTS` to its return, in any thread."""
 
     def __init__(self, start: tuple[str, str]) -> None:
         self._start = start
@@ -33,7 +33,7 @@ class Chain:
         self.entered: dict[CodeType, bool] = {}
 
     def __call__(self, frame: FrameType, event: str, _: Any) -> None:
-        """Take an event of `sys.setprofile`."""
+        """Handle an event of `sys.setprofile`."""
         code = frame.f_code
         if not code.co_filename.startswith(SOURCE) or event not in {"call", "return"}:
             return
@@ -47,7 +47,7 @@ class Chain:
 
 
 def follow(what: str, drawing: Path) -> Chain:
-    """Run one job."""
+    """Run one job and record its functions."""
     chain = Chain(STARTS[what])
     threading.setprofile(chain)
     sys.setprofile(chain)

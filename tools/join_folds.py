@@ -1,4 +1,4 @@
-"""Joins the results of a benchmark's folds: figures and intervals over the test meshes of all of them.
+"""Joins the results of a benchmark's folds: figures and intervals over the test meshes of all folds.
 
 tools/join_folds.py configs/benchmark/fourlegs.yaml runs/fold?/results.json
 tools/join_folds.py configs/benchmark/fourlegs.yaml runs/fold?/results.json -o docs/results/folds_64.json
@@ -20,19 +20,19 @@ from normalgan.errors import InputError
 from normalgan.files.writing import write_bytes
 
 POOLED = ("angular_mean", "below_11_25", "below_22_5", "below_30")
-"""Figures that are means over pixels, so that those of meshes make one of all."""
+"""Figures that are means over pixels, so that those of several meshes can be pooled."""
 
 
 def join(folds: Sequence[Mapping[str, Any]]) -> dict[str, list[dict[str, Any]]]:
-    """Return for each row that all folds have its runs, a seed each, with the meshes of all folds.
+    """Return for each row common to all folds its runs, one per seed, with the meshes of all folds.
 
     Raises:
-        InputError: if two folds test on the same mesh, or were measured on other views or hints.
+        InputError: if two folds test on the same mesh, or were measured on different views or hints.
     """
     kinds = {json.dumps({k: v for k, v in f["specification"].items() if k != "meshes"}) for f in folds}
     if len(kinds) > 1:
         raise InputError(
-            "the folds were measured on other views or hints; only such that were alike are joined."
+            "the folds were measured on different views or hints; only folds measured alike can be joined."
         )
     joined: dict[tuple[str, Any], dict[str, Any]] = {}
     for fold in folds:
@@ -52,19 +52,19 @@ def join(folds: Sequence[Mapping[str, Any]]) -> dict[str, list[dict[str, Any]]]:
                 known = one["meshes"].setdefault(given, {})
                 twice = known.keys() & meshes.keys()
                 if twice:
-                    raise InputError(f"two folds test on the mesh {min(twice)}; each mesh is tested on once.")
+                    raise InputError(f"two folds test on the mesh {min(twice)}; only one fold may.")
                 known |= meshes
     rows: dict[str, list[dict[str, Any]]] = {}
     for (row, _), run in joined.items():
         if run["folds"] == len(folds):
             run["figures"] = {given: _pooled(meshes.values()) for given, meshes in run["meshes"].items()}
-            run["figures"][OWN]["hints"] = fmean(run.pop("hints"))  # folds have equally many views
+            run["figures"][OWN]["hints"] = fmean(run.pop("hints"))  # all folds have the same number of views
             rows.setdefault(row, []).append(run)
     return rows
 
 
 def _pooled(meshes: Iterable[Mapping[str, Any]]) -> dict[str, float]:
-    """Return the figures over the pixels of all meshes."""
+    """Return the figures pooled over the pixels of all meshes."""
     found = list(meshes)
     total = sum(mesh["pixels"] for mesh in found)
     return {
@@ -75,7 +75,7 @@ def _pooled(meshes: Iterable[Mapping[str, Any]]) -> dict[str, float]:
 
 
 def report(folds: Sequence[Mapping[str, Any]], rows: Mapping[str, Sequence[Mapping[str, Any]]]) -> bytes:
-    """Return the joined runs as JSON, as `normalgan benchmark` writes those of one split."""
+    """Return the joined runs as JSON, in the form in which `normalgan benchmark` writes one split."""
     one = folds[0]
     kept = {name: one.get(name) for name in ("plan", "scale", "images", "size", "machine", "versions")}
     commits = sorted({str(run.get("commit")) for fold in folds for run in fold["runs"]})

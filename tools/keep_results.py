@@ -1,4 +1,4 @@
-"""Writes the results of a benchmark as they are kept in docs/results: small, and of several runs one.
+"""Writes benchmark results in the small form for docs/results, with several runs in one file.
 
 tools/keep_results.py runs/critic/results.json -o docs/results/critic_64.json
 tools/keep_results.py runs/a/results.json runs/b/results.json -o both.json: rows of a plan, trained apart
@@ -22,33 +22,33 @@ OF_EVALUATION = (
     *("plan", "scale", "size", "model", "specification"),
     *("figures", "cost", "machine", "versions", "commit"),
 )
-"""The parts of an evaluation that are kept."""
+"""The parts of an evaluation that docs/results keeps."""
 ALIKE = ("plan", "scale", "images", "specification", "size")
-"""What reports must have in common to be one."""
+"""What reports must have in common to be merged."""
 
 
 def keep(
     reports: Sequence[Mapping[str, Any]], by_mesh: Sequence[str] = (), without: Sequence[str] = ()
 ) -> dict[str, Any]:
-    """Return one report of all runs, a row after the other, its seeds in order.
+    """Return one report of all runs, ordered by row and then by seed.
 
     Args:
-        reports: as `normalgan benchmark` writes them.
-        by_mesh: the figures by mesh that are kept beside the number of pixels; all, if none is named.
-        without: further parts of a run that are left out, such as ``distance``.
+        reports: reports from `normalgan benchmark`.
+        by_mesh: the figures by mesh to keep in addition to the number of pixels; if empty, all.
+        without: further parts of a run to leave out, such as ``distance``.
 
     Raises:
-        InputError: if they are of different plans, budgets or tests, or have a run twice.
+        InputError: if the plans, budgets or tests differ, or a run occurs twice.
     """
     first, left_out = reports[0], set(without)
     for name in ALIKE:
         if any(report.get(name) != first.get(name) for report in reports):
-            raise InputError(f"the reports differ in {name}; only such that were measured alike become one.")
+            raise InputError(f"the reports differ in {name}; only reports measured alike can be merged.")
     runs: dict[str, dict[Any, dict[str, Any]]] = {}
     for run in (run for report in reports for run in report["runs"]):
         seeds = runs.setdefault(run["row"], {})
         if run["seed"] in seeds:
-            raise InputError(f"two reports have {run['row']} with seed {run['seed']}; leave one of them out.")
+            raise InputError(f"two reports contain {run['row']} with seed {run['seed']}; leave one out.")
         seeds[run["seed"]] = {name: value for name, value in run.items() if name not in left_out}
         if by_mesh:
             seeds[run["seed"]]["meshes"] = {
@@ -70,7 +70,7 @@ def keep(
 
 
 def rounded(report: Mapping[str, Any]) -> bytes:
-    """Return a report as JSON, its numbers rounded."""
+    """Return a report as JSON with rounded numbers."""
     whole = json.loads(json.dumps(report), parse_float=lambda number: round(float(number), DIGITS))
     return (json.dumps(whole, indent=1) + "\n").encode()
 
@@ -80,9 +80,9 @@ if __name__ == "__main__":
     parser.add_argument("results", nargs="+", type=Path)
     parser.add_argument("-o", "--output", type=Path, required=True)
     parser.add_argument(
-        "--by-mesh", nargs="+", default=(), metavar="FIGURE", help="the only ones to keep by mesh"
+        "--by-mesh", nargs="+", default=(), metavar="FIGURE", help="the only figures to keep by mesh"
     )
-    parser.add_argument("--without", nargs="+", default=(), metavar="PART", help="left out besides: distance")
+    parser.add_argument("--without", nargs="+", default=(), metavar="PART", help="left out: distance")
     options = parser.parse_args()
     found = [json.loads(path.read_text(encoding="utf-8")) for path in options.results]
     if len(found) == 1 and "runs" not in found[0]:

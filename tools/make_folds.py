@@ -1,4 +1,4 @@
-"""Deals the FourLegs out into five folds of 4 meshes to test on, 2 to choose on and 14 to train on.
+"""Splits the FourLegs into five folds, each with 4 test meshes, 2 validation meshes and 14 training meshes.
 
 tools/make_folds.py configs/fourleg/folds
 """
@@ -14,7 +14,7 @@ FOLDS = 5
 
 
 def folds(seed: int = 0) -> list[dict[str, list[str]]]:
-    """Return the splits; those to choose on are the first two of the next fold's."""
+    """Return the splits; the validation meshes are the first two test meshes of the next fold."""
     dealt = np.random.default_rng(seed).permutation(MESHES).reshape(FOLDS, -1).tolist()
     splits = []
     for number, test in enumerate(dealt):

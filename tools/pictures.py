@@ -1,6 +1,6 @@
-"""Makes the pictures of the documentation from embedded animals and a sphere: tools/pictures.py FOLDER.
+"""Makes the documentation's pictures from embedded animals and a sphere: tools/pictures.py FOLDER [NAME ...].
 
-With names of `PICTURES` behind the folder, it makes these alone; all of them take some minutes.
+With names of `PICTURES` after the folder, it makes only these; all of them take some minutes.
 """
 
 import sys
@@ -67,7 +67,7 @@ def colours(maps: Maps) -> Picture:
 
 
 def sphere(size: int) -> Maps:
-    """Return the maps of a sphere that leaves a tenth of the frame free at each side."""
+    """Return the maps of a sphere with a margin of a tenth of the frame on each side."""
     y, x = np.mgrid[1 : -1 : size * 1j, -1 : 1 : size * 1j] / 0.8
     z = np.sqrt(np.clip(1 - x * x - y * y, 0, None))
     mask = x * x + y * y < 1
@@ -91,14 +91,14 @@ def panels(rows: Sequence[Sequence[Picture]], titles: Sequence[Sequence[str]], s
 
 
 def png(figure: Figure) -> bytes:
-    """Return a figure as the bytes of a PNG file, with nothing in it that changes from day to day."""
+    """Return a figure as reproducible PNG bytes, without dates or versions."""
     buffer = BytesIO()
     figure.savefig(buffer, format="png", dpi=DPI, metadata={"Software": None})
     return buffer.getvalue()
 
 
 def herd() -> bytes:
-    """Return one quadruped of each species, and a second horse: normal maps above sketches."""
+    """Return one quadruped of each species and a second horse, normal maps above sketches."""
     animals = [Animal(species, 1) for species in GROUPS["quadrupeds"]] + [Animal("horse", 2)]
     size, rows, names = 128, [], []
     for some in (animals[:8], animals[8:]):
@@ -111,7 +111,7 @@ def herd() -> bytes:
 
 
 def curvature() -> bytes:
-    """Return the way from a normal map to the hints of the paper: levels, thresholds, XOR, dropout."""
+    """Return the steps from a normal map to the paper's hints: levels, thresholds, XOR, dropout."""
     animal, size = Animal("horse", 2), 256
     maps = render(animal, size, azimuth=-30.0)
     normal = torch.from_numpy(maps.normal).permute(2, 0, 1)[None]
@@ -122,7 +122,7 @@ def curvature() -> bytes:
     kept = sampler.sample(normal, mask, torch.Generator().manual_seed(0))[0, 0].numpy() > 0.5
     sketch = draw(animal, SuggestiveContours(), size, azimuth=-30.0)
     hinted = np.repeat(0.6 + 0.4 * sketch[..., None], 3, axis=-1)
-    for row, column in np.argwhere(kept):  # a hint is one pixel; five by five can be seen
+    for row, column in np.argwhere(kept):  # a hint is a single pixel, drawn as five by five to be visible
         hinted[row - 2 : row + 3, column - 2 : column + 3] = encode(maps.normal[row, column]) / 255
     pictures = [
         colours(maps),
@@ -142,7 +142,7 @@ def curvature() -> bytes:
 
 
 def hand() -> bytes:
-    """Return animals drawn by hands of growing strength, and last the normals of the last drawing."""
+    """Return animals drawn by hands of growing strength, and finally the normals of the last drawing."""
     strengths, size, rows = (0.0, 0.25, 0.5, 1.0, 1.0, 1.0), 140, []
     seen = ((("horse", 2), 30.0), (("lion", 3), -50.0), (("elephant", 1), -35.0), (("cat", 1), 100.0))
     for (species, seed), azimuth in seen:
@@ -159,7 +159,7 @@ def hand() -> bytes:
 
 
 def styles() -> bytes:
-    """Return animals in rows, drawn in every style, and below them drawings by people."""
+    """Return rows of animals drawn in every style, and below them drawings by people."""
     kinds: tuple[type[LineDrawing], ...] = (Silhouette, OccludingContours, SuggestiveContours)
     kinds += (ObjectSpaceSuggestive, RidgesAndValleys, Brush)
     seen = ((("lion", 3), 25.0), (("horse", 2), -30.0), (("elephant", 1), 20.0), (("cat", 1), 60.0))
@@ -171,13 +171,13 @@ def styles() -> bytes:
     below = ["by people, to compare:", *blank[1:]]
     picture = panels(rows, [[kind.__name__ for kind in kinds], blank, blank, blank, below], size)
     grey = BytesIO()
-    # Sixteen greys: a third of the bytes, and nothing to see of it.
+    # Sixteen greys take a third of the bytes, with no visible difference.
     Image.open(BytesIO(picture)).convert("L").quantize(16).save(grey, format="png", optimize=True)
     return grey.getvalue()
 
 
 def kinds() -> bytes:
-    """Return 64 species, as many of each group as of any other while they last, in the groups' order."""
+    """Return 64 species, as evenly from all groups as these allow, in the order of the groups."""
     rounds = max(len(names) for names in GROUPS.values())
     dealt = [name for i in range(rounds) for names in GROUPS.values() for name in names[i : i + 1]][:64]
     animals = [Animal(name, 1) for names in GROUPS.values() for name in names if name in dealt]
@@ -185,7 +185,7 @@ def kinds() -> bytes:
 
 
 def variation() -> bytes:
-    """Return two rows of each of four animals: the animal itself, and varied individuals."""
+    """Return two rows for each of four animals: the animal itself, and varied individuals."""
     found: list[MeshSource] = []
     for species in ("horse", "cat", "elephant", "stag"):
         animal = Animal(species, 1)
@@ -194,7 +194,7 @@ def variation() -> bytes:
 
 
 def contact_sheet(found: Sequence[MeshSource], side: int, azimuth: float, elevation: float) -> bytes:
-    """Return the normal maps of meshes as a PNG in few colours, eight in a row."""
+    """Return the normal maps of meshes as a PNG with few colours, eight maps in a row."""
     maps = [look(source, side, azimuth, elevation).maps() for source in found]
     tiles = [encode(paint_flat(each.normal, each.mask)) for each in maps]
     rows = [np.concatenate(tiles[i : i + 8], axis=1) for i in range(0, len(tiles), 8)]
@@ -205,7 +205,7 @@ def contact_sheet(found: Sequence[MeshSource], side: int, azimuth: float, elevat
 
 
 def conventions() -> bytes:
-    """Return a sphere's normal map with axes and colours, its channels, and its green-flipped twin."""
+    """Return a sphere's normal map with axes and colours, its channels, and its green-flipped copy."""
     figure = Figure(figsize=(11.0, 3.9), dpi=DPI)
     grid = figure.add_gridspec(2, 4, width_ratios=(2, 1, 1, 2), wspace=0.08, hspace=0.22)
     figure.subplots_adjust(left=0.01, right=0.99, top=0.92, bottom=0.03)
@@ -231,7 +231,7 @@ def _show(axes: Axes, picture: Picture, title: str) -> None:
 
 
 def _axes(axes: Axes) -> None:
-    """Draw the axes of the camera, and the colours of the normals along them."""
+    """Draw the camera's axes, and the colours of the normals along them."""
     middle, reach = 199.5, 160.0
     for (dx, dy), name in {(1, 0): "x", (0, -1): "y"}.items():
         tip = (middle + reach * 1.12 * dx, middle + reach * 1.12 * dy)

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Builds everything that is published and tests each piece: tools/release.sh [FOLDER] [PYTHON]
+# Builds everything that is published, and tests each part: tools/release.sh [FOLDER] [PYTHON]
 #
-# FOLDER is dist without it, PYTHON one that has the tests' packages. The site is in site/, as `make release` builds it.
+# FOLDER is dist by default, and PYTHON has the tests' packages. The site must lie in site/, where `make release` builds it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 folder=${1:-dist}
@@ -9,7 +9,7 @@ python=${2:-.venv/bin/python}
 test -s site/index.html || { echo "there is no site/index.html; run make release." >&2; exit 2; }
 
 bash tools/check_packages.sh "$folder"
-# The studio, the add-ons and Python without torch: the wheel alone.
+# The wheel alone, without torch, for the studio, the add-ons and Python.
 bash tools/check_light.sh "$folder"/*.whl
 "$python" - "$folder" <<'SITE'
 import sys, tomllib
@@ -24,7 +24,7 @@ SITE
 if [ -d build/baselines ]; then
     cp -r build/baselines "$folder/"
 else
-    echo "there are no trained baselines in build/baselines (make baselines trains them): the release has none." >&2
+    echo "there are no trained baselines in build/baselines (make baselines trains them): the release has no baselines." >&2
 fi
 "$python" tools/release_files.py "$folder"
 "$python" -m pytest -q tests/test_release_files.py
@@ -33,7 +33,7 @@ if docker info >/dev/null 2>&1; then
     docker run --rm normalgan models
     docker run --rm --volume "$PWD/examples/sketches:/work:ro" normalgan generate fox.png -o - --bits 8 >/dev/null
 else
-    echo "Docker does not run here: the image was not built."
+    echo "Docker does not run here, so the image was not built."
 fi
 (cd "$folder" && sha256sum --check --quiet SHA256SUMS)
-echo "all of the release is in $folder."
+echo "the whole release is in $folder."

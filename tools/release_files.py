@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Make what is published beside wheel and sdist: zips of add-ons, the model with its card, a conda recipe.
+"""Makes the releases other than wheel and sdist: zips of add-ons, the model with its card, a conda recipe.
 
-    tools/release_files.py [FOLDER]      FOLDER: that holds the sdist; dist without it
+    tools/release_files.py [FOLDER]      FOLDER: the folder with the sdist, by default dist
 
-It needs the standard library alone. Each file is the same from run to run.
+It needs only the standard library. Each file is identical from run to run.
 """
 
 import hashlib
@@ -18,7 +18,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 ADD_ONS = ROOT / "integrations"
 GIMP = {"gimp2": "normalgan_gimp2", "gimp3": "normalgan_gimp3"}
-"""The plug-ins of GIMP's versions. GIMP looks for a program in a folder of the same name."""
+"""The plug-ins for GIMP's versions. GIMP looks for a program in a folder of the same name."""
 COMMAND = "normalgan_command.py"
 PAGES = "../../"
 CARD_FRONT = """---
@@ -44,13 +44,13 @@ RESULT = """  - task: {{type: image-to-image, name: normal map of a sketch}}
 
 
 def version() -> str:
-    """Return the version of pyproject.toml."""
+    """Return the version in pyproject.toml."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     return str(project["version"])
 
 
 def add_ons() -> dict[str, dict[str, Path]]:
-    """Return the files of each add-on, by their names in its zip."""
+    """Return the files of each add-on by their names in its zip."""
     licence = ROOT / "LICENSE"
 
     def under(folder: str, to: str) -> dict[str, Path]:
@@ -103,24 +103,24 @@ def add_ons() -> dict[str, dict[str, Path]]:
 
 
 def write_zip(path: Path, files: Mapping[str, Path]) -> None:
-    """Write files into a zip; programs of GIMP keep their right to be run."""
+    """Write files into a zip, with GIMP's plug-ins executable."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, source in sorted(files.items()):
-            entry = zipfile.ZipInfo(name)  # of 1980, so that two builds are the same
+            entry = zipfile.ZipInfo(name)  # dated 1980, so that two builds are identical
             entry.compress_type = zipfile.ZIP_DEFLATED
             entry.external_attr = (0o755 if source.stem in GIMP.values() else 0o644) << 16
             archive.writestr(entry, source.read_bytes())
 
 
 def model_card() -> str:
-    """Return the model card as the Hugging Face hub reads it: with its figures as YAML before it."""
+    """Return the model card for the Hugging Face hub, with its figures as YAML at the top."""
     text = (ROOT / "docs" / "model_card.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| ([^|]+: [^|]+) \| ([\d.]+)° \| ([\d.]+)° \| ([\d.]+) \|$", text, re.MULTILINE)
     if not rows:
         raise SystemExit("docs/model_card.md has no table of errors.")
     results = "".join(RESULT.format(name=n, without=a, with_=b, iou=c) for n, a, b, c in rows)
-    # Pages and pictures are not on the hub: pictures go, links keep their text.
+    # The hub has no pages or pictures: pictures are removed, and links become plain text.
     text = re.sub(r"^!\[[^\]]*\]\([^)]*\)\n+", "", text, flags=re.MULTILINE)
     text = re.sub(r"\[([^\]]*)\]\((?!https?://)[^)]*\)", r"\1", text)
     use = (
@@ -132,14 +132,14 @@ def model_card() -> str:
 
 
 def recipe(sdist: Path) -> str:
-    """Return the conda recipe of an sdist."""
+    """Return the conda recipe for an sdist."""
     text = (ROOT / "packaging" / "conda" / "recipe.yaml").read_text(encoding="utf-8")
     digest = hashlib.sha256(sdist.read_bytes()).hexdigest()
     return text.replace("@VERSION@", version()).replace("@SHA256@", digest)
 
 
 def main(folder: Path) -> None:
-    """Write all of it, and the hashes of all files in the folder."""
+    """Write all files, and the hashes of everything in the folder."""
     now = version()
     sdist = folder / f"normalgan-{now}.tar.gz"
     if not sdist.is_file():

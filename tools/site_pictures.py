@@ -1,4 +1,4 @@
-"""Makes the pictures of the site's own pages from embedded animals: tools/site_pictures.py docs/pictures."""
+"""Makes the pictures for the site's pages from embedded animals: tools/site_pictures.py docs/pictures."""
 
 import sys
 import tempfile
@@ -29,7 +29,7 @@ FOX, SIZE, TURN = Animal("fox", 4), 256, 40.0
 
 
 def ball(size: int = 128) -> bytes:
-    """Return the mark of the package: a sphere's normal map on nothing, with a smooth edge."""
+    """Return the package's logo: a sphere's normal map on a transparent ground, with a smooth edge."""
     maps = sphere(size * 5)
     rgba = np.rint(np.dstack([colours(maps), maps.mask]) * 255).astype(np.uint8)
     edge = size // 2
@@ -40,12 +40,12 @@ def ball(size: int = 128) -> bytes:
 
 
 def lamp(normals: Picture, mask: BoolMask) -> Picture:
-    """Return a map as clay under a lamp from the upper left, as an engine would light it."""
+    """Return a map rendered as clay lit from the upper left, as in an engine."""
     return lit(normals.astype(np.float32), mask, 125.0) / 255
 
 
 def light() -> bytes:
-    """Return a map under a lamp as it should be read, and read in the two ways that go wrong most often."""
+    """Return a lit map read correctly, and read in the two most common wrong ways."""
     maps = render(FOX, SIZE, TURN)
     flat = paint_flat(maps.normal, maps.mask)
     stored = encode(flat) / 255
@@ -62,7 +62,7 @@ def light() -> bytes:
 
 
 def outputs() -> bytes:
-    """Return what can be had of a drawing: its map, the other green, the light, the height."""
+    """Return the outputs for a drawing: its map, the map with flipped green, the lit map, the heights."""
     maps = render(FOX, SIZE, TURN)
     flat = paint_flat(maps.normal, maps.mask)
     height = integrate(maps.normal, maps.mask)
@@ -81,7 +81,7 @@ def outputs() -> bytes:
 
 
 def creases() -> bytes:
-    """Return a machine part smoothed over all its edges, and with its sharp edges kept."""
+    """Return a machine part with all edges smoothed, and with its sharp edges kept."""
     body = trimesh.creation.box((2.0, 0.7, 1.2))
     wheel = trimesh.creation.cylinder(
         0.45, 0.5, 32, transform=trimesh.transformations.translation_matrix((0.4, 0.55, 0))
@@ -99,7 +99,7 @@ def creases() -> bytes:
 
 
 def flow() -> bytes:
-    """Return what flows: mesh, normal map, sketch and hints, through the generator, to a painted map."""
+    """Return the flow of data: mesh, normal map, sketch and hints, through the generator, to a map."""
     figure = Figure(figsize=(11.0, 3.9), dpi=100)
     axes = figure.add_axes((0, 0, 1, 1))
     axes.set_xlim(0, 11)
@@ -147,7 +147,7 @@ def _box(axes: Axes, corner: tuple[float, float], name: str, what: str) -> None:
 
 
 def _hints(maps: Maps) -> Picture:
-    """Return the paper's hints as dots in their colours, large enough to be seen."""
+    """Return the paper's hints as dots in their colours, large enough to see."""
     normal = torch.from_numpy(maps.normal).permute(2, 0, 1)[None]
     mask = torch.from_numpy(maps.mask)[None, None].float()
     where = CurvatureHints().sample(normal, mask, torch.Generator().manual_seed(1))[0, 0].numpy() > 0.5

@@ -1,4 +1,4 @@
-"""Ten small sprites and a tileset drawn by code, and pictures of what `generate` makes of them.
+"""Draws ten small sprites and a tileset by code, and makes pictures of their maps from `generate`.
 
 python tools/sprites_picture.py sprites.webp tileset.webp
 """
@@ -37,7 +37,7 @@ def _box(left: float, top: float, right: float, bottom: float) -> BoolMask:
 
 
 class _Canvas:
-    """A sprite in the making: shapes with an outline, shaded in four tones from the upper left."""
+    """A canvas for a sprite of shapes with outlines, shaded in four tones from the upper left."""
 
     def __init__(self) -> None:
         self.colour = np.zeros((_SIDE, _SIDE, 3), np.float32)
@@ -60,7 +60,7 @@ class _Canvas:
         return self
 
     def spots(self, shape: BoolMask, colour: tuple[float, float, float]) -> "_Canvas":
-        """Paint on what is there, without an outline."""
+        """Paint over existing shapes, without an outline."""
         self.colour[shape & (self.alpha > 0)] = colour
         return self
 
@@ -156,7 +156,7 @@ SPRITES: dict[str, Callable[[], _Canvas]] = {
 
 
 def draw(name: str, scale: int = 4) -> Picture:
-    """Return one of the sprites as a picture whose art pixels have a side of ``scale`` pixels."""
+    """Return a sprite as a picture whose art pixels have a side of ``scale`` pixels."""
     canvas = SPRITES[name]()
     once = np.ones((scale, scale), np.float32)
     return Picture(np.kron(canvas.colour, once[..., None]), np.kron(canvas.alpha, once))
@@ -173,7 +173,7 @@ def _shown(preds: NormalMap) -> NDArray[np.float32]:
 
 
 def draw_tileset() -> NDArray[np.uint8]:
-    """Return 3 × 3 tiles of a platform (96, 96, 4), of which the middle ones repeat."""
+    """Return 3 × 3 tiles of a platform (96, 96, 4), of which the middle row and column repeat."""
     earth = np.full((_SIDE, _SIDE, 4), (120, 80, 50, 255), np.uint8)
     for x, y, radius in ((8, 9, 4), (24, 20, 5), (13, 26, 3), (27, 5, 2)):
         cv2.circle(earth, (x, y), radius, (150, 105, 70, 255), -1)
@@ -188,7 +188,7 @@ def draw_tileset() -> NDArray[np.uint8]:
 
 
 def show_tileset(target: str) -> None:
-    """Write the picture of the tileset: tiles and map, and a level of seven by four tiles and its light."""
+    """Write the picture of the tileset: its tiles and map, and a level of 7 × 4 tiles, plain and lit."""
     tiles = draw_tileset()
     preds = predict_tileset(load("shipped"), Decoded(tiles, tiles.shape[:2]), TileGrid(_SIDE, _SIDE), "tiles")
     lit = tiles[..., :3] / 255 * (0.25 + 0.9 * np.clip(preds.extended @ _LIGHT, 0, 1)[..., None])
@@ -208,7 +208,7 @@ def _write(target: str, picture: NDArray[np.generic]) -> None:
 
 
 def main(target: str, of_tileset: str) -> None:
-    """Write the pictures: sprite, map and light of the form, with detail, and as pixel art; the tileset."""
+    """Write the pictures: sprites with map and light as form, with detail and as pixel art; the tileset."""
     predictor = load("shipped")
     rows = []
     for name in SPRITES:

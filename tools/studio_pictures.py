@@ -1,7 +1,7 @@
-"""Makes the pictures of the studio that the docs show, with the model that comes with the package.
+"""Makes the documentation's pictures of the studio, with the shipped model.
 
-tools/studio_pictures.py [FOLDER] [DRAWING]: where they go (docs/pictures), and what is open in them. Needs
-Playwright, and Chromium on the PATH or as NORMALGAN_CHROMIUM.
+tools/studio_pictures.py [FOLDER] [DRAWING]: the target folder (docs/pictures), and the open drawing. It needs
+Playwright, and Chromium on the PATH or in NORMALGAN_CHROMIUM.
 """
 
 import math
@@ -28,7 +28,7 @@ RAISED = "() => document.getElementById('note').textContent === ''"
 
 @contextmanager
 def studio(drawing: Path) -> Iterator[str]:
-    """Run a studio with a drawing open and projects of its own; yield its address."""
+    """Run a studio with an open drawing and a project folder of its own, and yield its address."""
     with TemporaryDirectory() as folder:
         command = [sys.executable, "-m", "normalgan", "studio", str(drawing), "--no-browser"]
         server = subprocess.Popen(
@@ -45,7 +45,7 @@ def studio(drawing: Path) -> Iterator[str]:
 
 
 def drag(page: Page, element: str, by: tuple[float, float]) -> None:
-    """Drag from an element's middle, by shares of its size."""
+    """Drag from the centre of an element, by shares of its size."""
     box = page.locator(element).bounding_box()
     assert box is not None
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
@@ -56,7 +56,7 @@ def drag(page: Page, element: str, by: tuple[float, float]) -> None:
 
 
 def shoot(page: Page, path: Path) -> None:
-    """Write the window once it has come to rest."""
+    """Write a screenshot of the window once it no longer changes."""
     page.mouse.move(5, 400)
     page.wait_for_function(PAINTED)
     page.wait_for_timeout(1500)
@@ -64,7 +64,7 @@ def shoot(page: Page, path: Path) -> None:
 
 
 def film(page: Page, path: Path) -> None:
-    """Write six pictures of the window in one, from the first stroke to the export."""
+    """Write one picture of six screenshots, from the first stroke to the export."""
     page.locator("#new").click()
     page.locator("#choose button[value=drop]").click()
     page.locator("#new-dialog button.strong").click()
@@ -115,12 +115,12 @@ def film(page: Page, path: Path) -> None:
     page.locator("#export-engines input[value=unity]").check()
     shot(predicted=False)
     page.keyboard.press("Escape")
-    # Maps have more colours than a palette, which would show bands in them.
+    # Maps have too many colours for a palette, which would show bands.
     tiled(frames).save(path, optimize=True)
 
 
 def layers(page: Page, path: Path) -> None:
-    """Write the window with a drawing of three layers: a head before a body before an arm."""
+    """Write a screenshot with three layers: a head in front of a body in front of an arm."""
     page.locator("#new").click()
     page.locator("#choose button[value=drop]").click()
     page.locator("#new-dialog button.strong").click()
@@ -157,7 +157,7 @@ def layers(page: Page, path: Path) -> None:
 
 
 def structures(page: Page, path: Path) -> None:
-    """Write the window with an egg on which each structure is a band."""
+    """Write a screenshot with an egg that shows each structure as a band."""
     page.locator("#new").click()
     page.locator("#choose button[value=drop]").click()
     page.locator("#new-dialog button.strong").click()
@@ -185,12 +185,12 @@ def structures(page: Page, path: Path) -> None:
     page.locator("#structure-choose").click()
     shoot(page, path)
     page.keyboard.press("Escape")
-    # Clay has so few colours that a palette shows no bands, and takes half as much.
+    # Clay has so few colours that a palette shows no bands, and halves the size.
     Image.open(path).convert("RGB").quantize(256).save(path, optimize=True)
 
 
 def tiled(frames: list[Image.Image]) -> Image.Image:
-    """Return pictures of half their size, two in a row."""
+    """Return the pictures at half size, two in a row."""
     width, height = frames[0].width // 2, frames[0].height // 2
     strip = Image.new("RGB", (2 * width + 8, 3 * height + 16), "white")
     for i, frame in enumerate(frames):

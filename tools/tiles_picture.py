@@ -1,6 +1,6 @@
-"""Makes a picture of textures, their maps laid side by side as they are and by --tile: tiles_picture.py FILE.
+"""Makes a picture of tiled maps of textures, without and with --tile: tiles_picture.py FILE.
 
-The drawings are made up here, so that they repeat: stones, scales and bricks.
+The drawings come from this file, and repeat: stones, scales and bricks.
 """
 
 import sys
@@ -19,7 +19,7 @@ from normalgan.inference.outputs.lighting import lamp_direction, shade, to_srgb
 
 SIDE, TIMES, GAP = 256, 3, 6
 SHOWN = 300
-"""Pixels a side of what is shown of the tiles together."""
+"""Side in pixels of the visible part of the tiles."""
 FINE = 4
 Points = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
@@ -37,7 +37,7 @@ def drawn(lines: Iterable[Points], width: float = 2.5) -> Pixels:
 
 
 def stones(across: int = 5) -> Pixels:
-    """Return rounded stones, the cells of points that are strewn evenly."""
+    """Return rounded stones: the cells of evenly scattered points."""
     rng = np.random.default_rng(0)
     grid = np.stack(np.meshgrid(np.arange(across), np.arange(across)), -1).reshape(-1, 2) + 0.5
     points = (grid + rng.uniform(-0.32, 0.32, grid.shape)) / across
@@ -46,7 +46,7 @@ def stones(across: int = 5) -> Pixels:
 
 
 def scales(rows: int = 6, columns: int = 4) -> Pixels:
-    """Return rows of scales, each of which hides a part of the next one."""
+    """Return rows of scales, each of which hides part of the next row."""
     turn = np.linspace(0, np.pi, 40)
     one = np.stack([0.5 / columns * np.cos(turn), np.sin(turn) / rows], 1)
     return drawn(
@@ -69,7 +69,7 @@ def _around() -> Sequence[tuple[int, int]]:
 
 
 def _rounded(corners: Points) -> Points:
-    """Return a closed line within a polygon, its corners cut off thrice (Chaikin)."""
+    """Return a closed line inside a polygon, with its corners cut three times (Chaikin)."""
     middle = corners.mean(0)
     line = middle + 0.86 * (corners - middle)
     for _ in range(3):
@@ -79,7 +79,7 @@ def _rounded(corners: Points) -> Points:
 
 
 def lit(predictor: Predictor, drawing: Pixels, tile: Tile | None) -> Pixels:
-    """Return a map laid side by side and one above the other, as clay under a lamp."""
+    """Return a map tiled in both directions, rendered as lit clay."""
     result = predictor(drawing, tile=tile)
     flat = np.array([0, 0, 1], np.float32)
     normals = np.where(result.mask[..., None], result.normal, flat)
@@ -107,6 +107,6 @@ if __name__ == "__main__":
         sys.exit("usage: tools/tiles_picture.py FILE")
     cv2.setNumThreads(1)
     path = Path(sys.argv[1])
-    # As the other sheets of grey clay: what is lost is not seen, and PNG takes five times as much.
+    # WebP, like the other sheets of grey clay: the loss is invisible, and a PNG is five times as large.
     Image.fromarray(picture([stones, scales, bricks])).save(path, quality=80, method=6)
     print(path, f"{path.stat().st_size // 1024} kB")

@@ -1,12 +1,13 @@
-"""Trains the refiner that ships: coarse maps of the shipped model, and the truth at 1024 pixels.
+"""Trains the shipped refiner on coarse maps of the shipped model and the truth at 1024 pixels.
 
 train_refiner.py paint SAMPLES OUT [--splits train val test]
 train_refiner.py train SETS OUT.onnx [--minutes 30] [--width 32] [--blocks 3]
 
-SAMPLES is the folder (in the cache) that `normalgan render --config configs/ours.yaml --config
-configs/refiner.yaml` wrote. `paint` paints each of its sketches as `normalgan generate` does, as far as the
-model's own size, and keeps that beside the truth in OUT; `train` fits the network to it on one core, at all
-scales between the model's size and four times that, and reports on the held-out meshes.
+SAMPLES is the folder in the cache that `normalgan render --config configs/ours.yaml --config
+configs/refiner.yaml` wrote. `paint` predicts the map of each of its sketches as `normalgan generate` does,
+but only at the model's own size, and stores it with the truth in OUT. `train` fits the network to these pairs
+on one core, at all scales from the model's size to four times that, and reports the errors on held-out
+meshes.
 """
 
 import argparse
@@ -44,7 +45,7 @@ RATE = 2e-3
 
 
 class Refiner(nn.Module):
-    """Enlarged normals, lines, mask and depth in, (N, 6, H, W); mended normals out, (N, 3, H, W)."""
+    """Takes enlarged normals, lines, mask and depth (N, 6, H, W); returns refined normals (N, 3, H, W)."""
 
     def __init__(self, width: int, blocks: int) -> None:
         super().__init__()
@@ -55,14 +56,14 @@ class Refiner(nn.Module):
             )
             for _ in range(blocks)
         )
-        # Each pixel is reached from two cells a way, so that cells leave no grid.
+        # Two cells in each direction reach each pixel, so that no grid of cells shows.
         self.head = nn.ConvTranspose2d(width, 3, 2 * CELL, CELL, CELL // 2)
         nn.init.zeros_(self.head.weight)
         assert self.head.bias is not None
         nn.init.zeros_(self.head.bias)
 
     def forward(self, given: Tensor) -> Tensor:
-        """Return the given normals and what is missing in them."""
+        """Return the given normals with the predicted correction added."""
         features = torch.relu(self.stem(given))
         for block in self.blocks:
             features = features + block(features)
@@ -71,7 +72,7 @@ class Refiner(nn.Module):
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Do one of the stages."""
+    """Run one of the stages."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     stages = parser.add_subparsers(dest="stage", required=True)
     stage = stages.add_parser("paint")
@@ -94,7 +95,7 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def predict(samples: Path, split: str, out: Path) -> None:
-    """Paint the sketches of a split; write what the refiner learns from, a file each."""
+    """Predict the maps of a split's sketches, and write a training file for each."""
     arrays = dict(zarr.open_group(samples / "samples.zarr", mode="r", path=split).arrays())
     network = OnnxBackend(find_model(), threads=1)
     generator = np.random.default_rng(0)
@@ -102,7 +103,7 @@ def predict(samples: Path, split: str, out: Path) -> None:
     for i in range(arrays["mask"].shape[0]):
         target = out / split / f"{i:05}.npz"
         sketch, truth, object_ = (np.asarray(arrays[name][i]) for name in ("sketch", "normal", "mask"))
-        # What is drawn from the generator is the same whether a file is there or not.
+        # The generator's random numbers are the same whether a file exists or not.
         hinted, found, number = generator.random() < 0.5, generator.random() < 0.5, generator.random()
         if target.exists() or not sketch.any() or object_.sum() < 2000:
             continue
@@ -141,11 +142,11 @@ def predict(samples: Path, split: str, out: Path) -> None:
 
 
 def opened(path: Path, scale: float | None = None) -> tuple[Floats, Floats]:
-    """Return what the refiner is shown (6, h, w) and the truth (3, h, w), zero off the object.
+    """Return the refiner's input (6, h, w) and the truth (3, h, w), zero off the object.
 
     Args:
         path: a file that `paint` wrote.
-        scale: pixels for each of the model; None, or more than there are, for those of the picture.
+        scale: pixels per pixel of the model; None, or more than the picture has, for the picture's own.
     """
     row = np.load(path)
     left, top, side = row["frame"].tolist()
@@ -168,7 +169,7 @@ def opened(path: Path, scale: float | None = None) -> tuple[Floats, Floats]:
 
 
 def crops(path: Path, generator: np.random.Generator, count: int = 6) -> list[tuple[Floats, Floats]]:
-    """Return parts of a sample at a random scale, mirrored and turned by right angles at random."""
+    """Return crops of a sample at a random scale, randomly mirrored and turned by right angles."""
     given, truth = opened(path, math.exp(generator.uniform(math.log(1.3), math.log(4.5))))
     rows, columns = np.nonzero(given[4])
     out = []
@@ -187,7 +188,7 @@ def crops(path: Path, generator: np.random.Generator, count: int = 6) -> list[tu
             a, b = a[:, ::-1].copy(), b[:, ::-1].copy()
             a[1] *= -1
             b[1] *= -1
-        if generator.random() < 0.5:  # rows for columns: y is up and rows go down, so both change sign
+        if generator.random() < 0.5:  # transposed: y is up and rows go down, so both change sign
             a, b = a.transpose(0, 2, 1).copy(), b.transpose(0, 2, 1).copy()
             a[[0, 1]] = -a[[1, 0]]
             b[[0, 1]] = -b[[1, 0]]
@@ -196,14 +197,14 @@ def crops(path: Path, generator: np.random.Generator, count: int = 6) -> list[tu
 
 
 def errors(normals: Tensor, truth: Tensor) -> Tensor:
-    """Return angles in radians (N, H, W) between vectors of any length and unit ones, (N, 3, H, W)."""
+    """Return the angles in radians (N, H, W) between vectors of any length and unit vectors (N, 3, H, W)."""
     unit = normals / (normals.norm(dim=1, keepdim=True) + 1e-6)
     across = torch.linalg.cross(unit, truth, dim=1)
     return torch.atan2((across.square().sum(1) + 1e-12).sqrt(), (unit * truth).sum(1))
 
 
 def train(sets: Path, out: Path, minutes: float, network: Refiner) -> None:
-    """Fit a refiner for so many minutes, and write it as ONNX with its weights and figures beside it."""
+    """Train a refiner for a number of minutes, and write it as ONNX, with its weights and figures."""
     torch.set_num_threads(1)
     generator = np.random.default_rng(0)
     files = sorted((sets / "train").glob("*.npz"))
@@ -229,7 +230,7 @@ def train(sets: Path, out: Path, minutes: float, network: Refiner) -> None:
         mean = (angle * weight).sum() / weight.sum().clamp(min=1)
         at_rim = (angle * rim).sum() / rim.sum().clamp(min=1)
         facing = (mended[:, 2] / (mended.norm(dim=1) + 1e-6) - truth[:, 2]) * weight
-        # Relief: how much a neighbourhood faces the viewer is to be right on average.
+        # Relief: the average n_z of a neighbourhood should be right.
         relief = nn.functional.avg_pool2d(facing[:, None], 64).abs().sum()
         relief = relief / nn.functional.avg_pool2d(weight[:, None], 64).sum().clamp(min=1e-3)
         loss = mean + 0.5 * at_rim + 0.5 * relief
@@ -254,11 +255,11 @@ def train(sets: Path, out: Path, minutes: float, network: Refiner) -> None:
 
 
 def write(network: Refiner, out: Path) -> None:
-    """Write a refiner as ONNX, for pictures of any number of cells."""
+    """Write a refiner as ONNX for pictures with any number of cells."""
     torch.save(network.state_dict(), out.with_suffix(".pt"))
     partial = out.with_suffix(".part")
     cells = {2: CELL * Dim("rows", min=1), 3: CELL * Dim("columns", min=1)}
-    with warnings.catch_warnings(action="ignore"):  # between torch and its own parts
+    with warnings.catch_warnings(action="ignore"):  # warnings of torch about its own parts
         program = torch.onnx.export(
             network.eval(),
             (torch.zeros(1, 6, 64, 48),),
@@ -276,7 +277,7 @@ def write(network: Refiner, out: Path) -> None:
 
 
 def report(network: Refiner, sets: Path, most: int | None = None) -> dict[str, list[float]]:
-    """Return errors on held-out meshes, enlarged only and mended: on the object, at its rim, off in n_z."""
+    """Return the errors on held-out meshes, enlarged and refined: on the object, at its rim, and in n_z."""
     rows: dict[str, list[list[float]]] = {"enlarged": [], "mended": []}
     files = sorted((sets / "val").glob("*.npz"))[:most]
     with torch.no_grad():

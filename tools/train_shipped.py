@@ -1,12 +1,12 @@
-"""Trains the weights that ship, from meshes to measured files, in a span of time; goes on where it stopped.
+"""Trains the shipped weights in a given time, from meshes to measured files; a second call resumes.
 
 train_shipped.py OUT [--minutes 40] [--config OVERLAY.yaml …] [--plan PLAN.yaml …] [--workers N]
 
-Renders on all cores, trains by configs/ours.yaml and configs/shipped.yaml (on a GPU in bfloat16, if there is
-one) for what is left of the time but for the measuring, exports, and measures on the plans' held-out meshes.
-OUT then holds ours.onnx, and figures.json with what each stage took. Run from the root of
-the repository, with the meshes in data/. A command that was stopped is given again: what is rendered and
-trained is kept.
+It renders on all cores, trains with configs/ours.yaml and configs/shipped.yaml for the remaining time except
+the share for measuring (in bfloat16 on a GPU if there is one), exports, and measures on the plans' held-out
+meshes. OUT then holds ours.onnx, and figures.json with the time of each stage. Run it from the root of the
+repository, with the meshes in data/. After an interruption give the same command again: it keeps everything
+already rendered and trained.
 """
 
 import argparse
@@ -22,11 +22,11 @@ import yaml
 
 KINDS = ("animals", "people", "props", "rigs")
 LICENCE = "MIT; trained on procedural shapes of normalgan and on CC0 meshes (docs/model_card.md)"
-MEASURING = 0.15  # of the time, for export and figures
+MEASURING = 0.15  # share of the time for export and figures
 
 
 def main(arguments: list[str]) -> None:
-    """Do all stages."""
+    """Run all stages."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("out", type=Path)
     parser.add_argument("--minutes", type=float, default=40.0)
@@ -50,7 +50,7 @@ def main(arguments: list[str]) -> None:
     stage("render", "render", *said, "--data.storage.render_workers", str(given.workers))
     budget = 60 * given.minutes * (1 - MEASURING) - (monotonic() - started)
     overlay = given.out / "budget.yaml"
-    if not overlay.exists():  # a run that goes on has its own clock
+    if not overlay.exists():  # a resumed run has its own clock
         overlay.write_text(yaml.safe_dump(_budget(configs, budget, given.out)), encoding="utf-8")
     last = given.out / "checkpoints" / "last.ckpt"
     stage("train", "fit", *said, "--config", overlay, *(["--ckpt_path", last] if last.exists() else []))
@@ -68,7 +68,7 @@ def main(arguments: list[str]) -> None:
 
 
 def _budget(configs: list[str], seconds: float, out: Path) -> dict[str, object]:
-    """Return the overlay that spreads training over so many seconds, all other callbacks kept."""
+    """Return the overlay that makes training take this many seconds, with all other callbacks kept."""
     callbacks: list[dict[str, object]] = []
     for config in configs:
         trainer = yaml.safe_load(Path(config).read_text(encoding="utf-8")).get("trainer") or {}

@@ -1,4 +1,4 @@
-"""An augmentation: changes training batches on their device, seeded by the step."""
+"""An augmentation, which changes training batches on their device with a seed for each step."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from normalgan.testing import check
 @AUGMENTATIONS.register
 @dataclass(frozen=True)
 class Grain(BatchAugmentation):
-    """Add the grain of paper to the sketches.
+    """Adds the grain of paper to the sketches.
 
     Args:
         strength: darkness of the grain, 0 to 1.

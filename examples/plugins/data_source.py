@@ -1,4 +1,4 @@
-"""A data source: what can be loaded, by the name of the split."""
+"""A data source, which returns the items of each split; each item loads one pair."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,11 +17,11 @@ class Disc:
     bulge: float
 
     def fingerprint(self) -> str:
-        """Return what the picture depends on: all settings, and a version of this code."""
+        """Return everything that the picture depends on: all settings, and a version of this code."""
         return f"disc 1 {self.bulge}"
 
     def load(self) -> Pair:
-        """Return sketch and normal map, of any size."""
+        """Return the sketch and the normal map, of any size."""
         x, y = np.meshgrid(np.linspace(-1.2, 1.2, 64), np.linspace(1.2, -1.2, 64))
         radius = np.hypot(x, y)
         up = np.sqrt(np.clip(1 - radius**2, 0, 1)) + 1e-3
@@ -34,7 +34,7 @@ class Disc:
 @DATA_SOURCES.register
 @dataclass(frozen=True)
 class Discs(PairSource):
-    """Discs, each with a larger bulge than the one before.
+    """Discs, each with a larger bulge than the previous one.
 
     Args:
         count: number of discs.

@@ -1,4 +1,4 @@
-"""A discriminator: a tuple of raw scores, one tensor a head; high means true."""
+"""A discriminator, which returns a tuple of raw scores, one tensor per head; high means real."""
 
 import torch
 from torch import Tensor, nn
@@ -9,7 +9,7 @@ from normalgan.testing import check
 
 @DISCRIMINATORS.register
 class SmallDiscriminator(Discriminator):
-    """Scores patches of 10 × 10 pixels, and the picture as a whole.
+    """Scores patches of 10 × 10 pixels, and the whole picture.
 
     Args:
         width: channels inside.

@@ -1,4 +1,4 @@
-"""A generator: from a condition (N, 4, H, W) to normals (N, 3, H, W)."""
+"""A generator, which maps a condition (N, 4, H, W) to normals (N, 3, H, W)."""
 
 import torch
 from torch import Tensor, nn

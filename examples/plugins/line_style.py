@@ -1,4 +1,4 @@
-"""A line style: traces strokes, curves with width and darkness. NumPy only."""
+"""A line style, which traces strokes: curves with width and darkness. It needs only NumPy."""
 
 from dataclasses import dataclass
 
@@ -13,17 +13,17 @@ from normalgan.testing import check
 @LINE_DRAWINGS.register
 @dataclass(frozen=True)
 class Box(LineDrawing):
-    """The smallest upright rectangle about the object, in one closed stroke.
+    """Draws the object's bounding box as one closed stroke.
 
     Args:
-        line_width: in pixels of the sketch.
+        line_width: width of the line in pixels of the sketch.
     """
 
     line_width: float = 1.25
 
     def trace(self, view: View, rng: np.random.Generator) -> list[Stroke]:
         """Return the strokes, in pixels of the sketch."""
-        rows, columns = np.nonzero(view.maps(2).mask)  # maps twice as large as the sketch: half pixels
+        rows, columns = np.nonzero(view.maps(2).mask)  # maps at twice the sketch's size, for half pixels
         if not len(rows):
             return []
         left, right = columns.min() / 2, (columns.max() + 1) / 2

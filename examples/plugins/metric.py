@@ -1,4 +1,4 @@
-"""A metric: a torchmetrics Metric of maps, truth and mask."""
+"""A metric: a torchmetrics Metric that takes maps, truth and mask."""
 
 import torch
 from torch import Tensor

@@ -1,4 +1,4 @@
-"""An adversarial objective: two losses of scores, both to be minimised."""
+"""An adversarial objective: two losses on scores, both minimised."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from normalgan.testing import check
 @ADVERSARIAL_OBJECTIVES.register
 @dataclass(frozen=True)
 class LeastSquares(AdversarialObjective):
-    """Least-squares GAN: scores of true maps to 1, of predicted ones to 0 (Mao et al. 2017)."""
+    """Least-squares GAN (Mao et al. 2017): scores of true maps tend to 1, of predicted maps to 0."""
 
     def discriminator_loss(self, real: Scores, fake: Scores) -> Tensor:
         """Return half the mean of (D(real) - 1)² and D(fake)²."""

@@ -1,4 +1,4 @@
-"""An output: a file that is written beside each normal map."""
+"""An output: an additional file for each normal map."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -14,11 +14,11 @@ from normalgan.testing import check
 @OUTPUTS.register
 @dataclass(frozen=True)
 class Slope(Output):
-    """How steep each place is.
+    """The slope at each pixel.
 
     Args:
-        format: of the picture.
-        steepest: degrees that are white.
+        format: format of the picture.
+        steepest: the slope in degrees that becomes white.
     """
 
     name: ClassVar[str] = "slope"
@@ -27,7 +27,7 @@ class Slope(Output):
     steepest: float = 90.0
 
     def encode(self, preds: NormalMap) -> dict[str, bytes]:
-        """Return the content of the file."""
+        """Return the contents of the file."""
         degrees = np.rad2deg(np.arccos(np.clip(preds.extended[..., 2], -1, 1)))
         picture = np.where(preds.mask, degrees / self.steepest, 0).astype(np.float32)
         return {self.endings[0]: encode_grey(picture)}

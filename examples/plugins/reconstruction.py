@@ -1,4 +1,4 @@
-"""A reconstruction loss: its terms by name, each a scalar and a weight."""
+"""A reconstruction loss, which returns its terms by name, each with a scalar and a weight."""
 
 from dataclasses import dataclass
 
@@ -12,10 +12,10 @@ from normalgan.testing import check
 @RECONSTRUCTIONS.register
 @dataclass(frozen=True)
 class SquaredOnObject(Reconstruction):
-    """The squared difference to the true normals on the object, and that off it for less.
+    """The squared difference to the true normals, with a smaller weight off the object.
 
     Args:
-        background: how much a pixel off the object counts, 0 or more.
+        background: the weight of a pixel off the object, 0 or more.
     """
 
     background: float = 0.1
@@ -25,9 +25,9 @@ class SquaredOnObject(Reconstruction):
             raise InputError(f"background must be 0 or more, not {self.background}.")
 
     def terms(self, preds: Predictions, target: Tensor, mask: Tensor, where: Tensor) -> dict[str, Term]:
-        """Return the two parts of the loss."""
+        """Return the two terms of the loss."""
         square = (preds.normal - target).square().sum(1, keepdim=True)
-        on, off = mask.sum().clamp(min=1), (1 - mask).sum().clamp(min=1)  # there may be no object
+        on, off = mask.sum().clamp(min=1), (1 - mask).sum().clamp(min=1)  # a picture may have no object
         return {
             "object": Term((square * mask).sum() / on, 100.0),
             "background": Term((square * (1 - mask)).sum() / off, 100.0 * self.background),

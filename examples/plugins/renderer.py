@@ -1,4 +1,4 @@
-"""A renderer: from a mesh and a camera to normal, depth and mask. NumPy only."""
+"""A renderer, which maps a mesh and a camera to normals, depth and mask. It needs only NumPy."""
 
 from dataclasses import dataclass
 
@@ -21,7 +21,7 @@ class BumpyRenderer(Renderer):
     noise: float = 0.005
 
     def render(self, mesh: Mesh, camera: Camera, size: int) -> Maps:
-        """Return the maps of ``mesh`` seen by ``camera``."""
+        """Return the maps of ``mesh`` as ``camera`` sees it."""
         maps = EmbreeRenderer().render(mesh, camera, size)
         bumps = np.random.default_rng(size).normal(0, self.noise, maps.normal.shape).astype(np.float32)
         normal = maps.normal + bumps * maps.mask[..., None]

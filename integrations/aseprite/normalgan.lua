@@ -1,6 +1,6 @@
--- Aseprite: the normal maps of all frames of the sprite, as a layer above the others.
--- What the sprite shows is painted, each frame by `normalgan generate --engine godot` (green up, 8 bits), all of them
--- in one go so that they share one frame and stay steady.
+-- Script for Aseprite: puts the normal maps of all frames of the sprite on a layer above the others.
+-- `normalgan generate --engine godot` (green up, 8 bits) predicts the visible part of every frame. One call handles
+-- all frames, so that they share one crop and do not flicker.
 
 local LAYER = "Normal map"
 local windows = app.fs.pathSeparator == "\\"
@@ -22,7 +22,7 @@ local function content(path)
   return (text:gsub("^%s+", ""):gsub("%s+$", ""))
 end
 
--- The command: what NORMALGAN names, what the installer noted, or what the search path has.
+-- The command: from NORMALGAN, the installer's note or the search path.
 local function command()
   local given = os.getenv("NORMALGAN") or ""
   if given == "" then
@@ -67,7 +67,7 @@ local function paint(sprite)
   end
   local line = table.concat(arguments, " ") .. " 2> " .. quoted(said)
   if windows then
-    line = '"' .. line .. '"' -- cmd takes the outer quotes away
+    line = '"' .. line .. '"' -- cmd removes the outer quotes
   end
   local done = os.execute(line)
   local words = content(said)
@@ -77,7 +77,7 @@ local function paint(sprite)
     if words == "" then
       problem = "normalgan failed without a word."
     elseif not ("\n" .. words):find("\nnormalgan: ", 1, true) then
-      -- It is the shell that speaks: there is no such command.
+      -- The message is the shell's own: there is no such command.
       problem = "normalgan was not found; install it and run integrations/install.py again, or set the environment "
         .. "variable NORMALGAN to the path of its command."
     end
@@ -108,7 +108,7 @@ elseif sprite.colorMode ~= ColorMode.RGB then
 else
   for _, layer in ipairs(sprite.layers) do
     if layer.name == LAYER then
-      layer.isVisible = false -- an earlier map is no part of the drawing
+      layer.isVisible = false -- an earlier map is not part of the drawing
     end
   end
   problem = paint(sprite)

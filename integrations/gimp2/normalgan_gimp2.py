@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""GIMP 2.10: the normal map of a layer as a new layer above it.
+"""Plug-in for GIMP 2.10: puts the normal map of a layer on a new layer above it.
 
-Debian's GIMP 2.10 has no Python of its own any more, and Script-Fu starts no commands. But a plug-in is any
-program that talks to GIMP by its library, so this one calls libgimp from an ordinary Python by ctypes.
+Debian's GIMP 2.10 no longer includes Python, and Script-Fu cannot start commands. But any program that talks
+to GIMP through its library is a plug-in, so this one calls libgimp from an ordinary Python with ctypes.
 """
 
 import ctypes
@@ -14,7 +14,7 @@ from pathlib import Path
 from normalgan_command import CommandError, predict
 
 NAME = b"plug-in-normalgan-layer"
-# The values of libgimp's enumerations, GimpPDBArgType, GimpPDBStatusType, GimpPDBProcType, GimpRunMode.
+# Values of libgimp's enumerations GimpPDBArgType, GimpPDBStatusType, GimpPDBProcType and GimpRunMode.
 INT32, FLOAT, STRING, IMAGE, LAYER, DRAWABLE, STATUS = 0, 3, 4, 13, 14, 16, 21
 EXECUTION_ERROR, SUCCESS = 0, 3
 PLUGIN = 1
@@ -27,7 +27,7 @@ else:
 
 
 class Colour(ctypes.Structure):
-    """GimpRGB: here as the largest member of the union below."""
+    """GimpRGB, the largest member of the union below."""
 
     _fields_ = (
         ("r", ctypes.c_double),
@@ -49,13 +49,13 @@ class Data(ctypes.Union):
 
 
 class Parameter(ctypes.Structure):
-    """GimpParam: a value that is given or returned."""
+    """GimpParam: an argument or a returned value."""
 
     _fields_ = (("type", ctypes.c_int), ("data", Data))
 
 
 class Declared(ctypes.Structure):
-    """GimpParamDef: what a procedure takes or returns."""
+    """GimpParamDef: declares an argument or a returned value of a procedure."""
 
     _fields_ = (("type", ctypes.c_int), ("name", ctypes.c_char_p), ("description", ctypes.c_char_p))
 
@@ -72,7 +72,7 @@ Run = ctypes.CFUNCTYPE(
 
 
 class PlugIn(ctypes.Structure):
-    """GimpPlugInInfo: what GIMP calls."""
+    """GimpPlugInInfo: the functions that GIMP calls."""
 
     _fields_ = (("init", Bare), ("quit", Bare), ("query", Bare), ("run", Run))
 
@@ -83,7 +83,7 @@ returned = (Parameter * 2)()  # GIMP reads it after `run` has ended
 
 
 def query() -> None:
-    """Tell GIMP what there is."""
+    """Register the procedure with GIMP."""
     taken = (Declared * 4)(
         Declared(INT32, b"run-mode", b"The run mode { RUN-INTERACTIVE (0), RUN-NONINTERACTIVE (1) }"),
         Declared(IMAGE, b"image", b"The image"),
@@ -110,7 +110,7 @@ def query() -> None:
 
 
 def checked(answer: int) -> int:
-    """Return what a procedure of GIMP returned, if it is not an error."""
+    """Return the value that a GIMP procedure returned, or raise an error for its error."""
     if answer in (0, -1):
         raise CommandError(f"GIMP: {gimp.gimp_get_pdb_error().decode(errors='replace')}")
     return answer
@@ -120,9 +120,9 @@ def normal_layer(image: int, drawable: int, strength: float) -> int:
     """Predict the normal map of a layer, and return the new layer above it.
 
     Args:
-        image: that the layer is in.
+        image: the image that contains the layer.
         drawable: the layer.
-        strength: what slopes are multiplied by.
+        strength: factor of the slopes.
 
     Raises:
         CommandError: with a sentence for the user.
@@ -157,7 +157,7 @@ def normal_layer(image: int, drawable: int, strength: float) -> int:
 
 
 def run(_name: bytes, count: int, given: object, returned_count: object, returned_values: object) -> None:
-    """Do what was asked, and return the layer, or an error that GIMP shows."""
+    """Run the procedure, and return the new layer, or an error that GIMP shows."""
     values = ctypes.cast(given, ctypes.POINTER(Parameter))  # type: ignore[arg-type]
     strength = values[3].data.number if count > 3 else 1.0
     returned[0].type = STATUS
@@ -176,7 +176,7 @@ def run(_name: bytes, count: int, given: object, returned_count: object, returne
 
 
 def main() -> int:
-    """Wait for what GIMP asks."""
+    """Serve GIMP's requests."""
     plug_in = PlugIn(Bare(), Bare(), Bare(query), Run(run))
     words = [word.encode() for word in sys.argv]
     return int(

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""GIMP 3: the normal map of a layer as a new layer above it."""
+"""Plug-in for GIMP 3: puts the normal map of a layer on a new layer above it."""
 
 import sys
 import tempfile
@@ -27,9 +27,9 @@ def normal_layer(image: Any, drawable: Any, strength: float, form: str) -> Any:
     """Predict the normal map of a layer, and return the new layer above it.
 
     Args:
-        image: that the layer is in.
+        image: the image that contains the layer.
         drawable: the layer.
-        strength: what slopes are multiplied by.
+        strength: factor of the slopes.
         form: one of `FORMS`.
 
     Raises:
@@ -64,10 +64,10 @@ def normal_layer(image: Any, drawable: Any, strength: float, form: str) -> Any:
 
 
 class NormalLayer(Gimp.PlugIn):
-    """What GIMP asks: which procedures there are, and each with its arguments."""
+    """The plug-in as GIMP queries it: its procedures and their arguments."""
 
     def do_set_i18n(self, _name: str) -> bool:
-        """Return that there are no translations."""
+        """Return False: there are no translations."""
         return False
 
     def do_query_procedures(self) -> list[str]:
@@ -75,7 +75,7 @@ class NormalLayer(Gimp.PlugIn):
         return [NAME]
 
     def do_create_procedure(self, name: str) -> Any:
-        """Return a procedure, by its name."""
+        """Return the procedure with a name."""
         procedure = Gimp.ImageProcedure.new(self, name, Gimp.PDBProcType.PLUGIN, run, None)
         procedure.set_image_types("RGB*")
         procedure.set_sensitivity_mask(Gimp.ProcedureSensitivityMask.DRAWABLE)
@@ -97,9 +97,9 @@ class NormalLayer(Gimp.PlugIn):
 
 
 def asked(procedure: Any, config: Any) -> bool:
-    """Show the settings, and return whether to go on."""
+    """Show the settings, and return whether the user confirmed."""
     gi.require_version("GimpUi", "3.0")
-    from gi.repository import GimpUi  # it brings GTK, which needs a screen
+    from gi.repository import GimpUi  # it loads GTK, which needs a screen
 
     GimpUi.init("normalgan")
     dialog = GimpUi.ProcedureDialog.new(procedure, config, "Normal map")
@@ -110,7 +110,7 @@ def asked(procedure: Any, config: Any) -> bool:
 
 
 def run(procedure: Any, mode: Any, image: Any, drawables: list[Any], config: Any, _data: object) -> Any:
-    """Do what was asked, and return the layer, or an error that GIMP shows."""
+    """Run the procedure, and return the new layer, or an error that GIMP shows."""
     try:
         if len(drawables) != 1 or not isinstance(drawables[0], Gimp.Layer):
             raise CommandError(f"{len(drawables)} layers or masks are chosen; choose one layer.")

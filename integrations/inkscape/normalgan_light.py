@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Inkscape: the normal map of the drawing on the page as a picture below it, lit by an SVG filter."""
+"""Extension for Inkscape: puts the drawing's normal map below it as a picture lit by an SVG filter."""
 
 import base64
 import math
@@ -16,10 +16,10 @@ LAYER = "normalgan"
 
 
 class NormalMapAndLight(inkex.EffectExtension):
-    """Renders the page, has its normal map painted, and inserts it in a layer below the drawing.
+    """Renders the page, has its normal map predicted, and inserts the map on a layer below the drawing.
 
-    The light is a filter of the picture: a product of a normal and a direction is a sum of channels, which
-    feColorMatrix computes. So it stays editable, and any viewer of SVG shows it.
+    The light is a filter on the picture: the product of a normal and a direction is a weighted sum of
+    channels, which feColorMatrix computes. So the light stays editable, and any SVG viewer shows it.
     """
 
     def add_arguments(self, pars: ArgumentParser) -> None:
@@ -34,7 +34,7 @@ class NormalMapAndLight(inkex.EffectExtension):
         pars.add_argument("--command", default="")
 
     def effect(self) -> None:
-        """Insert the picture, or say in one sentence why there is none."""
+        """Insert the picture, or report in one sentence why there is none."""
         for former in self.svg.xpath(f"//svg:g[@inkscape:label='{LAYER}']"):
             former.delete()
         try:
@@ -61,7 +61,7 @@ class NormalMapAndLight(inkex.EffectExtension):
         self.svg.insert(first, layer)
 
     def predicted(self) -> tuple[bytes, str]:
-        """Return the map of the page as PNG, and what the command warned of."""
+        """Return the map of the page as PNG, and the command's warnings."""
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
             page, drawn, output = folder / "page.svg", folder / "drawing.png", folder / "map.png"
@@ -69,7 +69,7 @@ class NormalMapAndLight(inkex.EffectExtension):
             wide = self.svg.viewport_width >= self.svg.viewport_height
             size = {"export_width" if wide else "export_height": str(self.options.size)}
             inkscape(str(page), export_type="png", export_filename=str(drawn), export_area_page=True, **size)
-            # A dialogue gives the folder of the document for a path that was left empty.
+            # For an empty path, the dialogue gives the folder of the document.
             chosen = "" if Path(self.options.command).is_dir() else self.options.command
             form = self.options.form
             formed = () if form == "predicted" else ("--form", form)
@@ -84,7 +84,7 @@ class NormalMapAndLight(inkex.EffectExtension):
         row = f"{2 * x:.5f} {2 * y:.5f} {2 * z:.5f} 0 {-(x + y + z):.5f}"  # channels are (n + 1) / 2
         light = self.svg.defs.add(inkex.Filter())
         light.set_random_id("light")
-        light.set("color-interpolation-filters", "sRGB")  # the channels are numbers, no colours
+        light.set("color-interpolation-filters", "sRGB")  # the channels are numbers, not colours
         light.update(x="0", y="0", width="1", height="1")
         light.add_primitive("feColorMatrix", type="matrix", values=f"{row} {row} {row} 0 0 0 1 0")
         shades = light.add_primitive("feComponentTransfer")

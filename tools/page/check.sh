@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Checks the studio's page: types of its JavaScript, written as JSDoc, and what a linter finds. Both tools come from
-# npm, in the versions of package.json; where npm is missing or out of reach, one line says so.
+# Checks the JavaScript of the studio's page with a type checker, by its JSDoc types, and with a linter. Both come from
+# npm, in the versions that package.json names; if npm is missing or cannot be reached, one line says so.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 cd "$here/../.."

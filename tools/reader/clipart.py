@@ -1,10 +1,10 @@
-"""Adds clip art to the cache of views: drawings by people whose opacity says what is object.
+"""Adds clip art to the cache of views: drawings by people whose opacity marks the object.
 
 clipart.py OUT [--leave-out FOLDER SHEET.csv…]
 
-The drawings are those of the Debian package openclipart-svg, which are in the public domain. To keep drawings
-for tests, name their FOLDER, or the table of a sheet by contact_sheet.py: they are left out, with all whose
-names begin with the same word.
+The drawings come from the Debian package openclipart-svg and are in the public domain. To reserve drawings
+for tests, give their FOLDER or the table of a sheet by contact_sheet.py. It leaves them out, together with
+all drawings whose names begin with the same word.
 """
 
 import argparse
@@ -33,13 +33,13 @@ _NO_OBJECTS = (
     *("flags", "gradients", "patterns", "aiga", "map_symbols", "roadsigns", "cards", "jigsaw", "led"),
     *("action", "filesystems"),
 )
-"""Folders of the package."""
+"""The package's folders to read."""
 _OF_A_SERIES = 12
-"""Most drawings whose names begin with the same word."""
+"""Maximum number of drawings whose names begin with the same word."""
 _MOST_INSIDE = 300
-"""Most lines inside a drawing."""
+"""Maximum number of lines inside a drawing."""
 _DARK = 80
-"""Darker pixels are lines; clip art has black outlines or none."""
+"""Darker pixels count as lines; clip art has black outlines or none."""
 
 
 def first_word(stem: str) -> str:
@@ -56,7 +56,7 @@ def names_in(path: Path) -> list[str]:
 
 
 def rendered(path: Path) -> NDArray[np.uint8] | None:
-    """Return a drawing (SIZE, SIZE, 4), RGBA, in the middle; None if its opacity does not tell an object."""
+    """Return a centred drawing (SIZE, SIZE, 4), RGBA; None if its opacity does not mark an object."""
     if path.stat().st_size > 1_500_000:
         return None
     try:
@@ -64,7 +64,7 @@ def rendered(path: Path) -> NDArray[np.uint8] | None:
         image = Image.open(io.BytesIO(bytes(made))).convert("RGBA")
     except KeyboardInterrupt:
         raise
-    except BaseException:  # resvg panics on some files, and a panic is no Exception
+    except BaseException:  # resvg panics on some files, and a panic is not an Exception
         return None
     box = image.getchannel("A").point(lambda value: 255 * (value > 127)).getbbox()
     if box is None or max(image.size) > 4000:
@@ -84,7 +84,7 @@ def rendered(path: Path) -> NDArray[np.uint8] | None:
 
 
 def tells_its_object(drawn: NDArray[np.uint8]) -> bool:
-    """Return whether the opacity of a drawing is its object, and not lines alone or a picture's rectangle."""
+    """Return whether a drawing's opacity marks its object, instead of only lines or a picture's rectangle."""
     opaque = (drawn[..., 3] > 127).astype(np.uint8)
     if ((drawn[..., 3] > 20) & (drawn[..., 3] < 235)).mean() > 0.06:  # shadows, glass
         return False
@@ -97,13 +97,13 @@ def tells_its_object(drawn: NDArray[np.uint8]) -> bool:
     filled = np.zeros((SIZE + 2, SIZE + 2), np.uint8)
     cv2.drawContours(filled, outer, -1, 1, -1)
     hollow = 1 - opaque.sum() / filled.sum()
-    # Lines that enclose nothing opaque are not filled: what they enclose may be object.
+    # Lines that enclose nothing opaque are not filled: the enclosed area may belong to the object.
     solid = cv2.erode(opaque, np.ones((9, 9), np.uint8)).sum() / opaque.sum()
     return bool(opaque.mean() > 0.03 and dark < 0.7 and hollow < 0.3 and solid > 0.45 and len(outer) < 12)
 
 
 def lines_of(drawn: NDArray[np.uint8]) -> tuple[list[Points], int, bool]:
-    """Return strokes in pixels, how many are outlines, and whether dark lines bound the object."""
+    """Return strokes in pixels, the number of outlines, and whether dark lines bound the object."""
     opaque = (drawn[..., 3] > 127).astype(np.uint8)
     colour = np.asarray(cv2.bilateralFilter(np.ascontiguousarray(drawn[..., :3]), 5, 40, 3), np.uint8)
     dark = ((colour.max(2) < _DARK) & (opaque > 0)).astype(np.uint8)
@@ -116,7 +116,7 @@ def lines_of(drawn: NDArray[np.uint8]) -> tuple[list[Points], int, bool]:
 
 
 def _regions(colour: NDArray[np.uint8], free: NDArray[np.bool_]) -> NDArray[np.int32]:
-    """Return for each pixel the number of the nearest area of one colour; areas lie where it is ``free``."""
+    """Return for each pixel the number of the nearest uniform area; areas lie only in ``free`` pixels."""
     codes = np.where(free, (colour.astype(int) >> 6) @ np.array([16, 4, 1]) + 1, 0)
     regions = np.zeros(codes.shape, np.int32)
     for code in np.unique(codes[free]):
@@ -137,7 +137,7 @@ def _regions(colour: NDArray[np.uint8], free: NDArray[np.bool_]) -> NDArray[np.i
 
 
 def _borders(regions: NDArray[np.int32]) -> list[Points]:
-    """Return the lines between regions, each once: along the one with the lower number."""
+    """Return each line between two regions once, along the region with the lower number."""
     borders = []
     for number in range(1, regions.max() + 1):
         found, _ = cv2.findContours(
@@ -158,7 +158,7 @@ def _stroke(pixels: NDArray[np.int32]) -> Points:
 
 
 def main() -> None:
-    """Write the clip art whose opacity is its object."""
+    """Write the clip art whose opacity marks its object."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("out", type=Path)
     parser.add_argument("--leave-out", type=Path, nargs="*", default=[])

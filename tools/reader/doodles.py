@@ -1,4 +1,4 @@
-"""Doodles of things, as they are drawn in doodles.svg, and the objects that they show."""
+"""Doodles of things from doodles.svg, with the objects that they show."""
 
 import io
 from collections.abc import Iterator
@@ -14,16 +14,16 @@ from PIL import Image
 SIDE = 480
 FILE = Path(__file__).with_name("doodles.svg")
 HANDS = {"straight": (1.0, 0.0), "by hand": (2.2, 4.0)}
-"""The width of the pen, in hundredths of a doodle, and how far lines stray, in pixels, by how it is drawn."""
+"""The pen's width in hundredths of a doodle and the lines' deviation in pixels, by way of drawing."""
 _SWING = 24
-"""Pixels along a line over which it strays."""
+"""Sigma in pixels of the Gaussian that smooths the deviations."""
 _SVG = "{http://www.w3.org/2000/svg}"
 _DRAWN = "* {fill: white; stroke: black} .line {fill: none}"
 _OBJECT = "* {fill: black; stroke: black} .hole {fill: white} .line {fill: none}"
 
 
 def doodles(hand: str) -> Iterator[tuple[str, NDArray[np.float32], NDArray[np.bool_]]]:
-    """Yield the name, the page (SIDE, SIDE) in [0, 1] with ink 0, and the object (SIDE, SIDE) of each.
+    """Yield each doodle's name, page (SIDE, SIDE) in [0, 1] with ink 0, and object (SIDE, SIDE).
 
     Args:
         hand: one of `HANDS`.
@@ -51,7 +51,7 @@ def _rendered(shapes: str, style: str, width: float) -> NDArray[np.uint8]:
 
 
 def _strays(rng: np.random.Generator, most: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return from where each pixel is taken, x and y (SIDE, SIDE)."""
+    """Return the source coordinates x and y (SIDE, SIDE) of each pixel."""
     y, x = np.mgrid[0:SIDE, 0:SIDE].astype(np.float32)
     clouds = [
         cv2.GaussianBlur(rng.normal(size=(SIDE, SIDE)).astype(np.float32), (0, 0), _SWING) for _ in "xy"

@@ -1,10 +1,10 @@
-"""Measures what the reader's lines are worth: the error of the predicted normals by how a drawing was made.
+"""Measures the value of the reader's lines: the error of the predicted normals by way of drawing.
 
 grounds.py VIEWS [--count 36] [--side 400] [--sheet OUT.png]
 
-Objects of VIEWS that the reader was not trained on, each drawn in fourteen ways: by pen or pencil, painted
-with and without an outline, on paper, dark, ruled, coloured or transparent. The error counts where the object
-surely is; outside of the mask it is 90°.
+It takes objects in VIEWS that the reader was not trained on, and draws each in fourteen ways: in pen or
+pencil, painted with and without an outline, and on plain, dark, ruled, coloured or transparent grounds. The
+error counts where the object certainly is; a pixel outside the predicted mask counts as 90°.
 """
 
 import argparse
@@ -21,12 +21,12 @@ from normalgan.errors import InputError
 
 Floats = NDArray[np.float32]
 MARGIN = 0.1
-"""Of the side, about an object."""
+"""Margin around an object, as a share of the side."""
 WHITE, BLACK, MAGENTA = ((1.0, 1.0, 1.0), (0.0, 0.0, 0.0), (1.0, 0.0, 1.0))
 
 
 def plane(lines: Sequence[Points], side: int, width: int | None) -> Floats:
-    """Return lines of a width, or the area that they enclose, (S, S, 1) in [0, 1]."""
+    """Return lines of a width, or the area that they enclose if it is None, (S, S, 1) in [0, 1]."""
     drawn = np.zeros((side, side), np.uint8)
     points = [np.rint((line * (1 - 2 * MARGIN) + MARGIN) * side * 16).astype(np.int32) for line in lines]
     if width is None:
@@ -38,7 +38,7 @@ def plane(lines: Sequence[Points], side: int, width: int | None) -> Floats:
 
 
 def drawings(shape: Shape, side: int, rng: Rng) -> tuple[dict[str, Floats], NDArray[np.bool_]]:
-    """Return an object drawn in each way, (S, S, 3 or 4) in [0, 1], and its mask (S, S)."""
+    """Return an object drawn in every way, (S, S, 3 or 4) in [0, 1], and its mask (S, S)."""
     ink = plane(shape.strokes, side, int(rng.integers(2, 5)))
     body = np.max([plane(group, side, None) for group in shape.contours], axis=0)
     light, dark = rng.uniform(0.3, 1, 3), rng.uniform(0, 0.45, 3)
@@ -75,7 +75,7 @@ def drawings(shape: Shape, side: int, rng: Rng) -> tuple[dict[str, Floats], NDAr
 
 
 def truth_of(normal: Floats, side: int) -> tuple[Floats, NDArray[np.bool_]]:
-    """Return an object's normals (S, S, 3) where they are known."""
+    """Return an object's normals (S, S, 3), and where they are known (S, S)."""
     scale = (1 - 2 * MARGIN) * side / normal.shape[0]
     move = np.array([[scale, 0, MARGIN * side], [0, scale, MARGIN * side]], np.float32)
     placed = np.asarray(cv2.warpAffine(normal, move, (side, side)), np.float32)
@@ -84,7 +84,7 @@ def truth_of(normal: Floats, side: int) -> tuple[Floats, NDArray[np.bool_]]:
 
 
 def over_white(picture: Floats) -> Floats:
-    """Return a transparent picture (S, S, 4) as it looks on white, (S, S, 3)."""
+    """Return a transparent picture (S, S, 4) composited over white, (S, S, 3)."""
     return np.asarray(picture[..., :3] * picture[..., 3:] + 1 - picture[..., 3:], np.float32)
 
 

@@ -1,13 +1,13 @@
-"""Measures how well objects are found: mask IoU by the lines alone and with the reader, holes, and time.
+"""Measures how well objects are found: mask IoU from the lines alone and with the reader, holes, and time.
 
 measure.py [FOLDER…] [--pages VIEWS] [--holes] [--doodles] [--sheet OUT.png]
 
-A drawing NAME.png of a FOLDER is compared with NAME_mask.png, if that is there: as it is, and grown by 3
-pixels, as masks drawn by hand lie a little outside of the lines. --pages makes pages of meshes
-that the reader was not trained on, eight of each kind, and takes such clip art as it was drawn and by its
-lines alone, and counts how often the opacity of objects is told from that of lines. --holes draws twenty
-things, eight of them pierced, 128 plain shapes without holes, and 64 cards with a figure in them. --doodles
-draws those of doodles.svg, straight and by hand.
+The mask of a drawing NAME.png in a FOLDER is compared with NAME_mask.png, if it exists. It is also compared
+when grown by 3 pixels, because masks drawn by hand lie a little outside the lines. --pages takes meshes and
+clip art that the reader was not trained on. It makes eight pages of each kind from the meshes, takes the clip
+art in its colours and as lines alone, and counts how often opaque objects and opaque lines are told apart.
+--holes draws twenty things, eight of them pierced, 128 plain shapes without holes, and 64 cards with a
+figure. --doodles draws doodles.svg, straight and by hand.
 """
 
 import argparse
@@ -33,25 +33,25 @@ from normalgan.inference.reading.picture import Picture, read_picture
 
 SIDE = 190
 SOURCES = {"lines": OUTLINE, "reader": None}
-"""What decides on the object, by the name in the tables."""
+"""The ways to find the object, by name in the tables."""
 PAGES, PAGE = 8, (400, 400)
 MARGINS = 0.02, 0.05, 0.1, 0.2
-"""Shares of the side between a card and the edge."""
+"""Margins between a card and the edge, as shares of the side."""
 ROUND = 60
-"""Corners of a disc."""
+"""Number of corners of the polygon that stands for a disc."""
 RIGHT = 0.95
-"""IoU from which a doodle is right."""
+"""IoU from which a doodle counts as right."""
 GROWN = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (7, 7))
 
 
 class Measured:
-    """Masks by each source, and how long they took."""
+    """Finds masks with each source, and records the times."""
 
     def __init__(self) -> None:
         self.seconds: dict[str, list[float]] = {name: [] for name in SOURCES}
 
     def masks(self, picture: Picture) -> dict[str, NDArray[np.bool_] | None]:
-        """Return the mask (H, W) by each source, None where the drawing is refused."""
+        """Return the mask (H, W) from each source, or None if it refuses the drawing."""
         found: dict[str, NDArray[np.bool_] | None] = {}
         for name, source in SOURCES.items():
             start = time.perf_counter()
@@ -66,14 +66,14 @@ class Measured:
         return found
 
     def say(self) -> None:
-        """Print the time of a drawing."""
+        """Print the median time per drawing."""
         for name, took in self.seconds.items():
             if took:
                 print(f"{name}: {1000 * np.median(took):.0f} ms a drawing (median of {len(took)})")
 
 
 def iou(mask: NDArray[np.bool_] | None, truth: NDArray[np.bool_]) -> float:
-    """Return the intersection over union; 0 for a drawing that was refused."""
+    """Return the intersection over union, or 0 for a refused drawing."""
     if mask is None:
         return 0.0
     return int((mask & truth).sum()) / max(int((mask | truth).sum()), 1)
@@ -99,7 +99,7 @@ def measure_pages(views: Path, measured: Measured) -> None:
 
 
 def measure_opacity(shapes: list[Shape], count: int = 40, side: int = 400) -> None:
-    """Print how often opacity is rightly taken for an object, and rightly for lines alone."""
+    """Print how often opaque objects, and opaque lines, are recognised as such."""
     rng = np.random.default_rng(71)
     right: dict[str, list[bool]] = {}
     for number in rng.permutation(len(shapes))[:count]:
@@ -130,7 +130,7 @@ def measure_opacity(shapes: list[Shape], count: int = 40, side: int = 400) -> No
 
 
 def measure_clipart(shapes: list[Shape], measured: Measured) -> None:
-    """Print the mean and the worst tenth of the IoU on clip art, in colours and by its lines."""
+    """Print the mean and the worst tenth of the IoU on clip art, in colour and as lines."""
     scores: dict[str, list[list[float]]] = {"clip art": [], "its lines": []}
     for shape in shapes:
         drawn = shape.drawn()
@@ -158,7 +158,7 @@ def _say_row(kind: str, scores: NDArray[np.float64]) -> None:
 
 
 def measure_holes(measured: Measured) -> None:
-    """Print which drawings have all their holes, and nothing else as a hole."""
+    """Print which drawings are found with all their holes and no other holes."""
     right = dict.fromkeys(SOURCES, 0)
     for name, drawn in drawings().items():
         colour = np.repeat(drawn.page[..., None], 3, -1)
@@ -171,7 +171,7 @@ def measure_holes(measured: Measured) -> None:
 
 
 def measure_doodles(measured: Measured) -> None:
-    """Print the IoU of the doodles that either source has wrong, the mean, and how many are right."""
+    """Print the IoU of doodles that any source gets wrong, the mean, and the number of right ones."""
     scores: list[list[float]] = []
     for hand in HANDS:
         for name, drawn, there in doodles(hand):
@@ -185,7 +185,7 @@ def measure_doodles(measured: Measured) -> None:
 
 
 def measure_plain(measured: Measured) -> None:
-    """Print how many triangles, squares, pentagons and discs are not solid: taken for frames and rings."""
+    """Print how many triangles, squares, pentagons and discs are mistaken for frames and rings."""
     wrong, count = dict.fromkeys(SOURCES, 0), 0
     for corners, radius, width, turn in product((3, 4, 5, 40), (40, 60, 80, 105), (1, 2, 4, 7), (0, 0.4)):
         paper, solid = np.ones((256, 256), np.float32), np.zeros((256, 256), np.uint8)
@@ -202,11 +202,11 @@ def measure_plain(measured: Measured) -> None:
 
 
 def measure_cards(measured: Measured) -> None:
-    """Print how many cards with a figure are not solid: taken for frames, or the figure for a hole."""
+    """Print how many cards are mistaken for frames, or have a figure that is mistaken for a hole."""
     side, wrong, count = 400, dict.fromkeys(SOURCES, 0), 0
     sheets, figures = ((4, 1.0), (4, 0.75), (ROUND, 1.0)), ((ROUND, 1.0), (4, 1.0), (10, 0.45))
     for (corners, flat), (points, inner), away, width in product(sheets, figures, MARGINS, (1, 4)):
-        if corners == points == ROUND:  # it may be a ring
+        if corners == points == ROUND:  # this may be a ring
             continue
         paper, solid = np.ones((side, side), np.float32), np.zeros((side, side), np.uint8)
         reach = (0.5 - away) * side
@@ -223,7 +223,7 @@ def measure_cards(measured: Measured) -> None:
 
 
 def _figure(middle: float, radius: float, points: int, turn: float, inner: float) -> NDArray[np.int32]:
-    """Return a polygon, or a star whose every second point lies nearer to the middle, (P, 2)."""
+    """Return a polygon (P, 2); ``inner`` below 1 makes it a star."""
     around = np.linspace(0, 2 * np.pi, points, endpoint=False) + turn
     away = radius * np.where(np.arange(points) % 2, inner, 1)
     path = middle + away[:, None] * np.stack([np.cos(around), np.sin(around)], 1)
@@ -231,7 +231,7 @@ def _figure(middle: float, radius: float, points: int, turn: float, inner: float
 
 
 def measure_folder(folder: Path, measured: Measured) -> list[NDArray[np.uint8]]:
-    """Print the IoU of each drawing, and return a cell of each for a contact sheet."""
+    """Print the IoU of each drawing, and return its cells for a contact sheet."""
     cells = []
     for path in sorted(folder.glob("*.png")):
         if path.stem.endswith("_mask"):
@@ -281,7 +281,7 @@ def _cell(picture: Picture, masks: dict[str, NDArray[np.bool_] | None], name: st
 
 
 def main() -> None:
-    """Measure what is asked for."""
+    """Run the measurements that the command line names."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("folders", nargs="*", type=Path)
     parser.add_argument(

@@ -1,4 +1,4 @@
-"""The reader's network: a U-Net with a trunk that sees all of the page, small enough for a core."""
+"""The reader's network: a U-Net whose trunk sees the whole page, small enough for one core."""
 
 from collections.abc import Iterator
 from itertools import chain
@@ -15,11 +15,11 @@ WIDTHS = (32, 64, 96, 128)
 BLOCKS = (1, 2, 2, 3)
 FOLD = 4
 OUTPUTS = 4
-"""Ink, presence, and x and y of the way to the object's middle."""
+"""Ink, presence, and the x and y offsets to the object's centre."""
 
 
 class Block(nn.Module):
-    """Two convolutions beside a short cut."""
+    """Two convolutions with a skip connection."""
 
     def __init__(self, width: int) -> None:
         super().__init__()
@@ -35,7 +35,7 @@ class Block(nn.Module):
 
 
 class Page(nn.Module):
-    """Adds to each place what the page as a whole tells."""
+    """Adds features of the whole page to each pixel."""
 
     def __init__(self, width: int) -> None:
         super().__init__()
@@ -93,7 +93,7 @@ class Reader(nn.Module):
         self.ways = nn.Conv2d(WIDTHS[0], 2, 1)
 
     def forward(self, picture: Tensor) -> Tensor:
-        """Return ink and presence as logits, then the way to the middle."""
+        """Return ink and presence as logits, then the offsets to the centre."""
         fine = self.stem(2 * picture - 1)
         x = self.fold(fine)
         kept = []
@@ -112,14 +112,14 @@ class Reader(nn.Module):
         return torch.cat([self.last(torch.cat([self.unfold(x), fine * (1 + gate)], 1)), ways], 1)
 
     def load_onnx(self, path: Path) -> None:
-        """Take the weights of an exported reader; its export has put normalisations into convolutions."""
+        """Load the weights of an exported reader, whose normalisations are merged into convolutions."""
         stored = {i.name: torch.tensor(numpy_helper.to_array(i)) for i in onnx.load(path).graph.initializer}
         state = self.state_dict()
         self.load_state_dict({k: stored.get(k, v) for k, v in state.items()})
         rest = [stored[name] for name in stored if name not in state]
         pairs = list(self._normalised())
         if len(rest) != 2 * len(pairs):
-            raise ValueError(f"{path} holds {len(rest) // 2} convolutions, but this network {len(pairs)}.")
+            raise ValueError(f"{path} has {len(rest) // 2} convolutions, but this network has {len(pairs)}.")
         with torch.no_grad():
             for (conv, norm), weight, bias in zip(pairs, rest[::2], rest[1::2], strict=True):
                 conv.weight.copy_(weight)
@@ -127,7 +127,7 @@ class Reader(nn.Module):
                 norm.running_var.fill_(1 - norm.eps)
 
     def merge(self) -> None:
-        """Put normalisations into the convolutions before them, as an export does."""
+        """Merge normalisations into the convolutions before them, as an export does."""
         with torch.no_grad():
             for conv, norm in self._normalised():
                 scale = norm.weight / (norm.running_var + norm.eps).sqrt()
@@ -138,7 +138,7 @@ class Reader(nn.Module):
                 norm.weight.fill_(1)
 
     def settle(self, pictures: list[Tensor]) -> None:
-        """Give normalisations the mean and variance of pictures; what the network returns stays the same."""
+        """Give normalisations the mean and variance of pictures, without changing the network's output."""
         sums: dict[nn.Module, list[Tensor]] = {}
         pairs = list(self._normalised())
         hooks = [
@@ -165,7 +165,7 @@ class Reader(nn.Module):
         self.train()
 
     def _normalised(self) -> Iterator[tuple[nn.Conv2d, Any]]:
-        """Yield each convolution with its `BatchNorm2d`, in the order in which they run."""
+        """Yield each convolution with its `BatchNorm2d`, in the order of execution."""
         for part in [
             self.stem,
             self.fold,

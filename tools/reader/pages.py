@@ -1,7 +1,7 @@
-"""Pages that the reader learns from: objects drawn as people draw them, on grounds as they come.
+"""Training pages for the reader: objects drawn as people draw them, on the grounds that occur in practice.
 
-A page is a picture with its true ink, presence (holes are none), the way from each pixel of an object to the
-object's middle, and a weight of each pixel.
+A page is a picture with its true ink, its presence (0 in holes), the offset from each pixel of an object to
+the object's centre, and a weight for each pixel.
 """
 
 from collections.abc import Callable
@@ -16,11 +16,11 @@ from shapes import Points, Rng, Shape, darkness, doodle, sheet
 Floats = NDArray[np.floating]
 Bools = NDArray[np.bool_]
 Box = tuple[float, float, float]
-"""Middle and side of the square that an object lies in, in pixels: x, y, span."""
+"""Centre and side of an object's square in pixels: x, y, span."""
 Stroke = tuple[Points, bool]
 """A line, and whether it is an outline."""
 Drawn = tuple[Points, bool, int]
-"""A line, whether it is an outline, and which pass of the hand over it this is."""
+"""A line, whether it is an outline, and the number of the hand's pass over it."""
 Move = Callable[[Points], Points]
 Contours = list[list[Points]]
 KINDS = (
@@ -44,26 +44,27 @@ KINDS = (
 )
 SHARES = (0.09, 0.1, 0.05, 0.08, 0.09, 0.05, 0.09, 0.02, 0.07, 0.06, 0.03, 0.09, 0.05, 0.06, 0.02, 0.04, 0.01)
 FRAME, CARD = 0.07, 0.09
-"""How far from the edge a line about a drawing is a frame at most, and a card's outline at least: shares of
-the longer side."""
+"""Distances from the edge, as shares of the longer side: up to the first, a line around a drawing is a frame;
+from the second, it is the outline of a card."""
 BLACK = 90
-"""Channel, of 255, up to which a filled area is ink; one in another colour is paint, and its edge is ink."""
+"""Highest channel, of 255, of a filled area that is ink; a lighter area is paint, and its edge is ink."""
 SEEN = 40
-"""Difference of a channel, of 255, from which an edge between a colour and its ground is seen."""
+"""Smallest difference of a channel, of 255, at which an edge between a colour and its ground is visible."""
 
 
 @dataclass
 class Page:
-    """A page and what is true of it.
+    """A page and its truth.
 
     Args:
         picture: (H, W, 3) uint8.
         ink: (H, W) in [0, 1].
         presence: (H, W) in [0, 1].
-        middle: (2, H, W), x and y from each pixel to the middle of its object, as shares of the longer side.
-        weight: (H, W) of the presence.
-        ink_weight: (H, W).
-        kind: of difficulty.
+        middle: (2, H, W), offsets x and y from each pixel to its object's centre, as shares of the longer
+            side.
+        weight: (H, W), weight of the presence.
+        ink_weight: (H, W), weight of the ink.
+        kind: kind of difficulty.
     """
 
     picture: NDArray[np.uint8]
@@ -197,7 +198,7 @@ class _Writer:
         if kind == "bordering":
             margin = rng.uniform(1, 0.1 * self.long * rng.choice([1, 2]))
             card = w / 2, h / 2, self.long - 2 * margin
-            if margin > CARD * self.long and self.chance(0.4):  # with a drawing on it
+            if margin > CARD * self.long and self.chance(0.4):  # a card with a drawing on it
                 return [card, (w / 2, h / 2, (small - 2 * margin) * rng.uniform(0.3, 0.8))]
             return [card]
         span = small * rng.uniform(0.55, 0.97)
@@ -225,7 +226,7 @@ class _Writer:
             shape = doodle(rng)
         else:
             shape = self.shapes[rng.integers(len(self.shapes))]
-        while self.framed and shape.name == "doodle/plain":  # it is the line about it that is the object
+        while self.framed and shape.name == "doodle/plain":  # here the line around it is the object
             shape = doodle(rng)
         if self.kind == "silhouette":
             self._silhouette(shape, box, style)
@@ -257,18 +258,18 @@ class _Writer:
         outline_drawn = painted is None or self.chance(0.5) or self._unseen(mask, painted)
         body = painted is not None or (self.see_through < 1 and style.covered)
         merged = solid and body and outline_drawn and self._merged(mask, style)
-        if merged:  # what is seen of such an outline is where the body ends
+        if merged:  # the visible part of such an outline is the end of the body
             strokes = [(line, outer) for line, outer in strokes if not outer]
         lines = self._hand(strokes, span, style)
         loose = self._hand([(s, True) for s in bare], span, style)
         width = style.width(span)
-        if shape.name == "doodle/plain" and self.chance(0.25):  # a disc in a broad pen, which is no ring
+        if shape.name == "doodle/plain" and self.chance(0.25):  # a broad-pen disc, not a ring
             width = span * rng.uniform(0.02, 0.09)
         ink = self._strokes(lines, width, style) if outline_drawn else np.zeros_like(mask)
         whisker = self._strokes(loose, width, style) if loose else np.zeros_like(mask)
         drawn = np.maximum(ink, whisker)
         pale = self._strokes([*lines, *loose], 0.5 * width, style) * style.pale if style.pale else 0.0
-        # what is painted lies below the lines
+        # paint lies below the lines
         if painted is not None:
             self.page = self.page * (1 - mask[..., None]) + painted * mask[..., None]
         elif self.see_through < 1 and style.covered:
@@ -319,7 +320,7 @@ class _Writer:
             self._construction(contours, span, style)
 
     def _silhouette(self, shape: Shape, box: Box, style: "_Style") -> None:
-        """Draw an object in one flat colour without an outline, or its lines with one half black."""
+        """Draw an object in one flat colour without an outline, or as lines with one half black."""
         rng = self.rng
         move = self._placement(shape, *box)
         contours = [_moved(move, group) for group in shape.contours]
@@ -361,7 +362,7 @@ class _Writer:
         return np.asarray(away > last, np.float32)
 
     def _opening(self, mask: Floats) -> Floats:
-        """Return round or cornered openings through an object, (H, W): large enough to be no eyes."""
+        """Return round or angular openings through an object, (H, W), too large for eyes."""
         rng = self.rng
         canvas = np.zeros((self.h, self.w), np.uint8)
         solid = np.pad((mask > 0.5).astype(np.uint8), 1)
@@ -404,7 +405,7 @@ class _Writer:
         return np.where(mask > 0.9, canvas, 0).astype(np.float32) / 255
 
     def _ended(self, mask: Floats, strokes: list[Stroke]) -> tuple[Floats, list[Stroke]]:
-        """Leave off a part, with no line where it would go on: a bust, a hand without its arm."""
+        """Remove a part without a line at the cut, as for a bust or a hand without its arm."""
         rng = self.rng
         way = np.array([rng.normal(0, 0.4), 1.0]) if self.chance(0.7) else rng.normal(0, 1, 2)
         away = np.add.outer(np.arange(self.h) * way[1], np.arange(self.w) * way[0])
@@ -420,7 +421,7 @@ class _Writer:
             self.middle[1][inside] = (my - ys) / self.long
 
     def _paste(self, shape: Shape, box: Box, style: "_Style") -> bool:
-        """Draw clip art in its colours or by its dark lines alone, and return whether it is seen."""
+        """Draw clip art in its colours or as its dark lines alone, and return whether it is visible."""
         rng = self.rng
         contours, lines, colour, mask = self._warped(shape, box)
         if (mask > 0.5).sum() < 20:
@@ -451,7 +452,7 @@ class _Writer:
         count, labels, stats, _ = cv2.connectedComponentsWithStats((mask > 0.5).astype(np.uint8))
         self._place_middle(mask > 0.5)
         large = stats[:, cv2.CC_STAT_AREA] > 0.25 * stats[1:, cv2.CC_STAT_AREA].max(initial=0)
-        for k in range(1, count):  # several things in one file are several objects
+        for k in range(1, count):  # several parts in one file are several objects
             if large[k]:
                 self._place_middle(labels == k)
         self.presence = np.maximum(self.presence, mask)
@@ -469,7 +470,7 @@ class _Writer:
         corners = move(np.array([[0, 0], [1, 0], [0, 1]], np.float32))
         share = float(np.sqrt(abs(np.linalg.det(corners[1:] - corners[0])))) / side
         lines = shape.lined and self.chance(0.75)
-        if lines and share < 1 and self.chance(0.5):  # of thin lines little would be left
+        if lines and share < 1 and self.chance(0.5):  # thin lines would nearly vanish
             drawn[..., :3] = cv2.erode(drawn[..., :3], np.ones((3, 3), np.uint8))
         opacity: NDArray[Any]
         paint: NDArray[Any]
@@ -489,7 +490,7 @@ class _Writer:
         return contours, lines, colour, mask
 
     def _unseen(self, mask: Floats, colour: Floats) -> bool:
-        """Return whether a third of the edge of what is painted looks like its ground."""
+        """Return whether a third of the painted area's edge looks like its ground."""
         solid = (mask > 0.5).astype(np.uint8)
         rim = solid > cv2.erode(solid, np.ones((3, 3), np.uint8), borderValue=1)
         return bool((np.abs(colour - self.page)[rim].max(-1) < SEEN).mean() > 1 / 3) if rim.any() else True
@@ -501,7 +502,7 @@ class _Writer:
         return bool(beside.any() and np.abs(self.page[beside].mean(0) - style.pen).max() < SEEN)
 
     def _kept(self, contours: Contours, span: float, style: "_Style") -> Floats:
-        """Return 0 where the lines of an outline were left out, and a pencil's uneven tone elsewhere."""
+        """Return 0 where lines of an outline are left out, and a pencil's uneven tone elsewhere."""
         rng = self.rng
         kept = np.ones((self.h, self.w), np.float32)
         if style.pressure:
@@ -553,7 +554,7 @@ class _Writer:
         return lambda p: ((turned(p) - centre) * scale + np.array([cx, cy])).astype(np.float32)
 
     def _filled(self, groups: Contours) -> Floats:
-        """Return the even-odd filling, antialiased by four times four samples."""
+        """Return the even-odd filling, antialiased with 4 × 4 samples."""
         k = 3
         mask = np.zeros((self.h * k, self.w * k), np.uint8)
         for group in groups:
@@ -578,14 +579,14 @@ class _Writer:
         return found
 
     def _within(self, mask: Floats, away: float) -> list[Points]:
-        """Return a second outline, inside the first one."""
+        """Return a second outline inside the first."""
         depth = cv2.distanceTransform(np.pad((mask > 0.5).astype(np.uint8), 1), cv2.DIST_L2, 5)[1:-1, 1:-1]
         inner = (depth > away).astype(np.uint8)
         found, _ = cv2.findContours(inner, cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
         return [np.concatenate([c[:, 0], c[:1, 0]]).astype(np.float32) + 0.5 for c in found if len(c) > 20]
 
     def _frame(self, boxes: list[Box], style: "_Style") -> list[Box]:
-        """Draw a frame about all objects, and return where these lie within it."""
+        """Draw a frame around all objects, and return their boxes inside it."""
         rng, h, w = self.rng, self.h, self.w
         self.framed = True
         edge = rng.uniform(0.01, FRAME) * self.long
@@ -651,7 +652,7 @@ class _Writer:
     def _hand(  # noqa: PLR0912 - one choice after the other
         self, strokes: list[Stroke], span: float, style: "_Style"
     ) -> list[Drawn]:
-        """Return (points, kind of pass) of lines as the hand draws them."""
+        """Return lines as the hand draws them."""
         rng, drawn = self.rng, []
         damage = self.damage
         wobble = style.wobble * span
@@ -807,7 +808,7 @@ class _Writer:
             palette[:] = palette[0]
         if self.chance(0.25):  # some are left as white as paper
             palette[rng.random(count) < 0.4] = style.paper_like
-        # A white figure with eyes as dark as its ground.
+        # a white figure with eyes as dark as its ground
         if self.kind in {"inverted", "flat"} and self.chance(0.35):
             palette[:] = rng.uniform(215, 255)
             small = np.bincount(labels.ravel(), minlength=count) < 0.02 * np.count_nonzero(mask > 0.5)
@@ -815,7 +816,7 @@ class _Writer:
         colour = palette[labels]
         if shape.normal is not None and self.chance(0.5):
             box = _box(mask)
-            # The shading need not be that of the bent shape; it must vary as a shaded surface does.
+            # The shading need not match the bent shape, but must vary like that of a shaded surface.
             light = rng.normal(0, 1, 3) + np.array([0, 0, 1.2])
             shade = np.clip(shape.normal @ (light / np.linalg.norm(light)), 0, 1)
             rows, columns = np.nonzero(np.abs(shape.normal).sum(-1) > 0.1)
@@ -832,7 +833,7 @@ class _Writer:
         return np.asarray(np.clip(colour, 0, 255), np.float32)
 
     def _rim(self, mask: Floats, painted: Floats | None, ink: Floats | None) -> Floats:
-        """Return lines where painted areas have none: around them, and between their colours."""
+        """Return the missing lines of painted areas: around them, and between their colours."""
         solid = (mask > 0.5).astype(np.uint8)
         inner = cv2.erode(solid, np.ones((3, 3), np.uint8), borderValue=0)
         rim = (solid - inner).astype(np.float32)
@@ -876,7 +877,7 @@ class _Writer:
         self.ink_weight[canvas > 40] *= 0.3
 
     def _weigh(self, contours: Contours, mask: Floats, thin: Bools, drawn: Floats) -> None:
-        """Weigh what a mean over the page would lose: holes, eyes, what lies just outside, bare lines."""
+        """Raise the weight of parts that a mean over the page would lose: holes, eyes, rims, bare lines."""
         solid = (mask > 0.5).astype(np.uint8)
         near = cv2.dilate(solid, np.ones((int(0.06 * self.long) | 1,) * 2, np.uint8))
         self.weight[(near > 0) & (solid == 0)] = 2.0
@@ -890,7 +891,7 @@ class _Writer:
         area = hole.sum()
         if area:
             self.weight[hole] = np.clip(0.04 * self.h * self.w / area, 2, 8)
-        # Eyes, buttons and the other small closed shapes inside an object are no holes.
+        # Eyes, buttons and other small closed shapes inside an object are not holes.
         free = ((drawn < 0.3) & (mask > 0.6)).astype(np.uint8)
         _, labels, stats, _ = cv2.connectedComponentsWithStats(free, connectivity=4)
         weights = np.clip(0.02 * solid.sum() / np.maximum(stats[:, cv2.CC_STAT_AREA], 1), 1, 4)
@@ -1030,7 +1031,7 @@ class _Writer:
             self.page += _clouds(rng, h, w, rng.uniform(3, 30))[..., None] * rng.uniform(3, 20)
 
     def _text(self) -> None:
-        """Write words and signatures, where no object is."""
+        """Write words and signatures off the objects."""
         rng = self.rng
         for _ in range(rng.integers(1, 4)):
             word = "".join(
@@ -1089,7 +1090,7 @@ class _Writer:
             self.page = 255 * np.clip(self.page / 255, 0, 1) ** gamma
 
     def _lying(self) -> None:
-        """Let a finger, a hand or a pencil reach in from the border, with its shadow."""
+        """Draw a finger, a hand or a pencil that reaches in from the border, with its shadow."""
         rng, h, w = self.rng, self.h, self.w
         way = rng.uniform(0, 2 * np.pi)
         out = np.array([w, h]) / 2 + np.array([np.cos(way), np.sin(way)]) * self.long * 0.75
@@ -1113,7 +1114,7 @@ class _Writer:
         self.ink[shape > 0] = 0
 
     def _desk(self) -> None:
-        """Lay the sheet on a desk: what lies beyond a quadrilateral is wood, cloth or shade."""
+        """Lay the sheet on a desk: outside a quadrilateral, the page is wood, cloth or shade."""
         rng, h, w = self.rng, self.h, self.w
         lo, hi = -0.02, 0.11
         corners = np.array(
@@ -1136,7 +1137,7 @@ class _Writer:
 
 
 class _Style:
-    """The pens and colours of a page, alike for all that is on it."""
+    """The pens and colours of a page, common to all its objects."""
 
     def __init__(self, rng: Rng, writer: _Writer) -> None:
         self.rng = rng
@@ -1181,7 +1182,7 @@ class _Style:
         self.black_share = rng.uniform(0.1, 0.7)
         self.white_details = rng.random() < 0.6
         self.outline_target = True
-        # on a flat ground that is no paper, an object that is not painted is white or light
+        # on a flat ground other than paper, an unpainted object is white or light
         self.covered = writer.see_through < 1 and not (inverted and rng.random() < 0.6)
         self.cover = rng.uniform(200, 255, 3) if rng.random() < 0.5 else np.full(3, rng.uniform(235, 255))
         if writer.see_through == 0 and not self.covered and not inverted and ground.mean() < 90:

@@ -1,6 +1,6 @@
-"""Objects for the pages that the reader learns from: views of meshes, clip art, and doodles of plain shapes.
+"""Objects for the reader's training pages: views of meshes, clip art, and doodles of plain shapes.
 
-An object is contours, whose even-odd filling is its mask, and strokes, in a square from 0 to 1.
+An object consists of contours, whose even-odd filling is its mask, and of strokes, in a square from 0 to 1.
 """
 
 import json
@@ -21,7 +21,7 @@ Rng = np.random.Generator
 Place = tuple[float, float] | NDArray[np.floating]
 POINT = 32
 _ROUND = 72
-"""Points of an ellipse."""
+"""Number of points of an ellipse."""
 
 
 @dataclass(frozen=True)
@@ -29,14 +29,15 @@ class Shape:
     """An object to be drawn, in a square from 0 to 1, y down.
 
     Args:
-        name: of the view or the doodle.
-        contours: (P, 2) each; the even-odd filling is the object with its holes. The fillings of several
-            groups are united.
-        strokes: (P, 2) each, the lines.
-        outlines: how many of the first strokes are occluding contours; the others lie inside.
-        normal: (n, n, 3), or None.
-        bare: strokes that are parts of the object by themselves: whiskers, legs of one line.
-        paint: clip art as it was drawn, a PNG; None for other objects. See `drawn`.
+        name: name of the view or the doodle.
+        contours: groups of contours, (P, 2) each. The even-odd filling of a group, united with those of the
+            others, is the object with its holes.
+        strokes: the lines, (P, 2) each.
+        outlines: the number of strokes, from the first on, that are occluding contours; the others lie
+            inside.
+        normal: the normals (n, n, 3), or None.
+        bare: strokes that are parts of the object themselves, such as whiskers and legs of one line.
+        paint: the original clip art, a PNG; None for other objects. See `drawn`.
         lined: whether dark lines bound the clip art.
     """
 
@@ -50,13 +51,13 @@ class Shape:
     lined: bool = False
 
     def drawn(self) -> NDArray[np.uint8]:
-        """Return clip art as it was drawn, (n, n, 4), BGRA."""
+        """Return the original clip art, (n, n, 4), BGRA."""
         assert self.paint is not None
         return np.asarray(cv2.imdecode(self.paint, cv2.IMREAD_UNCHANGED), np.uint8)
 
     @property
     def pierced(self) -> bool:
-        """Whether a hole goes through it that is large enough to be seen."""
+        """Whether a hole through it is large enough to be visible."""
         areas = [cv2.contourArea(c, oriented=True) for group in self.contours for c in group]
         return bool(areas) and min(areas) * max(areas) < 0 and min(map(abs, (min(areas), max(areas)))) > 0.002
 
@@ -72,7 +73,7 @@ class Views:
         self.reload(most)
 
     def reload(self, most: int | None = None) -> None:
-        """Read the files that have come since."""
+        """Read the files that were added since the last call."""
         for path in sorted(self.folder.glob("views_*.npz")):
             if path.name in self._seen or (most is not None and len(self._seen) >= most):
                 continue
@@ -107,7 +108,7 @@ def _view(name: str, stored: dict[str, NDArray[Any]]) -> Shape:
     size = round(len(bits) ** 0.5)
     mask = cv2.resize(bits.reshape(size, size), None, fx=2, fy=2, interpolation=cv2.INTER_NEAREST)
     found, _ = cv2.findContours(np.pad(mask, 1), cv2.RETR_CCOMP, cv2.CHAIN_APPROX_NONE)
-    # Contours run through the middles of pixels of the doubled mask, half a pixel inside its edge.
+    # Contours run through the pixel centres of the doubled mask, half a pixel inside its edge.
     contours = [_contour((c[:, 0].astype(np.float32) - 0.5) / (2 * size)) for c in found if len(c) > 8]
     points = stored["points"].astype(np.float32) / (POINT * size)
     strokes = np.split(points, np.cumsum(stored["lengths"])[:-1])
@@ -124,7 +125,7 @@ def _view(name: str, stored: dict[str, NDArray[Any]]) -> Shape:
 
 
 def darkness(colour: NDArray[Any]) -> NDArray[np.float32]:
-    """Return how much each pixel of colours (h, w, 3) in [0, 255] is a dark line of clip art, in [0, 1]."""
+    """Return for colours (h, w, 3) in [0, 255] how dark a line each pixel is, in [0, 1]."""
     dark: NDArray[np.float32] = np.clip((150 - colour.max(2)) / np.float32(80), 0, 1)
     return dark
 
@@ -134,7 +135,7 @@ def _contour(pixels: Points) -> Points:
 
 
 def smoothed(path: Points, closed: bool) -> Points:
-    """Return a path along pixels without their staircase, with as many points."""
+    """Return a path along pixels with its staircase smoothed, with the same number of points."""
     before, after = (path[-3:], path[:3]) if closed else (path[:1].repeat(3, 0), path[-1:].repeat(3, 0))
     around = np.concatenate([before, path, after])
     kernel = np.array([1, 2, 3, 4, 3, 2, 1], np.float32) / 16
@@ -142,7 +143,7 @@ def smoothed(path: Points, closed: bool) -> Points:
 
 
 def doodle(rng: Rng, kind: str | None = None) -> Shape:
-    """Return a figure of round and pointed parts, as children and sign painters draw."""
+    """Return a figure of round and pointed parts, like those of children and sign painters."""
     kinds = [
         *("figure", "animal", "blob", "thing", "stick", "ring"),
         *("snow", "frame", "wire", "plain", "row", "lobes"),
@@ -152,14 +153,14 @@ def doodle(rng: Rng, kind: str | None = None) -> Shape:
 
 
 def sheet(rng: Rng, sides: NDArray[np.floating]) -> Shape:
-    """Return one closed line about its page, a card, a sign or a window: an object, no frame.
+    """Return a card, a sign or a window: one closed line around the page that is an object, not a frame.
 
-    Only plain figures, bars or rows are drawn inside it; around a drawing, the same line near the edge of the
-    page would be a frame.
+    It contains only plain figures, bars or rows. Around a drawing, the same line near the edge of the page
+    would be a frame.
 
     Args:
         rng: a source of chance.
-        sides: its width and height, in [0, 1].
+        sides: width and height, in [0, 1].
     """
     round_ = rng.random() < 0.3
     t = np.linspace(0, 2 * np.pi, 160, endpoint=False)
@@ -189,12 +190,12 @@ def sheet(rng: Rng, sides: NDArray[np.floating]) -> Shape:
 
 
 def _divisions(rng: Rng, outline: Points, straight: bool) -> list[Points]:
-    """Return what lies inside a made thing: the bars of a window, the rim of a screen, rows of text.
+    """Return the inner lines of a man-made thing: the bars of a window, the rim of a screen, rows of text.
 
     Args:
         rng: a source of chance.
         outline: (P, 2), convex.
-        straight: whether it is a rectangle; bars cross it from side to side.
+        straight: whether it is a rectangle, which bars cross from side to side.
     """
     low, high = outline.min(0), outline.max(0)
     middle, room = (low + high) / 2, (high - low) / 2
@@ -352,7 +353,7 @@ class _Doodle:
     def draw(self, kind: str) -> Shape:
         rng = self.rng
         getattr(self, "_" + kind)()
-        overlap = rng.random() < 0.35  # as children do: every circle is drawn whole
+        overlap = rng.random() < 0.35  # as children draw: every circle is complete
         return _shape(
             f"doodle/{kind}",
             self.parts,
@@ -450,7 +451,7 @@ class _Doodle:
                 )
 
     def scribble(self, part: Points, edge: bool) -> None:
-        """Add a part that is filled by a line to and fro, with or without a line around it."""
+        """Add a part filled with a line to and fro, with or without an edge."""
         rng = self.rng
         low, high = part.min(0), part.max(0)
         turn = rng.uniform(0, np.pi)
@@ -469,7 +470,7 @@ class _Doodle:
         (self.parts if edge else self.bodies).append((part, True))
 
     def _child(self) -> None:
-        """A person as a child draws one: a big head, limbs that are closed shapes, clothes, hair."""
+        """Add a person as a child draws one: a big head, closed shapes as limbs, clothes, hair."""
         rng = self.rng
         head = rng.uniform(0.1, 0.22)
         wide, high = rng.uniform(0.06, 0.24), rng.uniform(0.08, 0.22)
@@ -518,7 +519,7 @@ class _Doodle:
                 self.details.append(_closed(button))
 
     def _clothes(self, cy: float, wide: float, high: float) -> None:
-        """A skirt, a belt or nothing."""
+        """Add a skirt, a belt or nothing."""
         rng = self.rng
         if rng.random() < 0.4:
             hem = cy + high * rng.uniform(0.9, 1.5)
@@ -541,7 +542,7 @@ class _Doodle:
             self.details.append(np.array([[0.5 - wide, y], [0.5 + wide, y]], np.float32))
 
     def _headdress(self, hy: float, head: float) -> None:
-        """Hair, a crown, a hat or nothing."""
+        """Add hair, a crown, a hat or nothing."""
         rng = self.rng
         hair = rng.integers(6)
         if hair == 0:
@@ -577,7 +578,7 @@ class _Doodle:
             self.parts.append((_dense((brim * head + [0.5, hy]).astype(np.float32)), True))
 
     def _strokes(self) -> None:
-        """Strokes that are the object by themselves: flourishes, birds far away, waves, letters by brush."""
+        """Add strokes that are objects themselves: flourishes, distant birds, waves, brush letters."""
         rng = self.rng
         if rng.random() < 0.6:  # birds
             largest = rng.uniform(0.06, 0.25)
@@ -666,7 +667,7 @@ class _Doodle:
                     )
 
     def _plain(self) -> None:
-        """One closed line with nothing in it, or a sign: a disc, a square, a triangle."""
+        """Add one empty closed line, or a sign: a disc, a square, a triangle."""
         rng = self.rng
         if rng.random() < 0.25:  # a card, a door
             corners = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * rng.uniform(0.1, 0.3, 2) + 0.5
@@ -710,7 +711,7 @@ class _Doodle:
             )
 
     def _thing(self) -> None:
-        """Polygons: stars, houses, boxes with stripes and windows; leaves and drops."""
+        """Add polygons: stars, houses, boxes with stripes and windows; or leaves and drops."""
         rng = self.rng
         n = rng.integers(3, 9)
         t = np.linspace(0, 2 * np.pi, n, endpoint=False) + rng.uniform(0, 6.28)
@@ -793,7 +794,7 @@ class _Doodle:
         self.face(0.5, 0.22, head)
 
     def _ring(self) -> None:
-        """Things with a hole through them: handles, rings, frames, loops."""
+        """Add things with a hole through them: handles, rings, frames, loops."""
         rng = self.rng
         if rng.random() < 0.5:
             wide, high = rng.uniform(0.12, 0.25), rng.uniform(0.15, 0.25)
@@ -828,19 +829,19 @@ class _Doodle:
             )
 
     def _wheel(self, cx: float, cy: float, r: float, thick: float) -> None:
-        """Add a ring, round or nearly."""
+        """Add a round or nearly round ring."""
         flat = self.rng.uniform(0.8, 1.25)
         self.parts.append((self.ellipse(cx, cy, r, r * flat, squareness=1.0, wobble=0), True))
         inner = self.ellipse(cx, cy, r - thick, r * flat - thick, squareness=1.0, wobble=0)
         self.holes.append(inner)
 
     def _bar(self, start: Place, end: Place, width: float, pierced: bool = False) -> None:
-        """Add a straight bar; a hole behind it is not seen through it unless it is pierced."""
+        """Add a straight bar; a hole behind it is visible only if the bar is pierced."""
         path = np.linspace(start, end, 8).astype(np.float32)
         self.parts.append((self.tube(path, (width, width)), pierced))
 
     def _frame(self) -> None:  # noqa: PLR0912 - one kind after the other
-        """Bars and rings that enclose air: spectacles, bicycles, tripods, ladders, chairs, fences."""
+        """Add bars and rings that enclose air: spectacles, bicycles, tripods, ladders, chairs, fences."""
         rng = self.rng
         kind, width = rng.integers(5), rng.uniform(0.015, 0.06)
         if kind == 0:  # spectacles
@@ -898,7 +899,7 @@ class _Doodle:
         self.merged = bool(rng.random() < 0.5)
 
     def _icing(self, r: float, share: float, flat: float, middle: Place, square: float) -> None:
-        """Draw icing on a ring, and what is strewn on it."""
+        """Draw icing and sprinkles on a ring."""
         rng = self.rng
         wide = r * (share + rng.uniform(0.4, 0.8) * (1 - share))
         x, y = middle
@@ -910,7 +911,7 @@ class _Doodle:
             self.details.append(np.stack([at - way, at + way]).astype(np.float32))
 
     def _wire(self) -> None:
-        """Single lines that enclose air, mostly with something solid on them: tripods, racks, swings."""
+        """Add single lines that enclose air, mostly with something solid on them: tripods, racks, swings."""
         rng = self.rng
         top = np.array([0.5, rng.uniform(0.2, 0.4)])
         count = rng.integers(2, 5)
@@ -938,11 +939,11 @@ class _Doodle:
             self.bare.append(_curve(hook.astype(np.float32)))
 
     def _row(self) -> None:
-        """Equal solid pieces in a row or a circle, with air between them."""
+        """Add equal solid pieces in a row or a circle, with air between them."""
         (self._sun, self._flower, self._planks)[self.rng.integers(3)]()
 
     def _sun(self) -> None:
-        """A disc with rays, which are lines or points."""
+        """Add a disc with rays, either lines or points."""
         rng = self.rng
         r, count, points = rng.uniform(0.1, 0.25), rng.integers(5, 17), rng.random() < 0.3
         near, far = r * rng.uniform(1.0, 1.4), r * rng.uniform(1.5, 2.2)
@@ -958,7 +959,7 @@ class _Doodle:
             self.face(0.5, 0.5, r)
 
     def _flower(self) -> None:
-        """Petals about a disc, on a stem."""
+        """Add petals around a disc, on a stem."""
         rng = self.rng
         r, count, y = rng.uniform(0.04, 0.12), rng.integers(4, 10), rng.uniform(0.3, 0.5)
         long, wide = r * rng.uniform(0.8, 1.8), r * rng.uniform(0.5, 1.1)
@@ -977,7 +978,7 @@ class _Doodle:
             self.parts.append((leaf, True))
 
     def _lobes(self) -> None:
-        """Solid loops that hang on a body or a stem: wings, leaves, bows."""
+        """Add solid loops on a body or a stem: wings, leaves, bows."""
         rng = self.rng
         tall = rng.uniform(0.15, 0.4)
         bend = rng.normal(0, 0.06) if rng.random() < 0.5 else 0.0
@@ -1014,7 +1015,7 @@ class _Doodle:
                 self.bare.append(_curve(feeler.astype(np.float32)))
 
     def _planks(self) -> None:
-        """Planks on the rails of a fence, or legs under a top, with bars between them or without."""
+        """Add planks on the rails of a fence, or legs under a top, with or without bars between them."""
         rng = self.rng
         legs = rng.random() < 0.5
         count = rng.integers(2, 5) if legs else rng.integers(3, 9)
@@ -1060,7 +1061,7 @@ def _shape(
     merged: bool,
     bodies: list[Part],
 ) -> Shape:
-    """Return a shape of closed parts, later ones before earlier ones; lines that are hidden are left out."""
+    """Return a shape of closed parts, later ones in front of earlier ones, without the hidden lines."""
     side = 256
     strokes: list[Points] = []
     masks = []
@@ -1082,7 +1083,7 @@ def _shape(
         above |= masks[index]
     union = above.copy()
     for (_, pierced), mask in zip(parts, masks, strict=True):
-        if not pierced:  # it lies before the hole
+        if not pierced:  # the part lies in front of the hole
             hole &= 1 - mask
     union &= 1 - hole
     for body, _ in bodies:
@@ -1118,7 +1119,7 @@ def _closed(points: Points) -> Points:
 
 
 def _dense(polygon: Points) -> Points:
-    """Return a polygon with points along its edges; every third point of the contour is kept later on."""
+    """Return a polygon with points along its edges, of which every third is kept later."""
     return _resampled(_closed(polygon), 160)[:-1]
 
 

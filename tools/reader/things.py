@@ -1,4 +1,4 @@
-"""Drawings of things, pierced and solid, and points in their holes and in the object."""
+"""Drawings of pierced and solid things, with points in their holes and in the object."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,8 +17,8 @@ class Thing:
 
     Args:
         page: (SIDE, SIDE) in [0, 1], ink 0.
-        holes: x and y of points in holes and in the air about it.
-        solid: x and y of points of the object, in areas that lines enclose.
+        holes: x and y of points in holes and in the air around the object.
+        solid: x and y of points of the object, in areas enclosed by lines.
     """
 
     page: NDArray[np.float32]
@@ -237,5 +237,5 @@ _DRAWN: tuple[Callable[[_Pen], Thing], ...] = (
 
 
 def drawings() -> dict[str, Thing]:
-    """Return the drawings by what they show."""
+    """Return the drawings by name."""
     return {draw.__name__[1:]: draw(_Pen()) for draw in _DRAWN}

@@ -1,9 +1,10 @@
-"""Trains the reader on pages made on the fly, and exports it.
+"""Trains the reader on pages generated on the fly, and exports it.
 
 train.py VIEWS OUT [--minutes 45] [--start READER.onnx] [--rate 4e-4] [--measure]
 train.py VIEWS OUT --export READER.onnx [--start READER.onnx --mix 0.5]
 
-OUT/last.pt is written every two minutes and gone on from; the rate falls to nothing at the end of the time.
+It writes OUT/last.pt every two minutes, and a later run continues from it. The learning rate falls to zero at
+the end of the time.
 """
 
 import argparse
@@ -30,13 +31,13 @@ SIZES = (
 )  # fmt: skip
 RATE = 1.2e-3
 Batch = tuple[Tensor, ...]
-"""Pictures, ink, presence, ways, weights of the presence, of the ink."""
+"""Pictures, ink, presence, offsets, weights of the presence, weights of the ink."""
 RELOAD = 300
-"""Batches after which views that have been rendered since are taken too."""
+"""Number of batches after which newly rendered views are loaded."""
 
 
 class Pages(IterableDataset[Batch]):
-    """Batches without end."""
+    """An endless stream of batches."""
 
     def __init__(self, views: Path, seed: int) -> None:
         self.views, self.seed = views, seed
@@ -49,7 +50,7 @@ class Pages(IterableDataset[Batch]):
         for number in count():
             if number % RELOAD == 0:
                 views.reload()
-                # Of meshes alone every thirtieth object has a hole; now every eighth at least.
+                # Among meshes every thirtieth object has a hole; this makes it at least every eighth.
                 pierced = views.pierced * (len(views.shapes) // (8 * max(len(views.pierced), 1)))
                 shapes = views.shapes + pierced
                 print(len(views.shapes), "views,", len(views.pierced), "with holes", flush=True)
@@ -133,7 +134,7 @@ def main() -> None:  # noqa: PLR0915 - one run from its first line to its last
     parser.add_argument("views", type=Path)
     parser.add_argument("out", type=Path)
     parser.add_argument("--minutes", type=float, default=45)
-    parser.add_argument("--start", type=Path, help="an exported reader that this run begins with")
+    parser.add_argument("--start", type=Path, help="an exported reader to start from")
     parser.add_argument("--rate", type=float, default=RATE)
     parser.add_argument("--measure", action="store_true")
     parser.add_argument("--export", type=Path)
@@ -172,7 +173,7 @@ def main() -> None:  # noqa: PLR0915 - one run from its first line to its last
     loader = DataLoader(Pages(given.views, done), batch_size=None, num_workers=1, prefetch_factor=6)
     start, saved, total = time.monotonic() - seconds, time.monotonic(), 60 * given.minutes
     losses = []
-    # A processor without such numbers takes ten times as long with them.
+    # A processor without bfloat16 takes ten times as long with it.
     can = torch.cpu.get_capabilities()
     halved = bool(can.get("avx512_bf16") or can.get("amx_bf16"))
     for pictures, *truth in loader:
@@ -202,7 +203,7 @@ def main() -> None:  # noqa: PLR0915 - one run from its first line to its last
 
 
 def _finish(model: Reader, given: argparse.Namespace) -> None:
-    """Mix, measure and export what was trained."""
+    """Mix, measure and export the trained network."""
     if given.mix < 1:
         _mix(model, given.start, given.mix)
     if given.measure:
@@ -213,7 +214,7 @@ def _finish(model: Reader, given: argparse.Namespace) -> None:
 
 
 def _mix(model: Reader, start: Path, share: float) -> None:
-    """Mix weights with those of an exported reader; both in the form without normalisations."""
+    """Mix the weights with those of an exported reader, both without normalisations."""
     model.merge()
     other = Reader()
     other.load_onnx(start)

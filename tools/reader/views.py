@@ -1,8 +1,9 @@
-"""Renders meshes into a cache of views for the training of the reader: strokes, mask and colours of each.
+"""Renders meshes into a cache of views for the reader's training, each with strokes, mask and colours.
 
 views.py OUT MESHES… [--size 384] [--part 0/1]
 
-MESHES are folders, each with an optional number of views a mesh: data/objects:2. What is there is kept.
+MESHES are folders, each with an optional number of views per mesh, as in data/objects:2. Existing views are
+kept.
 """
 
 import argparse
@@ -30,14 +31,14 @@ from normalgan.rendering.rigs import find_poses
 from normalgan.rendering.view import View
 
 POINT = 32
-"""Points are stored as whole numbers of so many parts of a pixel."""
+"""Points are stored as integers in units of 1/POINT pixel."""
 CHUNK = 100
 CREASED = ("objects", "things", "procedural_props")
 _GROUND = ("Tile", "Hexagon", "hex_", "terrain")
 
 
 def sources(folder: str, views: int) -> Iterator[tuple[str, MeshSource, int]]:
-    """Yield the name of each view, its mesh's source and the number of the view."""
+    """Yield the name of each view, its mesh's source and its number."""
     kind = Path(folder).name
     if kind == "herd":
         groups = [
@@ -65,7 +66,7 @@ def sources(folder: str, views: int) -> Iterator[tuple[str, MeshSource, int]]:
 
 
 def rendered(name: str, source: MeshSource, number: int, size: int) -> dict[str, NDArray[Any]] | None:
-    """Return what is stored of a view; None if nothing of it is seen, or it is a sliver."""
+    """Return the stored data of a view; None if it shows nothing, or only a sliver."""
     rng = np.random.default_rng(int.from_bytes(hashlib.sha256(name.encode()).digest()[:8], "big"))
     mesh = source.load()
     camera = Views(elevation=(-10, 45), roll=(-6, 6)).camera(mesh, rng)
@@ -102,7 +103,7 @@ def rendered(name: str, source: MeshSource, number: int, size: int) -> dict[str,
 
 
 def main() -> None:
-    """Render what is not there yet."""
+    """Render the views that do not exist yet."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("out", type=Path)
     parser.add_argument("meshes", nargs="+")

@@ -1,4 +1,4 @@
-"""Extension of the reference: examples in docstrings are shown as code, not as quotations."""
+"""Extension for the reference pages: shows examples in docstrings as code instead of quotations."""
 
 import re
 
@@ -8,15 +8,15 @@ EXAMPLE = re.compile(r"(?:^>>> .*\n?(?:^(?!\s*$).*\n?)*)", re.M)
 
 
 class Doctests(griffe.Extension):
-    """Fences doctests that stand in running text."""
+    """Puts code fences around doctests in running text."""
 
     def on_object(self, *, obj: griffe.Object, **_: object) -> None:
-        """Fence the examples of a docstring, and give their sections the name that is looked for."""
+        """Fence the examples of a docstring, and give their sections the name that griffe expects."""
         if obj.docstring:
             text = re.sub(r"^Example:$", "Examples:", obj.docstring.value, flags=re.M)
             obj.docstring.value = EXAMPLE.sub(fenced, text)
 
 
 def fenced(found: re.Match[str]) -> str:
-    """Return an example, up to the next empty line, as a fenced block."""
+    """Return an example up to the next empty line as a fenced block."""
     return f"```pycon\n{found[0].rstrip()}\n```\n"

@@ -1,4 +1,4 @@
-"""Hook of the site: equations become MathML when the site is built, so that no script draws them."""
+"""Hook of the site: turns equations into MathML at build time, so that the pages need no script."""
 
 import html
 import re
@@ -14,7 +14,7 @@ def on_page_content(content: str, page: object, **_: object) -> str:
     """Return a page with its equations as MathML.
 
     Raises:
-        PluginError: if an equation is not understood.
+        PluginError: if an equation cannot be parsed.
     """
     converter = LatexToMathML()
 
@@ -24,7 +24,7 @@ def on_page_content(content: str, page: object, **_: object) -> str:
             made = converter.convert_with_local_state(equation, displaystyle=found.re is DISPLAYED)
         except LatexError as error:
             raise PluginError(f"{page}: {equation}: {error}") from error
-        # A wide equation scrolls by itself; else the whole page would on a telephone.
+        # A wide equation scrolls by itself; otherwise the whole page would scroll on a phone.
         return f'<div class="equation">{made}</div>' if found.re is DISPLAYED else made
 
     return INLINE.sub(mathml, DISPLAYED.sub(mathml, content))

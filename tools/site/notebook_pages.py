@@ -1,4 +1,4 @@
-"""Hook of the site: notebooks become pages, with the pictures and tables that their last run left in them."""
+"""Hook of the site: turns notebooks into pages, with the pictures and tables of their stored run."""
 
 from pathlib import Path
 
@@ -11,7 +11,7 @@ NOTEBOOKS = Path(__file__).parents[2] / "notebooks"
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """Join a page for each notebook, and its pictures."""
+    """Add a page for each notebook, and its pictures."""
     for path in sorted(NOTEBOOKS.glob("*.ipynb")):
         notebook = nbformat.read(path, as_version=4)
         exporter = MarkdownExporter()
@@ -20,7 +20,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
         )
         text = text.replace(
             "](../docs/", "](../"
-        )  # a page lies in notebooks/ of the site, and docs/ is its root
+        )  # the page lies in the site's notebooks/, and docs/ is the root
         note = f"\n*This page is the notebook `notebooks/{path.name}`; every cell is run by the tests.*\n"
         heading, _, rest = text.lstrip().partition("\n")
         files.append(File.generated(config, f"notebooks/{path.stem}.md", content=f"{heading}\n{note}{rest}"))

@@ -1,4 +1,4 @@
-"""Hook of the site: files outside docs/ that its pages link to become pages too, and the links lead there."""
+"""Hook of the site: makes pages of files outside docs/ that its pages link to, and corrects the links."""
 
 import posixpath
 import re
@@ -19,14 +19,14 @@ PLACES = {
     "CHANGELOG.md": "changelog.md",
     "configs": CONFIGURATIONS,
 }
-"""Where on the site a file of the repository stands, if not at its own path."""
+"""The place on the site of repository files that do not keep their own path."""
 SOURCES: dict[str, str] = {}
-"""The file of the repository behind each page that was joined."""
+"""The repository file behind each added page."""
 LANGUAGES = {".toml": "toml", ".py": "python", ".yaml": "yaml", ".yml": "yaml", ".sh": "sh", ".json": "json"}
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """Join the pages for files outside docs/, and for those that these link to."""
+    """Add pages for files outside docs/, and for the files that these link to."""
     waiting = [ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]
     for file in files.documentation_pages():
         waiting += outside_links(Path("docs") / file.src_uri, file.content_string)
@@ -49,10 +49,10 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def on_page_markdown(markdown: str, page: Page, **_: object) -> str:
-    """Return a page whose links into the repository lead to pages of the site."""
+    """Return a page with its links into the repository redirected to pages of the site."""
     uri = page.file.src_uri
     if uri not in SOURCES and page.file.generated_by is not None:
-        return markdown  # another hook made it, for this place
+        return markdown  # another hook made it for this place
     source = SOURCES.get(uri, f"docs/{uri}")
 
     def moved(found: re.Match[str]) -> str:
@@ -75,7 +75,7 @@ def outside_links(source: Path, text: str) -> list[Path]:
         if path.parts[0] in {"docs", "src", "configs", "notebooks"} or path.as_posix() in PLACES:
             continue
         if not (ROOT / path).exists():
-            raise PluginError(f"{source} links to {match[1]}, which is not there")
+            raise PluginError(f"{source} links to {match[1]}, which does not exist")
         if (ROOT / path).is_file():
             found.append(ROOT / path)
         elif (ROOT / path / "README.md").is_file():
@@ -86,7 +86,7 @@ def outside_links(source: Path, text: str) -> list[Path]:
 
 
 def site_path(path: str) -> str:
-    """Return where on the site a file of the repository stands."""
+    """Return the path on the site of a repository file."""
     if path in PLACES:
         return PLACES[path]
     if path.startswith("configs/"):
@@ -101,7 +101,7 @@ def site_path(path: str) -> str:
 
 
 def configurations() -> str:
-    """Return the page that shows every configuration."""
+    """Return the page that shows all configurations."""
     parts = [
         "# Configurations",
         "The configurations of the package, whole, and the splits and orientations that they name. What each "
@@ -115,7 +115,7 @@ def configurations() -> str:
 
 
 def slug(name: str) -> str:
-    """Return the anchor of a configuration; of a folder, that of its first file, splits behind settings."""
+    """Return the anchor of a configuration; for a folder, that of its first file, settings before splits."""
     if (ROOT / name).is_dir():
         shown = [path for path in (ROOT / name).rglob("*") if path.suffix in LANGUAGES]
         name = min(shown, key=lambda path: (path.suffix != ".yaml", path)).relative_to(ROOT).as_posix()

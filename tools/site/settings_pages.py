@@ -1,4 +1,4 @@
-"""Hook of the site: pages of commands, settings and plug-ins, made from the code when the site is built."""
+"""Hook of the site: makes the pages of commands, settings and plug-ins from the code at build time."""
 
 import inspect
 from importlib import import_module
@@ -21,11 +21,11 @@ GROUPS = {
     "checkpoint": "Which checkpoints are kept: Lightning's `ModelCheckpoint`, with our defaults.",
     "trainer": "How long and on what: Lightning's `Trainer`, with our defaults.",
 }
-"""The groups of settings in the order of the page, and what each is."""
+"""The groups of settings in the order of the page, each with a description."""
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """Join the pages."""
+    """Add the pages."""
     pages = {"commands": commands_page(), "settings": settings_page(), "parts": parts_page()}
     for name, text in pages.items():
         files.append(File.generated(config, f"reference/{name}.md", content=text))
@@ -33,7 +33,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def settings_page() -> str:
-    """Return the page of all settings of training."""
+    """Return the page of all training settings."""
     from normalgan.cli.training.command import training_parser
 
     parser = training_parser("fit")
@@ -55,7 +55,7 @@ def settings_page() -> str:
 
 
 def parts_page() -> str:
-    """Return the page of the plug-ins that come with the package, and their settings."""
+    """Return the page of the package's own plug-ins and their settings."""
     parts = [
         "# Plug-ins by name",
         "What comes with the package. `normalgan plugins` also lists those of other packages; "
@@ -85,7 +85,7 @@ def commands_page() -> str:
 
 
 def _about(cls: type[Any]) -> str:
-    """Return a class's docstring up to its first section."""
+    """Return the docstring of a class up to its first section."""
     text = inspect.getdoc(cls) or summary(cls)
     kept = []
     for paragraph in text.split("\n\n"):

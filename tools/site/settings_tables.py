@@ -1,4 +1,4 @@
-"""Tables of settings in Markdown, read from the parsers of the command line: what --help says, as pages."""
+"""Makes Markdown tables of settings, with the contents of --help, from the parsers of the command line."""
 
 import re
 from argparse import SUPPRESS, Action
@@ -10,17 +10,17 @@ from jsonargparse import ArgumentParser, Namespace
 
 HIDDEN = {"help", "config", "print_config"}
 LONG = 330
-"""Letters of a sentence from which on only its beginning is shown."""
+"""Length from which only the beginning of a sentence is shown."""
 HEAD = "| setting | takes | default | |\n| --- | --- | --- | --- |\n"
 
 
 def table(parser: ArgumentParser, prefix: str = "", bare: bool = False) -> str:
-    """Return the settings of a parser that begin with a prefix, a row each; empty if there are none.
+    """Return a table of a parser's settings with a prefix; empty if there are none.
 
     Args:
-        parser: of a command or a class.
-        prefix: a group of settings, such as ``data.``, left out of their names.
-        bare: leave the dashes out of the names.
+        parser: the parser of a command or a class.
+        prefix: prefix of a group of settings, such as ``data.``, which their names omit.
+        bare: whether the names omit the dashes.
     """
     unsaid = "--" if bare else prefix and f"--{prefix}"
     rows = []
@@ -32,7 +32,7 @@ def table(parser: ArgumentParser, prefix: str = "", bare: bool = False) -> str:
 
 
 def class_table(cls: type[Any]) -> str:
-    """Return the settings of a class, a row each; empty if it has none."""
+    """Return a table of a class's settings; empty if it has none."""
     parser = ArgumentParser(exit_on_error=False)
     parser.add_class_arguments(cls)
     return table(parser, bare=True)
@@ -64,7 +64,7 @@ def _takes(action: Action) -> str:
 
 
 def plain_type(hint: Any) -> str:
-    """Return a type as a reader of YAML knows it.
+    """Return the name of a type for a reader of YAML.
 
     >>> plain_type(list[str] | None)
     'list[text] or null'
@@ -81,7 +81,7 @@ def plain_type(hint: Any) -> str:
     if origin in {list, tuple, dict} and inside:
         parts = ", ".join("…" if each is Ellipsis else plain_type(each) for each in inside)
         return f"{origin.__name__}[{parts}]"
-    if origin is not None:  # Callable[…, Optimizer], Iterable[…]: what comes out or is in it
+    if origin is not None:  # Callable[…, Optimizer], Iterable[…]: the result or the element
         return plain_type(inside[-1]) if inside else getattr(origin, "__name__", str(origin))
     name = getattr(hint, "__name__", str(hint).rsplit(".", 1)[-1])
     return {"str": "text", "bool": "true or false", "int": "whole number", "float": "number"}.get(name, name)
@@ -103,7 +103,7 @@ def _default(action: Action, parser: ArgumentParser) -> str:
 
 def _sentence(action: Action) -> str:
     text = " ".join((action.help or "").split()).replace("``", "`").removesuffix(" (required)")
-    if len(text) > LONG:  # of the libraries under us, whose own pages have the rest
+    if len(text) > LONG:  # a library's text, which its own pages show in full
         sentences = re.split(r"(?<=\.)\s|\s(?=\.\. )|\s(?=- )", text)
         text = next(sentence for sentence in sentences if not sentence.startswith("Defaults to"))
     text = re.sub(r"`?\bNone\b`?", "`null`", text)

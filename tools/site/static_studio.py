@@ -1,7 +1,7 @@
-"""Hook of the site: the studio without a server, a folder that paints in the browser alone.
+"""Hook of the site: adds the studio without a server, a folder that predicts in the browser alone.
 
-The page is the one that `normalgan studio` serves. In place of the server there are the files of
-``tools/static_studio``, the model that comes with the package, and onnxruntime-web (MIT), which npm fetches.
+The page is the same that `normalgan studio` serves. The files in ``tools/static_studio``, the shipped model
+and onnxruntime-web (MIT), which npm downloads, take the place of the server.
 """
 
 import base64
@@ -34,17 +34,17 @@ CLAY = ROOT / "src" / "normalgan" / "inference" / "outputs" / "clay.json"
 WEIGHTS = ROOT / "src" / "normalgan" / "weights"
 MODELS = (WEIGHTS / "ours.onnx", WEIGHTS / "refiner.onnx", WEIGHTS / "reader.onnx")
 LOCK = ROOT / "examples" / "onnx_web" / "package-lock.json"
-"""The example that paints in the browser takes the same version."""
+"""The lock file, which the example that predicts in the browser shares."""
 CACHE = ROOT / "build" / "npm"
 RUNTIME = ("ort.wasm.min.mjs", "ort-wasm-simd-threaded.mjs")
 BINARY = "ort-wasm-simd-threaded.wasm"
-"""Goes into the site packed, as not every host packs what it sends: 4 MB of 14. The worker unpacks it."""
+"""Compressed in the site, 4 MB instead of 14, since not every host compresses; the worker unpacks it."""
 CONSTANTS = "constants.js"
 MODULES = (
     decision, edge, edits, extension, forms, ink, line_width, normal_map, pipeline, reader, silhouette,
     suggestion, unrolling, upsampling,
 )  # fmt: skip
-"""Modules that the page's scripts repeat, and whose constants they therefore take from there."""
+"""Modules that the page's scripts reimplement with the same constants."""
 SERVICE_WORKER = "service_worker.js"
 FOLDER = "draw"
 _ABOUT = (
@@ -60,26 +60,26 @@ _LEFT_OUT = (
 
 
 def on_post_build(config: MkDocsConfig) -> None:
-    """Put the studio into the site, or a page that says that it was left out."""
+    """Add the studio to the site, or a page that says that it was left out."""
     folder = Path(config.site_dir) / FOLDER
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     runtime = fetch_runtime()
     if runtime is None:
         (folder / "index.html").write_text(_LEFT_OUT, encoding="utf-8")
-        # Not as a warning, which would fail the build: the rest of the site does not need it.
+        # Not a warning, which would fail the build, since the rest of the site does not need the studio.
         logging.getLogger("mkdocs.hooks.static_studio").info(
-            "npm fetches no onnxruntime-web here: the studio in the browser was left out."
+            "npm could not download onnxruntime-web: the studio in the browser was left out."
         )
         return
     build(folder, runtime)
 
 
 def fetch_runtime() -> bytes | None:
-    """Return the package of onnxruntime-web as npm packs it; None where npm is missing or reaches nothing.
+    """Return npm's package of onnxruntime-web; None if npm is missing or reaches no registry.
 
     Raises:
-        ValueError: if it is not the one that the lock file names.
+        ValueError: if it is not the package that the lock file names.
     """
     locked = json.loads(LOCK.read_text(encoding="utf-8"))["packages"]["node_modules/onnxruntime-web"]
     kept = CACHE / f"onnxruntime-web-{locked['version']}.tgz"
@@ -108,7 +108,7 @@ def build(folder: Path, runtime: bytes) -> None:
     """Write the studio into a folder.
 
     Args:
-        folder: of the site.
+        folder: the folder to write.
         runtime: the package of onnxruntime-web.
     """
     page = folder / "page"
@@ -126,7 +126,7 @@ def build(folder: Path, runtime: bytes) -> None:
         for module in MODULES
     ]
     (page / CONSTANTS).write_text("".join(lines), encoding="utf-8")
-    # A browser's runtime does not read the line widths.
+    # The browser's runtime cannot read the line widths.
     notes = {"line_widths": OnnxBackend(MODELS[0]).line_widths, "structures": structures.KINDS}
     (page / "model.json").write_text(json.dumps(notes) + "\n", encoding="utf-8")
     with tarfile.open(fileobj=io.BytesIO(runtime)) as packed:
@@ -135,7 +135,7 @@ def build(folder: Path, runtime: bytes) -> None:
             assert member is not None
             (page / name).write_bytes(member.read())
     binary = page / BINARY
-    # Not .gz: some hosts would have the browser unpack it, and then the worker again.
+    # Not .gz: with some hosts the browser would unpack it, and then the worker would try again.
     binary.with_name(f"{BINARY}.packed").write_bytes(gzip.compress(binary.read_bytes(), mtime=0))
     binary.unlink()
     (page / "onnxruntime-web.txt").write_text(
@@ -156,9 +156,9 @@ def build(folder: Path, runtime: bytes) -> None:
 
 
 def _constants(module: ModuleType) -> dict[str, object]:
-    """Return the numbers and short lists of numbers that a module names in capitals, private ones too.
+    """Return a module's constants that are numbers or short lists of numbers, private ones included.
 
-    The page's scripts are the same method a second time, so what is private there is theirs as well.
+    The page's scripts implement the same method again, so they need the private constants too.
     """
     named = {name.lstrip("_"): np.asarray(value) for name, value in vars(module).items() if name.isupper()}
     return {
@@ -167,7 +167,7 @@ def _constants(module: ModuleType) -> dict[str, object]:
 
 
 def _write_service_worker(folder: Path) -> None:
-    """Write what keeps the studio's files in a browser; where a file differs, it is another version."""
+    """Write the service worker that caches the studio's files; any changed file gives a new version."""
     files = sorted(path for path in folder.rglob("*") if path.is_file())
     version = hashlib.sha256()
     for path in files:
@@ -175,5 +175,5 @@ def _write_service_worker(folder: Path) -> None:
     names = ["./", *(path.relative_to(folder).as_posix() for path in files)]
     built = json.dumps({"VERSION": version.hexdigest()[:16], "FILES": names})
     code = (BACKEND / SERVICE_WORKER).read_text(encoding="utf-8")
-    # In the folder of the page: it serves what lies below it.
+    # In the page's folder, since a service worker serves only what lies below it.
     (folder / SERVICE_WORKER).write_text(f"globalThis.BUILT = {built};\n{code}", encoding="utf-8")

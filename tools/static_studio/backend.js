@@ -1,21 +1,21 @@
 /**
- * Backend: answers what the studio's page asks a server, in the browser. It is loaded before the page, which is the
- * server's own, and takes the place of `fetch` for addresses under /api/.
+ * Backend: answers the requests of the studio's page in the browser, in place of a server. It is loaded before the
+ * page, which is the same as the server's, and replaces `fetch` for addresses under /api/.
  */
 
 import { documents } from "./documents.js";
 import { LIMITS } from "./drawing/limits.js";
 import { encodePng, levelsOf, padEdge } from "./png.js";
 
-/** What can be exported without Python, and its formats. */
+/** The outputs that can be exported without Python, with their formats. */
 const EXPORTS = { map: ["png8", "png16"], lines: ["png"] };
-/** Layers whose pixels are kept. */
+/** The number of layers whose pixels are kept. */
 const MOST_KEPT = 64;
 const LACKS = "this needs Python: install normalgan and run `normalgan studio`, which opens what you save here with Open a file";
 /** @typedef {{pixels: Uint8Array, width: number, height: number, channels: number}} Plane */
 /** @typedef {import("./worker.js").Answer} Painted */
 
-/** @type {Map<string, {number: number, planes: Map<string, Plane>}>} what was sent last, of each layer of each tab */
+/** @type {Map<string, {number: number, planes: Map<string, Plane>}>} the last planes sent, for each layer of each tab */
 const kept = new Map();
 let asked = 0;
 /** @type {Map<number, {resolve: (painted: Painted) => void, reject: (error: Error) => void}>} */
@@ -34,7 +34,7 @@ const size = new Promise((resolve, reject) => {
   });
   worker.addEventListener("error", () => reject(new Error("this browser runs no modules in workers, or has no WebAssembly")));
 });
-size.catch(() => {}); // said when something is asked for
+size.catch(() => {}); // reported with the first request
 
 class Lacking extends Error {
   /** @param {import("./result/findings.js").Finding[]} findings */
@@ -103,7 +103,7 @@ async function drawing(path, body, signal) {
   const fields = JSON.parse(new TextDecoder().decode(body.subarray(4, 4 + length)));
   const layers = [];
   let at = 4 + length;
-  // A drawing of one layer may be without a list of them.
+  // A drawing with one layer may have no list of layers.
   for (const layer of fields.layers ?? [{ ...fields, id: 0, name: "", bytes: body.length - at }]) {
     const { id, name, bytes, hints = [], areas = [], mask_strokes: strokes = [], source = fields.source ?? null, form = null, structures = {} } = layer;
     const planes = take(`${fields.tab} ${id}`, layer, fields.number, body.subarray(at, at + bytes));
@@ -136,7 +136,7 @@ async function drawing(path, body, signal) {
   return refused(LACKS, 501);
 }
 
-/** Returns a map as a file. @param {Painted} map @param {8 | 16} bits @param {boolean} down whether green is turned over @param {boolean} transparent */
+/** Returns a map as a file. @param {Painted} map @param {8 | 16} bits @param {boolean} down whether green points down @param {boolean} transparent */
 function png({ width, height, normals = new Float32Array(), mask = new Uint8Array(), covered = new Float32Array() }, bits, down, transparent) {
   const alpha = transparent ? covered.map((value) => Math.round(255 * value) / 255) : null;
   const levels = levelsOf(normals, mask, alpha, down, bits);
@@ -185,7 +185,7 @@ async function answer(path, { method = "GET", body, headers, signal }) {
   }
 }
 
-// So that the page opens again without a network. Some browsers have none, or none in private windows.
+// It lets the page open again without a network. Some browsers have no service workers, or none in private windows.
 globalThis.navigator.serviceWorker?.register("service_worker.js").catch(() => {});
 
 const beyond = globalThis.fetch;

@@ -1,4 +1,4 @@
-/** Bevel: makes a part of a map round, flat or hollow, as normalgan.inference.forms does it in Python. */
+/** Bevel: makes a part of a map round, flat or hollow, like normalgan.inference.forms in Python. */
 
 import { FORMS } from "./constants.js";
 import { blurred, boxOf, distance, opposite, part as cut, resized, where } from "./raster.js";
@@ -8,7 +8,7 @@ import { blurred, boxOf, distance, opposite, part as cut, resized, where } from 
 const { COARSE, DISH, OUTSIDE, SIDE, SWEEPS } = FORMS;
 
 /**
- * Brings a part of a map to a form, in place.
+ * Gives a part of a map a form, in place.
  * @param {{normals: Float32Array, mask: Uint8Array, width: number, height: number}} map
  * @param {Float32Array} area how much each pixel belongs to the part @param {Form} form
  */

@@ -1,4 +1,4 @@
-/** Compose: puts the maps of layers, each painted separately, over one another, as normalgan.inference.composites.composition does in Python. */
+/** Compose: combines the maps of layers, each predicted separately, like normalgan.inference.composites.composition in Python. */
 
 import { distance, opposite } from "./raster.js";
 
@@ -6,7 +6,7 @@ import { distance, opposite } from "./raster.js";
  *   x, y, z of each pixel, the object, how much of each pixel that covers, and the model's κ */
 
 /**
- * Returns one map: what is in front hides what is behind it; off all layers the nearest goes on.
+ * Returns one map, in which front layers hide those behind; off all layers, the nearest layer's normals continue.
  * @param {LayerMap[]} maps of one size, the hindmost first
  * @returns {LayerMap}
  */

@@ -1,4 +1,4 @@
-/** Context: the parts of a drawing, each seen alone or among the others, as normalgan.inference.composites.context has it. */
+/** Context: the parts of a drawing, each alone or among the others, like normalgan.inference.composites.context in Python. */
 
 import { frameAround, shown, shrunk } from "./prepare.js";
 import { above } from "./raster.js";
@@ -7,7 +7,7 @@ import { doubt } from "./suggest.js";
 /** @typedef {import("./prepare.js").Prepared} Prepared */
 
 /**
- * Returns each part of a drawing as it is seen alone, and then among the others; the object of a part hides what is behind it.
+ * Returns each part of a drawing alone, and then among the others; the object of a part hides the parts behind it.
  * @param {Prepared[]} parts the hindmost first @param {[number, number]} widths of lines that the network knows
  * @returns {Prepared[][]}
  */

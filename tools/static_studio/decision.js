@@ -1,4 +1,4 @@
-/** Decision: the object in a drawing, from its lines and the reader's presence, as normalgan.inference.mask.decision finds it in Python. */
+/** Decision: finds the object in a drawing from its lines and the reader's presence, like normalgan.inference.mask.decision in Python. */
 
 import { DECISION } from "./constants.js";
 import { snapOutline } from "./edge.js";
@@ -11,7 +11,7 @@ const { INKED, OPEN, REACH, SIDE, UNSURE } = DECISION;
  *   the object, null if none is seen, how much of each pixel it covers, and what is to be said */
 
 /**
- * Returns the object that lines and the reader's presence tell together.
+ * Returns the object according to the lines and the reader's presence.
  * @param {Float32Array} ink @param {number} width @param {number} height
  * @param {import("./reader.js").Reading | null} reading null leaves it to the lines
  * @returns {Decision}
@@ -29,7 +29,7 @@ export function decide(ink, width, height, reading) {
   for (let i = 0; i < solid.length; i++) if (!inked[i]) solid[i] = Number((enclosed[labels[i]] ? votes[labels[i]] : presence[i]) > 0.5);
   const mask = solid.slice();
   for (let i = 0; i < mask.length; i++) if (inked[i] && presence[i] > 0.5) mask[i] = 1;
-  // A hole has a line around it.
+  // Every hole has a line around it.
   const whole = enclosedBy(mask, wide, high);
   for (let i = 0; i < mask.length; i++) if (whole[i] && !inked[i] && !enclosed[labels[i]]) mask[i] = 1;
   const scale = width / wide;
@@ -58,7 +58,7 @@ function votesOf(labels, boxes, presence) {
 
 /**
  * @typedef {object} Regions
- * @property {Int32Array} labels the region between lines that each pixel lies in; 0 on lines
+ * @property {Int32Array} labels each pixel's region between lines; 0 on lines
  * @property {{area: number}[]} boxes
  * @property {boolean[]} enclosed
  * @property {number[]} votes
@@ -67,7 +67,7 @@ function votesOf(labels, boxes, presence) {
  */
 
 /**
- * Returns what is to be said of regions of which the reader is unsure.
+ * Returns the finding about regions of which the reader is unsure.
  * @param {Regions} regions @param {Uint8Array} mask @param {number} scale pixels of the drawing for one of these
  * @returns {import("./result/findings.js").Finding[]}
  */
@@ -86,8 +86,8 @@ function doubts({ labels, boxes, enclosed, votes, wide, high }, mask, scale) {
 }
 
 /**
- * Returns what is to be said of the longest stretch of an object's edge that no line bounds, if it is long.
- * @param {Uint8Array} mask @param {Uint8Array} inked @param {number} wide @param {number} high @param {number} scale as of `doubts`
+ * Returns the finding about the longest stretch of the object's edge without a line, if it is long.
+ * @param {Uint8Array} mask @param {Uint8Array} inked @param {number} wide @param {number} high @param {number} scale as in `doubts`
  * @returns {import("./result/findings.js").Finding[]}
  */
 function openEdge(mask, inked, wide, high, scale) {
@@ -95,7 +95,7 @@ function openEdge(mask, inked, wide, high, scale) {
   if (!box) return [];
   const bounded = dilated(inked, wide, high, Array.from({ length: 2 * REACH + 1 }, () => REACH));
   const free = without(without(mask, eroded(mask, wide, high, SQUARE)), bounded);
-  // What the picture's border cuts off needs no line there.
+  // Where the picture's border cuts the object off, no line is needed.
   for (let y = 0; y < high; y++) {
     const level = y < REACH || y >= high - REACH;
     for (let x = 0; x < wide; x++) if (level || x < REACH || x >= wide - REACH) free[y * wide + x] = 0;

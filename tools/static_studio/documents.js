@@ -1,4 +1,4 @@
-/** Documents: projects and unsaved work in the browser's own database, asked for as from the server. */
+/** Documents: stores projects and unsaved work in the browser's own database, behind the server's interface. */
 
 const [NAME, STORE] = ["normalgan-browser-studio", "documents"];
 /** @typedef {{folder: string, name: string, changed: string, etag: string, doc: string}} Entry */

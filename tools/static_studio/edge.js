@@ -1,4 +1,4 @@
-/** Edge: where an object ends, by the ink of its outline, as normalgan.inference.mask.edge does it in Python. */
+/** Edge: finds where an object ends from the ink of its outline, like normalgan.inference.mask.edge in Python. */
 
 import { DECISION, EDGE } from "./constants.js";
 import { lineWidth } from "./prepare.js";
@@ -7,15 +7,15 @@ import { CROSS, SQUARE, WIDE, above, both, blurred, boxOf, components, dilated, 
 const { FINER, LARGE, MERGED, PALEST, TIP, TOUCHING } = EDGE;
 const { LEAST_OFF, OFF, SIDE } = DECISION;
 
-/** Returns a mask as opacity: its staircase becomes an edge of a pixel. @param {Uint8Array} mask @param {number} width @param {number} height */
+/** Returns a mask as opacity, with its staircase smoothed to an edge one pixel wide. @param {Uint8Array} mask @param {number} width @param {number} height */
 export const softEdge = (mask, width, height) => stretched(blurred(mask, width, height, 1), 1.6, -0.3);
 
-/** Returns how much of each pixel an object covers, whose mask was found at the size of the vote. @param {Uint8Array} mask @param {Float32Array} ink @param {number} width @param {number} height */
+/** Returns how much of each pixel an object covers, given a mask found at the size of the vote. @param {Uint8Array} mask @param {Float32Array} ink @param {number} width @param {number} height */
 export const snapOutline = (mask, ink, width, height) => snap(mask, ink, width, height, Math.max((OFF * Math.max(width, height)) / SIDE, LEAST_OFF));
 
 /**
- * Returns how much of each pixel an object covers, whose mask is known to a few pixels.
- * @param {Uint8Array} mask @param {Float32Array} ink @param {number} width @param {number} height @param {number} reach by how many
+ * Returns how much of each pixel an object covers, given a mask that may be off by a few pixels.
+ * @param {Uint8Array} mask @param {Float32Array} ink @param {number} width @param {number} height @param {number} reach the number of these pixels
  */
 function snap(mask, ink, width, height, reach) {
   const covered = new Float32Array(mask.length);
@@ -38,7 +38,7 @@ function snap(mask, ink, width, height, reach) {
 }
 
 /**
- * Returns an object with all of its ink.
+ * Returns the object with all of its ink.
  * @param {Uint8Array} mask @param {Float32Array} ink @param {Uint8Array} inked @param {number} width @param {number} height @param {number} reach
  * @returns {Uint8Array}
  */
@@ -64,7 +64,7 @@ function counted(labels, count, marked) {
 
 /** Grows two sides through free pixels until they meet. @param {Uint8Array} one @param {Uint8Array} other @param {Uint8Array} free @param {number} width @param {number} rounds */
 function meet(one, other, free, width, rounds) {
-  // 1 is inside, 2 outside.
+  // 1 is inside, and 2 outside.
   const side = one.slice();
   for (let i = 0; i < side.length; i++) if (other[i]) side[i] = 2;
   /** @type {number[]} */
@@ -93,7 +93,7 @@ function divided(mask, inked, width, height, reach) {
   const free = opposite(inked);
   const { labels, boxes } = components(free, width, height, 4);
   const [outer, inner] = [mask, opposite(mask)].map((each) => near(each, width, height, reach, 3));
-  // Of a region in which the mask is surely right on one side only, all is on that side.
+  // A region in which the mask is certain of only one side belongs to that side as a whole.
   const held = counted(labels, boxes.length, (i) => mask[i] > 0);
   const core = counted(labels, boxes.length, (i) => !inner[i]);
   const rest = counted(labels, boxes.length, (i) => !outer[i]);
@@ -159,7 +159,7 @@ function finished(rough, inked, width, height) {
 /** @param {Uint8Array} body @param {Uint8Array} inked @param {Float32Array} share @param {number} width @param {number} height */
 function soft(body, inked, share, width, height) {
   const covered = softEdge(body, width, height);
-  const outside = dilated(opposite(body), width, height, CROSS); // no farther: a thin line's inner edge is inside
+  const outside = dilated(opposite(body), width, height, CROSS); // no farther: the inner edge of a thin line is inside
   const line = dilated(both(body, inked), width, height, WIDE);
   for (let i = 0; i < covered.length; i++) {
     if (body[i] ? inked[i] && outside[i] : !inked[i] && line[i]) covered[i] = share[i];

@@ -1,4 +1,4 @@
-/** Finish: what the network painted at the drawing's size and place, as normalgan.inference does it in Python. */
+/** Finish: brings the network's prediction to the drawing's size and place, like normalgan.inference in Python. */
 
 import { EXTENSION, PIPELINE, UPSAMPLING } from "./constants.js";
 import { softEdge } from "./edge.js";
@@ -14,11 +14,11 @@ const { CELL, ENLARGED, LARGEST, RIM } = UPSAMPLING;
 const { SWEEPS } = EXTENSION;
 
 /**
- * Returns normals, x, y, z for each pixel, the mask, and what is to be said of it.
+ * Returns the normals (x, y, z for each pixel), the mask, and the findings about it.
  * @param {Prepared} prepared
- * @param {Float32Array} painted three planes, vectors as long as an object is probable
+ * @param {Float32Array} painted three planes, vectors whose length is the probability of an object
  * @param {Refiner} refiner
- * @param {Int8Array | null} [hand] 1 where a hand has added to the object, -1 where it has cut
+ * @param {Int8Array | null} [hand] 1 where the user has added to the object, -1 where the user has removed from it
  */
 export async function finish(prepared, painted, refiner, hand = null) {
   const { width, height, frame } = prepared;
@@ -35,7 +35,7 @@ export async function finish(prepared, painted, refiner, hand = null) {
   }
   const present = above(restored(length, prepared, 1), 0.5);
   const { mask: found, findings: said } = chosen(prepared, present);
-  // The hand has the last word.
+  // The user's strokes take precedence.
   const mask = hand ? byHand(found, hand, prepared) : found;
   const inside = sumOf(mask);
   const share = sumOf(both(mask, present)) / Math.max(inside, 1);
@@ -51,7 +51,7 @@ export async function finish(prepared, painted, refiner, hand = null) {
   const out = restored(coarse, prepared, 3);
   if (frame.side > ENLARGED * frame.size) await refine(out, prepared, mask, refiner);
   for (let i = 0; i < out.length; i += 3) {
-    out[i + 2] = Math.max(out[i + 2], 0); // what is seen does not face away
+    out[i + 2] = Math.max(out[i + 2], 0); // no visible surface faces away
     const size = Math.sqrt(out[i] * out[i] + out[i + 1] * out[i + 1] + out[i + 2] * out[i + 2]);
     if (size > 1e-8) for (let c = 0; c < 3; c++) out[i + c] /= size;
     else out.set([0, 0, 1], i);
@@ -60,8 +60,8 @@ export async function finish(prepared, painted, refiner, hand = null) {
 }
 
 /**
- * Returns the mask as the hand has changed it. Some pixels of a line's edge lie between a filled area, which ends where
- * the line begins, and the object: gaps beside what was added in which there is ink all over belong to the object too.
+ * Returns the mask with the user's strokes applied. A filled area ends where a line begins, so that pixels of the
+ * line's edge remain between it and the object: such gaps beside an added area also become object if they are all ink.
  * @param {Uint8Array} found @param {Int8Array} hand @param {Prepared} prepared
  */
 function byHand(found, hand, { ink, width, height }) {
@@ -78,7 +78,7 @@ function byHand(found, hand, { ink, width, height }) {
   return mask;
 }
 
-/** Returns how much of each pixel the object covers: what is no longer the outline's has an edge of a pixel. @param {Prepared} prepared @param {Uint8Array} mask */
+/** Returns how much of each pixel the object covers; where the edge no longer follows the outline, it is one pixel wide. @param {Prepared} prepared @param {Uint8Array} mask */
 function coveredBy({ covered, width, height }, mask) {
   if (!covered) return softEdge(mask, width, height);
   const outline = above(covered, 0.5);
@@ -89,11 +89,11 @@ function coveredBy({ covered, width, height }, mask) {
   return soft;
 }
 
-/** Returns the mask and what is to be said of it. @param {Prepared} prepared @param {Uint8Array} present @returns {{mask: Uint8Array, findings: Finding[]}} */
+/** Returns the mask and the findings about it. @param {Prepared} prepared @param {Uint8Array} present @returns {{mask: Uint8Array, findings: Finding[]}} */
 const chosen = ({ mask, unsure }, present) => ({ mask: mask ?? present, findings: unsure });
 
 /**
- * Returns what is to be said of hints that lie off the object, if any does.
+ * Returns the finding about hints off the object, if there are any.
  * @param {{x: number, y: number}[]} hints in pixels of the drawing @param {number} scale pixels of the mask to one of these
  * @param {{mask: Uint8Array, width: number, height: number}} map
  * @returns {Finding[]}
@@ -124,7 +124,7 @@ export function restored(square, { width, height, frame: { left, top, side, size
       const right = ways[0][x] - column;
       const [above, below] = [row >= 0 ? 1 - down : 0, row + 1 < size ? down : 0];
       const [before, after] = [column >= 0 ? 1 - right : 0, column + 1 < size ? right : 0];
-      // What lies beyond the square counts for nothing, wherever it is read from.
+      // Pixels beyond the square have no weight, wherever they are read from.
       const [first, second] = [Math.max(row, 0) * size, Math.min(row + 1, size - 1) * size];
       const [one, two] = [Math.max(column, 0), Math.min(column + 1, size - 1)];
       for (let c = 0; c < channels; c++) {
@@ -138,7 +138,7 @@ export function restored(square, { width, height, frame: { left, top, side, size
 }
 
 /**
- * Returns unit normals everywhere: those known, and a near harmonic extension of them (Gortler et al. 1996, 3.3).
+ * Returns unit normals everywhere: the known ones, and their approximately harmonic extension (Gortler et al. 1996, 3.3).
  * @param {Float32Array} normals @param {Uint8Array} known @param {Uint8Array} needed @param {number} size
  */
 function extended(normals, known, needed, size) {
@@ -191,7 +191,7 @@ function extended(normals, known, needed, size) {
 }
 
 /**
- * Mends enlarged normals by the drawing's lines and rim, in place.
+ * Refines enlarged normals with the drawing's lines and rim, in place.
  * @param {Float32Array} normals @param {Prepared} prepared @param {Uint8Array} mask @param {Refiner} refiner
  */
 async function refine(normals, prepared, mask, refiner) {
@@ -216,13 +216,13 @@ async function refine(normals, prepared, mask, refiner) {
 }
 
 /**
- * Returns what the refiner makes of normals, x, y, z for each pixel.
+ * Returns the refined normals, x, y, z for each pixel.
  * @param {Float32Array} normals @param {Float32Array} ink @param {Uint8Array} mask
  * @param {number} width @param {number} height @param {Refiner} refiner
  */
 async function mend(normals, ink, mask, width, height, refiner) {
   const depth = distance(mask, width, height, true);
-  // Whole cells, to which the last row and column go on.
+  // Whole cells: the last row and column are repeated to fill them.
   const [wide, high] = [width, height].map((side) => Math.ceil(side / CELL) * CELL);
   const area = wide * high;
   const planes = new Float32Array(6 * area);

@@ -1,4 +1,4 @@
-/** Hold: a painted map held to what a hand says of it, as normalgan.inference.edits does it in Python. */
+/** Hold: makes a predicted map follow the user's form, areas and pins, like normalgan.inference.edits in Python. */
 
 import { feathered, giveForm } from "./bevel.js";
 import { EDITS } from "./constants.js";
@@ -11,12 +11,12 @@ const { AVERAGED, BRUSH_FADES, FADES, INKED, LEAST_REACH, REACH, SOFT } = EDITS;
 /** @typedef {import("./drawing/document.js").Hint} Hint @typedef {import("./drawing/carving.js").Asked} Area */
 /** @typedef {{normals: Float32Array, mask: Uint8Array, width: number, height: number}} Painted */
 
-/** @typedef {{points: number[], size: number, adds: boolean, fills?: boolean}} MaskStroke fills: a click, for all of the area about it */
+/** @typedef {{points: number[], size: number, adds: boolean, fills?: boolean}} MaskStroke fills: a click that marks the whole area around it */
 
 /**
- * Holds a map to its form, to areas, in their order, then to pins, exactly; in place.
+ * Applies the form, then the areas in their order, then the pins exactly, in place.
  * @param {Painted} map @param {Hint[]} hints @param {Area[]} areas @param {import("./drawing/document.js").Form | null} form
- * @param {number} scale pixels of the map for one of the drawing
+ * @param {number} scale pixels of the map per pixel of the drawing
  * @param {Map<string, import("./drawing/structures.js").Tile>} tiles of structures, by picture or kind
  */
 export function hold(map, hints, areas, form, scale, tiles) {
@@ -29,7 +29,7 @@ export function hold(map, hints, areas, form, scale, tiles) {
       turnArea(map, areas[i], scale);
       continue;
     }
-    // Strokes of one structure that follow one another are one: where they cross, it is no steeper.
+    // Consecutive strokes of one structure count as one, so that it is no steeper where they cross.
     const cover = strokeOf(map, areas[i], scale);
     while (i + 1 < areas.length && isSame(areas[i + 1].structure, structure)) {
       i += 1;
@@ -37,7 +37,7 @@ export function hold(map, hints, areas, form, scale, tiles) {
     }
     const tile = tiles.get(structure.picture ?? structure.kind);
     if (!tile) throw new Error("a structure is missing");
-    surface ??= unrolled(map); // once: no structure lies on the bumps of another
+    surface ??= unrolled(map); // only once: no structure lies on another's bumps
     impress(map, cover, slopesAt(tile, structure, scale), surface);
   }
   holdPins(map, hints, scale);
@@ -48,14 +48,14 @@ export function hold(map, hints, areas, form, scale, tiles) {
 const isSame = (one, other) => one !== undefined && ["kind", "picture", "period"].every((key) => one[/** @type {"kind"} */ (key)] === other[/** @type {"kind"} */ (key)]) &&
   /** @type {const} */ (["turn", "x", "y", "flipped"]).every((key) => Number(one[key] ?? 0) === Number(other[key] ?? 0));
 
-/** Returns how much of each pixel a stroke covers, by its strength. @param {Painted} map @param {Area} area @param {number} scale */
+/** Returns how much of each pixel a stroke covers, times its strength. @param {Painted} map @param {Area} area @param {number} scale */
 const strokeOf = ({ width, height }, { points, size = 1, strength = 1, soft = BRUSH_FADES }, scale) =>
   brushed(points.map((value) => value * scale), width, height, size * scale, soft).map((value) => value * strength);
 
 /**
- * Lets a structure stand on the object's surface, as steep as it is covered.
+ * Adds a structure to the object's surface, with a steepness in proportion to its coverage.
  * @param {Painted} map @param {Float32Array} cover @param {(x: number, y: number, out: number[]) => void} slopes
- * @param {(x: number, y: number, out: number[]) => void} surface how far its places move when it is unrolled
+ * @param {(x: number, y: number, out: number[]) => void} surface how far its points move when it is unrolled
  */
 function impress({ normals, mask, width }, cover, slopes, surface) {
   const [slope, moved] = [[0, 0], [0, 0]];
@@ -69,7 +69,7 @@ function impress({ normals, mask, width }, cover, slopes, surface) {
 }
 
 /**
- * Returns 1 where strokes have added to a mask, -1 where they have cut, 0 elsewhere; null if there are none.
+ * Returns 1 where strokes added to a mask, -1 where they removed from it, 0 elsewhere; null without strokes.
  * @param {MaskStroke[]} strokes @param {number} width @param {number} height @param {number} scale
  * @param {Float32Array} ink the lines, which part one area from another
  */
@@ -130,7 +130,7 @@ function smooth({ normals, mask, width, height }, cover, size) {
   const around = boxOf(cover, width, height, 1e-3);
   if (!around) return;
   const sigma = AVERAGED * size;
-  const reach = Math.ceil(4 * sigma) + 1; // as far as the Gaussian reaches
+  const reach = Math.ceil(4 * sigma) + 1; // the reach of the Gaussian
   const [left, top, right, bottom] = around;
   /** @type {[number, number, number, number]} */
   const box = [Math.max(left - reach, 0), Math.max(top - reach, 0), Math.min(right + reach, width), Math.min(bottom + reach, height)];
@@ -149,9 +149,9 @@ function smooth({ normals, mask, width, height }, cover, size) {
 }
 
 /**
- * Lets a line stand out of the object, or cuts it in, as a round ridge or groove as wide as the line.
+ * Turns a line into a round ridge or groove of the line's width.
  * @param {Painted} map @param {number[]} points @param {number[]} widths at each point
- * @param {number} steep the ridge as a share of half the width; below 0 the depth of a groove
+ * @param {number} steep height of the ridge as a share of half the width; below 0, depth of a groove
  */
 function carve({ normals, mask, width, height }, points, widths, steep) {
   const radii = widths.map((each) => Math.max(each / 2, 1));
@@ -160,7 +160,7 @@ function carve({ normals, mask, width, height }, points, widths, steep) {
   const [left, top] = [Math.max(0, Math.floor(Math.min(...xs) - reach - 1)), Math.max(0, Math.floor(Math.min(...ys) - reach - 1))];
   const [right, bottom] = [Math.min(width, Math.ceil(Math.max(...xs) + reach + 1)), Math.min(height, Math.ceil(Math.max(...ys) + reach + 1))];
   const [wide, high] = [right - left, bottom - top];
-  if (Math.min(wide, high) < 2) return; // beside the map
+  if (Math.min(wide, high) < 2) return; // off the map
   const raised = new Float32Array(wide * high);
   alongLine(points.map((value, i) => value - (i % 2 ? top : left)), wide, high, reach, (at, k, along, found) => {
     const radius = radii[k] + along * ((radii[k + 1] ?? radii[k]) - radii[k]);
@@ -178,7 +178,7 @@ function carve({ normals, mask, width, height }, points, widths, steep) {
   }
 }
 
-/** Returns a detail on the normal of a surface (Barré-Brisebois, Hill 2012). @param {Float32Array} base @param {number[]} detail of any length */
+/** Returns a detail applied to a surface normal (Barré-Brisebois, Hill 2012). @param {Float32Array} base @param {number[]} detail of any length */
 function reoriented([x, y, z], detail) {
   const length = Math.hypot(...detail);
   const [right, up, front] = [-detail[0] / length, -detail[1] / length, detail[2] / length];
@@ -187,7 +187,7 @@ function reoriented([x, y, z], detail) {
 }
 
 /**
- * Goes over the pixels in reach of each piece of a line; its last point is a piece too.
+ * Visits the pixels within reach of each segment of a line; its last point counts as a segment.
  * @param {number[]} points @param {number} width @param {number} height @param {number} reach
  * @param {(at: number, piece: number, along: number, away: number) => void} visit
  */
@@ -209,7 +209,7 @@ function alongLine(points, width, height, reach, visit) {
 }
 
 /**
- * Returns how much each pixel is covered by a brush's stroke.
+ * Returns how much a brush stroke covers each pixel.
  * @param {number[]} points @param {number} width @param {number} height @param {number} size
  * @param {number} soft the share of its radius over which it fades out; at least a pixel
  */
@@ -227,7 +227,7 @@ function brushed(points, width, height, size, soft) {
 }
 
 /**
- * Returns how much each pixel belongs to a polygon, or to a line.
+ * Returns how much each pixel belongs to a polygon or a line.
  * @param {number[]} points @param {number} width @param {number} height @param {number} soft width of its edge
  * @param {number} [size] of the line
  */
@@ -245,9 +245,9 @@ function covered(points, width, height, soft, size) {
   return Float32Array.from({ length: width * height }, (_, i) => data[4 * i + 3] / 255);
 }
 
-/** Interpolates the turns at pins by radial basis functions (Wendland 1995). @param {Painted} map @param {Hint[]} hints @param {number} scale */
+/** Interpolates the rotations at pins with radial basis functions (Wendland 1995). @param {Painted} map @param {Hint[]} hints @param {number} scale */
 function holdPins({ normals, width, height }, hints, scale) {
-  /** @type {Map<number, {x: number, y: number, reach: number, normal: number[]}>} of pins in one pixel the last counts */
+  /** @type {Map<number, {x: number, y: number, reach: number, normal: number[]}>} the last pin in a pixel counts */
   const places = new Map();
   for (const hint of hints) {
     const x = Math.min(width - 1, Math.max(0, Math.floor(hint.x * scale)));
@@ -298,18 +298,18 @@ function solved(matrix, wanted) {
 /** @param {number[]} a @param {number[]} b */
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 
-/** Returns the turn between unit vectors: an axis, as long as the angle. @param {number[]} before @param {number[]} after */
+/** Returns the rotation between unit vectors: an axis with the angle as its length. @param {number[]} before @param {number[]} after */
 function turnBetween(before, after) {
   let axis = cross(before, after);
   const sine = Math.hypot(...axis);
   const angle = Math.atan2(sine, before[0] * after[0] + before[1] * after[1] + before[2] * after[2]);
-  // Opposite vectors have no axis: any that is square to them does.
+  // Opposite vectors define no axis: any perpendicular one will do.
   if (sine <= 1e-6) axis = cross(before, Math.abs(before[0]) < 0.9 ? [1, 0, 0] : [0, 1, 0]);
   const length = Math.max(Math.hypot(...axis), 1e-12);
   return axis.map((value) => (value / length) * angle);
 }
 
-/** Returns a vector turned by an axis as long as the angle, facing the viewer. @param {number[]} vector @param {number[]} turn */
+/** Returns a vector rotated about an axis whose length is the angle, made to face the viewer. @param {number[]} vector @param {number[]} turn */
 function turned(vector, turn) {
   const angle = Math.hypot(...turn);
   const axis = turn.map((value) => value / Math.max(angle, 1e-12));
@@ -319,7 +319,7 @@ function turned(vector, turn) {
   return facing(out);
 }
 
-/** Returns a unit vector that does not face away from the viewer. @param {number[]} vector */
+/** Returns a unit vector turned so that it does not face away from the viewer. @param {number[]} vector */
 function facing([x, y, z]) {
   const front = Math.max(z, 0);
   const length = Math.max(Math.hypot(x, y, front), 1e-8);

@@ -1,11 +1,11 @@
-/** Networks: the model's networks in a worker of their own, so that the object is found while they run. */
+/** Networks: runs the model's networks in their own worker, so that the object can be found meanwhile. */
 
 import * as ort from "./ort.wasm.min.mjs";
 
-// How many threads they take is the runtime's choice: half the cores, up to four, where the page is isolated, and else one. The
-// service worker sends the headers for that, from the second visit on.
+// The runtime chooses the number of threads: half the cores up to four where the page is isolated, otherwise one. The
+// service worker sends the headers for isolation from the second visit on.
 ort.env.wasm.wasmPaths = new URL("./", import.meta.url).href;
-const RUNTIME = "ort-wasm-simd-threaded.wasm.packed"; // by gzip
+const RUNTIME = "ort-wasm-simd-threaded.wasm.packed"; // compressed with gzip
 
 /** @typedef {{id: number, name: string, planes: Record<string, {data: Float32Array, shape: number[]}>}} Run of one network, with its inputs */
 
@@ -36,7 +36,7 @@ async function network(name) {
 async function run({ name, planes }) {
   const feeds = Object.fromEntries(Object.entries(planes).map(([key, { data, shape }]) => [key, new ort.Tensor("float32", data, shape)]));
   const found = await (await sessions[name]).run(feeds);
-  // Copied: what a network returns lies in the runtime's memory.
+  // Copied, because a network's output lies in the runtime's memory.
   return Object.fromEntries(Object.entries(found).map(([key, { data }]) => [key, data.slice()]));
 }
 

@@ -1,4 +1,4 @@
-/** PNG: a map as a file of 8 or 16 bits, level for level what normalgan.normals writes; a canvas has 8 bits, and alters colours that are transparent. */
+/** PNG: writes a map with 8 or 16 bits, with the same levels as normalgan.normals. A canvas has only 8 bits, and alters transparent colours. */
 
 import { NORMAL_MAP } from "./constants.js";
 import { rint } from "./raster.js";
@@ -12,10 +12,10 @@ const CRC = Uint32Array.from({ length: 256 }, (_, byte) => {
 });
 
 /**
- * Returns the levels of a map, row by row: red, green, blue and, if it has opacity, that. Off the object it is flat.
+ * Returns the levels of a map row by row: red, green, blue and, if there is one, opacity. Off the object it is flat.
  * @param {Float32Array} normals x, y, z of each pixel, unit
  * @param {Uint8Array} mask the object
- * @param {Float32Array | null} alpha opacity, 0 to 1: where there is any, the normals stand
+ * @param {Float32Array | null} alpha opacity, 0 to 1; normals are kept wherever it is above 0
  * @param {boolean} down whether green points down
  * @param {8 | 16} bits
  * @returns {Uint16Array}
@@ -38,7 +38,7 @@ export function levelsOf(normals, mask, alpha, down, bits) {
 const { PADDING } = NORMAL_MAP;
 
 /**
- * Gives transparent pixels around the object the colour of the nearest one on it, nearly, in place: engines blend neighbours.
+ * Gives transparent pixels around the object about the colour of its nearest pixel, in place, because engines blend neighbours.
  * @param {Uint16Array} levels with opacity @param {number} width @param {number} height
  */
 export function padEdge(levels, width, height) {
@@ -51,7 +51,7 @@ export function padEdge(levels, width, height) {
       const [x, y] = [at % width, Math.floor(at / width)];
       for (let dy = -1; dy <= 1; dy++) {
         for (let dx = -1; dx <= 1; dx++) {
-          if (dx && dy && round % 2) continue; // by turns to all eight and to four: an octagon is nearly round
+          if (dx && dy && round % 2) continue; // alternates between eight and four neighbours: an octagon is nearly round
           if (x + dx < 0 || x + dx >= width || y + dy < 0 || y + dy >= height) continue;
           const to = at + dy * width + dx;
           if (filled[to]) continue;
@@ -84,7 +84,7 @@ function chunk(kind, content) {
 }
 
 /**
- * Returns levels as a PNG (https://www.w3.org/TR/png-3/), each row as what differs from the row above.
+ * Returns levels as a PNG (https://www.w3.org/TR/png-3/), with each row as the difference from the row above.
  * @param {Uint16Array} levels row by row @param {number} width @param {number} height @param {8 | 16} bits
  * @returns {Promise<Blob>}
  */

@@ -1,30 +1,30 @@
-/** Prepare: a drawing as far as it gets without the network, as normalgan.inference does it in Python. */
+/** Prepare: performs all steps before the network, like normalgan.inference in Python. */
 
 import { INK, LINE_WIDTH, SILHOUETTE } from "./constants.js";
 import { decide } from "./decision.js";
 import { SQUARE, above, blurred, boxOf, components, dilated, distance, eroded, median, opposite, part, refitted, resized, ridge, rint, stretched, sumOf, thinned, where } from "./raster.js";
 import { brightness, inkAt, read } from "./reader.js";
 
-/** @typedef {{left: number, top: number, side: number, size: number}} Frame the square that the network is shown */
+/** @typedef {{left: number, top: number, side: number, size: number}} Frame the square that the network sees */
 /**
  * @typedef {object} Prepared
  * @property {number} width
  * @property {number} height
  * @property {Float32Array} ink lines 1, paper 0
- * @property {Uint8Array | null} mask the object, if that is known
- * @property {Float32Array | null} covered how much of each pixel that covers, if its outline has told it
- * @property {Float32Array | null} alpha the drawing's opacity, if that tells the mask
+ * @property {Uint8Array | null} mask the object, if known
+ * @property {Float32Array | null} covered how much of each pixel the object covers, if its outline determines it
+ * @property {Float32Array | null} alpha the drawing's opacity, if it determines the mask
  * @property {Frame} frame
- * @property {Float32Array} seen what the network is shown
- * @property {import("./result/findings.js").Finding[]} unsure what is to be said of regions of which the reader is unsure
+ * @property {Float32Array} seen the network's input
+ * @property {import("./result/findings.js").Finding[]} unsure findings about regions of which the reader is unsure
  */
 
 const { DRAWN_WIDTH, FINER, ROUGH, THIN } = LINE_WIDTH;
 const MARGIN = 0.06;
 
-/** The drawing cannot be painted. */
+/** The drawing cannot be predicted. */
 export class Unpaintable extends Error {
-  /** @param {string} code of the finding about it @param {string} [layer] its name, where there are several */
+  /** @param {string} code of the finding @param {string} [layer] the layer's name, if there are several */
   constructor(code, layer = "") {
     super(code);
     this.code = code;
@@ -39,18 +39,18 @@ const { SHEET, SURE } = SILHOUETTE;
  * Prepares a drawing.
  * @param {{pixels: Uint8Array, width: number, height: number, channels: number}} plane grey, or with opacity
  * @param {number} size side of the network's pictures
- * @param {null | "outline" | "model"} source where the mask comes from; null asks the reader
- * @param {number | null} longest longer side of the map; null is the drawing's
- * @param {[number, number]} widths of lines that the network is shown as they were drawn, in its pixels
+ * @param {null | "outline" | "model"} source source of the mask; null for the reader
+ * @param {number | null} longest longer side of the map; null for the drawing's
+ * @param {[number, number]} widths of lines that the network sees unchanged, in its pixels
  * @param {import("./reader.js").Network} reader
- * @param {(seen: Float32Array, frame: Frame, scale: number) => void} [begin] called with what the network is shown, before the object is found
+ * @param {(seen: Float32Array, frame: Frame, scale: number) => void} [begin] called with the network's input before the object is found
  * @returns {Promise<Prepared>}
  */
 export async function prepare(plane, size, source, longest, widths, reader, begin = () => {}) {
   const scale = longest ? longest / Math.max(plane.width, plane.height) : 1;
   const [width, height] = [plane.width, plane.height].map((side) => Math.max(1, rint(side * scale)));
   const alpha = opacity(plane, width, height);
-  // Strokes are the ink as they are, and the network begins before they are read.
+  // Strokes are ink already, so the network begins before they are read.
   const drawn = plane.channels === 1;
   const asked = source && drawn ? null : read(plane, reader);
   const cut = alpha && asked && (await isSilhouette(plane, await asked, reader)) ? alpha : null;
@@ -72,7 +72,7 @@ export async function prepare(plane, size, source, longest, widths, reader, begi
   return { ...rest, ...decide(ink, width, height, source ? null : await asked) };
 }
 
-/** Returns the square about the lines of a drawing; null if there are none. @param {Float32Array} ink @param {number} width @param {number} height @param {number} size @returns {Frame | null} */
+/** Returns the square around the lines of a drawing, or null if there are none. @param {Float32Array} ink @param {number} width @param {number} height @param {number} size @returns {Frame | null} */
 export function frameAround(ink, width, height, size) {
   const box = boxOf(ink, width, height, 0.1);
   if (!box) return null;
@@ -81,7 +81,7 @@ export function frameAround(ink, width, height, size) {
   return { left: rint((left + right - side) / 2), top: rint((top + bottom - side) / 2), side: rint(side), size };
 }
 
-/** Returns the opacity of a picture at a size; null if all of it is opaque. @param {{pixels: Uint8Array, width: number, height: number, channels: number}} plane @param {number} width @param {number} height */
+/** Returns the opacity of a picture at a size, or null if the whole picture is opaque. @param {{pixels: Uint8Array, width: number, height: number, channels: number}} plane @param {number} width @param {number} height */
 function opacity({ pixels, width: wide, height: high, channels }, width, height) {
   if (channels === 1) return null;
   const alpha = Float32Array.from({ length: wide * high }, (_, i) => pixels[4 * i + 3] / 255);
@@ -98,7 +98,7 @@ function between(values, low, high) {
 }
 
 /**
- * Returns whether what is opaque is an object and not just its lines, by the reader: less of it is ink than of the object is opaque.
+ * Returns whether the opaque part is an object and not only its lines: according to the reader, the share of ink in it is smaller than the opaque share of the object.
  * @param {{pixels: Uint8Array, width: number, height: number, channels: number}} plane @param {import("./reader.js").Reading} reading @param {import("./reader.js").Network} network
  */
 async function isSilhouette({ pixels, width, height, channels }, reading, network) {
@@ -109,7 +109,7 @@ async function isSilhouette({ pixels, width, height, channels }, reading, networ
   let [left, top, right, bottom] = found;
   const extent = Math.max(right - left, bottom - top);
   if (extent < Math.max(width, height) / 2) {
-    // The reader sees little of what is small on a page.
+    // The reader sees small drawings on a page poorly.
     const room = (extent >> 3) + 2;
     [left, top, right, bottom] = [Math.max(left - room, 0), Math.max(top - room, 0), Math.min(right + room, width), Math.min(bottom + room, height)];
     const [wide, high] = [right - left, bottom - top];
@@ -134,19 +134,19 @@ function contour(opaque, width, height) {
   return distance(opaque, width, height, true).map((depth, i) => (opaque[i] ? Math.max(0, Math.min(1, wide + 0.5 - depth)) : 0));
 }
 
-/** Returns the frame's part of a picture at the network's size. @param {Float32Array | Uint8Array} picture @param {number} width @param {number} height @param {Frame} frame */
+/** Returns the part of a picture inside the frame at the network's size. @param {Float32Array | Uint8Array} picture @param {number} width @param {number} height @param {Frame} frame */
 export function shrunk(picture, width, height, { left, top, side, size }) {
   return resized(part(picture, width, height, [left, top, left + side, top + side]), side, side, size, size);
 }
 
-/** Returns ink in a frame, its lines as dark as they were. @param {Float32Array} ink @param {number} width @param {number} height @param {Frame} frame */
+/** Returns the ink in a frame, with lines as dark as before. @param {Float32Array} ink @param {number} width @param {number} height @param {Frame} frame */
 function cut(ink, width, height, frame) {
   const small = shrunk(ink, width, height, frame);
   const lines = between(small, 0.1, Infinity);
   return lines.length ? stretched(small, 1 / Math.max(median(lines), 0.1), 0) : small;
 }
 
-/** Returns how wide most lines are in pixels. @param {Uint8Array} inked @param {number} width @param {number} height @param {Float32Array} [depth] */
+/** Returns the width of most lines in pixels. @param {Uint8Array} inked @param {number} width @param {number} height @param {Float32Array} [depth] */
 export function lineWidth(inked, width, height, depth = distance(inked, width, height, true)) {
   const peaks = ridge(depth, inked, width, height);
   const widths = [];
@@ -155,7 +155,7 @@ export function lineWidth(inked, width, height, depth = distance(inked, width, h
 }
 
 /**
- * Returns what the network is shown: lines as wide as those it was trained on, areas as their outline.
+ * Returns the network's input: lines with widths as in its training, and areas as their outlines.
  * @param {Float32Array} ink @param {number} width @param {number} height @param {Frame} frame @param {[number, number]} widths
  */
 export function shown(ink, width, height, frame, widths) {
@@ -191,7 +191,7 @@ export function shown(ink, width, height, frame, widths) {
   return resized(out, fine, fine, frame.size, frame.size);
 }
 
-/** Returns whether all lines surely have a known width and none is an area; false where that is to be looked at. @param {Float32Array} ink @param {number} width @param {number} height @param {Frame} frame @param {[number, number]} widths */
+/** Returns whether all lines certainly have a known width and none is an area; false if this needs a closer look. @param {Float32Array} ink @param {number} width @param {number} height @param {Frame} frame @param {[number, number]} widths */
 function isKnown(ink, width, height, frame, widths) {
   const side = frame.size * ROUGH;
   const inked = above(cut(ink, width, height, { ...frame, size: side }), 0.5);
@@ -201,7 +201,7 @@ function isKnown(ink, width, height, frame, widths) {
 }
 
 /**
- * Returns the parts that are too thick for a line, or null if there are none.
+ * Returns the parts too thick to be lines, or null if there are none.
  * @param {Uint8Array} inked @param {number} width @param {number} height @param {number} lines @param {Float32Array} depth @param {number} side
  */
 function areas(inked, width, height, lines, depth, side) {
@@ -216,13 +216,13 @@ function areas(inked, width, height, lines, depth, side) {
 }
 
 /**
- * Returns the middle of lines and the outline of areas.
+ * Returns the centre lines of lines and the outlines of areas.
  * @param {Uint8Array} inked @param {number} width @param {number} height @param {number} lines @param {Uint8Array | null} thick
  */
 function middle(inked, width, height, lines, thick) {
   const blur = Math.max(lines / 4, 0.5);
   let smooth = above(blurred(inked, width, height, blur), 0.5);
-  // It loses lines that are thin beside the others, such as the eyes of a face with a thick outline.
+  // It loses lines much thinner than the others, such as the eyes in a face with a thick outline.
   const away = distance(opposite(smooth), width, height);
   const lost = where(inked, (value, i) => value > 0 && away[i] > blur);
   if (lost.includes(1)) {
@@ -236,7 +236,7 @@ function middle(inked, width, height, lines, thick) {
 }
 
 /**
- * Returns the outline of areas but where they go over into a line.
+ * Returns the outlines of areas except where they merge into a line.
  * @param {Uint8Array} inked @param {Uint8Array} thick @param {number} width @param {number} height
  */
 function edge(inked, thick, width, height) {

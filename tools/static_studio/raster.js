@@ -1,13 +1,13 @@
-/** Raster: pictures as arrays, row by row: sizes, distances, what hangs together. As OpenCV has them. */
+/** Raster: operations on pictures as arrays, row by row, as in OpenCV: sizes, distances, connected components. */
 
 /** @typedef {Uint8Array | Float32Array | Uint8ClampedArray} Plane */
 /** @typedef {[number, number, number, number]} Box left, top, right, bottom */
-/** @typedef {"lines" | "curves" | "points"} Way how a picture is enlarged: between two pixels, or four; it is reduced to means, by points between two as well */
+/** @typedef {"lines" | "curves" | "points"} Way how a picture is enlarged: between two pixels, or four; "points" also samples between two pixels when it reduces, the others average */
 
 const FAR = 1e6;
-/** Lengths of steps to the side, across a corner, and of a knight (Borgefors 1986), to the 65536th to which OpenCV has them. */
+/** Lengths of a straight, a diagonal and a knight's step (Borgefors 1986), rounded to 1/65536 as in OpenCV. */
 const [SIDE, CORNER, KNIGHT] = [1, 1.4, 2.1969].map((length) => Math.round(length * 65536) / 65536);
-/** Those of 3 × 3, which knows no knight. */
+/** Lengths for 3 × 3, which has no knight's step. */
 const [SIDE3, CORNER3] = [0.955, 1.3693].map((length) => Math.round(length * 65536) / 65536);
 
 /** Rounds halves to even, as NumPy does. @param {number} value */
@@ -17,9 +17,9 @@ export function rint(value) {
 }
 
 /**
- * Returns how far each pixel is from the nearest one that is 0, by chamfers of 5 × 5, or of 3 × 3.
+ * Returns the distance of each pixel to the nearest 0, by the 5 × 5 or 3 × 3 chamfer.
  * @param {Plane} marked @param {number} width @param {number} height
- * @param {boolean} [bounded] whether what lies beyond the picture is 0 too @param {5 | 3} [mask]
+ * @param {boolean} [bounded] whether pixels beyond the picture are 0 @param {5 | 3} [mask]
  */
 export function distance(marked, width, height, bounded = false, mask = 5) {
   const stride = width + 4;
@@ -27,7 +27,7 @@ export function distance(marked, width, height, bounded = false, mask = 5) {
   const [side, corner] = mask === 5 ? [SIDE, CORNER] : [SIDE3, CORNER3];
   const knight = mask === 5 ? KNIGHT : FAR;
   const [above, twice] = [stride, 2 * stride];
-  // One loop for each way and no function for a step: most of the time of a drawing is spent here.
+  // One loop for each direction without a function per step, since most of a drawing's time is spent here.
   for (let y = 0; y < height; y++) {
     for (let x = 0, at = (y + 2) * stride + 2, from = y * width; x < width; x++, at++, from++) {
       if (!marked[from]) { away[at] = 0; continue; }
@@ -53,44 +53,44 @@ export function distance(marked, width, height, bounded = false, mask = 5) {
   return out;
 }
 
-/** Returns where a condition holds, 1 and 0. @param {Plane | Int32Array} values @param {(value: number, at: number) => boolean} holds */
+/** Returns 1 where a condition holds, and 0 elsewhere. @param {Plane | Int32Array} values @param {(value: number, at: number) => boolean} holds */
 export function where(values, holds) {
   const out = new Uint8Array(values.length);
   for (let i = 0; i < out.length; i++) out[i] = holds(values[i], i) ? 1 : 0;
   return out;
 }
 
-// Plain loops: a function for each pixel takes ten times as long.
+// Plain loops: a function call per pixel would take ten times as long.
 
-/** Returns where values are above a limit, 1 and 0. @param {Plane} values @param {number} limit */
+/** Returns 1 where values are above a limit, and 0 elsewhere. @param {Plane} values @param {number} limit */
 export function above(values, limit) {
   const out = new Uint8Array(values.length);
   for (let i = 0; i < out.length; i++) if (values[i] > limit) out[i] = 1;
   return out;
 }
 
-/** Returns where either is marked. @param {Uint8Array} one @param {Uint8Array} other */
+/** Returns where either mask is marked. @param {Uint8Array} one @param {Uint8Array} other */
 export function either(one, other) {
   const out = new Uint8Array(one.length);
   for (let i = 0; i < out.length; i++) out[i] = one[i] | other[i];
   return out;
 }
 
-/** Returns where both are marked. @param {Uint8Array} one @param {Uint8Array} other */
+/** Returns where both masks are marked. @param {Uint8Array} one @param {Uint8Array} other */
 export function both(one, other) {
   const out = new Uint8Array(one.length);
   for (let i = 0; i < out.length; i++) out[i] = one[i] & other[i];
   return out;
 }
 
-/** Returns where the one is marked and the other is not. @param {Uint8Array} one @param {Uint8Array} other */
+/** Returns where the first mask is marked and the other is not. @param {Uint8Array} one @param {Uint8Array} other */
 export function without(one, other) {
   const out = new Uint8Array(one.length);
   for (let i = 0; i < out.length; i++) out[i] = one[i] & (other[i] ^ 1);
   return out;
 }
 
-/** Returns which pixels lie in parts that are kept. @param {Int32Array} labels @param {ArrayLike<boolean | number>} kept by its label */
+/** Returns the pixels in parts that are kept. @param {Int32Array} labels @param {ArrayLike<boolean | number>} kept by its label */
 export function labelled(labels, kept) {
   const table = Uint8Array.from(kept, Number);
   const out = new Uint8Array(labels.length);
@@ -98,7 +98,7 @@ export function labelled(labels, kept) {
   return out;
 }
 
-/** Returns how many pixels are marked. @param {Uint8Array} marked */
+/** Returns the number of marked pixels. @param {Uint8Array} marked */
 export function sumOf(marked) {
   let sum = 0;
   for (let i = 0; i < marked.length; i++) sum += marked[i];
@@ -120,7 +120,7 @@ export const SQUARE = [1, 1, 1];
 export const WIDE = [2, 2, 2, 2, 2];
 
 /**
- * Returns what is marked and all about it within a window, given by the half widths of its rows.
+ * Returns the mask dilated by a window, which is given by the half widths of its rows.
  * @param {Uint8Array} marked @param {number} width @param {number} height @param {number[]} halves
  */
 export function dilated(marked, width, height, halves) {
@@ -130,7 +130,7 @@ export function dilated(marked, width, height, halves) {
     const [first, last] = [Math.max(y - rows, 0), Math.min(y + rows, height - 1)];
     for (let x = 0; x < width; x++, i++) {
       if (!marked[i]) continue;
-      // What a pixel with four marked neighbours reaches, one of them reaches too.
+      // Whatever a pixel with four marked neighbours reaches, one of these reaches too.
       if (x > 0 && x < width - 1 && y > 0 && y < height - 1 && marked[i - 1] && marked[i + 1] && marked[i - width] && marked[i + width]) continue;
       for (let row = first; row <= last; row++) {
         const half = halves[row - y + rows];
@@ -143,11 +143,11 @@ export function dilated(marked, width, height, halves) {
 }
 
 /**
- * Returns what is marked and all within a reach of it, as `distance` measures it.
+ * Returns the mask dilated by a reach, measured as in `distance`.
  * @param {Uint8Array} marked @param {number} width @param {number} height @param {number} reach @param {5 | 3} [mask]
  */
 export function near(marked, width, height, reach, mask = 5) {
-  const rows = Math.floor(reach / 0.95); // a step of 3 × 3 to the side counts for less than a pixel
+  const rows = Math.floor(reach / 0.95); // a straight step of 3 × 3 is shorter than a pixel
   const side = 2 * rows + 1;
   const away = distance(new Uint8Array(side * side).fill(1).fill(0, rows * side + rows, rows * side + rows + 1), side, side, false, mask);
   const halves = Array.from({ length: side }, (_, y) => {
@@ -158,7 +158,7 @@ export function near(marked, width, height, reach, mask = 5) {
   return dilated(marked, width, height, halves.slice(first, side - first));
 }
 
-/** Returns what is marked with all about it within a window. @param {Uint8Array} marked @param {number} width @param {number} height @param {number[]} halves as for `dilated` */
+/** Returns the mask eroded by a window. @param {Uint8Array} marked @param {number} width @param {number} height @param {number[]} halves as for `dilated` */
 export const eroded = (marked, width, height, halves) => opposite(dilated(opposite(marked), width, height, halves));
 
 /** Returns 1 where nothing is marked. @param {Plane} marked */
@@ -169,7 +169,7 @@ export function opposite(marked) {
 }
 
 /**
- * Returns the pictures' parts that hang together, from 1 on, and how many there are with the rest, 0.
+ * Returns the connected components, numbered from 1, and their number including the background, 0.
  * @param {Uint8Array} marked @param {number} width @param {number} height @param {4 | 8} ways
  */
 export function components(marked, width, height, ways) {
@@ -216,7 +216,7 @@ export function components(marked, width, height, ways) {
   return { labels, boxes };
 }
 
-/** Returns a barrier and all that cannot be reached past it from the picture's edge. @param {Uint8Array} barrier @param {number} width @param {number} height */
+/** Returns a barrier and all pixels that it cuts off from the picture's edge. @param {Uint8Array} barrier @param {number} width @param {number} height */
 export function enclosedBy(barrier, width, height) {
   const { labels, boxes } = components(opposite(barrier), width, height, 4);
   const outside = boxes.map((box, label) => label > 0 && (!box.left || !box.top || box.right === width || box.bottom === height));
@@ -226,7 +226,7 @@ export function enclosedBy(barrier, width, height) {
 }
 
 /**
- * Returns the greatest (way 1) or least (way -1) value in a square about each pixel.
+ * Returns the maximum (way 1) or minimum (way -1) in a square around each pixel.
  * @param {Plane} values @param {number} width @param {number} height @param {number} radius @param {1 | -1} way
  */
 export function extreme(values, width, height, radius, way) {
@@ -235,7 +235,7 @@ export function extreme(values, width, height, radius, way) {
   const from = new Float32Array(wide * high).fill(-way * FAR);
   for (let y = 0; y < height; y++) from.set(values.subarray(y * width, (y + 1) * width), (y + radius) * wide + radius);
   for (const step of [1, wide]) {
-    // Windows of twice the size are made of two, until they are as large as wanted.
+    // Two windows make one of twice the size, until the size is reached.
     for (let done = 1; done < size;) {
       const more = Math.min(done, size - done);
       const ahead = more * step;
@@ -250,7 +250,7 @@ export function extreme(values, width, height, radius, way) {
   return out;
 }
 
-/** Returns where marked pixels are as deep as all about them. @param {Float32Array} depth @param {Uint8Array} marked @param {number} width @param {number} height */
+/** Returns where marked pixels are at least as deep as all their neighbours. @param {Float32Array} depth @param {Uint8Array} marked @param {number} width @param {number} height */
 export function ridge(depth, marked, width, height) {
   const out = new Uint8Array(marked.length);
   for (let y = 0, i = 0; y < height; y++) {
@@ -277,7 +277,7 @@ export function blurred(values, width, height, sigma) {
 }
 
 /**
- * Returns a picture convolved along its rows and its columns; beyond its edge it is mirrored.
+ * Returns a picture convolved along rows and columns, mirrored beyond its edge.
  * @param {Plane} values @param {number} width @param {number} height @param {number[]} kernel an odd number of weights
  */
 export function filtered(values, width, height, kernel) {
@@ -299,7 +299,7 @@ export function filtered(values, width, height, kernel) {
       rows[at] = sum;
     }
   }
-  // Along the rows here too: down a column each pixel is in another part of the memory.
+  // This pass also runs along the rows, since the pixels of a column are far apart in memory.
   const out = new Float32Array(values.length);
   const sums = new Float64Array(width);
   for (let y = 0; y < height; y++) {
@@ -314,14 +314,14 @@ export function filtered(values, width, height, kernel) {
 }
 
 /**
- * Returns what each of `to` places along a line is made of, of `from`: first place and weights.
+ * Returns for each of `to` places along a line its sources among `from` places: the first one and the weights.
  * @param {number} from @param {number} to @param {Way} way @returns {[number, number[]][]}
  */
 function mixture(from, to, way) {
   const scale = from / to;
   if (way === "curves" && scale < 1) return curve(from, to);
   return Array.from({ length: to }, (_, i) => {
-    if (scale > 1 && way !== "points") { // the mean over an area
+    if (scale > 1 && way !== "points") { // mean over an area
       const [start, end] = [i * scale, Math.min((i + 1) * scale, from)];
       const first = Math.floor(start + 1e-6);
       const count = Math.min(Math.ceil(end - 1e-6), from) - first;
@@ -336,7 +336,7 @@ function mixture(from, to, way) {
 }
 
 /**
- * Returns what `mixture` returns where four places count (Keys 1981), with the slope of OpenCV's.
+ * Returns the equivalent of `mixture` for four sources (Keys 1981), with OpenCV's slope.
  * @param {number} from @param {number} to @returns {[number, number[]][]}
  */
 function curve(from, to) {
@@ -349,14 +349,14 @@ function curve(from, to) {
     for (let k = 0; k < 4; k++) {
       const away = Math.abs(at - before - k);
       const weight = away < 1 ? (1.25 * away - 2.25) * away * away + 1 : ((-0.75 * away + 3.75) * away - 6) * away + 3;
-      weights[Math.min(Math.max(before + k, 0), from - 1) - first] += weight; // beyond the edge it goes on as it is
+      weights[Math.min(Math.max(before + k, 0), from - 1) - first] += weight; // the edge is repeated
     }
     return [first, weights];
   });
 }
 
 /**
- * Returns a picture of another size: averaged over areas, or interpolated.
+ * Returns a picture resized by averages over areas, or by interpolation.
  * @param {Plane} values @param {number} width @param {number} height
  * @param {number} wide @param {number} high @param {number} [channels] @param {Way} [way]
  */
@@ -364,7 +364,7 @@ export function resized(values, width, height, wide, high, channels = 1, way = "
   const across = mixture(width, wide, way);
   const down = mixture(height, high, way);
   const rows = new Float32Array(wide * height * channels);
-  // In flat arrays: a list for each pixel takes several times as long.
+  // Flat arrays: a list per pixel would take several times as long.
   const [starts, ends] = [new Int32Array(wide), new Int32Array(wide)];
   const shares = new Float64Array(across.reduce((sum, [, weights]) => sum + weights.length, 0));
   for (let x = 0, used = 0; x < wide; x++) {
@@ -372,7 +372,7 @@ export function resized(values, width, height, wide, high, channels = 1, way = "
     shares.set(across[x][1], used);
     ends[x] = used += across[x][1].length;
   }
-  const plane = values instanceof Float32Array ? values : new Float32Array(values); // loops over one kind of array are faster
+  const plane = values instanceof Float32Array ? values : new Float32Array(values); // loops over a single kind of array are faster
   for (let y = 0, to = 0; y < height; y++) {
     for (let x = 0; x < wide; x++) {
       const begin = x ? ends[x - 1] : 0;
@@ -395,10 +395,10 @@ export function resized(values, width, height, wide, high, channels = 1, way = "
   return out;
 }
 
-/** Returns a picture of another size as normalgan.inference has it: means over areas, or curves through four pixels. @param {Plane} values @param {number} width @param {number} height @param {number} wide @param {number} high */
+/** Returns a picture resized like in normalgan.inference: by means over areas, or by curves through four pixels. @param {Plane} values @param {number} width @param {number} height @param {number} wide @param {number} high */
 export const refitted = (values, width, height, wide, high) => resized(values, width, height, wide, high, 1, "curves");
 
-/** Returns the value that a share of the values do not exceed; NaN if there are none. @param {number[] | Float32Array} values @param {number} [share] */
+/** Returns the quantile of values, the median without a share; NaN if there are none. @param {number[] | Float32Array} values @param {number} [share] */
 export function quantile(values, share = 0.5) {
   const count = values.length;
   if (!count) return NaN;
@@ -409,7 +409,7 @@ export function quantile(values, share = 0.5) {
     if (values[i] < low) low = values[i];
     if (values[i] > high) high = values[i];
   }
-  // To a 4096th of the range, as in Python: sorting takes longer than all else.
+  // To 1/4096 of the range, as in Python: sorting would take longer than everything else.
   const step = Math.max(high - low, 1e-12) / 4096;
   const counts = new Uint32Array(4097);
   for (let i = 0; i < count; i++) counts[Math.round((values[i] - low) / step)]++;
@@ -421,14 +421,14 @@ export function quantile(values, share = 0.5) {
   return high;
 }
 
-/** Returns the middle one of values, or the mean of the two in the middle. @param {number[] | Float32Array} values one at least */
+/** Returns the median of values. @param {number[] | Float32Array} values one at least */
 export function median(values) {
   const sorted = new Float32Array(values).sort();
   const middle = sorted.length >> 1;
   return sorted.length % 2 ? sorted[middle] : Math.fround((sorted[middle - 1] + sorted[middle]) / 2);
 }
 
-/** Returns the box of what is marked, or null if nothing is. @param {Plane} values @param {number} width @param {number} height @param {number} [above] @returns {Box | null} */
+/** Returns the bounding box of the marked pixels, or null if there are none. @param {Plane} values @param {number} width @param {number} height @param {number} [above] @returns {Box | null} */
 export function boxOf(values, width, height, above = 0) {
   let [left, top, right, bottom] = [width, height, 0, 0];
   for (let y = 0; y < height; y++) {
@@ -443,7 +443,7 @@ export function boxOf(values, width, height, above = 0) {
   return right ? [left, top, right, bottom] : null;
 }
 
-/** Returns a part of a picture; what lies beyond it is 0. @param {Plane} values @param {number} width @param {number} height @param {Box} box @param {number} [channels] */
+/** Returns a crop of a picture, with 0 beyond its edge. @param {Plane} values @param {number} width @param {number} height @param {Box} box @param {number} [channels] */
 export function part(values, width, height, [left, top, right, bottom], channels = 1) {
   const wide = right - left;
   const out = new Float32Array(wide * (bottom - top) * channels);
@@ -492,13 +492,13 @@ export function thinned(inked, width, height) {
 }
 
 /**
- * Neighbourhoods, as bits, of which scikit-image thinks otherwise than the paper: a pixel on a corner goes, and of a line two
- * pixels wide one side stays. Those that stay, go in the first half of a round, in the second, in both.
+ * Neighbourhoods, as bits, in which scikit-image deviates from the paper: it removes a pixel on a corner, and keeps one side
+ * of a line two pixels wide. The lists: those that stay, and those that go in the first half of a round, in the second, in both.
  */
 const OTHERWISE = new Map([[24, 192], [3, 6, 7, 67, 97, 99, 129, 133, 193, 208], [12, 13, 28, 48, 52, 54, 88, 96, 112], [5, 20, 65, 80]]
   .flatMap((codes, halves) => codes.map((code) => /** @type {[number, number]} */ ([code, halves]))));
 
-/** Whether a pixel goes in either half of a round, by the bits of its neighbours. */
+/** Whether a pixel is removed in either half of a round, by the bits of its neighbours. */
 const GOES = [0, 1].map((half) => Uint8Array.from({ length: 256 }, (_, code) => {
   const other = OTHERWISE.get(code);
   if (other !== undefined) return (other >> half) & 1;

@@ -1,4 +1,4 @@
-/** Reader: a small network that tells ink from ground and object from air, shown what normalgan.inference.cleaning.reader shows it. */
+/** Reader: runs a small network that separates ink from ground and object from background, on the same input as normalgan.inference.cleaning.reader. */
 
 import { READER } from "./constants.js";
 import { components, extreme, filtered, part, refitted, resized, rint, where } from "./raster.js";
@@ -9,11 +9,11 @@ const { DOUBT, FLAT, GREY, NEARER, ONE_TONE, PAPER, SIDES, STRIDE, WINDOW } = RE
 /** @typedef {{ink: Float32Array, presence: Float32Array, width: number, height: number}} Reading probabilities, at the scale at which the network saw the drawing */
 /** @typedef {{pixels: Uint8Array, width: number, height: number, channels: number}} Picture grey, in colour, or with opacity */
 
-/** Weights of the pixels within which ink follows brightness. */
+/** Weights of the window in which ink follows brightness. */
 const AVERAGE = Array.from({ length: WINDOW }, () => 1 / WINDOW);
 
 /**
- * Returns what the network finds in a picture as it comes; a small drawing on a large page is looked at again, from nearer.
+ * Returns the network's reading of a picture; it reads a small drawing on a large page a second time, from nearer.
  * @param {Picture} plane @param {Network} network @returns {Promise<Reading>}
  */
 export async function read(plane, network) {
@@ -27,7 +27,7 @@ export async function read(plane, network) {
   return putIn(page, await look({ pixels: nearer, width: right - left, height: bottom - top, channels }, paper, network), box, width, height);
 }
 
-/** Returns the box of a picture that holds all that is drawn, unless it shows little more. @param {Reading} page @param {number} width @param {number} height */
+/** Returns the bounding box of everything drawn, unless it is almost the whole picture. @param {Reading} page @param {number} width @param {number} height */
 function aroundDrawing({ ink, presence, width: wide, height: high }, width, height) {
   const drawn = where(ink, (value, i) => value > 0.5 || presence[i] > 0.5);
   const [columns, rows] = [[wide, -1], [high, -1]];
@@ -46,11 +46,11 @@ function aroundDrawing({ ink, presence, width: wide, height: high }, width, heig
   return /** @type {import("./raster.js").Box} */ ([...starts, ...ends]);
 }
 
-/** Returns how much of the detail of a picture the network sees. @param {number} side its longer side in pixels */
+/** Returns the scale at which the network sees a picture. @param {number} side its longer side in pixels */
 const shownShare = (side) => Math.min(SIDES[1] / side, 1);
 
 /**
- * Returns the reading of a picture with that of a part of it in its place, at the part's scale.
+ * Returns the reading of a picture with the reading of a part inserted, at the part's scale.
  * @param {Reading} page @param {Reading} nearer @param {import("./raster.js").Box} box of the part @param {number} width @param {number} height
  */
 function putIn(page, nearer, [left, top, right, bottom], width, height) {
@@ -67,8 +67,8 @@ function putIn(page, nearer, [left, top, right, bottom], width, height) {
 }
 
 /**
- * Returns what the network finds in a picture.
- * @param {Picture} plane @param {number} paper brightness of what is behind it @param {Network} network @returns {Promise<Reading>}
+ * Returns the network's reading of a picture.
+ * @param {Picture} plane @param {number} paper brightness of the ground behind it @param {Network} network @returns {Promise<Reading>}
  */
 async function look({ pixels, width: wide, height: high, channels }, paper, network) {
   const longest = Math.max(wide, high);
@@ -77,14 +77,14 @@ async function look({ pixels, width: wide, height: high, channels }, paper, netw
   const picture = new Float32Array(3 * width * height);
   const plane = new Float32Array(wide * high);
   for (let c = 0; c < 3; c++) {
-    // One channel says it all of a grey one.
+    // A grey picture has one channel for all three.
     if (channels === 1 && c) picture.copyWithin(c * width * height, 0, width * height);
     else {
       for (let i = 0; i < plane.length; i++) {
         const alpha = channels === 4 ? pixels[4 * i + 3] / 255 : 1;
         plane[i] = (pixels[channels * i + c] / 255) * alpha + paper * (1 - alpha);
       }
-      // The network is shown blue first.
+      // The network expects blue first.
       picture.set(resized(plane, wide, high, width, height, 1, side < longest ? "lines" : "points"), (channels === 1 ? 0 : 2 - c) * width * height);
     }
   }
@@ -95,7 +95,7 @@ async function look({ pixels, width: wide, height: high, channels }, paper, netw
 }
 
 /**
- * Returns ink of which each area of one tone is all or nothing, where the network is unsure.
+ * Returns the ink, with each area of one tone set to all or nothing where the network is unsure.
  * @param {Float32Array} ink @param {Float32Array} grey brightness @param {number} width @param {number} height
  */
 function byTone(ink, grey, width, height) {
@@ -109,7 +109,7 @@ function byTone(ink, grey, width, height) {
 }
 
 /**
- * Returns the brightness of a picture at a size, of a transparent one over what the network sees it on.
+ * Returns the brightness of a picture at a size; a transparent one lies on the ground that the network sees.
  * @param {{pixels: Uint8Array, width: number, height: number, channels: number}} plane @param {number} width @param {number} height
  */
 export function brightness({ pixels, width: wide, height: high, channels }, width, height) {
@@ -126,7 +126,7 @@ export function brightness({ pixels, width: wide, height: high, channels }, widt
 }
 
 /**
- * Returns what a transparent picture is laid over: white, or black if the edge of what is opaque is light.
+ * Returns the ground for a transparent picture: white, or black if the edge of the opaque part is light.
  * @param {Uint8Array} pixels @param {number} width @param {number} height
  */
 function ground(pixels, width, height) {
@@ -145,8 +145,8 @@ function ground(pixels, width, height) {
 export const presenceAt = (reading, width, height) => resized(reading.presence, reading.width, reading.height, width, height, 1, "points");
 
 /**
- * Returns the lines of the picture that was read. The slopes of ink over brightness, and over its steps, nearby add the detail
- * that the network was not shown: He, Sun and Tang, "Guided Image Filtering", 2013, and He and Sun, "Fast Guided Filter", 2015.
+ * Returns the lines of the picture. Local regressions of ink on brightness and on its steps restore the detail that the
+ * network did not see: He, Sun and Tang, "Guided Image Filtering", 2013, and He and Sun, "Fast Guided Filter", 2015.
  * @param {Reading} reading @param {Float32Array} grey brightness of the picture at a size @param {number} width @param {number} height
  */
 export function inkAt({ ink, width: wide, height: high }, grey, width, height) {
@@ -172,7 +172,7 @@ export function inkAt({ ink, width: wide, height: high }, grey, width, height) {
   return grey.map((value, i) => Math.max(0, Math.min(1, steep[i] * value + edged[i] * rise[i] + rest[i])));
 }
 
-/** Returns how much brightness differs between the neighbours of each pixel. @param {Float32Array} grey @param {number} width @param {number} height */
+/** Returns the difference in brightness between each pixel's neighbours. @param {Float32Array} grey @param {number} width @param {number} height */
 function steps(grey, width, height) {
   const low = extreme(grey, width, height, 1, -1);
   return extreme(grey, width, height, 1, 1).map((high, i) => high - low[i]);

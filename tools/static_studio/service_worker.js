@@ -1,16 +1,16 @@
 /**
- * Service worker: keeps the files of the studio without a server, so that it opens where there is no network. In front of it
- * the site's build writes `VERSION`, which names what the files hold, and `FILES`.
+ * Service worker: caches the files of the studio without a server, so that it opens without a network. The site's build
+ * writes `VERSION`, a fingerprint of the files' contents, and `FILES` in front of it.
  */
 
-/** @type {any} what the types of a page do not know */
+/** @type {any} not part of the types for pages */
 const worker = globalThis;
 /** @type {{VERSION: string, FILES: string[]}} */
 const { VERSION, FILES } = worker.BUILT;
 const PREFIX = "normalgan-studio-";
 
 worker.addEventListener("install", (/** @type {any} */ event) => {
-  // What the browser has of the version before is asked about, and what is the same is not fetched twice.
+  // Files that the browser has from the previous version are revalidated, so that unchanged ones are not fetched twice.
   const fresh = FILES.map((file) => new Request(file, { cache: "no-cache" }));
   event.waitUntil(caches.open(PREFIX + VERSION).then((cache) => cache.addAll(fresh)).then(() => worker.skipWaiting()));
 });
@@ -31,12 +31,12 @@ worker.addEventListener("fetch", (/** @type {any} */ event) => {
 });
 
 /**
- * Returns an answer with the headers that isolate the page from those of others, so that the network may use threads. Few hosts
- * of pages let their users set them.
+ * Returns an answer with the headers that isolate the page from other pages, so that the network may use threads. Few hosts
+ * let their users set these headers.
  * @param {Response} answer
  */
 function isolated(answer) {
-  if (answer.type === "opaque" || answer.type === "opaqueredirect") return answer; // not the studio's own
+  if (answer.type === "opaque" || answer.type === "opaqueredirect") return answer; // not one of the studio's files
   const headers = new Headers(answer.headers);
   headers.set("Cross-Origin-Opener-Policy", "same-origin");
   headers.set("Cross-Origin-Embedder-Policy", "require-corp");

@@ -1,4 +1,4 @@
-/** Suggest: where a point would help most, and how unsure the model is, as normalgan.inference.suggestion has it. */
+/** Suggest: finds where a point would help most, and how unsure the model is, like normalgan.inference.suggestion in Python. */
 
 import { SUGGESTION } from "./constants.js";
 import { above, blurred, both, boxOf, distance, resized, where } from "./raster.js";
@@ -8,7 +8,7 @@ const { INKED, RIM, SIDE } = SUGGESTION;
 /** @typedef {{x: number, y: number, normal: [number, number, number], gain: number}} Point in pixels of the map; gain: 0 to 1 */
 
 /**
- * Returns how far off the model expects its normals to be, as a share of a right angle.
+ * Returns the error that the model expects of its normals, as a share of a right angle.
  * @param {number} confidence its κ (Bae, Budvytis, Cipolla 2021, equation 5)
  */
 export function doubt(confidence) {
@@ -18,13 +18,13 @@ export function doubt(confidence) {
 }
 
 /**
- * Returns at most `count` points, best first: gains are summed over the reach of a point, the best one is taken, what is to
- * be gained about it falls, and so on.
+ * Returns at most `count` points, best first. It sums the gains within the reach of each point, takes the best point, lowers
+ * the gains around it, and repeats.
  * @param {{normals: Float32Array, mask: Uint8Array, width: number, height: number}} map
- * @param {Float32Array | null} confidence κ of each pixel; null leaves it to the bends
- * @param {{x: number, y: number}[]} taken points that are there already
+ * @param {Float32Array | null} confidence κ of each pixel; null uses only the bends
+ * @param {{x: number, y: number}[]} taken existing points
  * @param {number} count
- * @param {Uint8Array | null} [lines] the ink: on a line nobody can tell the normal, so points keep off it as far as there is room
+ * @param {Uint8Array | null} [lines] the ink: on a line the normal is undefined, so points keep off it where there is room
  * @returns {Point[]}
  */
 export function suggest({ normals, mask, width, height }, confidence, taken, count, lines = null) {
@@ -32,13 +32,13 @@ export function suggest({ normals, mask, width, height }, confidence, taken, cou
   const scale = Math.min(SIDE / Math.max(width, height), 1);
   const [wide, high] = scale < 1 ? [width, height].map((side) => Math.max(1, Math.round(side * scale))) : [width, height];
   const cover = resized(mask, width, height, wide, high);
-  const least = cover.some((value) => value > 0.5) ? 0.5 : 0; // a thread fills no pixel of the small map
+  const least = cover.some((value) => value > 0.5) ? 0.5 : 0; // a thin thread fills no pixel of the small map
   const small = where(cover, (value) => value > least);
   const step = { x: wide / width, y: high / height };
   const area = small.reduce((sum, value) => sum + value, 0);
   const reach = Math.max(0.55 * Math.sqrt(area / (count + taken.length)), 2);
   const depth = depthOf(small, wide, high);
-  /** What is near the outline counts little. @param {Float32Array} values */
+  /** Lowers the weight of pixels near the outline. @param {Float32Array} values */
   const inside = (values) => values.map((value, i) => value * Math.min(depth[i] / 2, 1));
   const bends = bending(resized(normals, width, height, wide, high, 3), small, wide, high);
   const gain = peaked(inside(bends), wide, high, reach / 2);
@@ -77,7 +77,7 @@ export function suggest({ normals, mask, width, height }, confidence, taken, cou
   return points;
 }
 
-/** Returns how much normals change from pixel to pixel; steps across the mask's edge are none. @param {Float32Array} normals @param {Uint8Array} mask @param {number} width @param {number} height */
+/** Returns how much normals change from pixel to pixel; steps across the mask's edge count as 0. @param {Float32Array} normals @param {Uint8Array} mask @param {number} width @param {number} height */
 function bending(normals, mask, width, height) {
   const squares = new Float32Array(mask.length);
   /** @param {number} one @param {number} other */
@@ -97,14 +97,14 @@ function bending(normals, mask, width, height) {
   return squares.map(Math.sqrt);
 }
 
-/** Returns values summed within a reach, as shares of the greatest sum. @param {Float32Array} values @param {number} width @param {number} height @param {number} reach */
+/** Returns the sums of values within a reach, as shares of the largest sum. @param {Float32Array} values @param {number} width @param {number} height @param {number} reach */
 function peaked(values, width, height, reach) {
   const around = blurred(values, width, height, reach);
   const most = Math.max(around.reduce((greatest, value) => Math.max(greatest, value), 0), 1e-6);
   return around.map((value) => value / most);
 }
 
-/** Returns how far the object's edge is away, in rims; 0 off the object. @param {Uint8Array} mask @param {number} width @param {number} height */
+/** Returns the distance to the object's edge in units of the rim; 0 off the object. @param {Uint8Array} mask @param {number} width @param {number} height */
 function depthOf(mask, width, height) {
   const [left, top, right, bottom] = boxOf(mask, width, height) ?? [0, 0, 1, 1];
   const extent = Math.max(right - left, bottom - top);
@@ -112,7 +112,7 @@ function depthOf(mask, width, height) {
   return distance(mask, width, height, true, 3).map((value) => value / rim);
 }
 
-/** Returns a point of the map, moved onto the object if it lies beside. @param {number} x @param {number} y @param {Float32Array} normals @param {Uint8Array} mask @param {number} width @param {number} height */
+/** Returns a point of the map, moved onto the object if it lies off it. @param {number} x @param {number} y @param {Float32Array} normals @param {Uint8Array} mask @param {number} width @param {number} height */
 function placeOf(x, y, normals, mask, width, height) {
   let [column, row] = [Math.min(Math.floor(x), width - 1), Math.min(Math.floor(y), height - 1)];
   if (!mask[row * width + column]) {

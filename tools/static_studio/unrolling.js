@@ -1,13 +1,13 @@
-/** Unrolling: where the places of a surface lie when it is made flat, as normalgan.inference.unrolling has it in Python. */
+/** Unrolling: finds where the points of a surface lie when it is flattened, like normalgan.inference.unrolling in Python. */
 
 import { UNROLLING } from "./constants.js";
 
 const { GROUND, LEAST, SIDE, SLACK } = UNROLLING;
-/** Share of the pulls that the solution may leave, a tenth of a pixel at most, and the most steps towards it. */
+/** Relative residual allowed in the solution, at most a tenth of a pixel, and the maximum number of steps. */
 const [RESIDUE, STEPS] = [1e-3, 1000];
 
 /**
- * Returns what tells how far a place of the surface moves, right and down in pixels, when it is made flat.
+ * Returns a function that gives how far a point of the surface moves right and down, in pixels, when it is flattened.
  * @param {{normals: Float32Array, mask: Uint8Array, width: number, height: number}} map
  * @returns {(x: number, y: number, out: number[]) => void} x, y: in pixels of the map
  */
@@ -25,7 +25,7 @@ export function unrolled({ normals, mask, width, height }) {
       if (!there) continue;
       weights[i] = Math.min(share[i], share[next]) + SLACK;
       for (let c = 0; c < 2; c++) {
-        // The stretch is xx, xy, yy.
+        // The stretch consists of xx, xy and yy.
         const wanted = (side * weights[i] * (stretch[3 * i + axis + c] + stretch[3 * next + axis + c])) / 2;
         pulls[c][next] += wanted;
         pulls[c][i] -= wanted;
@@ -51,7 +51,7 @@ export function unrolled({ normals, mask, width, height }) {
 }
 
 /**
- * Returns how much of each cell is object, and how much longer steps there are on the surface: xx, xy and yy.
+ * Returns the share of object in each cell, and the stretch of steps on its surface: xx, xy and yy.
  * @param {Float32Array} normals @param {Uint8Array} mask @param {number} width @param {number} side @param {number} rows @param {number} columns
  */
 function cellsOf(normals, mask, width, side, rows, columns) {
@@ -73,7 +73,7 @@ function cellsOf(normals, mask, width, side, rows, columns) {
 }
 
 /**
- * Returns where cells come to rest, by conjugate gradients that the diagonal preconditions.
+ * Returns the equilibrium positions of the cells, by conjugate gradients with diagonal preconditioning.
  * @param {Float64Array} pull @param {Float64Array} across weights of the links to the right @param {Float64Array} down and down @param {number} columns
  */
 function solved(pull, across, down, columns) {

@@ -1,4 +1,4 @@
-/** Worker: runs the method beside the page, so that the pen never waits for it. */
+/** Worker: runs the method outside the page's thread, so that the pen never waits for it. */
 
 import { compose } from "./compose.js";
 import { expectedError, waysToSee } from "./context.js";
@@ -18,7 +18,7 @@ import { doubt, suggest } from "./suggest.js";
  * @property {import("./drawing/document.js").Area[]} areas
  * @property {import("./drawing/document.js").Source} source
  * @property {import("./drawing/document.js").Form | null} form
- * @property {Record<string, string>} structures base64 of PNGs, by the names that areas give them
+ * @property {Record<string, string>} structures PNGs as base64, by the names that areas use
  */
 /**
  * @typedef {import("./result/findings.js").Finding} Finding
@@ -30,9 +30,9 @@ import { doubt, suggest } from "./suggest.js";
  *   shares?: Uint8Array, points?: import("./suggest.js").Point[]}} Answer
  */
 
-/** Pixels of what is kept: of several layers only one is painted again. */
+/** Pixel budget of the kept maps: of several layers, usually only one is predicted again. */
 const KEPT = 2 ** 23;
-/** What the network says of drawings that is kept: layers seen alone, and one for all that are seen among each other. */
+/** Number of kept predictions: layers alone, and one for all layers together. */
 const INFERRED = 16;
 const networks = new Worker(new URL("networks.js", import.meta.url), { type: "module" });
 /** @type {Map<number, {resolve: (found: Record<string, Float32Array>) => void, reject: (error: Error) => void}>} */
@@ -47,9 +47,9 @@ const prepared = new Map();
 const painted = new Map();
 /** @type {Promise<unknown>} one at a time */
 let turn = Promise.resolve();
-/** @type {Set<number>} requests that are no longer wanted */
+/** @type {Set<number>} cancelled requests */
 const dropped = new Set();
-/** The request that is being answered. */
+/** The request in progress. */
 let current = 0;
 
 async function load() {
@@ -68,7 +68,7 @@ async function load() {
   if (!notes.ok) throw new Error("the model cannot be fetched");
   /** @type {{line_widths: [number, number], structures: string[]}} */
   const { line_widths: widths, structures } = await notes.json();
-  // The page works without a network once it is loaded; a stroke with a structure that did not come says so.
+  // Once loaded, the page works without a network; a stroke with a structure that did not load reports it.
   const [size] = await Promise.all([side, Promise.allSettled(structures.map((kind) => tileOf(kind)))]);
   return { widths, size };
 }
@@ -88,7 +88,7 @@ const refiner = async (data, width, height) => (await run("refiner", { planes: {
 /** @type {import("./reader.js").Network} */
 const reader = async (data, width, height) => (await run("reader", { picture: { data, shape: [1, 3, height, width] } })).read;
 
-/** Returns what the network predicts. @param {Float32Array} seen @param {Float32Array} hints as planes @param {number} size */
+/** Returns the network's prediction. @param {Float32Array} seen @param {Float32Array} hints as planes @param {number} size */
 function infer(seen, hints, size) {
   const key = `${digest(new Uint8Array(seen.buffer))} ${digest(new Uint8Array(hints.buffer))}`;
   const found = inferred.get(key) ?? run("ours", { sketch: { data: seen, shape: [1, 1, size, size] }, hints: { data: hints, shape: [1, 4, size, size] } });
@@ -100,7 +100,7 @@ function infer(seen, hints, size) {
 }
 
 /**
- * Returns what was kept, or makes and keeps it; the oldest go.
+ * Returns the kept value, or computes and keeps it, and drops the oldest values.
  * @template {{width: number, height: number}} T
  * @param {Map<string, T>} kept @param {string} key @param {() => T | Promise<T>} make
  * @returns {Promise<T>}
@@ -127,7 +127,7 @@ async function prepareLayer({ ink, source, hints }, longest, alone) {
   return { key, lines: await recalled(prepared, key, () => prepare(ink, size, source, longest, widths, reader, begin)) };
 }
 
-/** @param {Layer} layer @param {import("./prepare.js").Prepared[]} ways to see it @param {string} key what that depends on @returns {Promise<Painted>} */
+/** @param {Layer} layer @param {import("./prepare.js").Prepared[]} ways to see it @param {string} key of everything that the result depends on @returns {Promise<Painted>} */
 async function paintLayer({ ink, strokes, hints, areas, form, structures }, ways, key) {
   const { size } = await ready;
   return recalled(painted, key, async () => {
@@ -142,7 +142,7 @@ async function paintLayer({ ink, strokes, hints, areas, form, structures }, ways
     const { normals, mask, covered, findings: said } = await finish(lines, normal, refiner, byHand(strokes, width, height, scale, lines.ink));
     const findings = [...said, ...hintsOff(hints.filter((hint) => hint.reach === undefined), scale, { mask, width, height })];
     hold({ normals, mask, width, height }, hints, areas, form, scale, await tilesOf(areas, structures));
-    // Only few ask for it, and it is as large as the map.
+    // Few requests need it, and it is as large as the map.
     return { normals, mask, covered, width, height, findings, confidence: null, certainty: () => restored(confidence, lines, 1) };
   });
 }
@@ -154,11 +154,11 @@ async function tilesOf(areas, structures) {
     /** @type {const} */ ([picture ?? kind, await tileOf(kind, picture === undefined ? undefined : structures[picture])]))));
 }
 
-/** Returns what was tried, the least expected error first. @template {{lines: import("./prepare.js").Prepared, confidence: Float32Array}} T @param {T[]} tried */
+/** Returns the attempts, with the lowest expected error first. @template {{lines: import("./prepare.js").Prepared, confidence: Float32Array}} T @param {T[]} tried */
 const byError = (tried) => tried.map((each) => ({ each, error: expectedError(each.lines, each.confidence) })).sort((a, b) => a.error - b.error).map(({ each }) => each);
 
 /**
- * Paints each layer, seen alone or among the others.
+ * Predicts each layer, alone or among the others.
  * @param {Pick<PaintRequest, "layers" | "longest" | "changedOnly">} request
  * @returns {Promise<{maps: Painted[], findings: Finding[]}>} maps of the layers that can be painted, at least one
  * @throws {Unpaintable} if none can be.
@@ -179,7 +179,7 @@ async function paintLayers({ layers, longest, changedOnly }) {
     lacks.push({ code: error.code, layer: name });
   };
   for (const layer of layers) {
-    // Of one layer it is clear which is meant.
+    // With a single layer its name is not needed.
     const name = layers.length > 1 ? layer.name : "";
     await prepareLayer(layer, longest, layers.length === 1).then((found) => parts.push({ layer, name, ...found }), (error) => without(name, error));
   }
@@ -221,7 +221,7 @@ async function paint({ layers, longest, what, count, changedOnly }) {
   return answer;
 }
 
-/** Returns where there is ink: what is dark, whatever its colour. @param {Layer[]} layers of one size */
+/** Returns where there is ink: dark pixels of any colour. @param {Layer[]} layers of one size */
 function linesOf(layers) {
   const lines = new Uint8Array(layers[0].ink.width * layers[0].ink.height);
   for (const { ink: { pixels, channels } } of layers) {
@@ -232,7 +232,7 @@ function linesOf(layers) {
   return lines;
 }
 
-/** Returns what the network is told: mean normals at the pins that have no reach of their own, and where they are. @param {import("./drawing/document.js").Hint[]} hints @param {number} scale @param {import("./prepare.js").Frame} frame */
+/** Returns the network's hints: mean normals at the pins without a reach of their own, and their places. @param {import("./drawing/document.js").Hint[]} hints @param {number} scale @param {import("./prepare.js").Frame} frame */
 function hintPlanes(hints, scale, { left, top, side, size }) {
   const area = size * size;
   const planes = new Float32Array(4 * area);
@@ -252,7 +252,7 @@ function hintPlanes(hints, scale, { left, top, side, size }) {
   return planes;
 }
 
-/** Returns a number that tells pictures apart (FNV-1a). @param {Uint8Array} bytes */
+/** Returns a hash of bytes (FNV-1a). @param {Uint8Array} bytes */
 function digest(bytes) {
   let hash = 0x811c9dc5;
   for (const byte of bytes) hash = Math.imul(hash ^ byte, 0x01000193);

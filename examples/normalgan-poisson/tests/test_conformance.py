@@ -1,4 +1,4 @@
-"""What normalgan asks of every hint sampler, data source and metric."""
+"""Runs normalgan's checks for every hint sampler, data source and metric."""
 
 import pytest
 from normalgan_poisson import Pebbles, PoissonHints, WorstPicture

@@ -1,4 +1,4 @@
-"""What is asked of this data source alone: whole stones, a sketch that goes with them."""
+"""Tests what only this data source promises: whole stones, and a sketch that matches them."""
 
 import numpy as np
 import pytest

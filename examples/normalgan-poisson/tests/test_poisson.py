@@ -1,4 +1,4 @@
-"""What is asked of this sampler alone: distance, density, no gaps."""
+"""Tests what only this sampler promises: distance, density, no gaps."""
 
 import pytest
 import torch
@@ -21,7 +21,7 @@ def disc(size: int, radius: float) -> Tensor:
 
 
 def thrown_one_by_one(candidates: Tensor, priority: Tensor, distance: float) -> Tensor:
-    """Return the same set by the definition: darts in the order of priority."""
+    """Return the same set as the definition gives it: darts in the order of priority."""
     places = candidates[0].nonzero().float()
     order = priority[candidates].argsort(descending=True)
     kept: list[Tensor] = []
@@ -40,7 +40,7 @@ def test_it_is_dart_throwing(distance: float) -> None:
     priority = torch.rand(candidates.shape, generator=torch.Generator().manual_seed(1))
     expected = thrown_one_by_one(candidates, priority, distance)
     assert torch.equal(throw_darts(candidates, priority, distance), expected)
-    # Beside pictures with fewer points, or none: no one is disturbed by being done before.
+    # Next to pictures with fewer points or none: a finished picture does not disturb the others.
     batch = torch.cat([candidates, torch.zeros_like(candidates), candidates])
     both = throw_darts(batch, priority.expand(3, -1, -1), distance)
     assert torch.equal(both, torch.cat([expected, torch.zeros_like(expected), expected]))
@@ -71,7 +71,7 @@ def test_points_are_dropped_as_asked() -> None:
     mask = disc(128, 60)
     full, half, none = (sample(PoissonHints(4, keep), mask) for keep in (1.0, 0.5, 0.0))
     assert none.sum() == 0
-    assert (half <= full).all()  # the same points, fewer of them
+    assert (half <= full).all()  # a subset of the same points
     assert half.sum() / full.sum() == pytest.approx(0.5, abs=0.1)
 
 

@@ -1,4 +1,4 @@
-"""What is asked of this metric alone."""
+"""Tests what only this metric promises."""
 
 import pytest
 import torch

@@ -1,4 +1,4 @@
-"""Blender: a drawing becomes a plane with a lit material that has the drawing's normal map."""
+"""Add-on for Blender: turns a drawing into a plane with a lit material that uses the drawing's normal map."""
 
 import tempfile
 from pathlib import Path
@@ -22,12 +22,12 @@ bl_info = {
 
 
 class NormalganPreferences(bpy.types.AddonPreferences):
-    """Where the command is, if it is not found by itself."""
+    """The path of the command, if it is not found automatically."""
 
     bl_idname = __name__
 
     command: StringProperty(  # type: ignore[valid-type]
-        name="normalgan", subtype="FILE_PATH", description="The command, if it is not found by itself"
+        name="normalgan", subtype="FILE_PATH", description="The command, if it is not found automatically"
     )
 
     def draw(self, _context: Any) -> None:
@@ -36,9 +36,9 @@ class NormalganPreferences(bpy.types.AddonPreferences):
 
 
 class NormalganDrawing(bpy.types.Operator, ImportHelper):
-    """Predict the normal map of a drawing, and put it into a material.
+    """Predict the normal map of a drawing, and make a material with it.
 
-    Blender stays usable meanwhile: a timer asks whether the command has ended, and Esc cancels it.
+    Blender stays usable meanwhile: a timer checks whether the command has ended, and Esc cancels it.
     """
 
     bl_idname = "normalgan.drawing"
@@ -63,7 +63,7 @@ class NormalganDrawing(bpy.types.Operator, ImportHelper):
     )
 
     def execute(self, context: Any) -> set[str]:
-        """Start the command; without windows also wait for it, and build the material."""
+        """Start the command; without a window, also wait for it and build the material."""
         active = context.active_object
         if self.replace and (active is None or not hasattr(active.data, "materials")):
             self.report({"ERROR"}, "normalgan: no object that takes a material is active; select one.")
@@ -88,7 +88,7 @@ class NormalganDrawing(bpy.types.Operator, ImportHelper):
         return {"RUNNING_MODAL"}
 
     def modal(self, context: Any, event: Any) -> set[str]:
-        """Build the material when the command has ended; end it at Esc."""
+        """Build the material once the command has ended; end the command on Esc."""
         if event.type == "ESC":
             self.cancel(context)
             self.report({"INFO"}, "normalgan: cancelled.")
@@ -99,7 +99,7 @@ class NormalganDrawing(bpy.types.Operator, ImportHelper):
         return self._built(context)
 
     def cancel(self, context: Any) -> None:
-        """End the command; Blender also calls this as it closes."""
+        """End the command; Blender also calls this on exit."""
         self._stop_timer(context)
         self._running.cancel()
         self._folder.cleanup()
@@ -109,7 +109,7 @@ class NormalganDrawing(bpy.types.Operator, ImportHelper):
         context.workspace.status_text_set(None)
 
     def _built(self, context: Any) -> set[str]:
-        """Build the material of what the command has written."""
+        """Build the material from the files that the command has written."""
         drawing = self._drawing
         try:
             with self._folder:
@@ -134,16 +134,16 @@ class NormalganDrawing(bpy.types.Operator, ImportHelper):
 
 
 def set_non_color(image: Any) -> None:
-    """Let an image hold numbers, not colours, under any OCIO configuration."""
+    """Mark an image as data instead of colours, under any OCIO configuration."""
     space, usual = image.colorspace_settings, image.colorspace_settings.name
-    space.is_data = True  # the space that has the role "data" in the OCIO configuration
-    if space.name == usual:  # none has
+    space.is_data = True  # the space with the role "data" in the OCIO configuration
+    if space.name == usual:  # no space has that role
         spaces = space.bl_rna.properties["name"].enum_items.keys()
         space.name = next((raw for raw in ("Non-Color", "Raw", "Utility - Raw") if raw in spaces), usual)
 
 
 def material_of(name: str, normals: Any, colours: Any | None, strength: float) -> Any:
-    """Return a material that is lit by a normal map and clear where the map has no object."""
+    """Return a material with a normal map, transparent where the map has no object."""
     material = bpy.data.materials.new(name)
     material.use_nodes = True
     material.blend_method = "HASHED"
@@ -166,7 +166,7 @@ def material_of(name: str, normals: Any, colours: Any | None, strength: float) -
 
 
 def plane(context: Any, name: str, width: int, height: int) -> Any:
-    """Return a new plane of a picture's proportions, 2 units on its longer side, facing up."""
+    """Return a new plane with a picture's proportions, 2 units on its longer side, facing up."""
     x, y = width / max(width, height), height / max(width, height)
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata([(-x, -y, 0), (x, -y, 0), (x, y, 0), (-x, y, 0)], [], [(0, 1, 2, 3)])
@@ -184,19 +184,19 @@ CLASSES = (NormalganPreferences, NormalganDrawing)
 
 
 def entry(self: Any, _context: Any) -> None:
-    """Draw the entry in the menu."""
+    """Draw the menu entry."""
     self.layout.operator(NormalganDrawing.bl_idname, icon="IMAGE_DATA")
 
 
 def register() -> None:
-    """Add the operator and its entry in the menu."""
+    """Add the operator and its menu entry."""
     for known in CLASSES:
         bpy.utils.register_class(known)
     bpy.types.VIEW3D_MT_image_add.append(entry)
 
 
 def unregister() -> None:
-    """Take them out again."""
+    """Remove the operator and its menu entry."""
     bpy.types.VIEW3D_MT_image_add.remove(entry)
     for known in reversed(CLASSES):
         bpy.utils.unregister_class(known)

@@ -1,4 +1,4 @@
-"""ComfyUI: a node that paints the normal maps of drawings, by ONNX Runtime and without the command.
+"""Add-on for ComfyUI: a node that predicts normal maps of drawings with ONNX Runtime, without the command.
 
 It runs in ComfyUI's own Python: install normalgan there.
 """
@@ -23,7 +23,7 @@ class NormalganNormalMap:
 
     @classmethod
     def INPUT_TYPES(cls) -> dict[str, Any]:  # noqa: N802 - ComfyUI's name
-        """Return what the node takes."""
+        """Return the inputs of the node."""
         return {
             "required": {
                 "image": ("IMAGE",),
@@ -51,23 +51,24 @@ class NormalganNormalMap:
     def predict(
         self, image: Any, green: str = "up", mask: Any = None, mask_shows: str = "auto", model: str = ""
     ) -> tuple[Any, Any]:
-        """Predict.
+        """Predict normal maps and masks.
 
         Args:
             image: drawings (N, H, W, 3) or (N, H, W, 4) of floats from 0 to 1, as ComfyUI has them.
             green: "up" or "down".
-            mask: where the objects are (N, H, W), or one (1, H, W) or (H, W) for all, or None. Without a
-                white pixel it counts as None: LoadImage gives one of 64 x 64 for an image without alpha.
+            mask: where the objects are (N, H, W), or one mask (1, H, W) or (H, W) for all, or None. A mask
+                without a white pixel counts as None: LoadImage gives a black 64 x 64 mask for an image
+                without alpha.
             mask_shows: what is white in the mask, one of `SHOWN`.
-            model: the path of a model, or nothing.
+            model: the path of a model, or empty for the shipped one.
 
         Returns:
             Normal maps (N, H, W, 3), colours (n + 1) / 2 without gamma, and masks (N, H, W), 1 on the object.
 
         Raises:
-            RuntimeError: with one sentence, which ComfyUI shows at the node.
+            RuntimeError: with one sentence, which ComfyUI shows on the node.
         """
-        import torch  # ComfyUI brings it
+        import torch  # ComfyUI provides it
 
         try:
             import normalgan
@@ -98,7 +99,7 @@ class NormalganNormalMap:
 
 
 def _object(mask: Any, shows: str) -> Any:
-    """Return where the object is, (H, W) of bool; None for an empty mask.
+    """Return where the object is, (H, W) bool, or None for an empty mask.
 
     Args:
         mask: (H, W) of floats from 0 to 1.

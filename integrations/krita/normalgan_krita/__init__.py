@@ -1,4 +1,4 @@
-"""Krita: the normal map of a layer as a new layer above it."""
+"""Plug-in for Krita: puts the normal map of a layer on a new layer above it."""
 
 import tempfile
 from collections.abc import Callable
@@ -7,7 +7,7 @@ from typing import Any
 
 from krita import Extension, Krita
 
-try:  # In this order: Krita 6 refuses PyQt5, but an old Krita 5 loads an installed PyQt6, and crashes.
+try:  # PyQt5 comes first: Krita 6 rejects it, whereas an old Krita 5 loads an installed PyQt6 and crashes.
     from PyQt5.QtCore import Qt
     from PyQt5.QtGui import QImage
     from PyQt5.QtWidgets import QApplication, QMessageBox, QProgressDialog
@@ -28,13 +28,13 @@ def normal_layer(
     """Predict the normal map of a layer.
 
     Args:
-        document: of Krita.
-        node: the layer in it, or a group.
-        settings: more of those of `normalgan generate`.
-        meanwhile: as `predict` has it.
+        document: a document of Krita.
+        node: a layer or a group in it.
+        settings: further settings of `normalgan generate`.
+        meanwhile: as in `predict`.
 
     Returns:
-        The new layer above it, and what the command warned of.
+        The new layer above it, and the command's warnings.
 
     Raises:
         CancelledError: if ``meanwhile`` says so.
@@ -53,7 +53,7 @@ def normal_layer(
     bits = image.constBits()
     bits.setsize(image.sizeInBytes())
     layer = document.createNode(NAME, "paintlayer")
-    layer.setColorSpace("RGBA", "U8", SRGB)  # whatever the document's, the numbers stay
+    layer.setColorSpace("RGBA", "U8", SRGB)  # keeps the numbers whatever the document's colour space
     layer.setPixelData(bytes(bits), 0, 0, image.width(), image.height())
     node.parentNode().addChildNode(layer, node)
     document.refreshProjection()
@@ -61,7 +61,7 @@ def normal_layer(
 
 
 def layer_picture(document: Any, node: Any) -> Any:
-    """Return what a layer shows on the whole canvas, as an image of Qt."""
+    """Return a layer's picture of the whole canvas as a Qt image."""
     width, height = document.width(), document.height()
     copy = None
     if (node.colorModel(), node.colorDepth()) != ("RGBA", "U8"):
@@ -80,7 +80,7 @@ class NormalMapOfLayer(Extension):
     """The entry under Tools > Scripts."""
 
     def setup(self) -> None:
-        """Do nothing as Krita starts."""
+        """Do nothing when Krita starts."""
 
     def createActions(self, window: Any) -> None:  # noqa: N802 - Krita's name
         """Add the entry to a window."""
@@ -90,12 +90,12 @@ class NormalMapOfLayer(Extension):
         action.triggered.connect(self.predict)
 
     def predict(self) -> None:
-        """Predict the map of the active layer behind a window with Cancel, and show what went wrong."""
+        """Predict the map of the active layer behind a dialogue with Cancel, and show any error."""
         document = Krita.instance().activeDocument()
         if document is None:
             return
         window = QProgressDialog("Predicting the normal map…", "Cancel", 0, 0)
-        window.setWindowModality(Qt.WindowModality.ApplicationModal)  # the document must stay as it is
+        window.setWindowModality(Qt.WindowModality.ApplicationModal)  # the document must not change meanwhile
         window.show()
 
         def goes_on() -> bool:

@@ -1,4 +1,4 @@
-"""Dart throwing on a grid of pixels, in all pictures of a batch side by side."""
+"""Dart throwing on a grid of pixels, in all pictures of a batch at once."""
 
 import math
 
@@ -7,15 +7,15 @@ from torch import Tensor
 
 
 def throw_darts(candidates: Tensor, priority: Tensor, distance: float) -> Tensor:
-    """Return a set of candidates no two of which are closer than a distance, and to which none can be added.
+    """Return a set of candidates, no two closer than a distance, to which no further candidate can be added.
 
-    Darts are thrown in the order of their priority; one lands unless an earlier one lies too near. Only those
-    that land are looked at: each takes out the candidates about it.
+    Darts are thrown in the order of their priority. A dart lands unless an earlier one lies too near. The
+    loop visits only the darts that land, and each of these removes the candidates around it.
 
     Args:
         candidates: (N, H, W), True where a dart may land.
         priority: (N, H, W), 0 or more; the highest comes first.
-        distance: least distance in pixels; points exactly as far apart may both stay.
+        distance: minimum distance in pixels; two points at exactly this distance may both stay.
 
     Returns:
         (N, H, W), True where a dart landed.
@@ -26,9 +26,9 @@ def throw_darts(candidates: Tensor, priority: Tensor, distance: float) -> Tensor
         [False, True, False, False, True]
     """
     count, height, width = candidates.shape
-    reach = math.ceil(distance) - 1  # pixels: farther ones are never too near
+    reach = math.ceil(distance) - 1  # pixels: a farther one is never too near
     rows, columns = _disk(distance, reach, candidates.device)
-    # A frame around the picture, so that a disk that hangs over its edge needs no care.
+    # A frame around the picture, so that a disk over its edge is no special case.
     waiting = priority.new_full((count, height + 2 * reach, width + 2 * reach), -1.0)
     inside = (slice(None), slice(reach, reach + height), slice(reach, reach + width))
     waiting[inside] = torch.where(candidates, priority, waiting[inside])
@@ -41,7 +41,7 @@ def throw_darts(candidates: Tensor, priority: Tensor, distance: float) -> Tensor
         if not bool(lands.any()):
             return landed[inside]
         flat_landed.scatter_(1, place, flat_landed.gather(1, place) | lands)
-        # In a picture that is done already the disk lies anywhere: there is nothing left to take out.
+        # In a finished picture the place of the disk does not matter: no candidate is left.
         centre = torch.where(lands, place, reach * (waiting.shape[2] + 1))
         flat.scatter_(1, centre + disk, -1.0)
 

@@ -1,4 +1,4 @@
-"""Pebbles: heaps of round stones, drawn and painted, as a source of pairs to train on."""
+"""Pebbles, a source of training pairs: drawings and normal maps of heaps of round stones."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,13 +15,13 @@ __all__ = ["Heap", "Pebbles"]
 
 @dataclass(frozen=True)
 class Heap:
-    """Stones whose middles are thrown as darts, so that they overlap but never hide one another.
+    """Stones with centres thrown as darts, so that they overlap but never hide one another.
 
     Args:
-        name: of the pair.
-        seed: where the stones lie.
+        name: the name of the pair.
+        seed: seed of the places of the stones.
         size: side of the picture in pixels.
-        distance: least distance between the middles of two stones in pixels.
+        distance: minimum distance between the centres of two stones in pixels.
     """
 
     name: str
@@ -30,7 +30,7 @@ class Heap:
     distance: float
 
     def fingerprint(self) -> str:
-        """Return what the pair depends on: all settings, and a version of this code."""
+        """Return everything that the pair depends on: all settings, and a version of this code."""
         return f"heap 1 {self.seed} {self.size} {self.distance}"
 
     def load(self) -> Pair:
@@ -42,7 +42,7 @@ class Heap:
         priority = np.random.default_rng(self.seed).random((self.size, self.size))
         landed = throw_darts(torch.from_numpy(room)[None], torch.from_numpy(priority)[None], self.distance)
         rows, columns = np.nonzero(landed[0].numpy())
-        # (stones, H, W): the way from each stone's middle, and how high the stone is there.
+        # (stones, H, W): the offset from each stone's centre, and the height of the stone there.
         right, up = x - columns[:, None, None] - 0.5, rows[:, None, None] + 0.5 - y
         height = np.sqrt(np.clip(radius**2 - right**2 - up**2, 0, None))
         top = height.argmax(0)[None]
@@ -57,12 +57,12 @@ class Heap:
 
 @dataclass(frozen=True)
 class Pebbles(PairSource):
-    """Heaps of round stones, each another one.
+    """Heaps of round stones, all different.
 
     Args:
-        count: how many heaps.
+        count: number of heaps.
         size: side of a picture in pixels.
-        distance: least distance between the middles of two stones in pixels.
+        distance: minimum distance between the centres of two stones in pixels.
 
     Raises:
         InputError: if a setting is out of range.

@@ -12,15 +12,15 @@ from normalgan_poisson.darts import throw_darts
 
 @dataclass(frozen=True)
 class PoissonHints(HintSampler):
-    """Scatter points over the object evenly but at random, none close to another.
+    """Scatters points over the object evenly but at random, no two close together.
 
-    Dart throwing (Cook, "Stochastic Sampling in Computer Graphics", ACM Transactions on Graphics 5(1), 1986)
-    until no dart is left: nowhere on the object would another point fit in. The larger the distance, the
-    quicker it is, for it takes a step for each point.
+    It throws darts (Cook, "Stochastic Sampling in Computer Graphics", ACM Transactions on Graphics 5(1),
+    1986) until no further point fits on the object. Larger distances are faster, because each point takes one
+    step.
 
     Args:
-        distance: least distance between two hints in pixels, from 2 on.
-        keep: share of the points that are kept, from 0 to 1; the rest is dropped at random.
+        distance: minimum distance between two hints in pixels, at least 2.
+        keep: share of the points that are kept, from 0 to 1; the rest are dropped at random.
 
     Raises:
         InputError: if a setting is out of range.
@@ -38,10 +38,11 @@ class PoissonHints(HintSampler):
     def sample(self, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
         """Return where the hints are, (N, 1, H, W) of the normals' type; see `HintSampler.sample`.
 
-        A sample's hints depend on its own mask, its place in the batch, the shape of the batch and the state
-        of ``rng``, and on nothing else of the other samples.
+        A sample's hints depend only on its own mask, its place in the batch, the shape of the batch and the
+        state of ``rng``, never on the contents of other samples.
         """
-        # One draw for the whole batch, of the same length whatever is in it: samples stay apart.
+        # One draw for the whole batch, with a length that its contents do not change: samples stay
+        # independent.
         priority, fate = torch.rand((2, *mask.shape), generator=rng, device=normal.device)
         points = throw_darts(mask[:, 0] > 0.5, priority[:, 0], self.distance)[:, None]
         return (points & (fate < self.keep)).to(normal.dtype)

@@ -1,4 +1,4 @@
-"""WorstPicture: the mean angular error of the picture that is worst, for tables."""
+"""WorstPicture, a metric for tables: the mean angular error of the worst picture."""
 
 from typing import Any, ClassVar
 
@@ -11,9 +11,9 @@ __all__ = ["WorstPicture"]
 
 
 class WorstPicture(MapMetric):
-    """The mean angular error on the object, in degrees, of the picture in which it is greatest.
+    """The largest mean angular error on the object over all pictures, in degrees.
 
-    A picture without an object changes nothing; without any picture it is nan.
+    A picture without an object does not count; without any picture the value is nan.
     """
 
     label: ClassVar[str] = "worst picture"
@@ -34,5 +34,5 @@ class WorstPicture(MapMetric):
         self.worst = torch.maximum(self.worst, means.max())
 
     def compute(self) -> Tensor:
-        """Return the error of the worst picture so far, a scalar."""
+        """Return the error of the worst picture so far as a scalar."""
         return torch.where(self.worst < 0, torch.nan, self.worst)

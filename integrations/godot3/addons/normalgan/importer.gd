@@ -1,7 +1,7 @@
 tool
 extends EditorImportPlugin
-# Imports a drawing as a scene of one Sprite, with the drawing as its texture and the painted map as its normal map.
-# Godot 3 has no texture that holds both. Its 2D lights read green as down, other than those of Godot 4.
+# Imports a drawing as a scene of one Sprite, with the drawing as its texture and the predicted map as its normal map.
+# Godot 3 has no texture that holds both. Unlike those of Godot 4, its 2D lights expect green down.
 
 
 func get_importer_name():
@@ -101,7 +101,7 @@ func texture_of(image):
 	return texture
 
 
-# The command: what NORMALGAN names, what the installer noted, or what the search path has; nothing if there is none.
+# Returns the command from NORMALGAN, the installer's note or the search path, or an empty text if there is none.
 func find_command():
 	var file = File.new()
 	var given = OS.get_environment("NORMALGAN")

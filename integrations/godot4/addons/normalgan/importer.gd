@@ -1,6 +1,6 @@
 @tool
 extends EditorImportPlugin
-## Imports a drawing as a CanvasTexture: the drawing, and the painted map as its normal texture.
+## Imports a drawing as a CanvasTexture with the predicted map as its normal texture.
 
 
 func _get_importer_name() -> String:
@@ -24,7 +24,7 @@ func _get_resource_type() -> String:
 
 
 func _get_priority() -> float:
-	return 0.5  # pictures stay textures unless this importer is chosen
+	return 0.5  # low: pictures stay textures unless the user chooses this importer
 
 
 func _get_import_order() -> int:
@@ -39,7 +39,7 @@ func _get_preset_name(_preset: int) -> String:
 	return "Default"
 
 
-## Since Godot 4.3 the editor shows its progress meanwhile, and several drawings are imported at once.
+## Since Godot 4.3 the editor shows its progress meanwhile, and imports several drawings at once.
 func _can_import_threaded() -> bool:
 	return true
 
@@ -101,7 +101,7 @@ func _import(
 	return ResourceSaver.save(texture, "%s.%s" % [save_path, _get_save_extension()])
 
 
-## The command: what NORMALGAN names, what the installer noted, or what the search path has; nothing if there is none.
+## Returns the command from NORMALGAN, the installer's note or the search path, or an empty text if there is none.
 func find_command() -> String:
 	var given := OS.get_environment("NORMALGAN")
 	var note: String = (get_script() as Script).resource_path.get_base_dir() + "/normalgan_path.txt"

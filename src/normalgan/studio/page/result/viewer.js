@@ -16,18 +16,18 @@ function checkSize(values, width, height, channels) {
   }
 }
 
-/** @typedef {[number, number, number, number, number, number]} Way as a canvas takes a transform */
+/** @typedef {[number, number, number, number, number, number]} Way a transform in the form of a canvas */
 /** @typedef {"map" | "lit" | "matcap" | "flat" | "relief"} View */
 /** @typedef {{rgba: Uint8Array, width: number, height: number}} Picture */
 /** @typedef {{heights: Float32Array, width: number, height: number}} Heights in pixels, NaN off the object */
 /**
  * @typedef {{map: Picture | null, heights: Heights | null, view: View, light: number[],
  *   turn: {yaw: number, pitch: number, zoom: number}, ratio: number, frame: Frame | null, colour: number[],
- *   second: Lamp | null, falloff: number, colours: Picture | null, tiled: boolean, pixelated: boolean}} Scene what is to be shown; falloff: 0 to 1; colours: of
+ *   second: Lamp | null, falloff: number, colours: Picture | null, tiled: boolean, pixelated: boolean}} Scene everything to show; falloff: 0 to 1; colours: of
  *   the surface, which is clay without them
  */
 /**
- * @typedef {object} ScenePainter draws the scene, by WebGL or without
+ * @typedef {object} ScenePainter draws the scene, with WebGL or without
  * @property {(map: Picture | null) => void} setMap
  * @property {(colours: Picture | null) => void} setColours
  * @property {(heights: Heights | null) => void} setHeight
@@ -35,8 +35,8 @@ function checkSize(values, width, height, channels) {
  * @property {() => void} dispose
  */
 /**
- * @typedef {{transform: Way, angle: number}} Frame where the map lies: from its shares to pixels of the page, and
- *   how far it is turned
+ * @typedef {{transform: Way, angle: number}} Frame the place of the map: from its shares to pixels of the page, and
+ *   its rotation
  * @typedef {{direction: number[], colour: number[]}} Lamp direction towards it; colour: linear red, green, blue
  */
 
@@ -46,7 +46,7 @@ export class Viewer {
   #painter = null;
   /** @type {Scene} */
   #scene = { map: null, heights: null, view: "lit", light: DEFAULT_LIGHT, turn: { ...FRONT }, ratio: 1, frame: null, colour: WHITE, second: null, falloff: 0, colours: null, tiled: false, pixelated: false };
-  /** Of the animation frame that draws next; 0 is none. */
+  /** ID of the animation frame that draws next, or 0. */
   #frame = 0;
   #ending = new AbortController();
 
@@ -54,8 +54,8 @@ export class Viewer {
    * @param {HTMLCanvasElement} canvas
    * @param {object} options
    * @param {{reliefNeedsWebgl: string, contextLost: string, webglFailed: string}} options.text sentences
-   * @param {(sentence: string | null) => void} [options.onError] gets one of them, or null: all is well again
-   * @param {(move: {light: number[]}) => void} [options.onMove] is told where the user moved the light
+   * @param {(sentence: string | null) => void} [options.onError] receives one of them, or null once the error is over
+   * @param {(move: {light: number[]}) => void} [options.onMove] receives the new direction when the user moves the light
    */
   constructor(canvas, { onError = () => {}, text, onMove = () => {} }) {
     this.canvas = canvas;
@@ -77,7 +77,7 @@ export class Viewer {
     this.resize();
   }
 
-  /** Whether there is WebGL; without it, CPU draws all but the relief. */
+  /** Whether WebGL is available; without it, the CPU draws everything except the relief. */
   get available() {
     return this.gl !== null;
   }
@@ -88,7 +88,7 @@ export class Viewer {
   }
 
   /**
-   * Returns what points towards a light over a point of the canvas.
+   * Returns the direction to a light over a point of the canvas.
    * @param {number} x in pixels of the page
    * @param {number} y
    */
@@ -147,24 +147,24 @@ export class Viewer {
     });
   }
 
-  /** @param {Frame | null} frame where the map lies; null fits it into the canvas */
+  /** @param {Frame | null} frame the place of the map; null fits it into the canvas */
   setFrame(frame) {
     this.#change({ frame });
   }
 
-  /** @param {Picture | null} picture of the surface in the views Lit and Relief; null is clay */
+  /** @param {Picture | null} picture colours of the surface in the views Lit and Relief; null for clay */
   setColours(picture) {
     this.#painter?.setColours(picture);
     this.#change({ colours: picture });
   }
 
-  /** @param {{tiled: boolean, pixelated: boolean}} look whether a flat view repeats the map, three by three, and whether it shows its pixels */
+  /** @param {{tiled: boolean, pixelated: boolean}} look whether a flat view repeats the map three by three, and whether it shows sharp pixels */
   setLook(look) {
     this.#change(look);
   }
 
   /**
-   * Returns the RGBA of a map of any size as it is seen now; in the views of the map and the relief as lit.
+   * Returns the RGBA of a map of any size in the current view; the views Map and Relief give the lit map.
    * @param {Picture} map
    * @param {Picture | null} colours
    */
@@ -183,7 +183,7 @@ export class Viewer {
     const [width, height] = [pixels(box.width), pixels(box.height)];
     if (canvas.width === width && canvas.height === height) return;
     [canvas.width, canvas.height] = [width, height];
-    // Setting a size empties the canvas: draw at once, or it would flicker.
+    // Setting a size clears the canvas, so draw at once to avoid flicker.
     this.#painter?.draw(this.#scene);
   }
 
@@ -197,7 +197,7 @@ export class Viewer {
   /** @param {AbortSignal} signal */
   #followContext(signal) {
     this.canvas.addEventListener("webglcontextlost", (event) => {
-      event.preventDefault(); // asks for the context back
+      event.preventDefault(); // requests that the context is restored
       this.#painter = null;
       this.onError(this.text.contextLost);
     }, { signal });
@@ -207,14 +207,14 @@ export class Viewer {
     }, { signal });
   }
 
-  /** Makes the painter, and gives it what there is to be seen. */
+  /** Creates the painter, and gives it everything to show. */
   #start() {
     const { canvas, gl, text } = this;
     if (!gl) {
       this.#painter = new PlainPainter(canvas, text, () => this.#redraw());
       return;
     }
-    if (gl.isContextLost()) return; // webglcontextrestored will come
+    if (gl.isContextLost()) return; // webglcontextrestored will follow
     try {
       this.#painter = new GlPainter(canvas, gl);
     } catch (error) {

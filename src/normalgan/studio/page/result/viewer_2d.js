@@ -1,10 +1,10 @@
-/** Draws the views without WebGL: shaded by CPU at the map's size, then scaled to the canvas. */
+/** Draws the views without WebGL: the CPU shades them at the map's size, and the canvas scales them. */
 
 import { context2d } from "../drawing/canvas.js";
 import { CHECKER, placeOf } from "./viewer_fit.js";
 import { celShader, clayShader, colourAt, dimming, matcapShader } from "./viewer_shading.js";
 
-/** Pixels that are shaded while the light moves, and milliseconds after which it rests: then all are. */
+/** Number of pixels shaded while the light moves, and milliseconds of rest after which all pixels are shaded. */
 const [MOVING, REST] = [2 ** 18, 160];
 const SHADERS = { lit: clayShader, matcap: matcapShader, flat: celShader };
 
@@ -59,26 +59,26 @@ function sparse({ rgba, width, height }, step) {
   return { rgba: out, width: wide, height: high };
 }
 
-/** Draws scenes without WebGL. Its relief is the sentence that it needs WebGL. */
+/** Draws scenes without WebGL; in place of the relief it writes that the relief needs WebGL. */
 export class PlainPainter {
   /** The view and lights that the sheet shows. */
   #drawn = "";
   /** The view alone. */
   #shown = "";
-  /** Whether the sheet shows but some of the map's pixels. */
+  /** Whether the sheet shows only some of the map's pixels. */
   #coarse = false;
-  /** @type {import("./viewer.js").Picture | null} some of the map's pixels, if it has many */
+  /** @type {import("./viewer.js").Picture | null} a reduced copy of the map, if it has many pixels */
   #few = null;
-  /** The timer after which a light rests, and when that is. */
+  /** The timer that ends the light's movement, and its time. */
   #resting = 0;
   #restsAt = 0;
-  /** How often other colours came. */
+  /** Number of changes of the colours. */
   #paints = 0;
 
   /**
    * @param {HTMLCanvasElement} canvas
    * @param {{reliefNeedsWebgl: string}} text
-   * @param {() => void} redraw asks to be drawn with the next frame
+   * @param {() => void} redraw requests drawing in the next frame
    */
   constructor(canvas, text, redraw) {
     this.canvas = canvas;
@@ -113,7 +113,7 @@ export class PlainPainter {
       const place = placeOf(scene, scene.map, canvas);
       if (scene.view === "map") drawChecker(context, place, scene.ratio);
       this.#fillSheet(scene.view, scene.map, scene);
-      context.imageSmoothingQuality = "medium"; // "high" enlarges with halos
+      context.imageSmoothingQuality = "medium"; // "high" causes halos when it enlarges
       context.imageSmoothingEnabled = !scene.pixelated;
       context.setTransform(...place);
       const beside = scene.tiled ? [-1, 0, 1] : [0];
@@ -136,7 +136,7 @@ export class PlainPainter {
       this.#put(map, new Uint8ClampedArray(map.rgba));
       this.#coarse = false;
     } else {
-      // A light that follows the hand shades some pixels at once, and all when it rests.
+      // While the light follows the pointer, only some pixels are shaded; once it rests, all are.
       const few = this.#shown === view && this.#drawn !== wanted ? this.#few : null;
       this.#coarse = few !== null;
       const picture = few ?? map;

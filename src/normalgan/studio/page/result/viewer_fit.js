@@ -1,4 +1,4 @@
-/** Where a picture lies on a canvas: as large as fits, in the middle, on whole pixels. */
+/** Fits a picture into a canvas: as large as possible, centred, on whole pixels. */
 
 /**
  * @param {{width: number, height: number}} picture
@@ -26,7 +26,7 @@ export function placeOf({ frame, ratio }, picture, canvas) {
   return [width, 0, 0, height, x, y];
 }
 
-/** Returns the way back, column by column as shaders take it. @param {import("./viewer.js").Way} transform @returns {number[]} */
+/** Returns the inverse transform, column by column as for shaders. @param {import("./viewer.js").Way} transform @returns {number[]} */
 export function inverted([a, b, c, d, e, f]) {
   const determinant = a * d - b * c;
   return [
@@ -35,5 +35,5 @@ export function inverted([a, b, c, d, e, f]) {
   ];
 }
 
-/** What lies behind a map: side in CSS pixels, grey and alpha of every other cell. */
+/** The checker behind a map: side in CSS pixels, and grey and alpha of every other cell. */
 export const CHECKER = { side: 8, grey: 127.5, alpha: 0.25 };

@@ -1,4 +1,4 @@
-/** Draws the views by WebGL 2. */
+/** Draws the views with WebGL 2. */
 
 import { CHECKER, fitted, inverted, placeOf } from "./viewer_fit.js";
 import { PAINT_UNIT, createProgram, createTexture, setLamps } from "./viewer_program.js";
@@ -9,7 +9,7 @@ import { MATCAP_SIZE, matcapPixels } from "./viewer_shading.js";
 const MAP_UNIT = 0;
 const BALL_UNIT = 1;
 
-/** Returns a copy of RGBA bytes whose colours are multiplied by their alpha. @param {Uint8Array} rgba */
+/** Returns a copy of RGBA bytes with premultiplied alpha. @param {Uint8Array} rgba */
 function premultiplied(rgba) {
   const copy = new Uint8Array(rgba);
   const pixels = new Uint32Array(copy.buffer);
@@ -17,7 +17,7 @@ function premultiplied(rgba) {
     const alpha = copy[4 * pixel + 3];
     if (alpha === 255) continue;
     if (alpha === 0) {
-      pixels[pixel] = 0; // nearly all that are not opaque
+      pixels[pixel] = 0; // nearly all pixels that are not opaque
       continue;
     }
     for (let k = 4 * pixel; k < 4 * pixel + 3; k++) copy[k] = Math.round((copy[k] * alpha) / 255);
@@ -27,7 +27,7 @@ function premultiplied(rgba) {
 
 /** @typedef {"map" | "lit" | "matcap" | "flat"} FlatView */
 
-/** Draws scenes by WebGL. */
+/** Draws scenes with WebGL. */
 export class GlPainter {
   /** The light of the ball in the matcap's texture. */
   #ballLight = "";
@@ -100,7 +100,7 @@ export class GlPainter {
     gl.disable(gl.DEPTH_TEST);
     const { program, at } = this.programs[view];
     gl.useProgram(program);
-    // What a view does not have, is null here, and ignored.
+    // A uniform that a view lacks is null here, and ignored.
     gl.uniform1i(at.map, MAP_UNIT);
     gl.uniform1i(at.ball, BALL_UNIT);
     gl.uniform3fv(at.light, scene.light);

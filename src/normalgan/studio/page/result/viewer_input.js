@@ -1,11 +1,11 @@
-/** Pointer, wheel and keyboard over the viewer: they move the light, or turn the relief. */
+/** Handles pointer, wheel and keyboard over the viewer, which move the light or turn the relief. */
 
 import { normalised } from "./viewer_shading.js";
 
-export const DEFAULT_LIGHT = normalised([-0.5, 0.6, 0.62]); // the upper left, before the surface
+export const DEFAULT_LIGHT = normalised([-0.5, 0.6, 0.62]); // from the upper left, in front of the surface
 export const FRONT = { yaw: 0, pitch: 0, zoom: 1 };
-const LOWEST = 0.97; // how far out the light goes: at 1 it would graze the picture's plane
-const STEP = 0.08; // of the light, for a key
+const LOWEST = 0.97; // largest distance of the light from the middle: at 1 it would graze the picture's plane
+const STEP = 0.08; // step of the light for a key
 const TURN = Math.PI / 36;
 /** @type {Record<string, [number, number]>} */
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
@@ -13,7 +13,7 @@ const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowD
 const ZOOMS = { "+": 1, "=": 1, "-": -1, _: -1 };
 
 /**
- * Returns the unit vector to the light over a point of a disc; over its middle, it shines from the viewer.
+ * Returns the unit vector to the light over a point of a disc; at the centre, the light comes from the viewer.
  * @param {number} x to the right, radius 1
  * @param {number} y upwards
  * @returns {number[]}
@@ -27,9 +27,9 @@ export function lightOver(x, y) {
 /** @param {number} value @param {number} low @param {number} high */
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 
-/** @typedef {{view: string, light: number[], turn: {yaw: number, pitch: number, zoom: number}, frame: import("./viewer.js").Frame | null}} Scene as far as hands move it */
+/** @typedef {{view: string, light: number[], turn: {yaw: number, pitch: number, zoom: number}, frame: import("./viewer.js").Frame | null}} Scene the part that the user can move */
 
-/** Moves a scene's light, or turns its relief, as the user does. */
+/** Moves a scene's light or turns its relief, following the user. */
 export class ViewerInput {
   /**
    * @param {HTMLCanvasElement} canvas
@@ -55,7 +55,7 @@ export class ViewerInput {
       });
     }
     on("wheel", (event) => {
-      if (this.#still || event.ctrlKey) return; // Ctrl and the wheel zoom the page
+      if (this.#still || event.ctrlKey) return; // Ctrl with the wheel zooms the page
       event.preventDefault();
       this.#approach(clamp(-event.deltaY / 800, -0.2, 0.2));
     });
@@ -65,7 +65,7 @@ export class ViewerInput {
   }
 
   /**
-   * Returns the unit vector to a light over a point of the canvas. It turns with the drawing, as if it were fixed to the paper.
+   * Returns the unit vector to a light over a point of the canvas. It turns with the drawing, as if fixed to the paper.
    * @param {number} x in pixels of the page
    * @param {number} y
    */
@@ -77,12 +77,12 @@ export class ViewerInput {
     return lightOver(right * Math.cos(angle) - up * Math.sin(angle), right * Math.sin(angle) + up * Math.cos(angle));
   }
 
-  /** Whether the relief is turned. */
+  /** Whether the pointer turns the relief. */
   get #turning() {
     return this.scene.view === "relief";
   }
 
-  /** Whether there is nothing to be moved. */
+  /** Whether there is nothing to move. */
   get #still() {
     return this.scene.view === "map";
   }
@@ -124,7 +124,7 @@ export class ViewerInput {
     event.preventDefault();
   }
 
-  /** Brings nearer: a larger relief, or a light that is higher above the surface. @param {number} amount */
+  /** Zooms: enlarges the relief, or raises the light above the surface. @param {number} amount */
   #approach(amount) {
     const { turn, light: [x, y] } = this.scene;
     if (this.#turning) {

@@ -1,9 +1,9 @@
-/** A mesh of a height map: pixels are corners; no triangle off the object or across a jump in depth. */
+/** Builds a mesh from a height map: pixels are vertices, and no triangle lies off the object or across a jump in depth. */
 
 import { smoothRim } from "./viewer_rim.js";
 
-const LONGEST = 512; // corners along the longer side; more than a screen shows costs only time
-const STEEPEST = 6; // pixels of height for a pixel sideways; more is a jump, where one part hides another
+const LONGEST = 512; // vertices along the longer side; more than a screen shows only cost time
+const STEEPEST = 6; // height difference per pixel sideways; a larger one is a jump, where one part hides another
 
 /**
  * Returns (x right, y up, z to the viewer) of each vertex in halves of the longer side, its place in the map
@@ -26,7 +26,7 @@ export function meshOf({ heights, width, height }) {
     levels[at] = heights[y * width + x];
     places[3 * at] = (x + 0.5 - width / 2) / unit;
     places[3 * at + 1] = (height / 2 - y - 0.5) / unit;
-    places[3 * at + 2] = (levels[at] - middle) / unit; // NaN where no triangle has this corner
+    places[3 * at + 2] = (levels[at] - middle) / unit; // NaN where no triangle uses this vertex
     wheres[2 * at] = (x + 0.5) / width;
     wheres[2 * at + 1] = (y + 0.5) / height;
   }
@@ -52,7 +52,7 @@ function triangles(levels, columns, rows, limit) {
   /** @param {number} a @param {number} b @param {number} c */
   function add(a, b, c) {
     const [p, q, r] = [levels[a], levels[b], levels[c]];
-    if (!(Math.max(p, q, r) - Math.min(p, q, r) <= limit)) return; // also where one is NaN
+    if (!(Math.max(p, q, r) - Math.min(p, q, r) <= limit)) return; // also false if one is NaN
     corners[count] = a;
     corners[count + 1] = b;
     corners[count + 2] = c;
@@ -62,7 +62,7 @@ function triangles(levels, columns, rows, limit) {
     for (let column = 0; column + 1 < columns; column++) {
       const [upperLeft, upperRight] = [row * columns + column, row * columns + column + 1];
       const [lowerLeft, lowerRight] = [upperLeft + columns, upperRight + columns];
-      // The diagonal that bends less; with a corner missing, the other three still make a triangle.
+      // Use the diagonal that bends less; if one corner is missing, the other three still form a triangle.
       const falling = Math.abs(levels[upperLeft] - levels[lowerRight]);
       const rising = Math.abs(levels[upperRight] - levels[lowerLeft]);
       if (Number.isNaN(rising) || falling <= rising) {

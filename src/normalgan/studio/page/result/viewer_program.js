@@ -1,15 +1,15 @@
-/** A compiled pair of shaders with its uniforms by name; textures. */
+/** Compiles pairs of shaders and finds their uniforms by name; creates textures. */
 
 /** @param {WebGL2RenderingContext} gl @param {number} kind @param {string} source */
 function compiled(gl, kind, source) {
-  const shader = /** @type {WebGLShader} */ (gl.createShader(kind)); // none only on a lost context, where it does not matter
+  const shader = /** @type {WebGLShader} */ (gl.createShader(kind)); // null only on a lost context, where it does not matter
   gl.shaderSource(shader, source);
   gl.compileShader(shader);
   return shader;
 }
 
 /**
- * Returns a program and where its uniforms are; throws an Error with the driver's words if it does not link.
+ * Returns a program with the locations of its uniforms; throws an Error with the driver's message if it does not link.
  * @param {WebGL2RenderingContext} gl
  * @param {string} vertexSource
  * @param {string} fragmentSource
@@ -39,7 +39,7 @@ export function createProgram(gl, vertexSource, fragmentSource) {
 }
 
 /**
- * Returns a texture that is smooth at any size and does not repeat, bound to its unit for good.
+ * Returns a texture, smooth at any size and without repetition, bound to its unit permanently.
  * @param {WebGL2RenderingContext} gl
  * @param {number} unit
  * @param {number} minFilter
@@ -56,11 +56,11 @@ export function createTexture(gl, unit, minFilter) {
   return texture;
 }
 
-/** The texture unit that holds the drawing's colours. */
+/** The texture unit for the drawing's colours. */
 export const PAINT_UNIT = 2;
 
 /**
- * Sets the colours of the lights, and where the second one is.
+ * Sets the colours of the lights, and the direction of the second one.
  * @param {WebGL2RenderingContext} gl
  * @param {Record<string, WebGLUniformLocation | null>} at
  * @param {import("./viewer.js").Scene} scene

@@ -1,11 +1,11 @@
-/** Draws the surface of the heights in perspective, lit by the normals of the map. */
+/** Draws the surface of the heights in perspective, lit according to the map's normals. */
 
 import { meshOf } from "./viewer_mesh.js";
 import { createProgram, setLamps } from "./viewer_program.js";
 import { RELIEF_FRAGMENT, RELIEF_VERTEX } from "./viewer_shaders.js";
 
-const EYE = 6; // how far the viewer stands, in halves of the drawing's longer side
-const ROOM = 0.85; // of the canvas that an unturned relief fills: turned, it needs more
+const EYE = 6; // distance of the viewer, in halves of the drawing's longer side
+const ROOM = 0.85; // share of the canvas that an unturned relief fills: a turned one needs more
 
 /**
  * Returns a rotation, column by column: about y (the front goes to the right), then about x (it goes down).
@@ -17,7 +17,7 @@ function turnMatrix({ yaw, pitch }) {
   return [ca, sb * sa, -cb * sa, 0, cb, sb, sa, -sb * ca, cb * ca];
 }
 
-/** What draws a relief. */
+/** Draws a relief. */
 export class Relief {
   #count = 0;
 
@@ -61,7 +61,7 @@ export class Relief {
 
   /**
    * @param {import("./viewer.js").Scene} scene
-   * @param {{width: number, height: number}} place where the drawing lies on the canvas when it is seen from the front
+   * @param {{width: number, height: number}} place the place of the drawing on the canvas, seen from the front
    * @param {{width: number, height: number}} canvas
    */
   draw(scene, place, canvas) {

@@ -1,6 +1,6 @@
-/** Smooths the rim of a mesh, which is a staircase of pixels with heights that plunge unevenly. */
+/** Smooths the rim of a mesh, which is a staircase of pixels with uneven heights. */
 
-const ROUNDS = 4; // more would eat thin legs and ears
+const ROUNDS = 4; // more would erode thin legs and ears
 
 /**
  * Returns edges that only one triangle has, as pairs of vertices. All vertices lie on a grid and are joined to
@@ -11,7 +11,7 @@ function rimOf(corners, vertices, columns) {
   const seen = new Uint8Array(9 * vertices);
   /** @param {number} from @param {number} to */
   const key = (from, to) => {
-    const step = to - from + columns + 1; // 0, 1, 2 a row above; then columns more for each row
+    const step = to - from + columns + 1; // 0, 1, 2 in the row above; each further row adds the number of columns
     return 9 * from + 3 * Math.floor(step / columns) + (step % columns);
   };
   /** @type {number[]} */
@@ -36,7 +36,7 @@ function rimOf(corners, vertices, columns) {
  * @param {number} columns vertices in a row of the grid
  */
 export function smoothRim(places, corners, columns) {
-  if (columns < 3) return; // too narrow to have anything but a rim
+  if (columns < 3) return; // too narrow to have an interior
   const vertices = places.length / 3;
   const rim = rimOf(corners, vertices, columns);
   const sums = new Float32Array(places.length);
@@ -49,7 +49,7 @@ export function smoothRim(places, corners, columns) {
       for (let k = 0; k < 3; k++) sums[vertex + k] += places[other + k];
     }
     for (let i = 0; i < rim.length; i += 2) {
-      const vertex = rim[i]; // every vertex of the rim begins as many edges as it ends
+      const vertex = rim[i]; // each rim vertex starts as many edges as it ends
       for (let k = 3 * vertex; k < 3 * vertex + 3; k++) {
         if (counts[vertex] === 2) places[k] += (sums[k] / 2 - places[k]) / 2;
       }

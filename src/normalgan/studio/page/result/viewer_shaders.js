@@ -1,4 +1,4 @@
-/** GLSL of the viewer; numbers come from viewer_shading.js, which shades the same by CPU. */
+/** The viewer's GLSL; its numbers come from viewer_shading.js, which computes the same shading on the CPU. */
 
 import { CEL, CLAY, FADE } from "./viewer_shading.js";
 
@@ -81,7 +81,7 @@ void main() {
   gl_Position = vec4(corner, 0.0, 1.0);
 }`;
 
-/** What a fragment of a flat view knows: the place in the map that it shows. */
+/** The inputs of a fragment in a flat view: the place in the map that it shows. */
 const FLAT_HEAD = `#version 300 es
 precision highp float;
 precision highp int;
@@ -117,10 +117,10 @@ void main() {${FLAT_PLACE}
 }`;
 
 /**
- * Of each flat view. The map is premultiplied by its alpha, so that filtering mixes no background into the rim.
+ * The fragment shader of each flat view. The map is premultiplied, so that filtering mixes no background into the rim.
  *
- * One shader each: without a graphics card all that a shader has is worked through for every pixel, whichever way its
- * branches go, and the map alone needs hardly anything.
+ * Each view has its own shader: without a graphics card, every branch of a shader is computed for every pixel, and the
+ * map alone needs hardly any computation.
  */
 export const FLAT_FRAGMENTS = {
   map: MAP_FRAGMENT,
@@ -138,7 +138,7 @@ uniform vec3 light;
 vec3 shaded(vec3 n, vec2 at) { return cel(n, light); }`),
 };
 
-/** The relief: a unit is half the longer side of the drawing; the viewer stands `eye` units before it. */
+/** The relief: a unit is half the longer side of the drawing, and the viewer is `eye` units in front of it. */
 export const RELIEF_VERTEX = `#version 300 es
 precision highp float;
 layout(location = 0) in vec3 place;
@@ -154,7 +154,7 @@ void main() {
   gl_Position = vec4(turned.xy * scale * eye, (away - eye) / 4.0 * away, away);
 }`;
 
-/** Clay, lit by the normals of the map, which turn with the relief. */
+/** Clay lit according to the map's normals, which turn with the relief. */
 export const RELIEF_FRAGMENT = `#version 300 es
 precision highp float;
 uniform sampler2D map;
@@ -167,7 +167,7 @@ void main() {
   vec4 texel = texture(map, at);
   vec3 n = texel.a < 0.002 ? vec3(0.0, 0.0, 1.0) : normalize(texel.rgb / texel.a * 2.0 - 1.0);
   vec3 turned = turn * n;
-  // Seen from behind, it is the inside of a shell: darker, so that nobody takes it for the front.
+  // From behind, the inside of the shell is visible: darker, so that nobody mistakes it for the front.
   vec3 shaded = gl_FrontFacing ? clay(turned, light, base_at(at), place_of(at, map)) : 0.35 * clay(-turned, light, base_at(at), place_of(at, map));
   colour = vec4(srgb(shaded), 1.0);
 }`;

@@ -1,18 +1,18 @@
 /**
- * How the viewer shades a normal: materials, and their colours by CPU; viewer_shaders.js says it in GLSL.
- * Normals and lights: x right, y up, z to the viewer. Colours: linear, 0 to 1, unless sRGB is said.
+ * The viewer's shading of a normal: materials, and their colours on the CPU; viewer_shaders.js has the same in GLSL.
+ * Normals and lights: x right, y up, z to the viewer. Colours: linear, 0 to 1, unless named sRGB.
  */
 
 /** @typedef {(x: number, y: number, z: number, out: Uint8ClampedArray, at: number) => void} Shader
  * writes the three sRGB levels of a unit normal into out, from index at on */
 
 /**
- * The clay of normalgan.inference.outputs.lighting, so that the page and `generate --preview` look alike.
+ * The clay from normalgan.inference.outputs.lighting, so that the page and `generate --preview` look alike.
  * @type {{colour: number[], lamp: number[], sky: number[], ground: number[], gloss: number, sharpness: number}}
  */
 export const CLAY = await (await fetch(new URL("../clay.json", import.meta.url))).json();
 
-/** Flat paints, from dark to bright, each from a threshold on, then a glint; sRGB. */
+/** Flat paints in sRGB from dark to bright, each above its threshold, and last a glint. */
 export const CEL = {
   paints: [
     [0.36, 0.35, 0.52],
@@ -20,9 +20,9 @@ export const CEL = {
     [0.96, 0.83, 0.66],
     [1, 0.97, 0.9],
   ],
-  thresholds: [0.12, 0.62], // of Lambert's cosine
+  thresholds: [0.12, 0.62], // thresholds of Lambert's cosine
   glint: 0.988, // cosine between the normal and the half-way vector
-  soft: 0.02, // half width of a step
+  soft: 0.02, // half the width of a step
 };
 
 /** Matcap: a glazed ball in a photographer's studio. */
@@ -73,14 +73,14 @@ const LINEAR = Float32Array.from({ length: 256 }, (_, level) => {
   return value <= 0.04045 ? value / 12.92 : ((value + 0.055) / 1.055) ** 2.4;
 });
 
-/** Light that is white. */
+/** White light. */
 export const WHITE = [1, 1, 1];
-/** How fast a light fades at full falloff: to a half within a quarter of a picture's longer half. */
+/** How fast a light fades at full falloff: to one half within a quarter of half the picture's longer side. */
 export const FADE = 4;
 const UNDIMMED = [1, 1];
 
 /**
- * Returns how much light comes from a lamp that hangs over a picture.
+ * Returns the intensity of the light from a lamp over a picture.
  * @param {number} falloff 0 to 1
  * @param {number} x right, from the picture's middle, in halves of its longer side @param {number} y up
  * @param {number[]} light direction towards it
@@ -101,7 +101,7 @@ export function colourAt({ rgba, width, height }, right, down, out) {
 }
 
 /**
- * Lambert's law, the highlight of Blinn 1977, and a sky that shines on what faces up.
+ * Shades with Lambert's law, the highlight of Blinn 1977, and a sky that lights surfaces facing up.
  * @param {number[]} light unit vector
  * @param {number[]} [colour] linear
  * @param {{direction: number[], colour: number[]} | null} [second] another light, without a sky
@@ -113,7 +113,7 @@ export function clayShader(light, colour = WHITE, second = null) {
     direction: each.direction, half: halfway(each.direction), lamp: CLAY.lamp.map((value, i) => value * each.colour[i]),
   }));
   const { colour: clay, sky, ground, gloss, sharpness } = CLAY;
-  const sum = [0, 0, 0]; // one for all pixels: a new one for each would take more time than all else
+  const sum = [0, 0, 0]; // one for all pixels: a new one per pixel would take longer than everything else
   return (x, y, z, out, at, base = clay, dim = UNDIMMED) => {
     const up = (y + 1) / 2;
     for (let i = 0; i < 3; i++) sum[i] = base[i] * (up * sky[i] + (1 - up) * ground[i]);
@@ -130,7 +130,7 @@ export function clayShader(light, colour = WHITE, second = null) {
 }
 
 /**
- * Flat paints with soft steps between them.
+ * Shades with flat paints and soft steps between them.
  * @param {number[]} light unit vector
  * @returns {Shader}
  */
@@ -153,7 +153,7 @@ export function celShader(light) {
 }
 
 /**
- * The ball: a body that darkens away from the light, a window and a warm fill mirrored in the glaze.
+ * Shades the ball: a body that darkens away from the light, with a window and a warm fill light mirrored in the glaze.
  * @param {number[]} light
  * @returns {Shader}
  */
@@ -184,7 +184,7 @@ export function matcapPixels(light) {
     for (let column = 0; column < MATCAP_SIZE; column++, at += 4) {
       let x = ((column + 0.5) / MATCAP_SIZE) * 2 - 1;
       let y = ((row + 0.5) / MATCAP_SIZE) * 2 - 1;
-      const outside = Math.max(Math.hypot(x, y), 1); // beyond the ball its rim goes on
+      const outside = Math.max(Math.hypot(x, y), 1); // beyond the ball its rim continues
       x /= outside;
       y /= outside;
       shade(x, y, Math.sqrt(Math.max(1 - x * x - y * y, 0)), pixels, at);
@@ -194,14 +194,14 @@ export function matcapPixels(light) {
 }
 
 /**
- * What the ball shows where it faces the same way.
+ * Shades a normal like the ball where it faces the same way.
  * @param {number[]} light unit vector
  * @returns {Shader}
  */
 export function matcapShader(light) {
   const ball = matcapPixels(light);
   return (x, y, z, out, at) => {
-    const outside = z < 0 ? Math.hypot(x, y) : 1; // what faces away looks like the rim
+    const outside = z < 0 ? Math.hypot(x, y) : 1; // a normal that faces away looks like the rim
     /** @param {number} value */
     const cell = (value) =>
       Math.min(Math.max(Math.floor(((value / outside + 1) / 2) * MATCAP_SIZE), 0), MATCAP_SIZE - 1);

@@ -1,4 +1,4 @@
-/** The server, as functions; each fails with `Refused` (it said why) or `Away` (it does not answer). */
+/** The server's API as functions, each of which throws `Refused` (with a reason) or `Away` (no answer). */
 
 /**
  * @typedef {import("../result/findings.js").Finding} Finding
@@ -6,7 +6,7 @@
  *   about a drawing: what is asked, and the bytes of its planes, or of the boxes that have changed
  */
 
-/** What the server says is wrong. */
+/** The server's error message. */
 export class Refused extends Error {
   /** @param {number} status @param {string} message */
   constructor(status, message) {
@@ -15,12 +15,12 @@ export class Refused extends Error {
   }
 }
 
-/** @param {unknown} error @returns {boolean} whether the server says that it holds no such document */
+/** @param {unknown} error @returns {boolean} whether the server reports that it has no such document */
 export const isGone = (error) => error instanceof Refused && error.status === 404;
 
-/** The drawing is not yet, or no longer, one that can be painted. */
+/** The drawing cannot be predicted yet, or any longer. */
 export class Lacking extends Error {
-  /** @param {Finding[]} findings what it lacks */
+  /** @param {Finding[]} findings the reasons */
   constructor(findings) {
     super();
     this.findings = findings;
@@ -44,7 +44,7 @@ async function ask(path, options = {}) {
   throw new Refused(response.status, answer.error ?? response.statusText);
 }
 
-/** Bytes from which a body is sent as a blob: Chromium passes bytes to its network process in one piece, for which the page waits. */
+/** Number of bytes from which a body is sent as a blob: Chromium passes plain bytes to its network process in one piece, and the page waits for it. */
 const LARGE = 2 ** 21;
 
 /**
@@ -69,26 +69,26 @@ const number = (response, name) => Number(response.headers.get(name));
 /** @param {Response} response @returns {Finding[]} */
 const findingsOf = (response) => JSON.parse(decodeURIComponent(response.headers.get("X-Findings") || "[]"));
 
-/** Milliseconds after which a server that says nothing is taken to be away, where the page waits for it to begin. */
+/** Milliseconds after which a silent server counts as away, where the page waits for it at the start. */
 const PATIENCE = 10_000;
 const inTime = () => ({ signal: AbortSignal.timeout(PATIENCE) });
 
 /**
- * Returns what answers; `exports`: what can be exported and in which formats, all where that is not said.
+ * Returns the server's description; `exports`: the outputs that can be exported with their formats, all if it is missing.
  * @returns {Promise<{version: string, model: {name: string, size: number}, exports?: Record<string, string[]>}>}
  */
 export const about = async () => (await ask("/api/about")).json();
 
-/** Returns what the command line named. @returns {Promise<{kind: string, name: string, [more: string]: any} | null>} */
+/** Returns the files named on the command line. @returns {Promise<{kind: string, name: string, [more: string]: any} | null>} */
 export const named = async () => (await ask("/api/open", inTime())).json();
 
-/** Returns the drawing's file that the command line named. @param {string} name @returns {Promise<File>} */
+/** Returns the drawing's file named on the command line. @param {string} name @returns {Promise<File>} */
 export const namedFile = async (name) => new File([await (await ask("/api/open/file", inTime())).blob()], name);
 
 /**
- * Returns a painted map, or null if a newer request came in between.
+ * Returns a predicted map, or null if a newer request came in between.
  * @param {Request} request @param {AbortSignal} [signal]
- * @throws {Lacking} if there is nothing to be painted.
+ * @throws {Lacking} if there is nothing to predict.
  */
 export async function predict(request, signal) {
   const response = await post("/api/predict", request, signal);
@@ -114,7 +114,7 @@ export async function height(request, signal) {
 }
 
 /**
- * Returns how unsure the model is, a share of a right angle as 0 to 255, or null if a newer request came in between.
+ * Returns the model's uncertainty, as a share of a right angle from 0 to 255, or null if a newer request came in between.
  * @param {Request} request
  */
 export async function doubt(request) {
@@ -127,7 +127,7 @@ export async function doubt(request) {
 /** @param {Request} request @returns {Promise<{x: number, y: number, normal: import("../drawing/document.js").Normal, gain: number}[]>} */
 export const suggest = async (request) => (await (await post("/api/suggest", request)).json()).points;
 
-/** Returns a file and what it is called. @param {Request} request @returns {Promise<{blob: Blob, name: string}>} */
+/** Returns a file with its name. @param {Request} request @returns {Promise<{blob: Blob, name: string}>} */
 export async function exported(request) {
   const response = await post("/api/export", request);
   const header = response.headers.get("Content-Disposition") ?? "";
@@ -137,7 +137,7 @@ export async function exported(request) {
 }
 
 /**
- * @typedef {{name: string, reason: string}} LayerNote a layer that is left out, or not shown as its program shows it
+ * @typedef {{name: string, reason: string}} LayerNote a layer that is left out, or looks different from its program
  * @typedef {{picture: string, width: number, height: number, given: [number, number], layered: boolean, parts: number,
  *   pages: boolean, notes: LayerNote[]}} Imported picture: base64 of a PNG; given: width and height of the file; layered: whether it may
  *   have layers; parts: how many pages or frames it has; pages: whether they are pages

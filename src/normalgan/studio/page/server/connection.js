@@ -11,7 +11,7 @@ export class Connection extends EventTarget {
     this.away = false;
   }
 
-  /** Tells that the server did not answer. */
+  /** Reports that the server did not answer. */
   lost() {
     if (this.away) return;
     this.away = true;
