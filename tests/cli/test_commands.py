@@ -44,7 +44,10 @@ def test_fit_prints_no_warnings_that_users_cannot_act_on(bench: Bench, tmp_path:
 
 
 @pytest.mark.slow
-def test_a_resumed_run_keeps_the_table_that_it_logged_before(bench: Bench, tmp_path: Path) -> None:
+def test_a_resumed_run_keeps_the_table_that_it_logged_before(
+    bench: Bench, trained: Path, tmp_path: Path
+) -> None:
+    assert trained  # its samples are rendered, which is said on the error stream
     loggers = ("--trainer.logger", "[CSVLogger, TensorBoardLogger]")
     for more in ((), ("--trainer.max_epochs", 2, "--ckpt_path", "last")):
         outcome = bench.run("fit", tmp_path, *loggers, *more, "--trainer.enable_model_summary", "false")

@@ -36,7 +36,7 @@ class PoissonHints(HintSampler):
             raise InputError(f"PoissonHints was given keep={self.keep}; it is a share, from 0 to 1.")
 
     def sample(self, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
-        """Return where the hints are, (N, 1, H, W) of the normals' type; see `HintSampler.sample`.
+        """Return the hint mask, (N, 1, H, W) of the normals' type; see `HintSampler.sample`.
 
         A sample's hints depend only on its own mask, its place in the batch, the shape of the batch and the
         state of ``rng``, never on the contents of other samples.
