@@ -84,9 +84,7 @@ def newest(program: str, versions: str) -> Path | None:
 BLENDER, GIMP3 = newest("blender", "*.*"), newest("gimp", "3.*")
 
 GIMP_THEN = "Restart GIMP: Filters > Map > Normal map of the drawing (normalgan)."
-KRITA_THEN = (
-    "Settings > Configure Krita > Python Plugin Manager: enable it; restart Krita; Tools > Scripts."
-)
+KRITA_THEN = "Settings > Configure Krita > Python Plugin Manager: enable it; restart Krita; Tools > Scripts."
 GODOT_THEN = (
     "Project > Project Settings > Plugins: enable normalgan. Then choose it in the Import dock of a drawing."
 )

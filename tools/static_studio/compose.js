@@ -7,7 +7,7 @@ import { distance, opposite } from "./raster.js";
 
 /**
  * Returns one map, in which front layers hide those behind; off all layers, the nearest layer's normals continue.
- * @param {LayerMap[]} maps of one size, the hindmost first
+ * @param {LayerMap[]} maps of one size, from back to front
  * @returns {LayerMap}
  */
 export function compose(maps) {

@@ -33,7 +33,7 @@ import { LIMITS } from "./limits.js";
  * @typedef {Omit<Placed, "kind"> & {opacity: number, visible: boolean}} Picture a reference picture
  * @typedef {{name: string, file: string}} Settings name: the project's, or ""; file: the name of the file that it began with, without its ending, or ""
  * @typedef {{format: string, version: number, width: number, height: number, layers: Layer[], active: number,
- *   pictures: Picture[], structures: OwnStructure[], settings: Settings}} Doc layers: the hindmost first, at least one; active: id of the one that is
+ *   pictures: Picture[], structures: OwnStructure[], settings: Settings}} Doc layers: from back to front, at least one; active: id of the one that is
  *   worked on
  */
 
@@ -95,7 +95,7 @@ export function withNewLayer(doc, name) {
 
 /**
  * Adds layers in front of the others, or instead of them, and makes the front one active.
- * @param {Doc} doc @param {{name: string, visible: boolean, strokes: Stroke[]}[]} layers the hindmost first; a name may be empty
+ * @param {Doc} doc @param {{name: string, visible: boolean, strokes: Stroke[]}[]} layers from back to front; a name may be empty
  * @param {boolean} instead
  * @returns {Doc}
  */

@@ -105,7 +105,7 @@ const movedMask = (stroke, move) => ({ ...stroke, points: moved(stroke.points, 2
  * of a layer are selected, everything on the layer moves.
  * @param {Layer} layer
  * @param {number[]} chosen places of the strokes
- * @param {((point: Point) => boolean) | null} [inside] tells what lies among them; else what lies within their convex hull
+ * @param {((point: Point) => boolean) | null} [inside] tests whether a point lies among them; by default, within their convex hull
  * @returns {Along}
  */
 export function alongWith({ strokes, hints, areas, mask }, chosen, inside = null) {

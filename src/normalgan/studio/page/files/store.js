@@ -25,9 +25,9 @@ const VERSION = 2;
 const PATIENCE = { readonly: 10_000, readwrite: 60_000 };
 
 /**
- * @typedef {"full" | "newer" | "blocked" | "silent" | "broken"} Why full: no room is left; newer: a newer studio has changed
- *   the database; blocked: a page of an older studio keeps it from being changed; silent: the browser does not answer;
- *   broken: anything else, such as a browser that was told to keep nothing
+ * @typedef {"full" | "newer" | "blocked" | "silent" | "broken"} Why full: no space is left; newer: a newer studio has changed
+ *   the database; blocked: a page of an older studio prevents its upgrade; silent: the browser does not answer;
+ *   broken: anything else, such as a browser set to store nothing
  */
 export class StoreFailure extends Error {
   /** @param {Why} why @param {unknown} [cause] */
