@@ -83,10 +83,8 @@ def newest(program: str, versions: str) -> Path | None:
 
 BLENDER, GIMP3 = newest("blender", "*.*"), newest("gimp", "3.*")
 
-GIMP_THEN = "Start GIMP anew: Filters > Map > Normal map of the drawing (normalgan)."
-KRITA_THEN = (
-    "Settings > Configure Krita > Python Plugin Manager: enable it; start Krita anew; Tools > Scripts."
-)
+GIMP_THEN = "Restart GIMP: Filters > Map > Normal map of the drawing (normalgan)."
+KRITA_THEN = "Settings > Configure Krita > Python Plugin Manager: enable it; restart Krita; Tools > Scripts."
 GODOT_THEN = (
     "Project > Project Settings > Plugins: enable normalgan. Then choose it in the Import dock of a drawing."
 )
@@ -96,7 +94,7 @@ ADD_ONS = {
         (("normalgan_light.inx", "normalgan/"), ("normalgan_light.py", "normalgan/")),
         "normalgan",
         True,
-        "Start Inkscape anew: Extensions > Render > Normal map and light.",
+        "Restart Inkscape: Extensions > Render > Normal map and light.",
     ),
     "godot3": AddOn(
         None,
@@ -152,7 +150,7 @@ ADD_ONS = {
         (("normalgan_nodes", "normalgan_nodes"),),
         "normalgan_nodes",
         False,
-        "Install normalgan into ComfyUI's own Python, and start ComfyUI anew.",
+        "Install normalgan into ComfyUI's own Python, and restart ComfyUI.",
     ),
 }
 

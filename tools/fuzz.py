@@ -327,7 +327,7 @@ def main() -> int:
     parser.add_argument("files", nargs="*", help="read these once in place of fuzzing")
     parser.add_argument("--seconds", type=int, default=600, help="for all of it")
     parser.add_argument("--seed", type=int, default=1, help="of the changes")
-    parser.add_argument("--corpus", type=Path, help="a folder that keeps interesting inputs, to go on from")
+    parser.add_argument("--corpus", type=Path, help="a folder that keeps interesting inputs for later runs")
     options = parser.parse_args()
     if options.files:
         read_all(options.target, options.files, [])

@@ -240,7 +240,7 @@ def _axes(axes: Axes) -> None:
     axes.add_patch(Circle((middle, middle), 9, fill=False, linewidth=1.6))
     axes.plot(middle, middle, "k.", markersize=4)
     axes.text(middle - 16, middle + 6, "z, to you", fontsize=11, weight="bold", ha="right")
-    # Where the normal lies along an axis: on the rim, beside the arrows.
+    # The colours of normals along an axis lie on the rim, next to the arrows.
     labels = (
         (reach - 6.0, 26.0, "right", (1, 0, 0)),
         (6.0 - reach, -16.0, "left", (-1, 0, 0)),

@@ -139,7 +139,7 @@ def main() -> None:  # noqa: PLR0915 - one run from its first line to its last
     parser.add_argument("--measure", action="store_true")
     parser.add_argument("--export", type=Path)
     parser.add_argument(
-        "--mix", type=float, default=1.0, help="share of the run's weights beside those of --start"
+        "--mix", type=float, default=1.0, help="share of the run's weights in the mix with --start"
     )
     given = parser.parse_args()
     given.out.mkdir(parents=True, exist_ok=True)

@@ -3,11 +3,11 @@
 import { distance, opposite } from "./raster.js";
 
 /** @typedef {{normals: Float32Array, mask: Uint8Array, covered: Float32Array, width: number, height: number, confidence: Float32Array | null}} LayerMap
- *   x, y, z of each pixel, the object, how much of each pixel that covers, and the model's κ */
+ *   x, y, z of each pixel, the object, its coverage of each pixel, and the model's κ */
 
 /**
  * Returns one map, in which front layers hide those behind; off all layers, the nearest layer's normals continue.
- * @param {LayerMap[]} maps of one size, the hindmost first
+ * @param {LayerMap[]} maps of one size, from back to front
  * @returns {LayerMap}
  */
 export function compose(maps) {

@@ -8,7 +8,7 @@ import { doubt } from "./suggest.js";
 
 /**
  * Returns each part of a drawing alone, and then among the others; the object of a part hides the parts behind it.
- * @param {Prepared[]} parts the hindmost first @param {[number, number]} widths of lines that the network knows
+ * @param {Prepared[]} parts from back to front @param {[number, number]} widths of lines that the network knows
  * @returns {Prepared[][]}
  */
 export function waysToSee(parts, widths) {

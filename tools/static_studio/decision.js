@@ -8,7 +8,7 @@ import { presenceAt } from "./reader.js";
 const { INKED, OPEN, REACH, SIDE, UNSURE } = DECISION;
 
 /** @typedef {{mask: Uint8Array | null, covered: Float32Array | null, unsure: import("./result/findings.js").Finding[]}} Decision
- *   the object, null if none is seen, how much of each pixel it covers, and what is to be said */
+ *   the object, null if none is found, its coverage of each pixel, and the findings */
 
 /**
  * Returns the object according to the lines and the reader's presence.

@@ -23,8 +23,8 @@ import { doubt, suggest } from "./suggest.js";
 /**
  * @typedef {import("./result/findings.js").Finding} Finding
  * @typedef {{id: number, layers: Layer[], longest: number | null, what: "map" | "exact" | "doubt" | "points", count: number, changedOnly: boolean}} PaintRequest
- *   layers: the hindmost first; what is to be answered; count: of points; changedOnly: whether layers that have not changed are
- *   shown as they were, though each is seen among all
+ *   layers: from back to front; what: the kind of answer; count: number of points; changedOnly: whether unchanged layers are
+ *   shown as before, although each is predicted among all
  * @typedef {import("./compose.js").LayerMap & {findings: Finding[], certainty: () => Float32Array}} Painted certainty: the model's κ
  * @typedef {{rgba: Uint8Array, width: number, height: number, findings: Finding[], normals?: Float32Array, mask?: Uint8Array, covered?: Float32Array,
  *   shares?: Uint8Array, points?: import("./suggest.js").Point[]}} Answer
@@ -41,7 +41,7 @@ let runs = 0;
 const ready = load();
 /** @type {Map<string, Promise<Record<string, Float32Array>>>} */
 const inferred = new Map();
-/** @type {Map<string, import("./prepare.js").Prepared>} while a pin is turned, nothing but the hints changes */
+/** @type {Map<string, import("./prepare.js").Prepared>} kept because only the hints change while a pin is turned */
 const prepared = new Map();
 /** @type {Map<string, Painted>} */
 const painted = new Map();
@@ -160,7 +160,7 @@ const byError = (tried) => tried.map((each) => ({ each, error: expectedError(eac
 /**
  * Predicts each layer, alone or among the others.
  * @param {Pick<PaintRequest, "layers" | "longest" | "changedOnly">} request
- * @returns {Promise<{maps: Painted[], findings: Finding[]}>} maps of the layers that can be painted, at least one
+ * @returns {Promise<{maps: Painted[], findings: Finding[]}>} maps of the layers that can be predicted, at least one
  * @throws {Unpaintable} if none can be.
  */
 async function paintLayers({ layers, longest, changedOnly }) {

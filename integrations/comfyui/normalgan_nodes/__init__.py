@@ -7,7 +7,7 @@ from typing import Any
 
 MISSING = (
     "normalgan was not found: install it into the Python that runs ComfyUI, with that Python's own pip, "
-    "and start ComfyUI anew."
+    "and restart ComfyUI."
 )
 
 SHOWN = ("auto", "object", "background")

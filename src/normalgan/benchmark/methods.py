@@ -94,7 +94,7 @@ def weights_method(weights: Weights, device: torch.device) -> Method:
 
 
 def model_method(model: NormalGAN) -> Method:
-    """Return a model as a method; its noise at test time only depends on the samples."""
+    """Return a model as a method; its noise at test time depends only on the samples."""
     model.eval()
     model.keep_noise()
 

@@ -151,7 +151,7 @@ def smooth(normals: Floats, mask: BoolMask, area: Floats, width: float) -> Float
     if not touched.any():
         return normals
     sigma = AVERAGED * width
-    box = around(touched, int(np.ceil(4 * sigma)) + 1)  # as far as the Gaussian reaches
+    box = around(touched, int(np.ceil(4 * sigma)) + 1)  # the reach of the Gaussian
     blurred = cv2.GaussianBlur(normals[box] * mask[box][..., None], (0, 0), sigma)
     mean = normalize(np.asarray(blurred, np.float32))
     inside = touched[box]

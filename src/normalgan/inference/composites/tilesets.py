@@ -188,7 +188,7 @@ class _Tiles:
         there[down - top, across - left] = True
         own = None if there.all() else np.kron(there, np.ones((height, width), np.bool_))
         first = f"tile {int(members[0]) + 1} (row {down[0] + 1}, column {across[0] + 1})"
-        name = first if len(members) == 1 else f"{first} and the {len(members) - 1} that it goes on in"
+        name = first if len(members) == 1 else f"{first} and the {len(members) - 1} that continue it"
         sides = there.shape[1] * width, there.shape[0] * height
         return Cell(name, left * width, top * height, *sides, own=own, tile=repeat)
 

@@ -106,7 +106,7 @@ export class Panes {
     const { sheet } = this.drawing;
     const { painted } = this.predictor;
     const veil = this.drawing.editor.tool === "mask" && painted ? objectOf(painted) : null;
-    if (veil) for (const board of [this.drawing, this.result]) board.redraw(); // they say what the area under the pointer is
+    if (veil) for (const board of [this.drawing, this.result]) board.redraw(); // they name the area under the pointer
     if (veil === sheet.veil) return;
     sheet.veil = veil;
     sheet.redraw();

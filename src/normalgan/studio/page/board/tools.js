@@ -2,9 +2,9 @@
 
 /**
  * @typedef {{x: number, y: number, pressure: number, reach: number, scale: number,
- *   pane?: {x: number, y: number}, straight?: boolean, eraser?: boolean}} Touch in the drawing; reach: what counts as hit; scale: pixels of
- *   the pane for one of the drawing; pane: where it is in the pane; straight: whether a straight line is wanted, or more
- *   to be chosen; eraser: whether it is the pen's other end
+ *   pane?: {x: number, y: number}, straight?: boolean, eraser?: boolean}} Touch in the drawing; reach: distance that counts as a hit; scale:
+ *   pixels of the pane per pixel of the drawing; pane: its place in the pane; straight: whether the user wants a straight
+ *   line, or to extend the selection; eraser: whether it is the eraser end of the pen
  */
 
 /**

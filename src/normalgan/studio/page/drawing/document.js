@@ -9,21 +9,21 @@ import { LIMITS } from "./limits.js";
  *   mirrored, and drawn twice; carve: height as a fraction of half its width, negative if engraved
  * @typedef {{x: number, y: number, width: number, height: number, turn?: number, flipped?: boolean}} Box left, top and size
  *   before it is turned; turn: clockwise rotation about its centre, in radians; flipped: mirrored horizontally before that
- * @typedef {{kind: "picture", picture: string, paper?: boolean} & Box} Placed `picture` is a data URL; paper: what it shows
- *   was taken off white paper, where its opacity says nothing about the object
- * @typedef {Line | Placed} Stroke what the ink is made of, in order
+ * @typedef {{kind: "picture", picture: string, paper?: boolean} & Box} Placed `picture` is a data URL; paper: whether it was
+ *   extracted from white paper, in which case its opacity says nothing about the object
+ * @typedef {Line | Placed} Stroke an element of the ink, in order
  * @typedef {[number, number, number]} Normal camera space: x right, y up, z to the viewer
  * @typedef {{x: number, y: number, normal: Normal, reach?: number}} Hint in pixels of the drawing, x right, y down;
  *   reach: radius of its effect
  * @typedef {{kind: "round" | "flat" | "hollow", bevel: number, strength: number}} Form bevel: width of the curve or
  *   the bevel, as a fraction of the part's depth; strength: weight against the prediction; both at most 1
  * @typedef {{kind: string, period: number, turn?: number, x?: number, y?: number, flipped?: boolean, picture?: string}} Structure
- *   kind: one that is built in, or "own"; period: side of its tiles; turn: of them about x, y, clockwise, in radians; flipped: mirrored
+ *   kind: a built-in one, or "own"; period: side of its tiles; turn: their clockwise rotation about x, y in radians; flipped: mirrored
  *   horizontally before that; picture: id of one of the document's structures
  * @typedef {{points: number[], normal: Normal, size?: number, form?: Form | null, soft?: number, strength?: number,
- *   smooths?: boolean, structure?: Structure}} Area x, y, x, y, … of a polygon that is turned as a whole, or of a stroke of that
- *   width that is brushed with a direction, that smooths what is under it, or that gives it a structure; form is a polygon's,
- *   strength a stroke's; soft: width of the fade, as a fraction of a polygon's depth or a brush's radius
+ *   smooths?: boolean, structure?: Structure}} Area x, y, x, y, … of a polygon that is turned as a whole, or of a stroke with
+ *   that width, which brushes a direction, smooths, or adds a structure; only polygons have a form, and only strokes a
+ *   strength; soft: width of the fade, as a fraction of a polygon's depth or a brush's radius
  * @typedef {{id: string, picture: string}} OwnStructure a grey tile as a data URL, white is high; id: a hash of it
  * @typedef {{adds: boolean, size: number, points: number[], fills?: boolean}} MaskStroke x, y, x, y, … where the object is
  *   added to or cut from; fills: a click, which fills the enclosed area
@@ -33,7 +33,7 @@ import { LIMITS } from "./limits.js";
  * @typedef {Omit<Placed, "kind"> & {opacity: number, visible: boolean}} Picture a reference picture
  * @typedef {{name: string, file: string}} Settings name: the project's, or ""; file: the name of the file that it began with, without its ending, or ""
  * @typedef {{format: string, version: number, width: number, height: number, layers: Layer[], active: number,
- *   pictures: Picture[], structures: OwnStructure[], settings: Settings}} Doc layers: the hindmost first, at least one; active: id of the one that is
+ *   pictures: Picture[], structures: OwnStructure[], settings: Settings}} Doc layers: from back to front, at least one; active: id of the one that is
  *   worked on
  */
 
@@ -95,7 +95,7 @@ export function withNewLayer(doc, name) {
 
 /**
  * Adds layers in front of the others, or instead of them, and makes the front one active.
- * @param {Doc} doc @param {{name: string, visible: boolean, strokes: Stroke[]}[]} layers the hindmost first; a name may be empty
+ * @param {Doc} doc @param {{name: string, visible: boolean, strokes: Stroke[]}[]} layers from back to front; a name may be empty
  * @param {boolean} instead
  * @returns {Doc}
  */
@@ -312,7 +312,7 @@ function wrongNormal(layers) {
 
 /**
  * Returns a document read from a file or the server.
- * @param {unknown} value what its JSON holds
+ * @param {unknown} value the parsed JSON
  * @returns {Doc}
  * @throws {Error} with a message if it is not a project.
  */

@@ -10,17 +10,18 @@ import { LIMITS } from "./limits.js";
 const TOGETHER = 1000;
 
 /** @typedef {{strokes: number[], pictures: number[], cuts?: import("./lasso.js").Cut[], lasso?: import("./lasso.js").Lasso}} Selection
- *   places in the strokes of the layer that is worked on, and in the document's pictures; cuts: pictures among the strokes of
- *   which only what lies in the lasso is chosen */
+ *   indices in the active layer's strokes, and in the document's pictures; cuts: pictures among the strokes of which only
+ *   the part inside the lasso is selected */
 
 /** @type {Selection} the empty selection */
 export const NOTHING = { strokes: [], pictures: [] };
 
 /**
- * Events: `change` when the document differs, with `detail.live` while a gesture goes on; `drawing` when the ink has
- * got more than the document has yet, with `detail.box`; `replaced` when the present step of history is another value of
- * the same, with `detail.before` and `detail.after`; `marks` when what lies above the sheet differs;
- * `open` when another document came; `full` when a step was refused, as a layer would hold more than can be saved; `state` when tool, choice or settings of the page changed.
+ * Events: `change` when the document has changed, with `detail.live` during a gesture; `drawing` when the ink is ahead
+ * of the document, with `detail.box`; `replaced` when the current step of history has a new value, with
+ * `detail.before` and `detail.after`; `marks` when something above the sheet has changed; `open` after a change of the
+ * document; `full` when a step was refused because a layer would exceed what can be saved; `state` when the tool, the
+ * selection or the page's settings have changed.
  */
 export class Editor extends EventTarget {
   constructor() {

@@ -93,10 +93,10 @@ export function takeParts({ parts }) {
 }
 
 /**
- * Cuts a picture along a lasso. Each of its pixels goes to one part, as it is; of a picture on paper the ink goes, which is
- * taken off its paper, and paper stays in its place.
- * @param {Placed} stroke @param {Stroke[]} erasers what was erased of it later @param {Lasso} lasso
- * @returns {Omit<Cut, "index" | "stroke"> | "whole" | null} whole: all that is drawn is inside; null: nothing is
+ * Cuts a picture along a lasso. Each pixel goes unchanged to one of the parts. From a picture on paper only the ink is cut
+ * out, extracted from its paper, and paper remains in its place.
+ * @param {Placed} stroke @param {Stroke[]} erasers later strokes of the eraser @param {Lasso} lasso
+ * @returns {Omit<Cut, "index" | "stroke"> | "whole" | null} whole: everything drawn is inside; null: nothing is
  */
 function cutOf(stroke, erasers, lasso) {
   const image = decoded(stroke.picture);

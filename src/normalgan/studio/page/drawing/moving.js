@@ -96,8 +96,8 @@ function movedStructure(structure, move) {
 const movedMask = (stroke, move) => ({ ...stroke, points: moved(stroke.points, 2, move), size: stroke.size * move.scale });
 
 /**
- * @typedef {{strokes: Set<number>, hints: Set<number>, areas: Set<number>, mask: Set<number>}} Along places in the lists of a
- *   layer of all that moves together
+ * @typedef {{strokes: Set<number>, hints: Set<number>, areas: Set<number>, mask: Set<number>}} Along indices, in a layer's
+ *   lists, of everything that moves together
  */
 
 /**
@@ -105,7 +105,7 @@ const movedMask = (stroke, move) => ({ ...stroke, points: moved(stroke.points, 2
  * of a layer are selected, everything on the layer moves.
  * @param {Layer} layer
  * @param {number[]} chosen places of the strokes
- * @param {((point: Point) => boolean) | null} [inside] tells what lies among them; else what lies within their convex hull
+ * @param {((point: Point) => boolean) | null} [inside] tests whether a point lies among them; by default, within their convex hull
  * @returns {Along}
  */
 export function alongWith({ strokes, hints, areas, mask }, chosen, inside = null) {
@@ -213,7 +213,7 @@ const isInside = (hull, point) => hull.length > 2 && hull.every((from, i) => tur
  * @param {Doc} doc
  * @param {number} width
  * @param {number} height
- * @param {boolean} along whether what is drawn grows or shrinks with the paper; else it stays as large, in the middle
+ * @param {boolean} along whether the drawing is scaled with the paper; otherwise it keeps its size, centred
  * @returns {Doc}
  */
 export function onPaper(doc, width, height, along) {
@@ -279,7 +279,7 @@ export function unitedBox(boxes) {
  * Returns whether a point lies on a stroke or a picture.
  * @param {Stroke | Picture} item
  * @param {{x: number, y: number}} at
- * @param {number} reach how far beside it still counts
+ * @param {number} reach the distance up to which a near miss counts
  */
 export function isHit(item, { x, y }, reach) {
   const { left, top, right, bottom } = extentOf(item);

@@ -9,9 +9,9 @@ const ROWS = 64;
  * `getImageData` and not `convertToBlob`, which waits until the browser has nothing else to do.
  * @param {CanvasRenderingContext2D} context black or coloured ink on nothing
  * @param {[number, number, number, number]} box left, top, right, bottom in pixels of the drawing
- * @param {number} scale pixels of the canvas for one of the drawing, a whole number
+ * @param {number} scale pixels of the canvas per pixel of the drawing, a whole number
  * @param {1 | 4} channels grey of black ink on white, or red, green, blue and opacity
- * @param {boolean} onPaper whether what is under the ink is white, and not nothing
+ * @param {boolean} onPaper whether the ground under the ink is white instead of transparent
  * @returns {Uint8Array} row by row
  */
 export function averaged(context, [left, top, right, bottom], scale, channels, onPaper) {

@@ -3,10 +3,10 @@
 /** @typedef {import("./document.js").Doc} Doc @typedef {import("./document.js").Layer} Layer
  * @typedef {import("./document.js").Stroke | import("./document.js").Picture} Piece */
 /**
- * @typedef {[number, ...number[]]} Numbers how many are the same as in the step before, then the numbers of the others
- * @typedef {{id: number, strokes: Numbers, more: Partial<Layer>}} LayerStep beside the layer of that id before
- * @typedef {object} Step a document of the history, beside the step before it
- * @property {(number | LayerStep)[] | null} layers a number is the id of a layer that is as before; null: all are
+ * @typedef {[number, ...number[]]} Numbers the count of items shared with the previous step, then the numbers of the others
+ * @typedef {{id: number, strokes: Numbers, more: Partial<Layer>}} LayerStep the changes from the previous layer with that id
+ * @typedef {object} Step a document of the history, as changes from the previous step
+ * @property {(number | LayerStep)[] | null} layers a number is the id of an unchanged layer; null: all are unchanged
  * @property {Numbers} pictures
  * @property {Partial<Doc>} more what else differs
  * @typedef {{steps: Step[], at: number}} Steps
@@ -96,7 +96,7 @@ const piecesOf = ({ layers, pictures }) => [...layers.flatMap(({ strokes }) => s
  * Returns the history that is saved with a project: as many of the last steps as fit.
  * @param {Doc} doc the one at `past.at`
  * @param {Past} past
- * @returns {Steps & {pieces: Piece[]}} pieces: what is no more in the document
+ * @returns {Steps & {pieces: Piece[]}} pieces: those no longer in the document
  */
 export function savedSteps(doc, past) {
   for (let most = MOST_SAVED; ; most >>= 1) {
@@ -117,7 +117,7 @@ export function savedSteps(doc, past) {
 /**
  * Returns the history saved with a project; null if there is none or it is damaged.
  * @param {Doc} doc
- * @param {any} saved what the project's file holds
+ * @param {any} saved the contents of the project's file
  * @param {(state: unknown) => Doc} check throws if it is no document
  * @returns {Past | null}
  */

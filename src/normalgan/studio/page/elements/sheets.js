@@ -41,7 +41,7 @@ const GAP = 8;
 /**
  * Makes a button open a card of pictures to choose from.
  * @param {string} name of the button
- * @param {() => void} fill makes what is in the card, each time when it opens
+ * @param {() => void} fill creates the card's contents each time it opens
  */
 export function followPicker(name, fill) {
   const button = $(name);

@@ -12,12 +12,12 @@ const PROBLEM_STAYS = 15_000;
 const GAP = 10;
 
 /**
- * @typedef {"" | "warning" | "loss" | "error" | "away"} Kind what is said: what was done; why it could not be done; what is missing
- *   of it; what failed; that the server is away
+ * @typedef {"" | "warning" | "loss" | "error" | "away"} Kind the kind of message: a completed action; the reason for a refusal; a
+ *   partial loss; a failure; the server's absence
  */
 /** @typedef {(words: string, kind?: Kind) => void} Announce */
 
-/** Returns an error in words: what the page or the server refuses is a sentence, anything else an error of the program. @param {unknown} error */
+/** Returns an error's message: refusals of the page or the server as they are, anything else as an error of the program. @param {unknown} error */
 export function reasonOf(error) {
   const said = error instanceof Refused || (error instanceof Error && error.constructor === Error);
   const reason = error instanceof Error ? error.message : String(error);
@@ -32,7 +32,7 @@ export class Status {
     this.problem = $("problem");
     this.timer = 0;
     this.problemTimer = 0;
-    /** @type {Element | null} what was pressed last */
+    /** @type {Element | null} the last pressed element */
     this.act = null;
     for (const name of ["pointerdown", "keydown"]) {
       addEventListener(name, ({ target }) => { this.act = target instanceof Element ? target : null; }, { capture: true });

@@ -1,4 +1,4 @@
-/** Toast: shows what was done for some seconds, with buttons to change it. Only one is shown at a time. */
+/** Toast: shows a completed action for some seconds, with buttons to change it. Only one is shown at a time. */
 
 import { $, make } from "./dom.js";
 

@@ -186,8 +186,8 @@ export class Autosave extends EventTarget {
 
 /**
  * @typedef {{doc: unknown, etag: string | null, revision: number, past: import("../drawing/steps.js").Past | null, missing: number}} Found
- *   etag: of the project it was made from, null for none; revision: greater is newer, 0 is not known; past: its history, if
- *   that was kept; missing: strokes and pictures that could not be read
+ *   etag: of the project it started from, null for none; revision: higher is newer, 0 is unknown; past: its history, if
+ *   stored; missing: strokes and pictures that could not be read
  * @typedef {{tab: string, changed: string, name: string, here: boolean, there: boolean, read: () => Promise<Found>}} Left
  *   unsaved work of a tab; here: it is in the browser's store; there: it is on the server
  */

@@ -1,6 +1,6 @@
 /**
- * Exporting: the dialog that asks for a file or for all that an engine wants, and shows what will be written; what comes
- * of it is a download or the clipboard.
+ * Exporting: a dialog for exporting one file or all files for an engine, which lists the files beforehand; the result is a
+ * download or goes to the clipboard.
  */
 
 import { clear, context2d } from "../drawing/canvas.js";

@@ -179,7 +179,7 @@ export class Importing {
   /**
    * Adds layers in front of the existing ones, or replaces the layers of an empty document.
    * @param {import("../server/api.js").ImportedLayers} found @param {boolean} fresh @param {string} name
-   * @returns {Promise<string>} what was done
+   * @returns {Promise<string>} message about the result
    */
   async #placeLayers({ layers, plain, frames, width, height }, fresh, name) {
     const doc = fresh ? { ...this.editor.doc, width, height } : this.editor.doc;

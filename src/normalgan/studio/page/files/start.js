@@ -1,4 +1,4 @@
-/** Start: open what the command line named or the tab showed, and offer unsaved work. */
+/** Start: opens the files named on the command line or shown in the tab before, and offers unsaved work. */
 
 import { isEmpty, parseDocument, picturesOf } from "../drawing/document.js";
 import { linesAt } from "../drawing/ink.js";
@@ -22,7 +22,7 @@ const OPENED = "normalgan-opened";
 const SMALL = 96;
 
 /**
- * Opens what the command line named, or what the tab showed before, and then offers unsaved work.
+ * Opens the files named on the command line, or the tab's previous document, and then offers unsaved work.
  * @param {Parts} parts
  */
 export async function begin(parts) {

@@ -12,7 +12,7 @@ const PIECES = "pieces";
  * @typedef {import("../drawing/steps.js").Piece} Piece @typedef {import("../drawing/steps.js").Past} Past */
 /**
  * @typedef {{tab: string, changed: string, etag: string | null, revision: number, doc: Doc}} Unsaved
- *   changed: ISO time; etag: what the server called the project when it was opened or saved here; revision: of the tab's work
+ *   changed: ISO time; etag: the server's tag for the project when it was opened or saved here; revision: of the tab's work
  * @typedef {Omit<Layer, "strokes"> & {strokes: number[]}} LayerHead
  * @typedef {Omit<Doc, "layers" | "pictures"> & {layers: LayerHead[], pictures: number[]}} Head
  * @typedef {{tab: string, changed: string, etag?: string | null, revision?: number, doc: Head,
@@ -25,9 +25,9 @@ const VERSION = 2;
 const PATIENCE = { readonly: 10_000, readwrite: 60_000 };
 
 /**
- * @typedef {"full" | "newer" | "blocked" | "silent" | "broken"} Why full: no room is left; newer: a newer studio has changed
- *   the database; blocked: a page of an older studio keeps it from being changed; silent: the browser does not answer;
- *   broken: anything else, such as a browser that was told to keep nothing
+ * @typedef {"full" | "newer" | "blocked" | "silent" | "broken"} Why full: no space is left; newer: a newer studio has changed
+ *   the database; blocked: a page of an older studio prevents its upgrade; silent: the browser does not answer;
+ *   broken: anything else, such as a browser set to store nothing
  */
 export class StoreFailure extends Error {
   /** @param {Why} why @param {unknown} [cause] */
@@ -164,10 +164,10 @@ const ofTab = (tab) => IDBKeyRange.bound([tab], [tab, []]);
 const MOST_STEPS = 100;
 
 /**
- * Keeps this page's document and its history: only what is new of it is written. Where there is no room for all, the
- * document is kept without the history.
+ * Stores this page's document and its history, and writes only the new parts. If there is no room for both, it stores the
+ * document without the history.
  * @param {Unsaved & {past: Past}} entry
- * @throws {StoreFailure} if not even the document is kept; what was kept before stays.
+ * @throws {StoreFailure} if it cannot even store the document; the earlier entry remains.
  */
 export const keep = (entry) => inTurn(async () => {
   try {
@@ -205,7 +205,7 @@ async function write({ tab, changed, etag, revision, doc, past }) {
 /** @typedef {{doc: unknown, past: Past | null, missing: number}} Whole missing: strokes and pictures that cannot be read */
 
 /**
- * Returns what was kept, without the documents, which are read when they are asked for.
+ * Returns the stored entries; `read` reads their documents on request.
  * @returns {Promise<{tab: string, changed: string, etag: string | null, revision: number, name: string, read: () => Promise<Whole>}[]>} of an
  *   entry that cannot be read, `read` fails
  * @throws {StoreFailure} if nothing can be read.

@@ -28,7 +28,7 @@ export class Forms {
   /**
    * @param {import("../drawing/editor.js").Editor} editor
    * @param {import("../result/predictor.js").Predictor} predictor
-   * @param {(map: import("../result/viewer.js").Picture) => Uint8ClampedArray<ArrayBuffer>} shaded returns a map as it is seen in the light
+   * @param {(map: import("../result/viewer.js").Picture) => Uint8ClampedArray<ArrayBuffer>} shaded returns a map lit as in the result
    */
   constructor(editor, predictor, shaded) {
     this.editor = editor;

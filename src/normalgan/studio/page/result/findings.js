@@ -37,8 +37,8 @@ export function wordsOfFinding(finding) {
 export const wordsOfFindings = (findings) => findings.map(wordsOfFinding).join(" ");
 
 /**
- * Shows findings in an element; places are ringed on the drawing while their words are pointed at, and for some seconds
- * after a press.
+ * Shows findings in an element. A ring on the drawing marks a finding's place while the pointer is over its message, and
+ * for some seconds after a press.
  * @param {HTMLElement} element
  * @param {import("../drawing/editor.js").Editor} editor
  * @returns {(findings: Finding[]) => void} shows others

@@ -280,8 +280,8 @@ export class Predictor extends EventTarget {
   }
 
   /**
-   * Paints until all that was drawn is on show: what is begun is finished, or a fast hand would never see a map; but at
-   * the end of a gesture its draft is not waited for.
+   * Predicts until the map of the whole drawing is visible. It finishes every started prediction, because otherwise a fast
+   * hand would never see a map, but does not wait for a gesture's draft once the gesture has ended.
    */
   async #run() {
     const running = new AbortController();
@@ -302,7 +302,7 @@ export class Predictor extends EventTarget {
     this.#doubt();
   }
 
-  /** @param {AbortController} running what it belongs to */
+  /** @param {AbortController} running the run it belongs to */
   async #paint(running) {
     const start = performance.now();
     const { editor: { doc }, gesture } = this;

@@ -62,7 +62,7 @@ vec2 place_of(vec2 at, sampler2D map) {
 const CEL_SHADING = `
 float step_at(float edge, float value, float soft) { return smoothstep(edge - soft, edge + soft, value); }
 
-// sRGB paints, one beside the other.
+// sRGB paints, side by side.
 vec3 cel(vec3 n, vec3 light) {
   float soft = ${number(CEL.soft)};
   vec3 halfway = normalize(light + vec3(0.0, 0.0, 1.000001));

@@ -3,7 +3,7 @@
 /**
  * @typedef {import("../result/findings.js").Finding} Finding
  * @typedef {{fields: Record<string, unknown>, pixels: Uint8Array[]}} Request
- *   about a drawing: what is asked, and the bytes of its planes, or of the boxes that have changed
+ *   about a drawing: the fields of the request, and the bytes of its planes or of the changed boxes
  */
 
 /** The server's error message. */
@@ -140,17 +140,17 @@ export async function exported(request) {
  * @typedef {{name: string, reason: string}} LayerNote a layer that is left out, or looks different from its program
  * @typedef {{picture: string, width: number, height: number, given: [number, number], layered: boolean, parts: number,
  *   pages: boolean, notes: LayerNote[]}} Imported picture: base64 of a PNG; given: width and height of the file; layered: whether it may
- *   have layers; parts: how many pages or frames it has; pages: whether they are pages
+ *   have layers; parts: the number of pages or frames; pages: whether they are pages
  * @typedef {{name: string, opacity: number, picture: string, x: number, y: number, width: number, height: number}} ImportedLayer
- *   opacity: 0 to 1, which the picture does not have; x, y, width, height: where it lies in the whole
+ *   opacity: 0 to 1, not included in the picture; x, y, width, height: its place in the whole
  * @typedef {{layers: ImportedLayer[], plain: string[], notes: LayerNote[], frames: number, width: number, height: number, given: [number, number]}} ImportedLayers
- *   layers: the hindmost first; plain: names of those that are all paper, and left out;
- *   notes: those that are not shown as their program shows them, and why
+ *   layers: from back to front; plain: names of layers that were left out because they are only paper;
+ *   notes: layers that look different from their program, with the reasons
  */
 
 /** @param {Blob} file @param {string} path */
 function sendFile(file, path) {
-  // What kind a file is, its content tells: what the system calls it may be wrong, or something else than a picture.
+  // The server determines the kind of file from its content: the system's type may be wrong, or not that of a picture.
   const headers = { "Content-Type": file.type.startsWith("image/") ? file.type : "application/octet-stream" };
   return ask(path, { method: "POST", body: file, headers });
 }

@@ -1,5 +1,5 @@
 /**
- * All words of the page, in English; another language is a file `text_….js` beside it. `{…}` are filled in by `say`.
+ * All words of the page, in English; each other language has a file `text_….js` next to it. `{…}` are filled in by `say`.
  */
 
 /** Languages that have a file. */
@@ -473,7 +473,7 @@ if (language !== "en") {
 }
 if (typeof document !== "undefined") document.documentElement.lang = language;
 
-/** Returns words as a sentence: what comes from elsewhere may begin small and end without a stop. @param {string} words */
+/** Returns words as a sentence, with a capital letter and a full stop, which messages from elsewhere may lack. @param {string} words */
 export const sentence = (words) => words && `${words[0].toUpperCase()}${words.slice(1).replace(/[.。]?$/, (end) => end || ".")}`;
 
 /** Returns the words of a name, as the page's own markup names them. @param {string} name @returns {string} */
