@@ -71,7 +71,8 @@ def test_a_safe_configuration_names_known_classes_only(folder: Path, kind: str) 
 def test_a_class_that_is_not_allowed_is_named(folder: Path) -> None:
     config = written(folder, {"trainer": {"callbacks": {"class_path": f"{EVIL}.Foo"}}})
     with pytest.raises(
-        InputError, match=f'"trainer.callbacks": --safe-config does not allow {EVIL}.Foo; it takes registered'
+        InputError,
+        match=f'"trainer.callbacks": --safe-config does not allow {EVIL}.Foo; it only allows registered',
     ):
         run([*COMMAND, "--safe-config", "--config", str(config)])
     assert EVIL not in sys.modules
@@ -115,7 +116,7 @@ def test_no_configuration_is_read_from_a_url(folder: Path, server: tuple[int, li
 def test_a_safe_configuration_does_not_say_where_is_written(folder: Path, name: str) -> None:
     config = written(folder, FOREIGN[name])
     # Without the folder of the run on the command line, which would win.
-    with pytest.raises(InputError, match=f"a configuration sets {name}, and --safe-config takes it from"):
+    with pytest.raises(InputError, match=f"a configuration sets {name}, which --safe-config only accepts"):
         run(["fit", "--trainer.fast_dev_run", "true", "--safe-config", "--config", str(config)])
     assert not (folder / "other").exists()
 
@@ -124,7 +125,7 @@ def test_a_safe_configuration_does_not_say_where_is_written(folder: Path, name: 
 def test_a_file_for_one_section_does_not_say_where_is_written(folder: Path, given: list[str]) -> None:
     (folder / "section.yaml").write_text("cache: other\n")
     with pytest.raises(
-        InputError, match=r"a configuration sets data\.cache, and --safe-config takes it from"
+        InputError, match=r"a configuration sets data\.cache, which --safe-config only accepts"
     ):
         run(["fit", "--trainer.fast_dev_run", "true", "--safe-config", *given])
     assert not (folder / "other").exists()
@@ -146,7 +147,7 @@ def test_the_command_line_says_where_is_written(folder: Path) -> None:
 
 def test_a_safe_configuration_does_not_name_a_cluster(folder: Path) -> None:
     config = written(folder, {"cluster": "local:1"})
-    with pytest.raises(InputError, match="a configuration sets cluster, and --safe-config takes it"):
+    with pytest.raises(InputError, match="a configuration sets cluster, which --safe-config only accepts"):
         run(["render", "--safe-config", "--config", str(config)])
 
 

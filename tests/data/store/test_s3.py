@@ -113,7 +113,7 @@ def test_a_writer_that_fails_leaves_the_old_object(bucket: str, monkeypatch: pyt
     files = fsspec.filesystem("s3", **options(bucket))
     monkeypatch.setattr(type(files), "_call_s3", _broken)
     with pytest.raises(
-        InputError, match=r"cannot write the samples to s3://.*: the line went dead; make room"
+        InputError, match=r"cannot write the samples to s3://.*: the line went dead; free some space"
     ):
         folder.write("a", b"new" * 1000)
     monkeypatch.undo()

@@ -174,7 +174,7 @@ def test_a_full_disk_is_one_sentence(tmp_path: Path, monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr(Path, "write_bytes", full)
     with pytest.raises(
-        InputError, match=r"^cannot write the samples to .*: No space left on device; make room"
+        InputError, match=r"^cannot write the samples to .*: No space left on device; free some space"
     ):
         write(store, 1, SAMPLES[4:8])
     monkeypatch.undo()
