@@ -23,7 +23,7 @@ from normalgan.hints.pins_in_turn import pin_in_turn
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths, check_line_widths
 from normalgan.losses import AdversarialObjective, L1AndHints, Reconstruction, Term
 from normalgan.losses.checks import check_losses, check_terms
-from normalgan.losses.distractor_consistency import distractor_inconsistency, mark_some
+from normalgan.losses.distractor_consistency import distractor_inconsistency, with_distractor_strokes
 from normalgan.losses.finite import start_finite_check
 from normalgan.losses.gradient_share import gradient_share
 from normalgan.models import Discriminator, Generator
@@ -37,9 +37,9 @@ from normalgan.saved_settings import SavedSettings
 from normalgan.schedules import end_cosine_at
 from normalgan.seeds import derive_seed, seed_torch
 
-__all__ = ["SHARE", "NormalGAN"]
+__all__ = ["ADVERSARIAL_SHARE", "NormalGAN"]
 
-SHARE = "train/adversarial_share"
+ADVERSARIAL_SHARE = "train/adversarial_share"
 """Ratio of the adversarial to the reconstruction gradient norm, at the generator's weights."""
 
 
@@ -107,8 +107,9 @@ class NormalGAN(SavedSettings, Evaluation):
         distractor_consistency: weight of the mean angle in radians between the normals predicted with and
             without distractor strokes. A quarter of each batch is predicted twice for it. 0 switches it off.
         share_every: log the ratio of the adversarial to the reconstruction gradient norm every this many
-            generator steps, at the generator's weights (``train/adversarial_share``) and at its output
-            (``train/adversarial_share_output``). Such a step takes two more backward passes; 0 logs none.
+            generator steps, at the generator's weights (``train/adversarial_share``) and at the predicted
+            directions (``train/adversarial_share_output``). Such a step takes two more backward passes; 0
+            logs none.
         noise_at_test: keep the noise z (dropout) on when testing and predicting, as pix2pix does.
         seed: seed of the hints and of the noise.
         refined: whether the package's refiner sharpens its maps when they are enlarged to a drawing's size.
@@ -221,15 +222,15 @@ class NormalGAN(SavedSettings, Evaluation):
         step = self.trainer.fit_loop.total_batch_idx  # counts across epochs; batch_idx does not
         seed = derive_seed("train", self.seed, step, self.global_rank)
         seed_torch(seed, self.device)
-        self._picture_size = int(batch["sketch"].shape[-1])
+        self._picture_size = int(batch["sketch"].shape[-1])  # which `SavedSettings` saves
         hints = self.training_hints(batch, seed)
         if self.hint_noise:
             hints = turn_hints(hints, self.hint_noise, derive_seed("hint noise", seed))
         condition = make_condition(batch["sketch"], hints)
-        generates = self.discriminator is None or step % self.n_critic == 0  # so that fast_dev_run tries both
+        generates = self.discriminator is None or step % self.n_critic == 0  # step 0 trains both networks
         distracts = generates and self.distractor_consistency > 0
         # The first sketches of the batch again, with strokes that should not change their maps.
-        distracted = mark_some(batch["sketch"], batch["mask"]) if distracts else None
+        distracted = with_distractor_strokes(batch["sketch"], batch["mask"]) if distracts else None
         with torch.set_grad_enabled(generates):
             preds, of_distracted = self._predict_both(condition, distracted, hints)
         fake: Tensor | None = None  # without a discriminator nothing needs whole maps
@@ -250,13 +251,17 @@ class NormalGAN(SavedSettings, Evaluation):
         self, condition: Tensor, distracted: Tensor | None, hints: Tensor
     ) -> tuple[Predictions, Tensor | None]:
         """Return predictions for a batch, and directions for its first sketches with distractor strokes."""
-        given, count = condition, len(condition)
-        if distracted is not None:
-            # In one pass, so that batch norm has the same statistics for both.
-            given = torch.cat([condition, make_condition(distracted, hints[: len(distracted)])])
-        preds = (self._generate or self.generator.predict)(given)
-        check_predictions(self.generator, preds, given)
-        return (preds, None) if given is condition else (preds.of(slice(count)), preds.direction[count:])
+        if distracted is None:
+            return self._predict_training(condition), None
+        # In one pass, so that batch norm has the same statistics for both.
+        both = torch.cat([condition, make_condition(distracted, hints[: len(distracted)])])
+        preds, count = self._predict_training(both), len(condition)
+        return preds.of(slice(count)), preds.direction[count:]
+
+    def _predict_training(self, condition: Tensor) -> Predictions:
+        preds = (self._generate or self.generator.predict)(condition)
+        check_predictions(self.generator, preds, condition)
+        return preds
 
     def training_hints(self, batch: Batch, seed: int) -> Tensor:
         """Return a batch's hints (N, 4, H, W): its own, or else the sampler's and the pins."""
@@ -290,17 +295,19 @@ class NormalGAN(SavedSettings, Evaluation):
             )
             penalty = self.objective.penalty(lambda normal: discriminator(condition, normal), real, fake)
             check_losses(self.objective, {"discriminator_loss": loss, "penalty": penalty})
-            check_finite = self._start_finite_check({"discriminator": loss, "penalty": penalty})
+            check_finite = start_finite_check(
+                {"discriminator": loss, "penalty": penalty}, self.trainer.world_size
+            )
             optimizer.zero_grad()
             self.manual_backward(loss + penalty)
-            values = check_finite(batch)
+            values = check_finite(batch, *self._place())
             optimizer.step()
             self.objective.after_discriminator_step(discriminator)
-        if self._are_shown(1):
+        if self._logs_losses(1):
             self.log("train/discriminator", values["discriminator"], prog_bar=True)
 
     def _step_generator(
-        self, condition: Tensor, terms: dict[str, Term], predicted: Tensor, fake: Tensor | None, batch: Batch
+        self, condition: Tensor, terms: dict[str, Term], direction: Tensor, fake: Tensor | None, batch: Batch
     ) -> None:
         optimizer = self._optimizers()[0]
         with self.toggled_optimizer(optimizer):  # else its loss would leave gradients on the critic
@@ -310,40 +317,42 @@ class NormalGAN(SavedSettings, Evaluation):
                 check_losses(self.objective, {"generator_loss": score})
                 adversarial = Term(score, self.adversarial_weight)
                 if self._logs_share():
-                    self._log_share(_weighted(terms), _weighted({"": adversarial}), predicted)
+                    self._log_share(_weighted(terms), adversarial.weight * adversarial.value, direction)
                 terms = {**terms, "adversarial": adversarial}
-            check_finite = self._start_finite_check({name: term.value for name, term in terms.items()})
+            losses = {name: term.value for name, term in terms.items()}
+            check_finite = start_finite_check(losses, self.trainer.world_size)
             optimizer.zero_grad()
             self.manual_backward(_weighted(terms))
-            values = check_finite(batch)
+            values = check_finite(batch, *self._place())
             optimizer.step()
-        if self._are_shown(1 if self.discriminator is None else self.n_critic):
+        if self._logs_losses(1 if self.discriminator is None else self.n_critic):
             self.log_dict({f"train/{name}": value for name, value in values.items()})
             first = next(iter(values))
-            self.log(first, values[first], prog_bar=True, logger=False)
+            self.log(first, values[first], prog_bar=True, logger=False)  # the bar shows it without "train/"
 
-    def _start_finite_check(self, losses: dict[str, Tensor]) -> Callable[[Batch], dict[str, Tensor]]:
-        check = start_finite_check(losses, self.trainer.world_size)
-        batch_idx = self.trainer.fit_loop.epoch_loop.batch_idx
-        return lambda batch: check(batch, self.current_epoch, batch_idx)
+    def _place(self) -> tuple[int, int]:
+        """Return the epoch and the index of the batch in it, for error messages."""
+        return self.current_epoch, self.trainer.fit_loop.epoch_loop.batch_idx
 
-    def _are_shown(self, every: int) -> bool:
-        """Return whether to log the losses of this batch, in a network that steps every ``every`` batches.
+    def _logs_losses(self, every: int) -> bool:
+        """Return whether to log the losses of this batch, of a network that steps every ``every`` batches.
 
         Logging costs a few per cent of a step, and loggers keep only one step in ``log_every_n_steps``.
         """
         interval: int = self.trainer.log_every_n_steps  # type: ignore[attr-defined]  # documented, not typed
         to_come = interval - 1 - self.trainer.fit_loop.total_batch_idx % max(interval, 1)
         first = self.trainer.fit_loop.epoch_loop.batch_idx < every  # for the progress bar
-        return first or 0 <= to_come < every
+        return first or 0 <= to_come < every  # the last step in the interval
 
     def _logs_share(self) -> bool:
         step = self.trainer.fit_loop.total_batch_idx // self.n_critic
         return self.share_every > 0 and step % self.share_every == 0
 
-    def _log_share(self, reconstruction: Tensor, adversarial: Tensor, predicted: Tensor) -> None:
-        self.log(SHARE, gradient_share(adversarial, reconstruction, list(self.generator.parameters())))
-        self.log(f"{SHARE}_output", gradient_share(adversarial, reconstruction, [predicted]))
+    def _log_share(self, reconstruction: Tensor, adversarial: Tensor, direction: Tensor) -> None:
+        self.log(
+            ADVERSARIAL_SHARE, gradient_share(adversarial, reconstruction, list(self.generator.parameters()))
+        )
+        self.log(f"{ADVERSARIAL_SHARE}_output", gradient_share(adversarial, reconstruction, [direction]))
 
     def on_before_optimizer_step(self, optimizer: Optimizer) -> None:
         """Clip the generator's gradient, after mixed precision has unscaled it."""

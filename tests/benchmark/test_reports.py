@@ -23,7 +23,7 @@ from normalgan.benchmark.plan import Plan, Row
 from normalgan.benchmark.scale import Scale
 from normalgan.benchmark.table import FIGURES, markdown, mesh_table
 from normalgan.callbacks.gallery import Row as Sample
-from normalgan.gan import SHARE
+from normalgan.gan import ADVERSARIAL_SHARE
 
 ROWS = [
     Row("mean", "the mean", group="Simple", classical="mean"),
@@ -248,7 +248,7 @@ def test_further_tests_of_a_plan_have_their_own_tables() -> None:
     for i, given in enumerate(("uniform-3", "worst-3", "uniform-17", "worst-17", "degrees-10", "pixels-2")):
         one["figures"][given] = {"angular_mean": 10.0 + i}
     one["pins"] = {"worst": [9.0, 8.0, 7.0, 6.0], "suggested": [9.0, 8.5, 8.25, 8.0]}
-    one["curve"][0][SHARE], one["curve"][1][SHARE] = 2e-5, 3e-4
+    one["curve"][0][ADVERSARIAL_SHARE], one["curve"][1][ADVERSARIAL_SHARE] = 2e-5, 3e-4
     text = markdown(plan, Scale("cpu"), {"ours": [one], "paper": [result(0, 20.0)]})
     assert line(text, "Where hints lie: mean error with 3 hints", "ours") == ["10.00°", "11.00°"]
     assert line(text, "Where hints lie: mean error with 17 hints", "ours") == ["12.00°", "13.00°"]

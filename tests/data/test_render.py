@@ -17,7 +17,7 @@ from normalgan.data.jobs import tasks
 from normalgan.data.jobs.pool import Killed
 from normalgan.data.jobs.workers import Workers
 from normalgan.data.render import open_samples, render_samples
-from normalgan.data.store.dataset_description import dataset_key, fingerprints
+from normalgan.data.store.manifest import dataset_key, fingerprints
 from normalgan.data.store.sample_layout import Layout
 from normalgan.data.store.shards import ShardedSamples
 from normalgan.errors import InputError
@@ -303,7 +303,7 @@ def test_the_key_changes_with_anything_the_samples_depend_on() -> None:
 def test_versions_enter_the_key(monkeypatch: pytest.MonkeyPatch) -> None:
     used = fingerprints({"train": [Octahedron("a")]})
     keys = {dataset_key(used, {"train": 1}, recipe())}
-    monkeypatch.setattr("normalgan.data.store.dataset_description.FORMAT_VERSION", -1)
+    monkeypatch.setattr("normalgan.data.store.manifest.FORMAT_VERSION", -1)
     keys.add(dataset_key(used, {"train": 1}, recipe()))
     monkeypatch.setattr("normalgan.rendering.samples.RENDERING_VERSION", -1)
     keys.add(dataset_key(used, {"train": 1}, recipe()))

@@ -3,7 +3,7 @@
 import torch
 from torch import Tensor
 
-from normalgan.hints.pins_in_turn import MOST_PINS, pin_in_turn
+from normalgan.hints.pins_in_turn import MOST_TURNS, pin_in_turn
 
 SIDE = 64
 SAMPLES = 12
@@ -33,7 +33,7 @@ def test_each_pin_mends_the_worst_region_that_is_left() -> None:
     none = torch.zeros(SAMPLES, 4, SIDE, SIDE)
     pinned = pin_in_turn(wrong_in_two_places, normal, mask, none, seed=3)
     counts = pinned[:, 3].flatten(1).sum(1)
-    assert set(counts.tolist()) == set(range(MOST_PINS + 1))
+    assert set(counts.tolist()) == set(range(MOST_TURNS + 1))
     large = pinned[:, 3, 30:54, 30:54].flatten(1).sum(1)
     small = pinned[:, 3, 10:26, 10:26].flatten(1).sum(1)
     assert ((large > 0) == (counts > 0)).all()

@@ -6,7 +6,7 @@ import torch.nn.functional as F
 from normalgan.losses.distractor_consistency import (
     add_distractor_strokes,
     distractor_inconsistency,
-    mark_some,
+    with_distractor_strokes,
 )
 from spheres import batch
 
@@ -32,11 +32,11 @@ def test_strays_are_short_lie_on_the_object_and_take_no_line_away() -> None:
 
 def test_a_quarter_of_a_batch_is_marked_and_the_lines_stay() -> None:
     given = batch(8)
-    marked = mark_some(given["sketch"], given["mask"])
+    marked = with_distractor_strokes(given["sketch"], given["mask"])
     assert len(marked) == 2
     assert (marked >= given["sketch"][:2]).all()
     assert (marked > given["sketch"][:2]).flatten(1).any(1).all()
-    assert len(mark_some(given["sketch"][:2], given["mask"][:2])) == 1
+    assert len(with_distractor_strokes(given["sketch"][:2], given["mask"][:2])) == 1
 
 
 def test_unsteadiness_is_the_mean_angle_on_the_object_and_teaches_both_maps() -> None:

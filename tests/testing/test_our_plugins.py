@@ -1,12 +1,15 @@
 """Every plug-in of ours through the kit: a class that is registered and not listed here fails a test."""
 
+import re
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
 import torch
 from opengl_here import needs_opengl
 
+import normalgan
 from normalgan.data.augmentation import AUGMENTATIONS, Augmentation
 from normalgan.hints import (
     HINT_SAMPLERS,
@@ -168,3 +171,14 @@ def test_ours_do_what_is_asked_of_others(plugin: Any, check: Check[Any]) -> None
 def test_none_of_ours_is_forgotten(registry: Registry[Any], plugins: list[Any]) -> None:
     ours = {cls.__name__ for cls in registry if cls.__module__.startswith("normalgan.")}
     assert {type(plugin).__name__ for plugin in plugins} == ours
+
+
+def test_each_module_of_plugins_is_imported_by_its_package() -> None:
+    source, found = Path(normalgan.__file__).parent, []
+    for path in source.rglob("*.py"):
+        text = path.read_text(encoding="utf-8")
+        if re.search(r"^@[A-Z_]+\.register$", text, re.MULTILINE) and "Registry(" not in text:
+            name = ".".join(["normalgan", *path.relative_to(source).with_suffix("").parts])
+            assert name in path.with_name("__init__.py").read_text(encoding="utf-8"), name
+            found.append(name)
+    assert "normalgan.hints.uniform" in found

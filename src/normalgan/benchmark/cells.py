@@ -6,7 +6,7 @@ from statistics import mean, stdev
 
 from normalgan.benchmark.intervals import Interval
 from normalgan.benchmark.training import Result
-from normalgan.gan import SHARE
+from normalgan.gan import ADVERSARIAL_SHARE
 from normalgan.metrics.base import unit_of
 
 __all__ = [
@@ -113,7 +113,7 @@ def share_cell(index: int) -> Cell:
     """Return the cell of the adversarial fraction of the gradient at a point of the learning curve."""
 
     def cell(runs: Sequence[Result]) -> str:
-        values = [run["curve"][index].get(SHARE) for run in runs if run["curve"]]
+        values = [run["curve"][index].get(ADVERSARIAL_SHARE) for run in runs if run["curve"]]
         return f"{mean(values):.1e}" if values and not any(v is None or isnan(v) for v in values) else "–"
 
     return cell

@@ -36,7 +36,7 @@ from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.loading.items import collate_decoded, decode
 from normalgan.data.loading.order import spread
 from normalgan.files.writing import write_bytes
-from normalgan.gan import SHARE
+from normalgan.gan import ADVERSARIAL_SHARE
 from normalgan.hints import hints_at
 from normalgan.weights.checkpoint import read_checkpoint
 
@@ -188,7 +188,7 @@ def read_curve(folder: Path, most: int = 60) -> list[dict[str, float | None]]:
     """Return the learning curve of a run, thinned to ``most`` records with the figures that are drawn."""
     records = json.loads((folder / "curve.json").read_text(encoding="utf-8"))
     kept = ["images", "epoch", "seconds", "val/hints/angular_mean", "val/no_hints/angular_mean"]
-    kept += [SHARE] if all(SHARE in record for record in records) else []
+    kept += [ADVERSARIAL_SHARE] if all(ADVERSARIAL_SHARE in record for record in records) else []
     return [{name: records[i][name] for name in kept} for i in spread(len(records), most)]
 
 

@@ -21,7 +21,7 @@ from normalgan.benchmark.measure import OWN, more_metrics
 from normalgan.benchmark.plan import Plan
 from normalgan.benchmark.scale import Scale
 from normalgan.benchmark.training import Result, Results
-from normalgan.gan import SHARE
+from normalgan.gan import ADVERSARIAL_SHARE
 
 __all__ = ["FIGURES", "RELIEF", "interval_table", "markdown", "markdown_table", "mesh_table", "ranked_error"]
 
@@ -284,7 +284,7 @@ def _further(plan: Plan, results: Results) -> Iterator[tuple[str, _Columns, str]
                 {str(number): pin_cell(strategy, number) for number in numbers},
                 _PINS_NOTES,
             )
-    if any(SHARE in run["curve"][-1] for run in _runs(results) if run["curve"]):
+    if any(ADVERSARIAL_SHARE in run["curve"][-1] for run in _runs(results) if run["curve"]):
         title = "Ratio of the adversarial to the reconstruction gradient norm, at the generator's weights"
         yield title, {"first": share_cell(0), "last": share_cell(-1)}, ""
 

@@ -9,7 +9,7 @@ from lightning.pytorch import Callback, LightningModule, Trainer
 
 from normalgan.batch import Batch
 from normalgan.files.writing import write_bytes
-from normalgan.gan import SHARE, NormalGAN
+from normalgan.gan import ADVERSARIAL_SHARE, NormalGAN
 
 __all__ = ["LearningCurve"]
 
@@ -50,7 +50,7 @@ class LearningCurve(Callback):
         figures = {
             name: float(value) if value.isfinite() else None  # JSON has no nan
             for name, value in trainer.callback_metrics.items()
-            if name.startswith("val/") or name == SHARE
+            if name.startswith("val/") or name == ADVERSARIAL_SHARE
         }
         now = {"images": self.images, "epoch": trainer.current_epoch, "seconds": round(self._spent(), 1)}
         self.records.append({**now, **figures})

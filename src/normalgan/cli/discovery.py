@@ -94,7 +94,9 @@ _SAFE = {
     "lightning.pytorch.cli": "ReduceLROnPlateau",
     "lightning.pytorch.callbacks": _CALLBACKS,
     "lightning.pytorch.loggers": "CSVLogger TensorBoardLogger",
-    "normalgan.callbacks": "LearningCurve StartFrom StoppedCheckpoint WallClockSchedule WarmAverage",
+    "normalgan.callbacks": (
+        "LearningCurve StableSchedule StartFrom StoppedCheckpoint WallClockSchedule WarmAverage"
+    ),
     "normalgan.callbacks.checkpoints": "AtomicCheckpointIO LastCheckpoint",
     "normalgan.data.sources": "MeshGroup",
     "normalgan.rendering": "Views",

@@ -31,7 +31,7 @@ from normalgan.data.sources import DataSource, MeshGroup, PairSource, SplitSetti
 from normalgan.data.sources.meshes import join_variants, split_meshes
 from normalgan.data.sources.pair_files import PairFiles
 from normalgan.data.splits import SPLITS
-from normalgan.data.store.dataset_description import fingerprints, views_by_split
+from normalgan.data.store.manifest import fingerprints, views_by_split
 from normalgan.errors import InputError
 from normalgan.inference.jobs.plan import find_files
 from normalgan.line_widths import USUAL_WIDTHS

@@ -20,8 +20,8 @@ from normalgan.data.jobs.tasks import (
 from normalgan.data.jobs.workers import Workers
 from normalgan.data.recipe import Loadable, SampleRecipe
 from normalgan.data.splits import none_usable, plural
-from normalgan.data.store.dataset_description import Manifest, dataset_key, fingerprints, views_by_split
 from normalgan.data.store.fsspec_storage import Storage
+from normalgan.data.store.manifest import Manifest, dataset_key, fingerprints, views_by_split
 from normalgan.data.store.sample_layout import Layout, Shard
 from normalgan.data.store.shards import ShardedSamples
 from normalgan.errors import InputError, RunError

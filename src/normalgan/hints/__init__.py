@@ -1,4 +1,7 @@
-"""Hints: samplers that choose the pixels with a known normal (plug-ins), and hints as tensors."""
+"""Hints: samplers that choose the pixels with a known normal, and hints as tensors.
+
+Samplers are plug-ins, one module each; a new one is imported here, which registers it.
+"""
 
 from normalgan.hints.base import HINT_SAMPLERS, ErrorHintSampler, HintSampler
 from normalgan.hints.curvature import CurvatureHints

@@ -93,6 +93,7 @@ class CurvatureHints(HintSampler):
     def _nearest(self, normal: Tensor, mask: Tensor, rng: torch.Generator, count: int) -> Tensor:
         """Return ``count`` points with levels nearest to the selected ones; ties are broken at random."""
         low, high = sorted(self.thresholds)
+        # The levels that `select` selects: with (127, 126) and "greater", 127 only.
         first, last = (low + 1, high) if self.comparison == "greater" else (low, high - 1)
         levels = self.levels(normal)
         away = (first - levels).clamp(min=0) + (levels - last).clamp(min=0)

@@ -9,9 +9,9 @@ from torch.nn import functional as F
 from normalgan.hints.encode import hints_at
 from normalgan.metrics import angular_error
 
-__all__ = ["MOST_PINS", "pin_in_turn"]
+__all__ = ["MOST_TURNS", "pin_in_turn"]
 
-MOST_PINS = 3
+MOST_TURNS = 3
 """Maximum number of pins added in turn, equal to the maximum number of clicks of Sofiiuk et al."""
 _REGION = 1 / 8
 """Side of the averaging square for errors, as a fraction of the picture's side: about a limb's width."""
@@ -20,7 +20,7 @@ _REGION = 1 / 8
 def pin_in_turn(
     predict: Callable[[Tensor], Tensor], normal: Tensor, mask: Tensor, hints: Tensor, seed: int
 ) -> Tensor:
-    """Return hints (N, 4, H, W) with 0 to `MOST_PINS` additional pins for each sample.
+    """Return hints (N, 4, H, W) with 0 to `MOST_TURNS` additional pins for each sample.
 
     Each pin is the true normal at the centre of the region with the largest error, predicted with all
     previous pins.
@@ -37,7 +37,7 @@ def pin_in_turn(
         Segmentation", section 3.3.
     """
     rng = torch.Generator(device=normal.device).manual_seed(seed)
-    numbers = torch.randint(0, MOST_PINS + 1, (len(hints), 1, 1, 1), generator=rng, device=normal.device)
+    numbers = torch.randint(0, MOST_TURNS + 1, (len(hints), 1, 1, 1), generator=rng, device=normal.device)
     reach = int(normal.shape[-1] * _REGION / 2)
     on_object = mask > 0.5
     for turn in range(int(numbers.max())):

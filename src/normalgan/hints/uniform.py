@@ -27,9 +27,9 @@ class UniformHints(HintSampler):
     Args:
         minimum: minimum number of hints.
         maximum: maximum number of hints.
+        none: fraction of samples without hints, so that a generator learns to work without them.
         numbers: distribution of the number of hints: ``even`` (uniform) or ``log`` (log-uniform, so that
             few hints are as likely as many).
-        none: fraction of samples without hints, so that a generator learns to work without them.
     """
 
     minimum: Count = 10

@@ -38,8 +38,8 @@ class WorstErrorHints(ErrorHintSampler):
         """Return the hint mask, (N, 1, H, W) of the error's type; ``rng`` is not used."""
         number, _, height, width = error.shape
         on_object, flat = mask.flatten(1) > 0.5, error.flatten(1).float()  # ranks exceed float16
-        shares = on_object.sum(1, keepdim=True) / max(self.count, 1)
-        reach = self.spacing * shares.sqrt()
+        area_per_point = on_object.sum(1, keepdim=True) / max(self.count, 1)
+        reach = self.spacing * area_per_point.sqrt()
         # Order: errors of free pixels first, then of pixels near a chosen point, then chosen or outside
         # pixels.
         crowded = torch.where(on_object, flat.clamp(min=0) - _CROWDED, -math.inf)

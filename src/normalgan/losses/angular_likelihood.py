@@ -98,6 +98,7 @@ class AngularLikelihood(Reconstruction):
                 "AngularLikelihood needs a generator whose predict() gives the presence of an object and a "
                 f"confidence, such as ResidualUNetGenerator; this one gives no {' and no '.join(lacks)}."
             )
+        # From torch's global generator, which each training step seeds.
         top, left = torch.randint(self.stride, (2,)).tolist() if self.stride > 1 else (0, 0)
         chosen = (..., slice(top, None, self.stride), slice(left, None, self.stride))
         direction, target, mask = preds.direction[chosen], target[chosen], mask[chosen]

@@ -1,4 +1,4 @@
-"""The norm of one loss's gradient, relative to that of another."""
+"""The ratio of two losses' gradient norms."""
 
 from collections.abc import Sequence
 

@@ -26,7 +26,7 @@ __all__ = [
 ]
 
 _OUTPUTS = 5
-"""Output channels: a direction (3), the logit of presence, and the confidence."""
+"""Channels of the last layer: a direction (3), the logit of presence, and the confidence."""
 _DETAIL = 16
 """Channels between the last two layers, which see the sketch again and place edges exactly on its lines."""
 
@@ -36,8 +36,9 @@ class ResidualUNetGenerator(Generator):
     """A U-Net of residual blocks that works at a fraction of the drawing's resolution.
 
     Patches of pixels are unshuffled into channels, each level halves the resolution, and skip connections
-    join levels of the same size. Hints enter at every level, so that a few of them affect the whole object.
-    The output has four channels: a normal whose length is the presence, and the confidence in its direction.
+    join levels of the same size. Hints enter at every level but the coarsest, so that a few of them affect
+    the whole object. The output has four channels: a normal, whose length is the presence, and the
+    confidence in its direction.
 
     Args:
         widths: channels of each level, from the finest to the coarsest.
@@ -47,7 +48,7 @@ class ResidualUNetGenerator(Generator):
             batch do not affect one another in training.
         detail: side of the patches in the last two layers, which see the sketch again; a power of two, at
             most ``patch``. With 1, these two layers take as long as all others together.
-        hint_levels: whether hints enter at every level. If not, they enter with the sketch only, through the
+        hint_levels: whether hints enter at these levels. If not, they enter with the sketch only, through the
             same number of weights, as an ablation.
         deblock: whether to average directions over a patch far from lines, except in training. Unshuffling
             leaves a faint grid, which lighting shows on smooth surfaces.
@@ -101,7 +102,7 @@ class ResidualUNetGenerator(Generator):
             [residual_blocks(*level, norm) for level in zip(widths[:-1], blocks[:-1], strict=True)]
         )
         self.heads = nn.Conv2d(widths[0], _OUTPUTS * patch**2, 3, padding=1)
-        self.detail = nn.Sequential(
+        self.detail = nn.Sequential(  # the layers, as named in checkpoints; the setting is `detail_patch`
             nn.Conv2d((_OUTPUTS + 5) * detail**2, _DETAIL, 3, padding=1),
             nn.SiLU(),
             nn.Conv2d(_DETAIL, _OUTPUTS * detail**2, 3, padding=1),
@@ -150,24 +151,25 @@ class ResidualUNetGenerator(Generator):
         )
         # Ink is 1, and paper 0 like the padding. Where a hint replaces the sketch, it counts as paper.
         ink = (1 - condition[:, :1]) / 2 * (1 - where)
-        given = torch.cat([ink, hints], dim=1).contiguous(memory_format=torch.channels_last)
-        features = F.silu(self._body(given, hints))
+        ink_and_hints = torch.cat([ink, hints], dim=1).contiguous(memory_format=torch.channels_last)
+        features = F.silu(self._body(ink_and_hints, hints))
         coarse = F.pixel_shuffle(float32_output(self.heads, features), self.patch // self.detail_patch)
-        fine = torch.cat([coarse, F.pixel_unshuffle(given, self.detail_patch)], dim=1)
+        fine = torch.cat([coarse, F.pixel_unshuffle(ink_and_hints, self.detail_patch)], dim=1)
         heads = F.pixel_shuffle(coarse + float32_output(self.detail, fine), self.detail_patch)
         direction, presence = F.normalize(heads[:, :3], dim=1, eps=1e-6), heads[:, 3:4]
         # Not in training: it has no weights, and takes long.
         if self.deblock and self.patch > 1 and not self.training:
             direction = _deblocked(direction, presence, ink.float(), self.patch)
-        return Predictions(direction, presence, 1.01 + F.elu(heads[:, 4:]))
+        return Predictions(direction, presence, 1.01 + F.elu(heads[:, 4:]))  # so that κ > 0.01
 
-    def _body(self, given: Tensor, hints: Tensor) -> Tensor:
+    def _body(self, ink_and_hints: Tensor, hints: Tensor) -> Tensor:
         """Return features (N, widths[0], H / patch, W / patch)."""
         halvings = self.patch.bit_length() - 1
-        pyramid = [hints, *hint_pyramid(hints, halvings + len(self.downs))][halvings:]
+        # The levels of the network: those finer than a patch are left out.
+        pyramid = [hints, *hint_pyramid(hints, halvings + len(self.downs) - 1)][halvings:]
         if not self.hint_levels:
             pyramid = [torch.zeros_like(level) for level in pyramid]
-        features: Tensor = self.stem(F.pixel_unshuffle(given, self.patch))
+        features: Tensor = self.stem(F.pixel_unshuffle(ink_and_hints, self.patch))
         skips = []
         for blocks, down, level in zip(self.encoder, self.downs, pyramid, strict=False):
             features = blocks(features)

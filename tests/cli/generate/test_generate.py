@@ -369,6 +369,15 @@ def test_stages_of_the_mask_are_explained(here: Path) -> None:
     assert not Path("plain/fox_4_presence.png").exists()
 
 
+def test_chalk_on_nothing_is_explained_on_the_black_that_the_reader_sees(here: Path) -> None:
+    chalk = np.dstack([np.full_like(GREY, 255)] * 3 + [255 - GREY])
+    Image.fromarray(chalk).save("chalk.png")
+    assert generate("chalk.png", "--explain", "why") == 0
+    shown = np.asarray(Image.open("why/chalk_1_input.png").convert("L"))
+    assert shown[GREY > 250].max() < 10
+    assert shown[GREY < 5].min() > 245
+
+
 def test_a_hole_is_cut_where_a_point_says(here: Path, capfd: pytest.CaptureFixture[str]) -> None:
     assert generate("fox.png", "--alpha") == 0
     assert np.asarray(Image.open("normals/fox_normal.png"))[90, 170, 3] == 255

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from normalgan.errors import unwritable
 from normalgan.files.writing import write_bytes
+from normalgan.inference.cleaning.reader import over_paper
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.preparation import Prepared
 from normalgan.inference.reading.picture import Picture
@@ -23,7 +24,8 @@ def write_explanation(
 ) -> None:
     """Write `<stem>_<number>_<stage>.png` for each stage.
 
-    If the mask was given or comes from the opacity, there are no regions and no presence.
+    The input is shown on white or black paper, as the reader sees it. If the mask was given or comes from the
+    opacity, there are no regions and no presence.
 
     Args:
         folder: output folder; created if missing.
@@ -35,9 +37,8 @@ def write_explanation(
     Raises:
         RunError: if a file cannot be written.
     """
-    colour = picture.colour if picture.alpha is None else _over_white(picture)
     stages = {
-        "input": np.rint(255 * colour).astype(np.uint8),
+        "input": np.rint(255 * over_paper(picture)).astype(np.uint8),
         "ink": np.rint(255 * (1 - prepared.ink)).astype(np.uint8),
         **({} if prepared.decision is None else prepared.decision.explain()),
         "mask": np.where(preds.mask, 255, 0).astype(np.uint8),
@@ -49,12 +50,6 @@ def write_explanation(
                 write_bytes(folder / f"{stem}_{number}_{stage}.png", _png(stages[stage]))
     except OSError as error:
         raise unwritable(f"the explanation cannot be written to {folder}: {error.strerror}.", error) from None
-
-
-def _over_white(picture: Picture) -> NDArray[np.float32]:
-    assert picture.alpha is not None
-    cover = picture.alpha[..., None]
-    return np.asarray(picture.colour * cover + 1 - cover, np.float32)
 
 
 def _png(pixels: NDArray[np.uint8]) -> bytes:
