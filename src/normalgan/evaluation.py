@@ -77,11 +77,11 @@ class Evaluation(LightningModule):
         """Return the error of the hint-free prediction (N, 1, H, W), if the sampler needs it."""
         if not isinstance(self.hint_sampler, ErrorHintSampler):
             return None
-        with self._predicting():
-            return angular_error(self._predict(batch, None), batch["normal"])
+        with self._eval_mode():
+            return angular_error(self._float32_maps(batch, None), batch["normal"])
 
     @contextmanager
-    def _predicting(self) -> Iterator[None]:
+    def _eval_mode(self) -> Iterator[None]:
         """Predict during training without updating the norms' statistics or drawing noise."""
         modes = {module: module.training for module in self.generator.modules()}
         self.generator.eval()
@@ -100,8 +100,8 @@ class Evaluation(LightningModule):
         """
         target, mask = batch["normal"], batch["mask"]
         hints = self.measured_hints(batch)
-        self.val_metrics.update("hints", self._predict(batch, hints), target, mask)
-        self.val_metrics.update("no_hints", self._predict(batch, None), target, mask)
+        self.val_metrics.update("hints", self._float32_maps(batch, hints), target, mask)
+        self.val_metrics.update("no_hints", self._float32_maps(batch, None), target, mask)
 
     def on_validation_epoch_end(self) -> None:
         """Log the metrics of the validation split."""
@@ -120,11 +120,11 @@ class Evaluation(LightningModule):
         """
         mask = batch["mask"]
         hints = self.measured_hints(batch)
-        preds = self._predict(batch, hints)
+        preds = self._float32_maps(batch, hints)
         measured = {
             "hints": (preds, mask),
             "unhinted": (preds, without_hints(mask, hints[:, 3:])),
-            "no_hints": (self._predict(batch, None), mask),
+            "no_hints": (self._float32_maps(batch, None), mask),
         }
         for row, (predicted, where) in measured.items():
             self.test_metrics.update(row, predicted, batch["normal"], where)
@@ -148,12 +148,12 @@ class Evaluation(LightningModule):
         hints = batch.get("hints")
         return torch.cat(
             [
-                self._predict({"sketch": sketch[None]}, None if hints is None else hints[i : i + 1])
+                self._float32_maps({"sketch": sketch[None]}, None if hints is None else hints[i : i + 1])
                 for i, sketch in enumerate(batch["sketch"])
             ]
         )
 
-    def _predict(self, batch: Sketches, hints: Tensor | None) -> Tensor:
+    def _float32_maps(self, batch: Sketches, hints: Tensor | None) -> Tensor:
         predicted: Tensor = self(batch["sketch"], hints)
         return predicted.float()  # under bf16, metrics and files still get full precision
 

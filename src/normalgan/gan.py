@@ -273,7 +273,7 @@ class NormalGAN(SavedSettings, Evaluation):
         if first == len(hints):
             return hints
         last = slice(first, None)
-        with self._predicting():
+        with self._eval_mode():
             pinned = pin_in_turn(
                 lambda given: self(batch["sketch"][last], given).float(),
                 batch["normal"][last],

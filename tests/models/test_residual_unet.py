@@ -4,8 +4,9 @@ import pytest
 import torch
 
 from normalgan.errors import InputError
+from normalgan.models.blocks import ResidualBlock, residual_blocks
 from normalgan.models.condition import make_condition
-from normalgan.models.residual_unet import ResidualBlock, ResidualUNetGenerator, hint_pyramid, residual_blocks
+from normalgan.models.residual_unet import ResidualUNetGenerator, hint_pyramid
 
 Norm = Literal["batch", "none"]
 

@@ -14,6 +14,7 @@ from normalgan.ranges import NonNegative, PositiveInt, check_ranges
 
 __all__ = ["AngularLikelihood", "angular_nll", "relief_error", "smooth_angle"]
 
+_GRID = 8  # cells along each side of the grid in which the relief is compared
 _TINY = 1e-6  # lower bound of a length or its square, because the angle has no gradient at 0 and 180°
 
 
@@ -54,8 +55,8 @@ def relief_error(direction: Tensor, target: Tensor, mask: Tensor) -> Tensor:
         mask: (N, 1, H, W), 1 on the object.
     """
     off = (direction[:, 2:] - target[:, 2:]) * mask
-    parts = F.adaptive_avg_pool2d(off, 8).abs().sum()
-    return parts / F.adaptive_avg_pool2d(mask, 8).sum().clamp(min=1e-6)
+    parts = F.adaptive_avg_pool2d(off, _GRID).abs().sum()
+    return parts / F.adaptive_avg_pool2d(mask, _GRID).sum().clamp(min=1e-6)
 
 
 @RECONSTRUCTIONS.register

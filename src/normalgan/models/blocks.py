@@ -1,10 +1,22 @@
-"""Layers shared by several networks: convolutions by kernel size, norms by name, initial weights."""
+"""Layers shared by several networks: convolutions by kernel size, residual blocks, norms, initial weights."""
 
+from collections.abc import Sequence
 from typing import Literal
 
-from torch import nn
+from torch import Tensor, nn
 
-__all__ = ["Norm", "down", "init_weights", "norm_layer", "up"]
+from normalgan.errors import InputError
+
+__all__ = [
+    "Norm",
+    "ResidualBlock",
+    "check_levels",
+    "down",
+    "init_weights",
+    "norm_layer",
+    "residual_blocks",
+    "up",
+]
 
 Norm = Literal["batch", "instance", "none"]
 
@@ -42,3 +54,51 @@ def init_weights(module: nn.Module) -> None:
     elif isinstance(module, nn.BatchNorm2d | nn.InstanceNorm2d) and module.affine:
         nn.init.normal_(module.weight, 1.0, 0.02)
         nn.init.zeros_(module.bias)
+
+
+def check_levels(network: nn.Module, widths: Sequence[int], blocks: Sequence[int]) -> None:
+    """Check that a network has a width and a number of blocks for each of its levels.
+
+    Raises:
+        InputError: if the lists differ in length, or there are fewer than two levels.
+    """
+    if len(widths) != len(blocks) or len(widths) < 2:
+        raise InputError(
+            f"widths and blocks of {type(network).__name__} are {list(widths)} and {list(blocks)}; each must "
+            "have a number for each of two or more levels."
+        )
+
+
+class ResidualBlock(nn.Module):
+    """A residual block: x + conv(SiLU(norm(conv(SiLU(norm(x)))))).
+
+    Norm and activation come before the convolution (He et al. 2016, "Identity Mappings in Deep Residual
+    Networks"). Without norms the second convolution starts at zero, so that each block starts as the identity
+    (Zhang et al. 2019, "Fixup Initialization", first rule).
+
+    Args:
+        channels: channels of the input and of the output.
+        norm: norm before each activation.
+    """
+
+    def __init__(self, channels: int, norm: Norm = "none") -> None:
+        super().__init__()
+        self.first_norm = norm_layer(norm, channels)
+        self.first = nn.Conv2d(channels, channels, 3, padding=1)
+        self.second_norm = norm_layer(norm, channels)
+        self.second = nn.Conv2d(channels, channels, 3, padding=1)
+        self.activation = nn.SiLU()
+        if norm == "none":
+            for parameter in self.second.parameters():
+                nn.init.zeros_(parameter)
+
+    def forward(self, features: Tensor) -> Tensor:
+        """Return features of the same shape (N, C, H, W)."""
+        change: Tensor = self.first(self.activation(self.first_norm(features)))
+        change = self.second(self.activation(self.second_norm(change)))
+        return features + change
+
+
+def residual_blocks(channels: int, count: int, norm: Norm = "none") -> nn.Sequential:
+    """Return ``count`` residual blocks in sequence."""
+    return nn.Sequential(*(ResidualBlock(channels, norm) for _ in range(count)))

@@ -6,7 +6,8 @@ import torch
 from torch import Tensor, nn
 
 from normalgan.errors import InputError
-from normalgan.models.residual_unet import ResidualBlock, ResidualUNetGenerator
+from normalgan.models.blocks import ResidualBlock
+from normalgan.models.residual_unet import ResidualUNetGenerator
 
 __all__ = ["grow"]
 

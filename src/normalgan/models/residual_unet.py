@@ -1,6 +1,5 @@
 """ResidualUNetGenerator: our network; a residual U-Net with unit normals, presence and confidence."""
 
-from collections.abc import Sequence
 from itertools import pairwise
 from typing import Literal
 
@@ -10,19 +9,16 @@ from torch import Tensor, nn
 
 from normalgan.errors import InputError
 from normalgan.models.base import GENERATORS, Generator
-from normalgan.models.blocks import Norm, norm_layer
+from normalgan.models.blocks import check_levels, residual_blocks
 from normalgan.models.predictions import Predictions
 from normalgan.ranges import PositiveInt, check_ranges
 
 __all__ = [
-    "ResidualBlock",
     "ResidualUNetGenerator",
-    "check_levels",
     "float32_output",
     "hint_pyramid",
     "mean_of_mirrored",
     "mirror_condition",
-    "residual_blocks",
 ]
 
 _OUTPUTS = 5
@@ -198,54 +194,6 @@ def _deblocked(direction: Tensor, presence: Tensor, ink: Tensor, patch: int) -> 
     # Normals jump at lines: leave them within a pixel of a line, and average fully from four pixels on.
     near = F.avg_pool2d(F.max_pool2d(ink, 5, 1, 2), 3, 1, 1, count_include_pad=False)
     return F.normalize(torch.lerp(mean, weighted, near), dim=1, eps=1e-6)
-
-
-def check_levels(network: nn.Module, widths: Sequence[int], blocks: Sequence[int]) -> None:
-    """Check that a network has a width and a number of blocks for each of its levels.
-
-    Raises:
-        InputError: if the lists differ in length, or there are fewer than two levels.
-    """
-    if len(widths) != len(blocks) or len(widths) < 2:
-        raise InputError(
-            f"widths and blocks of {type(network).__name__} are {list(widths)} and {list(blocks)}; each must "
-            "have a number for each of two or more levels."
-        )
-
-
-class ResidualBlock(nn.Module):
-    """A residual block: x + conv(SiLU(norm(conv(SiLU(norm(x)))))).
-
-    Norm and activation come before the convolution (He et al. 2016, "Identity Mappings in Deep Residual
-    Networks"). Without norms the second convolution starts at zero, so that each block starts as the identity
-    (Zhang et al. 2019, "Fixup Initialization", first rule).
-
-    Args:
-        channels: channels of the input and of the output.
-        norm: norm before each activation.
-    """
-
-    def __init__(self, channels: int, norm: Norm = "none") -> None:
-        super().__init__()
-        self.first_norm = norm_layer(norm, channels)
-        self.first = nn.Conv2d(channels, channels, 3, padding=1)
-        self.second_norm = norm_layer(norm, channels)
-        self.second = nn.Conv2d(channels, channels, 3, padding=1)
-        self.activation = nn.SiLU()
-        if norm == "none":
-            for parameter in self.second.parameters():
-                nn.init.zeros_(parameter)
-
-    def forward(self, features: Tensor) -> Tensor:
-        """Return features of the same shape (N, C, H, W)."""
-        change: Tensor = self.first(self.activation(self.first_norm(features)))
-        change = self.second(self.activation(self.second_norm(change)))
-        return features + change
-
-
-def residual_blocks(channels: int, count: int, norm: Norm = "none") -> nn.Sequential:
-    """Return ``count`` residual blocks in sequence."""
-    return nn.Sequential(*(ResidualBlock(channels, norm) for _ in range(count)))
 
 
 def hint_pyramid(hints: Tensor, levels: int) -> list[Tensor]:

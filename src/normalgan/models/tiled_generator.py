@@ -8,8 +8,7 @@ from torch import Tensor, nn
 
 from normalgan.errors import InputError
 from normalgan.models.base import GENERATORS, Generator
-from normalgan.models.blocks import Norm
-from normalgan.models.residual_unet import check_levels, residual_blocks
+from normalgan.models.blocks import Norm, check_levels, residual_blocks
 from normalgan.ranges import PositiveInt, check_ranges
 
 __all__ = ["SCALES", "TiledGenerator"]

@@ -15,6 +15,85 @@ __all__ = ["UNet", "UNetDiscriminator", "UNetGenerator", "full_depth"]
 _Depth = Annotated[int, Range(2)]
 
 
+class UNet(nn.Module):
+    """Encoder and decoder of ``depth`` strided convolutions each, with a skip from layer i to layer n - i.
+
+    Channels double from ``width`` to 8 × ``width`` in the encoder, and the decoder mirrors it. The
+    outermost and the innermost layers have no norm, although the paper says "each layer": over the
+    innermost single pixel, a norm would subtract the value from itself.
+
+    Args:
+        inputs: number of input channels.
+        outputs: number of output channels, which have no activation.
+        width: channels of the first layer; 64 in the published networks.
+        depth: number of encoder layers and of decoder layers; sides must be multiples of 2 ** depth.
+        kernel: kernel size of the convolutions: 4 in pix2pix, 5 in Sketch2Normal.
+        norm: normalisation after each convolution.
+        bias: whether layers before a norm have a bias too, as in Sketch2Normal.
+        dropout: dropout probability in up to three innermost decoder layers of full width.
+
+    References:
+        Isola et al. 2017, "Image-to-Image Translation with Conditional Adversarial Networks", 6.1.1.
+    """
+
+    def __init__(
+        self,
+        inputs: int,
+        outputs: int,
+        *,
+        width: int,
+        depth: int,
+        kernel: int = 4,
+        norm: Norm = "batch",
+        bias: bool = False,
+        dropout: float = 0.0,
+    ) -> None:
+        super().__init__()
+        self.depth = depth
+        self.widths = [width * min(2**i, 8) for i in range(depth)]
+        bias = bias or norm == "none"
+        self.encoder = nn.ModuleList()
+        for i, after in enumerate(self.widths):
+            before = self.widths[i - 1] if i else inputs
+            layers: list[nn.Module] = [nn.LeakyReLU(0.2)] if i else []
+            layers.append(down(before, after, kernel, bias))
+            if 0 < i < depth - 1:
+                layers.append(norm_layer(norm, after))
+            self.encoder.append(nn.Sequential(*layers))
+        self.decoder = nn.ModuleList()
+        for step, i in enumerate(reversed(range(depth))):  # from the innermost layer outwards
+            before = self.widths[i] * (2 if step else 1)  # all but the innermost also read a skip
+            after = self.widths[i - 1] if i else outputs
+            layers = [nn.ReLU(), up(before, after, kernel, bias or i == 0)]
+            if i:
+                layers.append(norm_layer(norm, after))
+                if dropout and step < 3 and after == 8 * width:
+                    layers.append(nn.Dropout(dropout))
+            self.decoder.append(nn.Sequential(*layers))
+        self.apply(init_weights)
+
+    def forward(self, x: Tensor) -> tuple[Tensor, Tensor]:
+        """Return the output (N, outputs, H, W) and the innermost features (N, 8 × width, h, w).
+
+        Raises:
+            InputError: if a side of ``x`` is not a multiple of 2 ** depth.
+        """
+        if x.shape[-1] % 2**self.depth or x.shape[-2] % 2**self.depth:
+            raise InputError(
+                f"a U-Net of depth {self.depth} needs sides that are multiples of {2**self.depth}, "
+                f"not {x.shape[-2]} × {x.shape[-1]} pixels."
+            )
+        skips = []
+        for layer in self.encoder:
+            x = layer(x)
+            skips.append(x)
+        innermost = skips.pop()
+        x = self.decoder[0](innermost)
+        for layer in self.decoder[1:]:
+            x = layer(torch.cat([x, skips.pop()], dim=1))
+        return x, innermost
+
+
 @GENERATORS.register
 class UNetGenerator(Generator):
     """The paper's generator: a U-Net of 16 layers at 256 pixels, with tanh.
@@ -137,82 +216,3 @@ def full_depth(size: int) -> int:
             f"a U-Net down to one pixel needs a size that is a power of two, at least 4, not {size}."
         )
     return size.bit_length() - 1
-
-
-class UNet(nn.Module):
-    """Encoder and decoder of ``depth`` strided convolutions each, with a skip from layer i to layer n - i.
-
-    Channels double from ``width`` to 8 × ``width`` in the encoder, and the decoder mirrors it. The
-    outermost and the innermost layers have no norm, although the paper says "each layer": over the
-    innermost single pixel, a norm would subtract the value from itself.
-
-    Args:
-        inputs: number of input channels.
-        outputs: number of output channels, which have no activation.
-        width: channels of the first layer; 64 in the published networks.
-        depth: number of encoder layers and of decoder layers; sides must be multiples of 2 ** depth.
-        kernel: kernel size of the convolutions: 4 in pix2pix, 5 in Sketch2Normal.
-        norm: normalisation after each convolution.
-        bias: whether layers before a norm have a bias too, as in Sketch2Normal.
-        dropout: dropout probability in up to three innermost decoder layers of full width.
-
-    References:
-        Isola et al. 2017, "Image-to-Image Translation with Conditional Adversarial Networks", 6.1.1.
-    """
-
-    def __init__(
-        self,
-        inputs: int,
-        outputs: int,
-        *,
-        width: int,
-        depth: int,
-        kernel: int = 4,
-        norm: Norm = "batch",
-        bias: bool = False,
-        dropout: float = 0.0,
-    ) -> None:
-        super().__init__()
-        self.depth = depth
-        self.widths = [width * min(2**i, 8) for i in range(depth)]
-        bias = bias or norm == "none"
-        self.encoder = nn.ModuleList()
-        for i, after in enumerate(self.widths):
-            before = self.widths[i - 1] if i else inputs
-            layers: list[nn.Module] = [nn.LeakyReLU(0.2)] if i else []
-            layers.append(down(before, after, kernel, bias))
-            if 0 < i < depth - 1:
-                layers.append(norm_layer(norm, after))
-            self.encoder.append(nn.Sequential(*layers))
-        self.decoder = nn.ModuleList()
-        for step, i in enumerate(reversed(range(depth))):
-            before = self.widths[i] * (2 if step else 1)  # all but the innermost also read a skip
-            after = self.widths[i - 1] if i else outputs
-            layers = [nn.ReLU(), up(before, after, kernel, bias or i == 0)]
-            if i:
-                layers.append(norm_layer(norm, after))
-                if dropout and step < 3 and after == 8 * width:
-                    layers.append(nn.Dropout(dropout))
-            self.decoder.append(nn.Sequential(*layers))
-        self.apply(init_weights)
-
-    def forward(self, x: Tensor) -> tuple[Tensor, Tensor]:
-        """Return the output (N, outputs, H, W) and the innermost features (N, 8 × width, h, w).
-
-        Raises:
-            InputError: if a side of ``x`` is not a multiple of 2 ** depth.
-        """
-        if x.shape[-1] % 2**self.depth or x.shape[-2] % 2**self.depth:
-            raise InputError(
-                f"a U-Net of depth {self.depth} needs sides that are multiples of {2**self.depth}, "
-                f"not {x.shape[-2]} × {x.shape[-1]} pixels."
-            )
-        skips = []
-        for layer in self.encoder:
-            x = layer(x)
-            skips.append(x)
-        innermost = skips.pop()
-        x = self.decoder[0](innermost)
-        for layer in self.decoder[1:]:
-            x = layer(torch.cat([x, skips.pop()], dim=1))
-        return x, innermost

@@ -52,7 +52,9 @@ class Output(ABC):
         """Return the content of each file by its ending; see `endings`.
 
         Args:
-            preds: map of the drawing. Its `height` is computed once for all outputs.
+            preds: map of the drawing. Its `height` is computed once for all outputs. If it has ``cells`` or
+                a ``tile``, an output that looks beyond single pixels treats each cell separately and wraps
+                around the edges, as `normalgan.inference.outputs.shading` does.
         """
 
     @property
