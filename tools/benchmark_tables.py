@@ -28,11 +28,12 @@ INTRODUCTION = """# Benchmark: all tables
 This page is the appendix of [the benchmark](benchmark.md). `python tools/benchmark_tables.py` writes it from
 the files in `docs/results`, which also name the machine, the versions and the commit of each run.
 
-- Errors are mean angular errors on the object, hinted pixels left out. 15 and 50 hints are uniform on the
-  object; *own* hints come from the sampler that a method was trained with.
+- Errors are mean angular errors on the object, without the hinted pixels. The 15 or 50 hints are placed
+  uniformly on the object; *own* hints come from the sampler that a method was trained with.
 - ± is the standard deviation over the seeds, on the same meshes.
-- A difference has a 95 % interval over meshes and seeds in brackets (Student's t, paired by both).
-- `tools/benchmark_runs.sh NAME` measures a section's figures again, with the [FourLeg
+- Each difference is followed by its 95 % interval over meshes and seeds in brackets (Student's t, paired by
+  both).
+- To measure a section's figures again, run `tools/benchmark_runs.sh NAME` with the [FourLeg
   meshes](data.md#the-fourleg-meshes) in `meshes`.
 """
 
@@ -122,11 +123,11 @@ def section(title: str, name: str, text: str, names: str | None = None) -> list[
         names: the arguments of `tools/benchmark_runs.sh`; None for ``name``.
     """
     results = read(name)
-    budget = f"{results['images']:,} images a method".replace(",", " ")
+    images = f"{results['images']:,}".replace(",", " ")
     seeds = len({run["seed"] for run in results["runs"]} - {None})
-    where = f"{results['size']} pixels, {budget}, {seeds} seeds, one core each"
-    where += f" ({results['machine']['processor']})"
-    return ["", f"## {title}", "", text, f"{where}: `tools/benchmark_runs.sh {names or name}`."]
+    where = f"Each method learns from {images} images of {results['size']} pixels, with {seeds} seeds and one"
+    where += f" core per run ({results['machine']['processor']})."
+    return ["", f"## {title}", "", text, f"{where} Repeat: `tools/benchmark_runs.sh {names or name}`."]
 
 
 def comparison() -> list[str]:
@@ -134,8 +135,10 @@ def comparison() -> list[str]:
     later = read("deepnormals_64")
     rows = ours_last(methods(read("benchmark_64")) | methods(later))
     lines = section("All methods", "benchmark_64", PUBLISHED)
-    lines += ["DeepNormals-like was trained later, on as many of the same samples, on another processor"]
-    lines += [f"({later['machine']['processor']}): `tools/benchmark_runs.sh deepnormals_64`."]
+    lines += [
+        "The DeepNormals-like network was trained later, on as many of the same samples, on another processor"
+    ]
+    lines += [f"({later['machine']['processor']}; `tools/benchmark_runs.sh deepnormals_64`)."]
     return lines + table(labelled(rows), {**FIGURES, **less_the_paper(rows)}, "method")
 
 
@@ -176,7 +179,7 @@ FIGURES: dict[str, Cell] = {
     "own hints": error(OWN),
     "how many": how_many,
 }
-PUBLISHED = "FourLeg meshes, published split: 5 test meshes, 40 views each."
+PUBLISHED = "The tests use the 5 test meshes of the published FourLeg split, with 40 views each."
 TRAINED = ("pix2pix", "sketch2normal", "deepnormals-slim", "ours")
 """The methods other than the paper's, in the order of the tables."""
 UNSEEN = {"foreign": "foreign meshes", "people": "bodies", "props": "things"}
@@ -191,14 +194,22 @@ def larger() -> list[str]:
     lines += table(labelled(rows), {**FIGURES, **less_the_paper(rows)}, "method")
     others = {kind: ours_last(methods(read(f"fourlegs_{kind}_128"))) for kind in UNSEEN}
     names = list(next(iter(others.values())))
-    lines += ["", "The same networks, which have seen nothing but FourLegs, on other subjects"]
+    lines += [
+        "",
+        "The next table tests the same networks, which have seen nothing but FourLegs, on other subjects",
+    ]
     lines += ["(`tools/benchmark_runs.sh fourlegs_foreign_128 fourlegs_people_128 fourlegs_props_128`):"]
     of = [(kind, given, heading) for kind in UNSEEN for given, heading in (("0", "no hints"), ("15", "15"))]
     columns = {f"{UNSEEN[kind]}, {heading}": across(others[kind], given) for kind, given, heading in of}
     lines += table({rows[name][0]["label"]: rows[name] for name in names}, columns, "method")
     trained = {name: rows[name] for name in TRAINED if name in rows}
     less = {f"{UNSEEN[kind]}, {heading}": across(others[kind], given, "paper") for kind, given, heading in of}
-    return [*lines, "", "Minus the paper:", *table(labelled(trained), less, "method")]
+    return [
+        *lines,
+        "",
+        "The same errors minus those of the paper's networks:",
+        *table(labelled(trained), less, "method"),
+    ]
 
 
 def ours_last(rows: Mapping[str, Runs]) -> dict[str, Runs]:
@@ -215,15 +226,15 @@ def across(rows: Mapping[str, Runs], given: str, reference: str | None = None) -
 def folds() -> list[str]:
     """Return the section on all 20 meshes."""
     rows = methods(read("folds_64"))
-    text = "Each of the 20 FourLeg meshes is tested on once."
+    text = "Each of the 20 FourLeg meshes is in the test split once."
     lines = section("All 20 meshes, five folds", "folds_64", text)
     figures = {heading: cell for heading, cell in FIGURES.items() if not heading.startswith("median")}
     lines += table(labelled(rows), {**figures, **less_the_paper(rows)}, "method")
-    lines += ["", "How much hints change the error:"]
+    lines += ["", "Hints change the error by:"]
     gains = {f"{n} hints": beside((), str(n), "0") for n in (5, 10, 15, 20, 50)}
     lines += table(labelled(rows), gains, "method")
-    by_mesh = f"By mesh, ours leads by {lead(rows, '0')} without hints, and by {lead(rows, '15')} with 15."
-    return [*lines, "", by_mesh]
+    by_mesh = f"On single meshes, ours leads by {lead(rows, '0')} without hints,"
+    return [*lines, "", by_mesh, f"and by {lead(rows, '15')} with 15 hints."]
 
 
 def lead(rows: Mapping[str, Runs], given: str) -> str:
@@ -247,7 +258,10 @@ def placement() -> list[str]:
         "farthest": "far apart",
         "worst": "where the error is largest (oracle)",
     }
-    text = "The paper's networks, trained with exactly 3, 17 or 60 hints a view and tested with others."
+    text = (
+        "The paper's networks were trained with exactly 3, 17 or 60 hints per view, and tested with other "
+        "numbers of hints."
+    )
     lines = section("Where hints lie, and how many", "placement_64", text)
     counts = {
         f"{n} {names[where]}": rows[f"paper-{where}-{n}"]
@@ -258,7 +272,11 @@ def placement() -> list[str]:
         f"{n} {names[w]}": error(f"{w}-{n}") for w in ("uniform", "curvature") for n in (3, 10, 17, 30, 60)
     }
     lines += table(counts, {"no hints": error("0"), **tested}, "trained with")
-    lines += ["", "Hints by curvature minus uniform hints, for networks trained with the same number:"]
+    lines += [
+        "",
+        "The error of networks trained on hints by curvature, minus that of networks trained on as many "
+        "uniform hints:",
+    ]
     pairs = {str(n): rows[f"paper-curvature-{n}"] for n in (3, 17, 60)}
     uniform = {id(rows[f"paper-curvature-{n}"]): rows[f"paper-uniform-{n}"] for n in (3, 17, 60)}
 
@@ -275,8 +293,8 @@ def placement() -> list[str]:
     )
     lines += [
         "",
-        "Four placements, 17 hints in training (rows) and in the test (columns), and the difference from "
-        "uniform hints:",
+        "The rows are four placements of 17 hints in training. The columns are the same placements in the "
+        "test, and the differences from training on uniform hints:",
     ]
     matrix = {label: rows[f"paper-{where}-17"] for where, label in names.items()}
     tested = {label: error(f"{where}-17") for where, label in names.items()}
@@ -286,14 +304,17 @@ def placement() -> list[str]:
     gains = [
         f"{n} hints: {beside((), f'uniform-{n}', '0')(rows['paper-uniform-17'])}" for n in (3, 10, 17, 30, 60)
     ]
-    lines += ["", "How much uniform hints change the error of the network that was trained with 17 of them:"]
+    lines += [
+        "",
+        "Uniform hints change the error of the network that was trained with 17 of them by:",
+    ]
     return [*lines, "; ".join(gains) + "."]
 
 
 def thresholds() -> list[str]:
     """Return the section on the curvature levels of training hints."""
     rows = methods(read("thresholds_64"))
-    text = "The paper's networks, trained with exactly 17 hints a view on other levels of the curvature map."
+    text = "The paper's networks were trained with exactly 17 hints per view on other curvature levels."
     lines = section("Thresholds of the curvature map", "thresholds_64", text)
     hints = {"no hints": "0", "17 uniform": "uniform-17", "own 17": OWN}
     columns = {heading: error(given) for heading, given in hints.items()}
@@ -308,7 +329,7 @@ def critic() -> list[str]:
     """Return the section on the critic."""
     rows = methods(read("critic_64"))
     none = rows["none"]
-    text = "The paper's networks with a critic of several weights. The last checkpoint is measured."
+    text = "The paper's networks are trained with several critic weights. The last checkpoint is measured."
     lines = section("The critic", "critic_64", text)
     columns = {
         "adversarial / reconstruction gradient": share,
@@ -317,7 +338,10 @@ def critic() -> list[str]:
         "change between pixels, predicted / true": error("0", "gradient_ratio"),
     }
     lines += table(labelled(rows), columns, "critic")
-    lines += ["", "Differences to no discriminator; the last three columns are without hints:"]
+    lines += [
+        "",
+        "Differences from training without a discriminator. The last three columns are without hints:",
+    ]
     others = {name: runs for name, runs in rows.items() if runs is not none}
     columns = {**differences(none), "n_z": relief(none, "nz_bias"), "change": relief(none, "gradient_ratio")}
     return lines + table(labelled(others), {**columns, "IoU": relief(none, "mask_iou")}, "critic")
@@ -329,7 +353,7 @@ def ablation() -> list[str]:
     lines = section("Ours, one part changed", "ablation_64", "Each row changes one part of our method.")
     less = {f"{heading}, minus ours": cell for heading, cell in differences(rows["ours"]).items()}
     lines += table(labelled(rows), {**THREE, **less}, "method")
-    lines += ["", "Ours with a patch critic, without hints:"]
+    lines += ["", "Our method with a patch critic, tested without hints:"]
     columns = {
         "adversarial / reconstruction gradient": share,
         "error": error("0"),
@@ -353,7 +377,7 @@ def drawings() -> list[str]:
     }
     found = {label: methods(read(name)) for name, label in names.items()}
     trained = found["suggestive contours, as in training"]
-    text = "The same trained networks, tested on other line styles and on an unsteady [hand](hand.md)."
+    text = "The same trained networks were tested on other line styles and on an unsteady [hand](hand.md)."
     lines = section("Other drawings than in training", "lines_64", text, " ".join(list(names)[1:]))
     papers = {id(rows["ours"]): rows["paper"] for rows in found.values()}
     figures: dict[str, Cell] = {}
@@ -370,7 +394,7 @@ def drawings() -> list[str]:
         f"{heading}, ours minus the paper": lambda runs, given=given: beside(papers[id(runs)], given)(runs)
         for heading, given in {"no hints": "0", "15 hints": "15", "own hints": OWN}.items()
     }
-    lines += ["", "Minus the error on drawings as in training, and ours minus the paper:"]
+    lines += ["", "The same errors minus those on drawings as in training, and our errors minus the paper's:"]
     return lines + table(drawn, {**changes, **less}, "tested on")
 
 
@@ -382,20 +406,20 @@ def of_both(cell: Cell, row: str, papers: Mapping[int, Runs]) -> Cell:
 def people() -> list[str]:
     """Return the section on hints as people give them."""
     rows = methods(read("users_64"))
-    text = "The networks of the first table with 15 hints, each turned by an angle or moved by pixels of 64."
+    text = "The networks of the first table get 15 hints, each turned by an angle or moved by pixels (of 64)."
     lines = section("Hints as people give them", "users_64", text)
     turned = {f"{n}°": error(f"degrees-{n}") for n in (5, 10, 15, 30)}
     moved = {f"{n} px": error(f"pixels-{n}") for n in (1, 2, 3, 6)}
     lines += table(
         labelled(rows), {"exact": error("15"), **turned, **moved, "no hints": error("0")}, "method"
     )
-    lines += ["", "Minus exact hints:"]
+    lines += ["", "The same errors minus those with exact hints:"]
     less = {f"turned by {n}°": beside((), f"degrees-{n}", "15") for n in (15, 30)}
     less |= {f"moved by {n} px": beside((), f"pixels-{n}", "15") for n in (3, 6)}
     lines += table(labelled(rows), less, "method")
     lines += [
         "",
-        "Pins set one by one, where the error is largest (an oracle) and where the studio suggests:",
+        "Here pins are set one by one, where the error is largest (an oracle) or where the studio suggests:",
     ]
     columns = {f"oracle: {n}": pins("worst", n) for n in (0, 1, 3, 10, 20)}
     columns |= {f"suggested: {n}": pins("suggested", n) for n in (0, 1, 3, 10, 20)}
@@ -432,9 +456,10 @@ def shipped() -> list[str]:
         "",
         "## Shipped weights",
         "",
-        "The [weights that come with the package](model_card.md) on meshes that they were not trained on.",
-        "*Foreign* sets come from sources that no training mesh comes from. *Same source* sets share their",
-        "artists with the training meshes. `tools/benchmark_runs.sh shipped_PLAN` measures a row again; the",
+        "This table tests the [weights that come with the package](model_card.md) on meshes that they were",
+        "not trained on. No training mesh comes from the sources of the *foreign* sets. The *same source*",
+        "sets are by the artists of the training meshes. To measure a row again, run",
+        "`tools/benchmark_runs.sh shipped_PLAN`. The",
         f"plans are {', '.join(SHIPPED)}.",
     ]
     counts = ("0", "5", "10", "15", "20", "50", "200")
@@ -448,7 +473,12 @@ def shipped() -> list[str]:
         "median, 15 hints": error("15", "angular_median"),
         "below 11.25°, 15 hints": error("15", "below_11_25"),
     }
-    return [*lines, "", "Without hints, except in the last two columns:", *table(found, columns, "test set")]
+    return [
+        *lines,
+        "",
+        "These figures are without hints, except in the last two columns:",
+        *table(found, columns, "test set"),
+    ]
 
 
 def card(sets: str = "") -> list[str]:

@@ -19,7 +19,7 @@ __all__ = ["Evaluation"]
 
 
 class Evaluation(LightningModule):
-    """Mixin that predicts with a generator and measures it; subclasses add the training.
+    """LightningModule that predicts with a generator and measures it; subclasses add the training.
 
     Attributes:
         generator: network that predicts normal maps.
@@ -82,7 +82,7 @@ class Evaluation(LightningModule):
 
     @contextmanager
     def _eval_mode(self) -> Iterator[None]:
-        """Predict during training without updating the norms' statistics or drawing noise."""
+        """Switch the generator to evaluation mode without gradients, then restore each module's mode."""
         modes = {module: module.training for module in self.generator.modules()}
         self.generator.eval()
         try:

@@ -117,7 +117,7 @@ def _covered(prepared: Prepared, mask: BoolMask) -> Floats:
 
 
 def _opacity(prepared: Prepared, covered: Floats) -> Floats:
-    """Return a map's opacity (H, W): the drawing's outside edits if the mask comes from it, else coverage."""
+    """Return a map's opacity (H, W): the drawing's alpha outside the user's edits, otherwise the coverage."""
     edge: Floats = (np.rint(covered * 255) / 255).astype(np.float32)
     if prepared.alpha is None:
         return edge

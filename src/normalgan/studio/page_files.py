@@ -1,4 +1,4 @@
-"""Page files: preload modules and version addresses, so that the page loads fast."""
+"""Page files: preload modules and put versions into addresses, so that the page loads fast."""
 
 import hashlib
 import posixpath

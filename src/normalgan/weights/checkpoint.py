@@ -323,7 +323,7 @@ def _configuration(name: str, value: Any) -> Any:
 
 
 def _as_named(value: Mapping[str, Any], found: dict[str, Any]) -> dict[str, Any]:
-    """Return a configuration with the class path from the file, if it still leads to the same class."""
+    """Return a configuration with the class path from the file, if it still resolves to the same class."""
 
     def leads_to(path: str) -> object:
         module, _, name = path.rpartition(".")

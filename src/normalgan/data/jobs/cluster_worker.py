@@ -23,7 +23,7 @@ _PACKAGES = ("normalgan", "numpy", "scipy", "scikit-image", "trimesh", "embreex"
 
 @dataclass(frozen=True)
 class Unfit:
-    """Error of the worker at an address that refused a task, because its result would differ."""
+    """The answer of a worker that refuses a task because its result would differ."""
 
     worker: str
 

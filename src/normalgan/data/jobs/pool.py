@@ -76,7 +76,7 @@ class Pool(ABC):
                 tasks that share a name with it are not started but yielded as killed.
 
         Raises:
-            InputError: as raised by a task; tasks that finished earlier were yielded or written.
+            InputError: if a task raises one; results of earlier tasks are already yielded or written.
             RunError: if no worker is left; tasks that finished earlier were yielded or written.
         """
         todo = deque((task, 0) for task in tasks)  # with the number of lost results

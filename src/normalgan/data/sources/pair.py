@@ -125,7 +125,7 @@ class PairRecipe:
         )
 
     def describe(self) -> dict[str, Any]:
-        """Return everything except the pairs that the samples depend on, as plain values for JSON."""
+        """Return what the samples depend on, apart from the pairs themselves, as plain values for JSON."""
         return {
             "class": "PairRecipe",
             "size": self.size,

@@ -1,4 +1,4 @@
-"""Manifest: the description and key of a stored data set."""
+"""Manifest: what a stored data set holds, and the key that names its folder."""
 
 import hashlib
 import json

@@ -31,7 +31,7 @@ _Boxes = NDArray[np.intp]
 
 
 def find_islands(sheet: Decoded) -> list[Cell]:
-    """Return the cells of a sheet's drawings, row by row: opaque islands, or connected lines if it is opaque.
+    """Return the cells of a sheet's drawings, row by row: islands, or connected lines if the sheet is opaque.
 
     Lines with a narrow gap between them count as connected. A small part, such as an eye or a spark, joins
     the large part next to it.

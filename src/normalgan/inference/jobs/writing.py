@@ -80,7 +80,7 @@ class Writer:
             self.sink(*found)
 
     def write_held(self, held: Sequence[Held]) -> None:
-        """Write held files with a common scale, the largest of all.
+        """Write all held files at one scale, the largest among them.
 
         Raises:
             OSError: if a file cannot be written.

@@ -31,7 +31,7 @@ class Outputs:
 
     @property
     def beside(self) -> list[str]:
-        """The endings of the names of all other files."""
+        """The endings of all other files, such as ``_height.png``."""
         return [ending for output in self.others for ending in output.endings]
 
     @property

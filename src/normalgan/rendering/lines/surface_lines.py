@@ -1,4 +1,4 @@
-"""Lines on a mesh: crossings of its edges, connected to long, fading strokes."""
+"""Lines on a mesh: crossings of its edges, joined into long strokes that fade."""
 
 from abc import abstractmethod
 from dataclasses import dataclass

@@ -229,7 +229,7 @@ def _sides(centre: Doubles, width: float, odd: float) -> tuple[float, float]:
 
 
 def _mirrored(pulls: Doubles, odd: float) -> Doubles:
-    """Return the pulls of a lattice with a fraction ``odd`` of the difference between left and right."""
+    """Return a lattice's displacements, keeping a fraction ``odd`` of their left-right difference."""
     image = pulls[:, :, ::-1] * _MIRROR
     # The mean of two independent pulls is smaller by a factor of √2.
     return np.asarray(((pulls + image) + odd * (pulls - image)) / np.sqrt(2 * (1 + odd**2)))
