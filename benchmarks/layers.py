@@ -100,7 +100,7 @@ def errors(backend: OnnxBackend, layers: list[Layer], normals: Floats) -> list[f
     ]
 
     def infer(way: Prepared) -> Inferred:
-        return backend.predict(way.seen, way.hints)
+        return backend.predict(way.model_input, way.hints)
 
     ways = ways_to_see(prepared[-1], context_of(prepared))
     maps = [finish(way, *infer(way), backend.upsample) for way in ways]

@@ -143,7 +143,7 @@ class LayeredJob:
         backend = self.predictor.backend
         try:
             ways = ways_to_see(prepare_member(self.predictor, member, self.size), context)
-            seen, preds, confidence = surest(ways, lambda way: backend.predict(way.seen, way.hints))
+            seen, preds, confidence = surest(ways, lambda way: backend.predict(way.model_input, way.hints))
             return finish(seen, preds, confidence, self.predictor.upsample)
         except InputError as error:
             return error

@@ -1,4 +1,4 @@
-"""Decision: find the object from the lines, the reader's presence and the user's flips."""
+"""Decision: find the object from the lines, the reader's presence and the holes that the user marks."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -83,7 +83,7 @@ class Decision:
         return picture
 
 
-def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, float]] = ()) -> Decision:
+def decide(ink: Floats, reading: Reading | None, holes: Sequence[tuple[float, float]] = ()) -> Decision:
     """Find the object from the lines and the reader's presence.
 
     A region that lines enclose is entirely object or entirely hole, depending on its mean presence. Where an
@@ -92,7 +92,7 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
     Args:
         ink: (H, W) in [0, 1], the lines.
         reading: the reader's output; None decides by the lines alone.
-        flips: x and y of points whose enclosed regions change from object to hole, or from hole to object.
+        holes: x and y of points whose enclosed regions change from object to hole, or from hole to object.
 
     Raises:
         InputError: if a point lies in no enclosed region.
@@ -101,7 +101,7 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
         >>> ink = np.zeros((64, 64), np.float32)
         >>> cv2.rectangle(ink, (8, 8), (56, 56), 1, 2) is cv2.rectangle(ink, (24, 24), (40, 40), 1, 2)
         True
-        >>> [int(decide(ink, None, flips).mask[32, 32]) for flips in ((), ((32, 32),))]
+        >>> [int(decide(ink, None, holes).mask[32, 32]) for holes in ((), ((32, 32),))]
         [1, 0]
     """
     shape = (ink.shape[0], ink.shape[1])
@@ -123,7 +123,7 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
     # A hole must be enclosed by lines, so other gaps in the object are filled.
     small |= enclosed_by(small) & ~enclosed[regions] & ~inked
     settled = np.zeros(count, bool)
-    for x, y in flips:
+    for x, y in holes:
         number = _region_at(x, y, shape, regions, enclosed)
         small[regions == number] ^= True
         settled[number] = True
