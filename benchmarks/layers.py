@@ -21,7 +21,7 @@ import numpy as np
 from normalgan.__main__ import main as normalgan
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
-from normalgan.inference.composites.context import Inferred, context_of, surest, ways_to_see
+from normalgan.inference.composites.layer_context import Inferred, context_of, surest, ways_to_see
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.pipeline import finish
 from normalgan.inference.preparation import Prepared, prepare

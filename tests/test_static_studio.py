@@ -24,7 +24,7 @@ from chromium import page as open_page
 from needs import NPM
 from normalgan.inference.cleaning.reader import read
 from normalgan.inference.composites.composition import compose
-from normalgan.inference.composites.context import context_of, surest, ways_to_see
+from normalgan.inference.composites.layer_context import context_of, surest, ways_to_see
 from normalgan.inference.inputs import as_hints, as_picture
 from normalgan.inference.mask.mask_files import MODEL
 from normalgan.inference.network.onnx_backend import OnnxBackend

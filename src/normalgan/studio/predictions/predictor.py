@@ -14,7 +14,7 @@ import numpy as np
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError, RunError
 from normalgan.inference.cleaning.reader import read
-from normalgan.inference.composites.context import Context, Inferred, context_of, surest, ways_to_see
+from normalgan.inference.composites.layer_context import Context, Inferred, context_of, surest, ways_to_see
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.network.upsampling import Coarse
 from normalgan.inference.normal_map import NormalMap

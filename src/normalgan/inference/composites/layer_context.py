@@ -1,4 +1,4 @@
-"""Context: predict each part of a drawing alone or among the others, whichever the network is surer of."""
+"""Layer context: predict each part of a drawing alone or among the others, by its confidence."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from normalgan.arrays import Floats
-from normalgan.inference.composites.context import context_of, surest, ways_to_see
+from normalgan.inference.composites.layer_context import context_of, surest, ways_to_see
 from normalgan.inference.preparation import Prepared, prepare
 from normalgan.inference.reading.picture import Picture
 
