@@ -114,7 +114,7 @@ def main(model: Path, count: int = 64, rounds: int = 5) -> None:
         cold_starts = [cold(model, drawings[0], folder / "cold") for _ in range(rounds)]
         session, single = OnnxBackend(model), OnnxBackend(model, threads=1)
         pictures = map(read_picture, drawings)
-        seen = [prepare(each, session.size, line_widths=session.line_widths).seen for each in pictures]
+        seen = [prepare(each, session.size, line_widths=session.line_widths).model_input for each in pictures]
         session.predict(seen[0])
         single.predict(seen[0])
         bare: list[tuple[float, float]] = []

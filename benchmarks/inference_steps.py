@@ -69,7 +69,7 @@ def once(drawing: Picture, backend: OnnxBackend) -> dict[str, float]:
     start = time.process_time()
     with clock.steps():
         prepared = preparation.prepare(drawing, backend.size, line_widths=backend.line_widths)
-    predicted = clock.wrap("network", backend.predict)(prepared.seen, prepared.hints)
+    predicted = clock.wrap("network", backend.predict)(prepared.model_input, prepared.hints)
     upsample = clock.wrap("upsample", backend.upsample)
     clock.wrap("finish", pipeline.finish)(prepared, *predicted, upsample)
     total = 1000 * (time.process_time() - start)

@@ -21,7 +21,7 @@ import numpy as np
 from normalgan.__main__ import main as normalgan
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
-from normalgan.inference.composites.context import Inferred, context_of, surest, ways_to_see
+from normalgan.inference.composites.layer_context import Inferred, context_of, surest, ways_to_see
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.pipeline import finish
 from normalgan.inference.preparation import Prepared, prepare
@@ -100,7 +100,7 @@ def errors(backend: OnnxBackend, layers: list[Layer], normals: Floats) -> list[f
     ]
 
     def infer(way: Prepared) -> Inferred:
-        return backend.predict(way.seen, way.hints)
+        return backend.predict(way.model_input, way.hints)
 
     ways = ways_to_see(prepared[-1], context_of(prepared))
     maps = [finish(way, *infer(way), backend.upsample) for way in ways]

@@ -24,7 +24,7 @@ from chromium import page as open_page
 from needs import NPM
 from normalgan.inference.cleaning.reader import read
 from normalgan.inference.composites.composition import compose
-from normalgan.inference.composites.context import context_of, surest, ways_to_see
+from normalgan.inference.composites.layer_context import context_of, surest, ways_to_see
 from normalgan.inference.inputs import as_hints, as_picture
 from normalgan.inference.mask.mask_files import MODEL
 from normalgan.inference.network.onnx_backend import OnnxBackend
@@ -209,9 +209,10 @@ def test_layers_are_composed_as_python_composes_them(studio: "Page") -> None:
     parts = [prepare(each, model.size, line_widths=model.line_widths) for each in pictures]
     context = context_of(parts)
     chosen = [
-        surest(ways_to_see(each, context), lambda way: model.predict(way.seen, way.hints)) for each in parts
+        surest(ways_to_see(each, context), lambda way: model.predict(way.model_input, way.hints))
+        for each in parts
     ]
-    assert [each[0].seen is context.seen for each in chosen] == [True, False]
+    assert [each[0].model_input is context.model_input for each in chosen] == [True, False]
     wanted = compose([finish(*each, model.upsample) for each in chosen])
     found = decoded(studio.evaluate(ASK, encoded(*drawn)), drawn[0].shape)
     assert_near(found, wanted, share=0.98, degrees=1)
@@ -465,11 +466,11 @@ def test_the_network_is_shown_what_python_shows_it(studio: "Page", kind: str, mo
     rng = np.random.default_rng(sorted(kind.encode()))
     for side, widths in ((256, (0.5, 5.0)), (700, (0.8, 1.9)), (320, (0.5, 5.0)), (512, (0.8, 1.9))):
         grey = random_drawing(kind, rng, side)
-        wanted = prepare(as_picture(grey), 256, MODEL, line_widths=widths, drawn=True)
+        wanted = prepare(as_picture(grey), 256, MODEL, line_widths=widths, clean_strokes=True)
         seen, _ = map(floats, studio.evaluate(PREPARE, [*encoded(grey), list(widths), ""]))
-        assert wanted.seen.max() > 0.9
+        assert wanted.model_input.max() > 0.9
         # A level on a threshold may round to either side of it.
-        assert (np.abs(seen.reshape(wanted.seen.shape) - wanted.seen) > 0.02).sum() <= most
+        assert (np.abs(seen.reshape(wanted.model_input.shape) - wanted.model_input) > 0.02).sum() <= most
 
 
 @pytest.mark.parametrize("kind", ["wide lines", "areas"])
@@ -553,7 +554,7 @@ def of_strokes(grey: NDArray[np.uint8], hints: list[dict[str, Any]] | None = Non
     model = python()
     picture = as_picture(grey)
     points, widths = as_hints(hints or None, picture.shape), model.backend.line_widths
-    prepared = prepare(picture, model.size, hints=points, line_widths=widths, drawn=True)
+    prepared = prepare(picture, model.size, hints=points, line_widths=widths, clean_strokes=True)
     return predict(model.backend, prepared, model.upsample)
 
 

@@ -121,7 +121,7 @@ def predict(samples: Path, split: str, out: Path) -> None:
         if found and prepared.mask is not None:
             both, either = prepared.mask & object_, prepared.mask | object_
             mask = prepared.mask if both.sum() > 0.93 * either.sum() else object_
-        coarse = coarse_of(prepared, network.predict(prepared.seen, prepared.hints)[0], mask)
+        coarse = coarse_of(prepared, network.predict(prepared.model_input, prepared.hints)[0], mask)
         if not coarse.known.any():
             continue
         normals = extend(coarse.normals, coarse.known, coarse.needed)

@@ -97,4 +97,4 @@ def test_drawings_that_are_not_cached_are_prepared_again(
     assert len(dataset._kept) == 1
     whole = SketchDataset(find_files(str(folder / "drawings")), 32)
     for name in ("cat", "dog", "cat"):
-        np.testing.assert_array_equal(dataset.prepared(name).seen, whole.prepared(name).seen)
+        np.testing.assert_array_equal(dataset.prepared(name).model_input, whole.prepared(name).model_input)

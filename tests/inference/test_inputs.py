@@ -19,7 +19,7 @@ FILLED = blob() > 0.5
 
 
 def assert_same(one: Prepared, other: Prepared) -> None:
-    np.testing.assert_array_equal(one.seen, other.seen)
+    np.testing.assert_array_equal(one.model_input, other.model_input)
     np.testing.assert_array_equal(one.ink, other.ink)
     np.testing.assert_array_equal(one.mask, other.mask)
     assert (one.hints is None) == (other.hints is None)

@@ -77,7 +77,7 @@ def test_a_drawing_too_large_to_work_on_keeps_its_size(model: Path) -> None:
 @pytest.mark.parametrize("width", [1.0, 3.0, 9.0])
 def test_the_model_sees_lines_of_the_width_it_knows(width: float) -> None:
     picture, _ = drawn(2, width)
-    seen = prepare(picture, 128).seen
+    seen = prepare(picture, 128).model_input
     length = 0.88 * 128 * 3.2  # of an outline as wide as high
     assert seen.sum() / length == pytest.approx(1.25, rel=0.35)
     assert seen.max() > 0.9
@@ -86,8 +86,8 @@ def test_the_model_sees_lines_of_the_width_it_knows(width: float) -> None:
 def test_lines_that_the_model_knows_are_shown_as_they_were_drawn() -> None:
     picture, _ = drawn(2, 5.0)
     prepared = prepare(picture, 128, line_widths=(0.5, 5.0))
-    assert (prepared.seen == prepared.frame.cut(prepared.ink)).all()
-    assert prepared.seen.sum() > 1.5 * prepare(picture, 128).seen.sum()
+    assert (prepared.model_input == prepared.frame.cut(prepared.ink)).all()
+    assert prepared.model_input.sum() > 1.5 * prepare(picture, 128).model_input.sum()
 
 
 @pytest.mark.parametrize("width", [0.7, 1.2, 2.0, 3.0, 4.5, 6.0, 9.0, 12.0, 14.0, 40.0])
@@ -95,9 +95,9 @@ def test_what_is_told_by_fewer_pixels_is_what_all_of_them_tell(
     width: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     picture, _ = drawn(2, width / 2)
-    quick = prepare(picture, 128, line_widths=(0.5, 5.0)).seen
+    quick = prepare(picture, 128, line_widths=(0.5, 5.0)).model_input
     monkeypatch.setattr("normalgan.inference.network.line_width._is_known", lambda *_: False)
-    assert (prepare(picture, 128, line_widths=(0.5, 5.0)).seen == quick).all()
+    assert (prepare(picture, 128, line_widths=(0.5, 5.0)).model_input == quick).all()
 
 
 def test_beside_lines_that_the_model_knows_only_areas_are_drawn_anew() -> None:
@@ -107,7 +107,7 @@ def test_beside_lines_that_the_model_knows_only_areas_are_drawn_anew() -> None:
     seen, without = (
         prepare(Picture(each, None), 128, line_widths=(0.5, 5.0)) for each in (colour, picture.colour)
     )
-    changed = np.abs(seen.seen - without.seen) > 0.3
+    changed = np.abs(seen.model_input - without.model_input) > 0.3
     rows, columns = np.nonzero(changed)
     frame = seen.frame
     assert frame == without.frame
@@ -116,7 +116,7 @@ def test_beside_lines_that_the_model_knows_only_areas_are_drawn_anew() -> None:
     assert frame.top + scale * rows.max() < 230
     assert frame.left + scale * columns.min() > 250
     assert frame.left + scale * columns.max() < 350
-    assert not seen.seen[int((190 - frame.top) / scale), int((300 - frame.left) / scale)]
+    assert not seen.model_input[int((190 - frame.top) / scale), int((300 - frame.left) / scale)]
 
 
 def test_hints_reach_the_pixel_they_are_for(model: Path) -> None:

@@ -2,7 +2,7 @@
 
 type Named<Names extends string> = { readonly [name in Names]: number };
 
-export const DECISION: Named<"INKED" | "LEAST_OFF" | "OFF" | "OPEN" | "REACH" | "SIDE"> & { readonly UNSURE: [number, number, number] };
+export const DECISION: Named<"INKED" | "LEAST_OFF" | "OFF" | "OPEN" | "REACH" | "SIDE" | "UNSURE_HIGH" | "UNSURE_LOW" | "UNSURE_SHARE">;
 export const EDGE: Named<"FINER" | "LARGE" | "MERGED" | "PALEST" | "TIP" | "TOUCHING">;
 export const EDITS: Named<"AVERAGED" | "BRUSH_FADES" | "FADES" | "INKED" | "LEAST_REACH" | "REACH" | "SOFT">;
 export const EXTENSION: Named<"SWEEPS">;

@@ -1,4 +1,4 @@
-/** Context: the parts of a drawing, each alone or among the others, like normalgan.inference.composites.context in Python. */
+/** Context: the parts of a drawing, each alone or among the others, like normalgan.inference.composites.layer_context in Python. */
 
 import { frameAround, shown, shrunk } from "./prepare.js";
 import { above } from "./raster.js";

@@ -5,7 +5,7 @@ import { snapOutline } from "./edge.js";
 import { SQUARE, above, boxOf, components, dilated, distance, enclosedBy, eroded, opposite, refitted, rint, sumOf, where, without } from "./raster.js";
 import { presenceAt } from "./reader.js";
 
-const { INKED, OPEN, REACH, SIDE, UNSURE } = DECISION;
+const { INKED, OPEN, REACH, SIDE, UNSURE_HIGH, UNSURE_LOW, UNSURE_SHARE } = DECISION;
 
 /** @typedef {{mask: Uint8Array | null, covered: Float32Array | null, unsure: import("./result/findings.js").Finding[]}} Decision
  *   the object, null if none is found, its coverage of each pixel, and the findings */
@@ -72,10 +72,9 @@ function votesOf(labels, boxes, presence) {
  * @returns {import("./result/findings.js").Finding[]}
  */
 function doubts({ labels, boxes, enclosed, votes, wide, high }, mask, scale) {
-  const [lowest, highest, share] = UNSURE;
-  const least = share * Math.max(sumOf(mask), 1);
+  const least = UNSURE_SHARE * Math.max(sumOf(mask), 1);
   const numbers = boxes.map(({ area }, k) => ({ k, area, vote: votes[k] }))
-    .filter(({ k, area, vote }) => enclosed[k] && vote > lowest && vote < highest && area > least).sort((one, other) => other.area - one.area);
+    .filter(({ k, area, vote }) => enclosed[k] && vote > UNSURE_LOW && vote < UNSURE_HIGH && area > least).sort((one, other) => other.area - one.area);
   if (!numbers.length) return [];
   const places = numbers.map(({ k }) => {
     const depth = distance(where(labels, (label) => label === k), wide, high, true, 3);

@@ -107,12 +107,13 @@ class SketchDataset(Dataset[SketchSample]):
         if hints is None:
             hints = np.zeros((4, self._size, self._size), np.float32)
         return {
-            "sketch": torch.from_numpy(prepared.seen)[None],
+            "sketch": torch.from_numpy(prepared.model_input)[None],
             "hints": torch.from_numpy(hints),
             "name": name,
         }
 
 
 def _bytes(prepared: Prepared) -> int:
-    kept = (prepared.ink, prepared.mask, prepared.coverage, prepared.alpha, prepared.seen, prepared.hints)
+    masks = prepared.mask, prepared.coverage, prepared.alpha
+    kept = (prepared.ink, *masks, prepared.model_input, prepared.hints)
     return sum(array.nbytes for array in kept if array is not None)

@@ -31,6 +31,16 @@ _BESIDE = 0.005
 """Maximum distance of a hint from the mask, whose edge is a guess, as a fraction of the longer side."""
 
 
+def predict(backend: Backend, prepared: Prepared, upsample: Upsampler | None = None) -> NormalMap:
+    """Return the normal map of a prepared drawing; ``upsample`` replaces the network's own upsampler.
+
+    Raises:
+        LackingError: if the network sees no object.
+    """
+    preds, confidence = backend.predict(prepared.model_input, prepared.hints)
+    return finish(prepared, preds, confidence, upsample or backend.upsample)
+
+
 def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsample: Upsampler) -> NormalMap:
     """Map a prediction back to the drawing's size and position, and apply the mask and the pins.
 
@@ -47,9 +57,9 @@ def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsampl
     length = lengths(preds)
     present = frame.restore(length[..., None]).reshape(prepared.ink.shape) > 0.5
     mask, findings = _choose(prepared, present)
-    painted_share = int(np.count_nonzero(mask & present)) / max(int(np.count_nonzero(mask)), 1)
-    if painted_share < _PRESENT:
-        findings += (Finding("unseen", share=painted_share),)
+    seen_share = int(np.count_nonzero(mask & present)) / max(int(np.count_nonzero(mask)), 1)
+    if seen_share < _PRESENT:
+        findings += (Finding("unseen", share=seen_share),)
     coarse = coarse_of(prepared, preds, mask, length)
     if not coarse.known.any():
         raise LackingError(
@@ -59,26 +69,25 @@ def finish(prepared: Prepared, preds: Floats, confidence: Floats | None, upsampl
         raise LackingError("its mask is empty; paint the object white.", "empty_mask")
     normals = upsample(coarse, prepared, mask)
     covered = _covered(prepared, mask)
-    shown = None
     if confidence is not None:
-        shown = frame.restore(confidence[..., None]).reshape(mask.shape)
+        confidence = frame.restore(confidence[..., None]).reshape(mask.shape)
     enlarged = prepared.shape != mask.shape
     if enlarged:
         covered = _enlarged(covered, prepared.shape)
         mask = covered > 0.5
         normals = resize(normals, prepared.shape)
-        shown = None if shown is None else resize(shown, prepared.shape)
+        confidence = None if confidence is None else resize(confidence, prepared.shape)
     # A visible surface does not face away from the viewer, but normals extended off the object may.
     np.maximum(normals[..., 2], 0, out=normals[..., 2])
     # Vectors between opposite normals and outside the frame may be zero.
     normals = unit(normals, front=True, out=normals if enlarged else None)
-    pins = prepared.pins
+    pins = prepared.map_hints
     if pins is not None and 0 < len(pins.points) <= MOST_PINS:
         reaches = np.full(len(pins.points), REACH * max(prepared.shape), np.float32)
         normals = enforce_pins(normals, pins.points, pins.normals, reaches)
-    if pins is not None and prepared.given is not None:
-        findings += hints_off(prepared.given.points, pins.points, mask)
-    return NormalMap(normals, mask, _opacity(prepared, covered), prepared.seen, shown, findings)
+    if pins is not None and prepared.drawing_hints is not None:
+        findings += hints_off(prepared.drawing_hints.points, pins.points, mask)
+    return NormalMap(normals, mask, _opacity(prepared, covered), prepared.model_input, confidence, findings)
 
 
 def hints_off(drawn: Floats, points: Floats, mask: BoolMask) -> tuple[Finding, ...]:
@@ -161,15 +170,6 @@ def coarse_of(prepared: Prepared, preds: Floats, mask: BoolMask, length: Floats 
         usual = ranked(length[needed], 0.95)
         known |= needed & (length > max(0.1 * usual, _LEAST))
     return Coarse(unit(preds, length=length), known, needed)
-
-
-def predict(backend: Backend, prepared: Prepared, upsample: Upsampler | None = None) -> NormalMap:
-    """Return the normal map of a prepared drawing; ``upsample`` replaces the network's own upsampler.
-
-    Raises:
-        LackingError: if the network sees no object.
-    """
-    return finish(prepared, *backend.predict(prepared.seen, prepared.hints), upsample or backend.upsample)
 
 
 def _choose(prepared: Prepared, present: BoolMask) -> tuple[BoolMask, tuple[Finding, ...]]:

@@ -82,8 +82,7 @@ class JobPredictor:
         layers: whether each visible layer of a layered file is predicted separately.
         tile: directions in which each drawing repeats; None if it does not.
         single: whether a page is predicted as one object instead of separate figures.
-        holes: x and y of points whose regions are flipped, in pixels of the drawing; see ``flips`` of
-            `prepare`.
+        holes: x and y of points whose regions are flipped, in pixels of the drawing; see `prepare`.
         explain: folder for pictures of how each mask was found; None writes none.
         sprite: adapts each map to a sprite.
     """
@@ -112,12 +111,13 @@ class JobPredictor:
         drawing = Drawing(files.drawing, files.content)
         if self.layers:
             shared = self.frame != "own"
-            predict = LayeredJob(self.predictor, self.writer, self.size, shared, self.strength, self.sprite)
+            layered = LayeredJob(self.predictor, self.writer, self.size, shared, self.strength, self.sprite)
             target = layered_target(job, drawing, self.writer.outputs)
-            warning, held, partial = predict(job, drawing, target)
+            warning, held, partial = layered(job, drawing, target)
             return Done(target, warning, held, partial=partial)
         if self.packing.tileset == OWN:
             return self._written(job, self._tileset(files, *drawing.tileset))
+        # A multi-page file counts as moving, because its pages are decoded and predicted like frames.
         if drawing.moving is not None:
             self._check_moving(drawing)
             return self._animation(job, drawing)
@@ -189,7 +189,7 @@ class JobPredictor:
         if self.tile is not None:
             tiled = self.predictor(picture, files.hints, files.mask, self.size, self.tile)
             return self._adapted(tiled, picture)
-        member = replace(self._member(picture, files), flips=self.holes)
+        member = replace(self._member(picture, files), holes=self.holes)
         prepared = self._prepared(member, self.size)
         cells = [] if self.single or files.mask not in {None, READER} else self._figures(drawing, prepared)
         if cells:
@@ -206,7 +206,8 @@ class JobPredictor:
     def _figures(self, drawing: Drawing, prepared: Prepared) -> list[Cell]:
         """Return the cells of a page's figures in pixels of the map; empty for a single object."""
         if prepared.alpha is not None and prepared.mask is not None:
-            if cv2.connectedComponents(prepared.mask.view(np.uint8))[0] < 3 or self.size is not None:
+            # Islands are found in pixels of the drawing, which are the map's only at the drawing's own size.
+            if self.size is not None or cv2.connectedComponents(prepared.mask.view(np.uint8))[0] < 3:
                 return []
             islands = find_islands(drawing.pixels())
             return islands if alike(islands) else []
@@ -216,7 +217,7 @@ class JobPredictor:
 
     def _page(self, job: Job, drawing: Drawing, page: Member, cells: Sequence[Cell]) -> NormalMap:
         """Return the map of a page whose figures are predicted separately."""
-        picture, hints, holes = page.picture, page.hints, page.flips
+        picture, hints, holes = page.picture, page.hints, page.holes
         sheet = drawing.pixels()
         if self.size is not None:
             shape = fitted(picture.shape, self.size)
@@ -268,9 +269,7 @@ class JobPredictor:
         shared = self.frame == "shared" if pages else self.frame != "own"
         moves, part = _moves(self.writer.outputs) and not pages, "page" if pages else "frame"
         pixels: list[NDArray[np.uint8]] = []
-        said: list[str] = []
-        failed: list[InputError] = []
-        flat: list[Picture] = []
+        problems = _Problems(part)
         held: list[Held] = []
         outputs = self.writer.outputs
         steady = shared and not pages
@@ -279,13 +278,10 @@ class JobPredictor:
             picture = member.picture
             if isinstance(each, InputError):
                 preds = flat_map(picture.shape, self.size)
-                failed.append(each)
-                flat.append(picture)
-                # Failures are listed before other warnings.
-                said.insert(len(failed) - 1, f"{part} {number}: {left_flat(each)}")
+                problems.fail(number, each, picture)
             else:
                 preds = self.sprite(each, picture)
-                said += [f"{part} {number}: {each.warning}"] if each.warning else []
+                problems.warn(number, each.warning)
             own = job.numbered(number, outputs.ending)
             preds = preds.stronger(self.strength)
             # All frames share one scale; otherwise a body would rise and sink when an arm is raised.
@@ -294,8 +290,8 @@ class JobPredictor:
                 pixels.append(preds.pixels(outputs.normal.y, outputs.normal.alpha))
             else:
                 self.writer.write_map(own, preds)
-        if len(failed) == len(members):
-            raise failed[0]
+        if len(problems.errors) == len(members):
+            raise problems.errors[0]
         target = _moving_target(job, drawing, outputs)
         if not outputs.whole_batch:
             self.writer.write_held(held)
@@ -304,13 +300,49 @@ class JobPredictor:
             self.writer.write_sidecar(target)
             moving = encode_animation(kind_of(target), pixels, found.durations, found.loop)
             self.writer.sink(target, moving)
-        more = f"; and so on, in {len(said)} of its {len(members)} {part}s" if len(said) > 1 else ""
-        warning = "; ".join(filter(None, [found.notes.text, said[0] + more if said else ""]))
+        warning = "; ".join(filter(None, [found.notes.text, problems.summary(len(members))]))
         # Blank frames are deliberate and do not count as missing.
-        return Done(target, warning, held, partial=found.notes.partial or not all(map(_blank, flat)))
+        partial = found.notes.partial or not all(map(_blank, problems.failed))
+        return Done(target, warning, held, partial=partial)
 
     def _member(self, picture: Picture, files: DrawingFiles) -> Member:
         return Member(picture, *_hints_and_mask(files, picture.shape))
+
+
+@dataclass
+class _Problems:
+    """Warnings and errors of an animation's frames or a file's pages.
+
+    Args:
+        part: name of a single one, ``frame`` or ``page``.
+        errors: why frames could not be predicted.
+        failed: pictures of these frames.
+        said: failures, then other warnings, as parts of a sentence.
+    """
+
+    part: str
+    errors: list[InputError] = field(default_factory=list)
+    failed: list[Picture] = field(default_factory=list)
+    said: list[str] = field(default_factory=list)
+
+    def fail(self, number: int, error: InputError, picture: Picture) -> None:
+        """Record that a frame could not be predicted."""
+        # Failures are listed before other warnings.
+        self.said.insert(len(self.errors), f"{self.part} {number}: {left_flat(error)}")
+        self.errors.append(error)
+        self.failed.append(picture)
+
+    def warn(self, number: int, warning: str) -> None:
+        """Record a frame's warning; an empty one is ignored."""
+        if warning:
+            self.said.append(f"{self.part} {number}: {warning}")
+
+    def summary(self, count: int) -> str:
+        """Return the first problem and the number of problems among ``count`` frames; empty if none."""
+        if not self.said:
+            return ""
+        more = f"; and so on, in {len(self.said)} of its {count} {self.part}s" if len(self.said) > 1 else ""
+        return self.said[0] + more
 
 
 def target_of(job: Job, outputs: Outputs, packing: Packing, layers: bool) -> Path:

@@ -34,13 +34,13 @@ class Prepared:
         mask: (h, w), the object; None uses the model's own segmentation.
         alpha: opacity of the drawing, of any size, if the mask comes from it; otherwise None.
         frame: the square of the drawing that is the model's input.
-        seen: (S, S), the model's input.
-        hints: (4, S, S), the model's hints, or None.
-        pins: hints in pixels of the map, or None.
+        model_input: (S, S), the model's input.
+        hints: (4, S, S), hints as the model takes them, or None.
+        map_hints: hints in pixels of the map, or None.
         painted: (h, w), the user's edits of the mask: 1 where they added to the object, -1 where they cut
             from it, 0 elsewhere; or None.
         line_widths: range of line widths, in pixels of the model, that are kept as drawn.
-        given: hints in pixels of the drawing, to check that they lie on the object; or None.
+        drawing_hints: hints in pixels of the drawing, to check that they lie on the object; or None.
         unsure: findings about the mask; places are in pixels of the drawing.
         decision: how the mask was found from the lines, or None.
         reading: the reader's output if it voted on the mask, or None.
@@ -53,12 +53,12 @@ class Prepared:
     mask: BoolMask | None
     alpha: Floats | None
     frame: Frame
-    seen: Floats
+    model_input: Floats
     hints: Floats | None
-    pins: Hints | None = None
+    map_hints: Hints | None = None
     painted: NDArray[np.int8] | None = None
     line_widths: LineWidths = USUAL_WIDTHS
-    given: Hints | None = None
+    drawing_hints: Hints | None = None
     unsure: tuple[Finding, ...] = ()
     decision: Decision | None = None
     reading: Reading | None = None
@@ -67,21 +67,21 @@ class Prepared:
 
 def prepare(
     picture: Picture,
-    size: int,
+    network_size: int,
     mask: MaskOrSource = None,
     hints: Hints | None = None,
     longest: int | None = None,
     painted: NDArray[np.int8] | None = None,
     line_widths: LineWidths = USUAL_WIDTHS,
-    flips: Sequence[tuple[float, float]] = (),
-    drawn: bool = False,
-    on_seen: Callable[["Prepared"], object] | None = None,
+    holes: Sequence[tuple[float, float]] = (),
+    clean_strokes: bool = False,
+    on_model_input: Callable[["Prepared"], object] | None = None,
 ) -> Prepared:
     """Clean a drawing, find its mask and frame it.
 
     Args:
         picture: the drawing.
-        size: side of the model's input in pixels.
+        network_size: side of the model's input in pixels.
         mask: mask of the object (h, w), of any size; or a source: `OUTLINE` fills the areas that lines
             enclose, `READER` lets the reader decide on each of these areas, `MODEL` uses the model's own
             segmentation. None uses the drawing's opacity if it shows the object, otherwise the reader.
@@ -90,39 +90,39 @@ def prepare(
         painted: the user's edits of the mask (H, W), of any size: 1 where they added to the object, -1 where
             they cut from it, 0 elsewhere. An addition also closes gaps in an outline.
         line_widths: range of line widths, in pixels of the model, that are kept as drawn.
-        flips: x and y of points in pixels of the drawing; the enclosed region at each point changes from
+        holes: x and y of points in pixels of the drawing; the enclosed region at each point changes from
             object to hole, or from hole to object.
-        drawn: whether the picture consists of dark strokes on white, which are used as ink unchanged.
-        on_seen: called with the drawing, still without mask and hints, as soon as the model's input is known,
-            so that the model can run while the mask is found.
+        clean_strokes: whether the picture consists of dark strokes on white, which are used as ink unchanged.
+        on_model_input: called with the drawing, still without mask and hints, as soon as the model's input is
+            known, so that the model can run while the mask is found.
 
     Raises:
         LackingError: if the drawing has no lines.
-        InputError: if a point of ``flips`` lies in no region.
+        InputError: if a point of ``holes`` lies in no region.
     """
     shape = fitted(picture.shape, longest)
     worked = fitted_within(shape, MOST_WORKED)
     source = mask if isinstance(mask, str) else None
-    reading = None if drawn else read(picture)
+    reading = None if clean_strokes else read(picture)
     cleaned = clean(picture.resized(worked), reading)
     if painted is not None:
         by_hand = cv2.resize(painted, worked[::-1], interpolation=cv2.INTER_NEAREST)
         painted = np.asarray(by_hand, np.int8)
     walls = cleaned.ink if painted is None else np.maximum(cleaned.ink, (painted > 0).astype(np.float32))
-    frame = Frame.around(walls, size)
+    frame = Frame.around(walls, network_size)
     prepared = Prepared(
         shape=shape,
         ink=cleaned.ink,
         mask=None,
         alpha=None,
         frame=frame,
-        seen=render_model_input(cleaned.ink, frame, line_widths),
+        model_input=render_model_input(cleaned.ink, frame, line_widths),
         hints=None,
         painted=painted,
         line_widths=line_widths,
     )
-    if on_seen is not None:
-        on_seen(prepared)
+    if on_model_input is not None:
+        on_model_input(prepared)
     scale = worked[1] / picture.shape[1]
     if isinstance(mask, np.ndarray):
         prepared = replace(prepared, mask=resize(mask.astype(np.float32), worked) > 0.5)
@@ -133,8 +133,8 @@ def prepare(
             reading = None  # the lines alone decide
         elif reading is None:
             reading = read(picture)
-        prepared = _decided(prepared, walls, reading, flips, scale)
-    if flips and prepared.decision is None:
+        prepared = _decided(prepared, walls, reading, holes, scale)
+    if holes and prepared.decision is None:
         raise InputError("a hole needs a region between lines, but the mask does not come from the lines.")
     return prepared if hints is None else hinted(prepared, hints, picture.shape)
 
@@ -143,7 +143,7 @@ def _decided(
     prepared: Prepared,
     walls: Floats,
     reading: Reading | None,
-    flips: Sequence[tuple[float, float]],
+    holes: Sequence[tuple[float, float]],
     scale: float,
 ) -> Prepared:
     """Return a prepared drawing with the mask that its lines and the reader show, if they show an object.
@@ -152,11 +152,11 @@ def _decided(
         prepared: the drawing without a mask.
         walls: (h, w), the lines, including the areas added by the user.
         reading: the reader's output; None decides by the lines alone.
-        flips: as in `prepare`.
+        holes: as in `prepare`.
         scale: pixels of ``walls`` per pixel of the drawing.
     """
-    decision = decide(walls, reading, [(x * scale, y * scale) for x, y in flips])
-    if not decision.mask.any() and not flips:
+    decision = decide(walls, reading, [(x * scale, y * scale) for x, y in holes])
+    if not decision.mask.any() and not holes:
         return replace(prepared, unsure=(Finding("guessed"),), decision=decision, reading=reading)
     unsure = tuple(
         replace(each, places=tuple((x / scale, y / scale) for x, y in each.places))
@@ -175,8 +175,8 @@ def _decided(
 def reframed(prepared: Prepared, bounds: Bounds) -> Prepared:
     """Return a prepared drawing framed around a box in pixels of its ``ink``, without hints."""
     frame = Frame.about(bounds, prepared.ink.shape, prepared.frame.size)
-    seen = render_model_input(prepared.ink, frame, prepared.line_widths)
-    return replace(prepared, frame=frame, seen=seen, hints=None, pins=None, given=None)
+    shown = render_model_input(prepared.ink, frame, prepared.line_widths)
+    return replace(prepared, frame=frame, model_input=shown, hints=None, map_hints=None, drawing_hints=None)
 
 
 def hinted(prepared: Prepared, hints: Hints | None, shape: tuple[int, int]) -> Prepared:
@@ -188,8 +188,8 @@ def hinted(prepared: Prepared, hints: Hints | None, shape: tuple[int, int]) -> P
         shape: (H, W) of the drawing.
     """
     if hints is None:
-        return replace(prepared, hints=None, pins=None, given=None)
-    points = hints.points * (prepared.ink.shape[1] / shape[1])
-    pins = Hints(hints.points * np.float32(prepared.shape[1] / shape[1]), hints.normals)
-    seen = prepared.frame.cut_points(points, hints.normals)
-    return replace(prepared, hints=seen, pins=pins, given=hints)
+        return replace(prepared, hints=None, map_hints=None, drawing_hints=None)
+    ink_points = hints.points * (prepared.ink.shape[1] / shape[1])
+    map_hints = Hints(hints.points * np.float32(prepared.shape[1] / shape[1]), hints.normals)
+    model_hints = prepared.frame.cut_points(ink_points, hints.normals)
+    return replace(prepared, hints=model_hints, map_hints=map_hints, drawing_hints=hints)

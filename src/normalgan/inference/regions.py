@@ -1,4 +1,4 @@
-"""Regions: bounding boxes and depths of marked pixels."""
+"""Regions: bounding boxes, depths and enclosed areas of marked pixels."""
 
 from collections.abc import Iterable
 from typing import Literal
@@ -8,7 +8,7 @@ import numpy as np
 
 from normalgan.arrays import BoolMask, Floats
 
-__all__ = ["Bounds", "around", "box_of", "depth_of", "extent_of", "united"]
+__all__ = ["Bounds", "around", "box_of", "depth_of", "enclosed_by", "extent_of", "united"]
 
 Bounds = tuple[int, int, int, int]
 """First row, row after the last, first column, column after the last."""
@@ -60,6 +60,14 @@ def depth_of(marked: BoolMask, metric: Literal[3, 5] = 5) -> Floats:
     """
     padded = cv2.copyMakeBorder(marked.view(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
     return np.asarray(cv2.distanceTransform(padded, cv2.DIST_L2, metric)[1:-1, 1:-1], np.float32)
+
+
+def enclosed_by(barrier: BoolMask) -> BoolMask:
+    """Return the barrier (H, W) and all pixels that it separates from the picture's edge."""
+    reached = cv2.copyMakeBorder(barrier.view(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
+    cv2.floodFill(reached, None, (0, 0), 2, flags=4)
+    inside: BoolMask = reached[1:-1, 1:-1] != 2
+    return inside
 
 
 def united(boxes: Iterable[Bounds]) -> Bounds:

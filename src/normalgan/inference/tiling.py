@@ -102,9 +102,9 @@ def predict_tile(
         mask=None if found is None else wrapped(found, tile, room),
         alpha=None if silhouette is None else opacity,
         frame=frame,
-        seen=render_model_input(around, frame, backend.line_widths),
+        model_input=render_model_input(around, frame, backend.line_widths),
         hints=None,
-        pins=None if hints is None else repeated(hints, tile, worked, before, around.shape),
+        map_hints=None if hints is None else repeated(hints, tile, worked, before, around.shape),
         line_widths=backend.line_widths,
     )
     preds = finish(prepared, predicted, confidence, upsample or backend.upsample)

@@ -6,7 +6,7 @@ from pathlib import Path
 from normalgan.errors import InputError, did_you_mean
 from normalgan.files.addresses import local_file
 
-__all__ = ["READER", "REFINER", "SHIPPED", "SHIPPED_NAME", "find_model"]
+__all__ = ["READER_FILE", "REFINER", "SHIPPED", "SHIPPED_NAME", "find_model"]
 
 _HERE = Path(__file__).parent
 SHIPPED = _HERE / "ours.onnx"
@@ -15,7 +15,7 @@ SHIPPED_NAME = "shipped"
 """Name of the shipped generator where a file is expected."""
 REFINER = _HERE / "refiner.onnx"
 """The refiner, which upsamples the generator's maps to a drawing's own size."""
-READER = _HERE / "reader.onnx"
+READER_FILE = _HERE / "reader.onnx"
 """The network that segments lines and object."""
 _FORMATS = (".onnx", ".safetensors", ".ckpt")
 

@@ -89,7 +89,7 @@ def test_samples_are_made_as_drawings_are_shown_when_predicting(tmp_path: Path) 
     module.prepare_data()
     sample = collate_decoded([module.train_dataset[0]])
     name = sample["name"][0].removesuffix("/0")
-    seen = prepare_any(tmp_path / f"{name}.png", 32).seen
+    seen = prepare_any(tmp_path / f"{name}.png", 32).model_input
     shown = sample["sketch"][0, 0].numpy()
     np.testing.assert_array_equal(shown, np.rint(255 * seen).astype(np.float32) / 255)
     torch.testing.assert_close(sample["normal"].norm(dim=1, keepdim=True), sample["mask"])

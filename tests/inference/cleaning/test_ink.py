@@ -39,8 +39,8 @@ def assert_only_its_edge_is_shown(picture: Picture) -> None:
     assert prepared.mask is not None
     assert overlap(prepared.mask, FILLED) > 0.95
     within = prepared.frame.cut(np.asarray(cv2.erode(FILLED, np.ones((25, 25))), np.float32)) > 0.5
-    assert prepared.seen[within].max() < 0.3
-    assert (prepared.seen > 0.5).sum() > 128
+    assert prepared.model_input[within].max() < 0.3
+    assert (prepared.model_input > 0.5).sum() > 128
 
 
 def assert_same_lines(ink: Floats, truth: Floats = INK) -> None:

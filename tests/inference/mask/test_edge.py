@@ -103,7 +103,7 @@ def test_nothing_inside_a_thin_outline_is_transparent(shape: str, width: float) 
 def test_the_opacity_of_a_map_ends_where_the_ink_ends(size: int, drawn_here: bool, off: float) -> None:
     corners, width = closed_curve("flower") * size, size / 170
     paper = np.repeat(1 - drawn(corners, size, width)[..., None], 3, -1)
-    prepared = prepare(Picture(paper, None), 64, mask=OUTLINE, drawn=drawn_here)
+    prepared = prepare(Picture(paper, None), 64, mask=OUTLINE, clean_strokes=drawn_here)
     facing = np.zeros((64, 64, 3), np.float32)
     facing[..., 2] = 1
     found = edge_points(finish(prepared, facing, None, enlarge).alpha)

@@ -13,7 +13,7 @@ from PIL import Image
 from normalgan.__main__ import main
 from normalgan.arrays import Floats
 from normalgan.inference.heights.height import integrate
-from normalgan.inference.heights.relief import relief_mesh, simpler
+from normalgan.inference.heights.relief_mesh import relief_mesh, simpler
 from normalgan.inference.outputs.occlusion import occlusion
 from normalgan.inference.outputs.shading import curvature
 from normalgan.normals import normalize, read_png

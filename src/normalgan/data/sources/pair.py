@@ -118,7 +118,7 @@ class PairRecipe:
             empty = np.zeros((4, self.size, self.size), np.float32)
             hints = (empty if given is None else given).transpose(1, 2, 0).astype(np.float16)
         return Sample(
-            sketch=np.rint(255 * prepared.seen).astype(np.uint8),
+            sketch=np.rint(255 * prepared.model_input).astype(np.uint8),
             normal=(normalize(cut) * inside[..., None]).astype(np.float16),
             mask=inside,
             hints=hints,

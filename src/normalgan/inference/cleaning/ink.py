@@ -15,9 +15,10 @@ __all__ = ["Cleaned", "clean"]
 
 _LEAST = 0.3
 """Minimum ink of a pixel on a line."""
-_JOINT, _GRAIN = (9, 0.035), 0.06
-"""Greatest width of a joint in pixels and as a fraction of the longer side (the larger one applies);
-brightness variation of a surface's grain."""
+_JOINT = 9, 0.035
+"""Greatest width of a joint in pixels and as a fraction of the longer side; the larger one applies."""
+_GRAIN = 0.06
+"""Brightness variation of a surface's grain."""
 _LEAST_SEEN = 0.02
 """Weight of a pixel that the reader takes for paper, as it does for most joints of a wall."""
 

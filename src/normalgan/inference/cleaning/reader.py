@@ -9,7 +9,7 @@ import numpy as np
 
 from normalgan.arrays import Floats
 from normalgan.inference.reading.picture import Picture, fitted
-from normalgan.weights.shipped import READER
+from normalgan.weights.shipped import READER_FILE
 
 if TYPE_CHECKING:
     from onnxruntime import InferenceSession
@@ -89,11 +89,11 @@ class Reading:
         both = _mean(small * steps) - grey_mean * steps_mean
         by_grey = _mean(small * self.ink) - grey_mean * ink_mean
         by_steps = _mean(steps * self.ink) - steps_mean * ink_mean
-        least = grey_var * steps_var - both * both
-        along_grey = _mean((steps_var * by_grey - both * by_steps) / least)
-        along_steps = _mean((grey_var * by_steps - both * by_grey) / least)
-        rest = self.ink - along_grey * small - along_steps * steps
-        found = _enlarged(along_grey, picture.size) * grey + _enlarged(rest, picture.size)
+        determinant = grey_var * steps_var - both * both
+        along_grey = _mean((steps_var * by_grey - both * by_steps) / determinant)
+        along_steps = _mean((grey_var * by_steps - both * by_grey) / determinant)
+        intercept = self.ink - along_grey * small - along_steps * steps
+        found = _enlarged(along_grey, picture.size) * grey + _enlarged(intercept, picture.size)
         found += _enlarged(along_steps, picture.size) * _steps(grey)
         return np.clip(found, 0, 1, out=found)
 
@@ -106,9 +106,9 @@ def read(picture: Picture) -> Reading:
             edge.
     """
     colour = over_paper(picture)
-    page = _look(colour)
+    page = _run_network(colour)
     window = _around_drawing(page, picture.size)
-    return page if window is None else _put_in(page, _look(colour[window]), window, picture.size)
+    return page if window is None else _put_in(page, _run_network(colour[window]), window, picture.size)
 
 
 def _around_drawing(page: Reading, shape: tuple[int, int]) -> tuple[slice, slice] | None:
@@ -150,7 +150,7 @@ def _put_in(page: Reading, part: Reading, window: tuple[slice, slice], shape: tu
     return Reading(ink, presence, np.stack([x, y]))
 
 
-def _look(colour: Floats) -> Reading:
+def _run_network(colour: Floats) -> Reading:
     """Return the network's output for colours (H, W, 3)."""
     shape = colour.shape[0], colour.shape[1]
     side = min(max(*shape, SIDES[0]), SIDES[1])
@@ -222,4 +222,4 @@ def _session() -> "InferenceSession":
     options.log_severity_level = 4
     options.intra_op_num_threads = 1
     options.add_session_config_entry("session.intra_op.allow_spinning", "0")
-    return onnxruntime.InferenceSession(READER.read_bytes(), options, providers=["CPUExecutionProvider"])
+    return onnxruntime.InferenceSession(READER_FILE.read_bytes(), options, providers=["CPUExecutionProvider"])

@@ -1,6 +1,5 @@
 """Silhouette: decide whether a drawing's opacity shows the whole object or only its ink."""
 
-import cv2
 import numpy as np
 
 from normalgan.arrays import BoolMask, Floats
@@ -8,7 +7,7 @@ from normalgan.inference.cleaning.reader import Reading, read, reduced
 from normalgan.inference.reading.picture import Picture
 from normalgan.inference.regions import around, depth_of, extent_of
 
-__all__ = ["contour", "enclosed_by", "is_silhouette"]
+__all__ = ["contour", "is_silhouette"]
 
 _SHEET = 0.995
 """Opaque fraction of a picture above which the opaque part is paper with rounded corners or a torn edge."""
@@ -44,14 +43,6 @@ def is_silhouette(picture: Picture, reading: Reading | None = None) -> bool:
     inked = float((reading.ink * alpha).sum() / alpha.sum())
     covered = float((present * alpha).sum() / max(int(present.sum()), 1))
     return inked <= covered + _SURE
-
-
-def enclosed_by(barrier: BoolMask) -> BoolMask:
-    """Return the barrier (H, W) and all pixels that it separates from the picture's edge."""
-    reached = cv2.copyMakeBorder(barrier.view(np.uint8), 1, 1, 1, 1, cv2.BORDER_CONSTANT, value=0)
-    cv2.floodFill(reached, None, (0, 0), 2, flags=4)
-    inside: BoolMask = reached[1:-1, 1:-1] != 2
-    return inside
 
 
 def contour(silhouette: BoolMask) -> Floats:

@@ -35,7 +35,7 @@ def find_figures(decision: Decision, reading: Reading, shape: tuple[int, int]) -
         reading: the reader's output for the whole page.
         shape: (H, W) of the drawing; the cells are in pixels of it.
     """
-    size = decision.small.shape[0], decision.small.shape[1]
+    size = decision.voted.shape[0], decision.voted.shape[1]
     presence = reading.presence_at(size)
     # Lines count as body, so that areas connected by a line are one.
     body = (presence > 0.5) | (decision.ink > INKED)

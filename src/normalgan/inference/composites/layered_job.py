@@ -8,7 +8,7 @@ from pathlib import Path
 
 from normalgan.decoding import DecodedLayer, DecodedLayers
 from normalgan.errors import InputError
-from normalgan.inference.composites.context import Context, context_of, surest, ways_to_see
+from normalgan.inference.composites.layer_context import Context, context_of, surest, ways_to_see
 from normalgan.inference.composites.layers import cut, encode_layers, is_plain, picture_of
 from normalgan.inference.composites.series import Member, predict_series, prepare_member
 from normalgan.inference.drawing import Drawing
@@ -143,7 +143,7 @@ class LayeredJob:
         backend = self.predictor.backend
         try:
             ways = ways_to_see(prepare_member(self.predictor, member, self.size), context)
-            seen, preds, confidence = surest(ways, lambda way: backend.predict(way.seen, way.hints))
+            seen, preds, confidence = surest(ways, lambda way: backend.predict(way.model_input, way.hints))
             return finish(seen, preds, confidence, self.predictor.upsample)
         except InputError as error:
             return error

@@ -30,13 +30,13 @@ class Member:
         picture: the drawing.
         hints: hints in pixels of the drawing, or None.
         mask: the object or the source of the mask, as in `prepare`.
-        flips: x and y of points whose regions are flipped, as in `prepare`.
+        holes: x and y of points whose regions are flipped, as in `prepare`.
     """
 
     picture: Picture
     hints: Hints | None = None
     mask: MaskOrSource = None
-    flips: Sequence[tuple[float, float]] = ()
+    holes: Sequence[tuple[float, float]] = ()
 
 
 def predict_series(
@@ -75,12 +75,12 @@ def predict_series(
 
     def predict(each: Prepared | Exception) -> tuple[Floats, Floats | None]:
         ready = result_of(each)
-        return predictor.backend.predict(ready.seen, ready.hints)
+        return predictor.backend.predict(ready.model_input, ready.hints)
 
     predicted = [got for _, got in stream(prepared, predict)]
     if shared and steady:
         fine = [i for i in good if not isinstance(predicted[i], Exception)]
-        shown = [result_of(prepared[i]).seen for i in fine]
+        shown = [result_of(prepared[i]).model_input for i in fine]
         averaged = steadied(shown, [result_of(predicted[i])[0] for i in fine])
         for i, normals in zip(fine, averaged, strict=True):
             predicted[i] = normals, result_of(predicted[i])[1]
@@ -115,7 +115,7 @@ def prepare_member(predictor: Predictor, member: Member, size: int | None = None
     """Return a drawing of a series, cleaned and framed separately, without hints."""
     widths = predictor.backend.line_widths
     given = member.picture, predictor.size, member.mask, None, size
-    return prepare(*given, line_widths=widths, flips=member.flips)
+    return prepare(*given, line_widths=widths, holes=member.holes)
 
 
 def _of_one_size(boxes: Sequence[Bounds]) -> bool:

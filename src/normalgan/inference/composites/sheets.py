@@ -80,7 +80,7 @@ def predict_sheet(
     hints: Hints | None = None,
     mask: MaskOrSource = None,
     shared: bool = False,
-    flips: Sequence[tuple[float, float]] = (),
+    holes: Sequence[tuple[float, float]] = (),
     said: Sequence[str] = (),
 ) -> NormalMap:
     """Return the map of a sheet, predicting each cell as if it were a file of its own.
@@ -92,13 +92,13 @@ def predict_sheet(
         hints: hints in pixels of the sheet.
         mask: (H, W), the objects; or the source of the masks, as in `prepare`.
         shared: whether all cells are framed by one square; they must then have the same size.
-        flips: x and y of points whose regions are flipped, in pixels of the sheet.
+        holes: x and y of points whose regions are flipped, in pixels of the sheet.
         said: other warnings about the sheet, each part of a sentence.
 
     Raises:
         InputError: if no cell can be predicted, or cells that share a frame differ in size.
     """
-    drawn = drawings_in(sheet, cells, hints, mask, flips)
+    drawn = drawings_in(sheet, cells, hints, mask, holes)
     if not drawn:
         raise InputError("none of its cells holds a drawing; give other columns and rows, or another atlas.")
     large = [(cell, member) for cell, member in drawn if min(cell.width, cell.height) >= SMALLEST]
@@ -120,10 +120,10 @@ def drawings_in(
     cells: Sequence[Cell],
     hints: Hints | None,
     mask: MaskOrSource,
-    flips: Sequence[tuple[float, float]],
+    holes: Sequence[tuple[float, float]],
 ) -> list[tuple[Cell, Member]]:
     """Return the non-empty cells of a sheet with their drawings; arguments as in `predict_sheet`."""
-    members = [(cell, _member(cell, sheet.pixels, hints, mask, flips)) for cell in cells]
+    members = [(cell, _member(cell, sheet.pixels, hints, mask, holes)) for cell in cells]
     return [(cell, member) for cell, member in members if member is not None]
 
 
@@ -145,7 +145,7 @@ def _member(
     pixels: Pixels,
     hints: Hints | None,
     mask: MaskOrSource,
-    flips: Sequence[tuple[float, float]],
+    holes: Sequence[tuple[float, float]],
 ) -> Member | None:
     """Return the drawing in a cell; None if the cell is empty."""
     part = pixels[cell.box].copy()
@@ -159,7 +159,7 @@ def _member(
     if isinstance(own, np.ndarray) and not own.any():
         return None
     picture = to_picture(Decoded(part, (part.shape[0], part.shape[1])))
-    return Member(picture, None if hints is None else cell.local(hints), own, cell.points(flips))
+    return Member(picture, None if hints is None else cell.local(hints), own, cell.points(holes))
 
 
 def _too_small(cell: Cell) -> InputError:

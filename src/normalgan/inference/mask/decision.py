@@ -1,4 +1,4 @@
-"""Decision: find the object from the lines, the reader's presence and the user's flips."""
+"""Decision: find the object from the lines, the reader's presence and the holes that the user marks."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,13 +10,22 @@ from numpy.typing import NDArray
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
 from normalgan.inference.cleaning.reader import Reading
-from normalgan.inference.cleaning.silhouette import enclosed_by
 from normalgan.inference.findings import Finding
 from normalgan.inference.mask.edge import snap
 from normalgan.inference.reading.picture import fitted, resize
-from normalgan.inference.regions import depth_of, extent_of
+from normalgan.inference.regions import depth_of, enclosed_by, extent_of
 
-__all__ = ["INKED", "OPEN", "REACH", "SIDE", "UNSURE", "Decision", "decide"]
+__all__ = [
+    "INKED",
+    "OPEN",
+    "REACH",
+    "SIDE",
+    "UNSURE_HIGH",
+    "UNSURE_LOW",
+    "UNSURE_SHARE",
+    "Decision",
+    "decide",
+]
 
 SIDE = 512
 """Longer side in pixels at which regions are voted on: at most this, and at least half of it."""
@@ -24,14 +33,17 @@ _OFF, _LEAST_OFF = 2.5, 2.0
 """Tolerance of the edge in pixels of the vote, and its minimum in pixels of the drawing."""
 INKED = 0.35
 """Minimum ink of a line."""
-UNSURE = 0.15, 0.7, 0.02
-"""Range of mean presence in which a region is ambiguous, and minimum fraction of the object for a warning."""
+UNSURE_LOW, UNSURE_HIGH = 0.15, 0.7
+"""Range of mean presence in which a region is ambiguous. The vote is decided at 0.5, so the warning
+covers more votes for a hole than for the object."""
+UNSURE_SHARE = 0.02
+"""Minimum area of an ambiguous region for a warning, as a fraction of the object's area."""
 OPEN = 0.2
 """Length of an edge without a line that is reported, as a fraction of the object's longer side."""
 REACH = 4
 """Maximum distance between an edge and the line that bounds it, in pixels of the vote."""
-_NEAR = 0.01
-"""Maximum distance of a flip's point from its region, as a fraction of the longer side, so that a point on
+_BESIDE = 0.01
+"""Maximum distance of a hole's point from its region, as a fraction of the longer side, so that a point on
 the outline works too."""
 
 
@@ -45,7 +57,7 @@ class Decision:
         regions: (h, w), index of the region between lines that each pixel lies in; 0 on lines.
         votes: (N,), mean presence of each region.
         enclosed: (N,), whether lines enclose the region on all sides.
-        small: (h, w), the object.
+        voted: (h, w), the object.
         mask: (H, W), the object at the drawing's size.
         coverage: (H, W) in [0, 1], coverage of each pixel by the object.
         unsure: findings about ambiguous regions and edges without a line; places are in pixels (H, W).
@@ -56,7 +68,7 @@ class Decision:
     regions: NDArray[np.int32]
     votes: Floats
     enclosed: BoolMask
-    small: BoolMask
+    voted: BoolMask
     mask: BoolMask
     coverage: Floats
     unsure: tuple[Finding, ...]
@@ -83,7 +95,7 @@ class Decision:
         return picture
 
 
-def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, float]] = ()) -> Decision:
+def decide(ink: Floats, reading: Reading | None, holes: Sequence[tuple[float, float]] = ()) -> Decision:
     """Find the object from the lines and the reader's presence.
 
     A region that lines enclose is entirely object or entirely hole, depending on its mean presence. Where an
@@ -92,7 +104,7 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
     Args:
         ink: (H, W) in [0, 1], the lines.
         reading: the reader's output; None decides by the lines alone.
-        flips: x and y of points whose enclosed regions change from object to hole, or from hole to object.
+        holes: x and y of points whose enclosed regions change from object to hole, or from hole to object.
 
     Raises:
         InputError: if a point lies in no enclosed region.
@@ -101,7 +113,7 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
         >>> ink = np.zeros((64, 64), np.float32)
         >>> cv2.rectangle(ink, (8, 8), (56, 56), 1, 2) is cv2.rectangle(ink, (24, 24), (40, 40), 1, 2)
         True
-        >>> [int(decide(ink, None, flips).mask[32, 32]) for flips in ((), ((32, 32),))]
+        >>> [int(decide(ink, None, holes).mask[32, 32]) for holes in ((), ((32, 32),))]
         [1, 0]
     """
     shape = (ink.shape[0], ink.shape[1])
@@ -118,24 +130,24 @@ def decide(ink: Floats, reading: Reading | None, flips: Sequence[tuple[float, fl
     summed = np.bincount(regions.ravel(), weights=presence.ravel(), minlength=count)
     votes = (summed / sizes).astype(np.float32)
     enclosed = _enclosed(stats, size)
-    solid = np.where(enclosed[regions], votes[regions] > 0.5, presence > 0.5) & ~inked
-    small = solid | (inked & (presence > 0.5))
+    filled = np.where(enclosed[regions], votes[regions] > 0.5, presence > 0.5) & ~inked
+    voted = filled | (inked & (presence > 0.5))
     # A hole must be enclosed by lines, so other gaps in the object are filled.
-    small |= enclosed_by(small) & ~enclosed[regions] & ~inked
+    voted |= enclosed_by(voted) & ~enclosed[regions] & ~inked
     settled = np.zeros(count, bool)
-    for x, y in flips:
+    for x, y in holes:
         number = _region_at(x, y, shape, regions, enclosed)
-        small[regions == number] ^= True
+        voted[regions == number] ^= True
         settled[number] = True
     unsure: list[Finding] = []
     if read is not None:
-        total = int(np.count_nonzero(small))
+        total = int(np.count_nonzero(voted))
         unsure += _unsure(regions, votes, sizes, enclosed & ~settled, total, shape)
-        unsure += _open(small, small_ink > INKED / 2, shape)
-    rough: BoolMask = small if size == shape else resize(small.astype(np.float32), shape) > 0.5
-    coverage = snap(rough, ink, max(_OFF * max(shape) / SIDE, _LEAST_OFF))
+        unsure += _open(voted, small_ink > INKED / 2, shape)
+    enlarged: BoolMask = voted if size == shape else resize(voted.astype(np.float32), shape) > 0.5
+    coverage = snap(enlarged, ink, max(_OFF * max(shape) / SIDE, _LEAST_OFF))
     mask = coverage > 0.5
-    return Decision(small_ink, read, regions, votes, enclosed, small, mask, coverage, tuple(unsure))
+    return Decision(small_ink, read, regions, votes, enclosed, voted, mask, coverage, tuple(unsure))
 
 
 def _enclosed(stats: NDArray[np.int32], size: tuple[int, int]) -> BoolMask:
@@ -153,18 +165,20 @@ def _region_at(
     """Return the index of the enclosed region at a point of the drawing, or of the nearest one."""
     height, width = regions.shape
     column, row = x * width / shape[1], y * height / shape[0]
-    reach = int(_NEAR * max(height, width)) + 1
+    inside = 0 <= row < height and 0 <= column < width
+    number = int(regions[int(row), int(column)]) if inside else 0
+    if enclosed[number]:  # never index 0, the lines
+        return number
+    reach = int(_BESIDE * max(height, width)) + 1
     top, left = max(int(row) - reach, 0), max(int(column) - reach, 0)
     part = regions[top : int(row) + reach + 1, left : int(column) + reach + 1]
     rows, columns = np.nonzero(enclosed[part])
-    exact = 0 <= row < height and 0 <= column < width and regions[int(row), int(column)]
-    if exact and not enclosed[exact]:
-        rows = rows[:0]
-    if not len(rows):
+    # Only a point on a line or off the picture stands for a region beside it.
+    if number or not len(rows):
         raise InputError(
             f"no enclosed region lies at x {x:g}, y {y:g}; give a point inside closed lines (see --explain)."
         )
-    away = np.hypot(rows + top - int(row), columns[: len(rows)] + left - int(column))
+    away = np.hypot(rows + top - int(row), columns + left - int(column))
     nearest = int(away.argmin())
     return int(part[rows[nearest], columns[nearest]])
 
@@ -178,8 +192,8 @@ def _unsure(
     shape: tuple[int, int],
 ) -> list[Finding]:
     """Return the finding about ambiguous regions, the largest first; empty if there are none."""
-    low, high, share = UNSURE
-    doubtful = asked & (votes > low) & (votes < high) & (sizes > share * max(total, 1))
+    ambiguous = (votes > UNSURE_LOW) & (votes < UNSURE_HIGH)
+    doubtful = asked & ambiguous & (sizes > UNSURE_SHARE * max(total, 1))
     numbers = np.flatnonzero(doubtful)
     if not len(numbers):
         return []
@@ -188,23 +202,23 @@ def _unsure(
     return [Finding("regions", tuple((x * scale, y * scale) for x, y in points), len(numbers))]
 
 
-def _open(small: BoolMask, inked: BoolMask, shape: tuple[int, int]) -> list[Finding]:
+def _open(voted: BoolMask, inked: BoolMask, shape: tuple[int, int]) -> list[Finding]:
     """Return the finding about the longest part of the object's edge without a line; empty if it is short."""
     reach = np.ones((2 * REACH + 1, 2 * REACH + 1), np.uint8)
     # An object that the picture's border cuts off does not need a line there.
     bounded = cv2.dilate(inked.astype(np.uint8), reach, borderValue=1)
-    inner = cv2.erode(small.astype(np.uint8), np.ones((3, 3), np.uint8))
-    free = (small & (inner == 0) & (bounded == 0)).astype(np.uint8)
+    inner = cv2.erode(voted.astype(np.uint8), np.ones((3, 3), np.uint8))
+    free = (voted & (inner == 0) & (bounded == 0)).astype(np.uint8)
     free[:REACH] = free[-REACH:] = 0
     free[:, :REACH] = free[:, -REACH:] = 0
     if not free.any():
         return []
     _, labels, stats, _ = cv2.connectedComponentsWithStats(free, connectivity=8)
-    if stats[1:, cv2.CC_STAT_AREA].max() < OPEN * extent_of(small):
+    if stats[1:, cv2.CC_STAT_AREA].max() < OPEN * extent_of(voted):
         return []
     rows, columns = np.nonzero(labels == 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax()))
     middle = int(np.hypot(rows - rows.mean(), columns - columns.mean()).argmin())
-    scale = shape[1] / small.shape[1]
+    scale = shape[1] / voted.shape[1]
     return [Finding("edge", ((float(columns[middle] * scale), float(rows[middle] * scale)),))]
 
 

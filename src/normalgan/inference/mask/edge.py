@@ -79,6 +79,8 @@ def _body(mask: BoolMask, ink: Floats, inked: BoolMask, reach: float) -> BoolMas
         # Half size settles everything except the last two pixels at the edge.
         half = ((shape[0] + 1) // 2, (shape[1] + 1) // 2)
         small = resize(ink, half)
+        # Here the lines only separate regions, for which their absolute ink is enough. `_finish` then follows
+        # the ink relative to each line's darkest place, at full size.
         rough = _body(resize(mask.astype(np.float32), half) > 0.5, small, small > _PALEST, reach / 2)
         return _finish(resize(rough.astype(np.float32), shape) > 0.5, inked)
     inside = _divide(mask, inked, reach)
@@ -92,12 +94,8 @@ def _finish(rough: BoolMask, inked: BoolMask) -> BoolMask:
     grown = np.asarray(cv2.dilate(rough.view(np.uint8), _WIDE), np.uint8)
     shrunk = np.asarray(cv2.erode(rough.view(np.uint8), _WIDE), np.uint8)
     free = 1 - lines
-    one, other = shrunk & free, (1 - grown) & free
-    for _ in range(6):
-        further = np.asarray(cv2.dilate(one, _CROSS), np.uint8) & free & (1 - other)
-        other = np.asarray(cv2.dilate(other, _CROSS), np.uint8) & free & (1 - further)
-        one = further
-    body: BoolMask = (one > 0) | (inked & (grown > 0)) | (rough & (other == 0))
+    inner, outer = _grow(shrunk & free, (1 - grown) & free, free, 6)
+    body: BoolMask = (inner > 0) | (inked & (grown > 0)) | (rough & (outer == 0))
     return body
 
 
@@ -115,26 +113,34 @@ def _divide(mask: BoolMask, inked: BoolMask, reach: float) -> BoolMask:
     free = ~inked
     count, found = cv2.connectedComponents(free.view(np.uint8), connectivity=4)
     labels = np.asarray(found, np.int32)
-    # A region with certain pixels on one side of the mask's edge only lies entirely on that side.
+    # The faster metric is accurate enough, because the reach is only a tolerance.
     within, beyond = ~_near(~mask, reach, 3), ~_near(mask, reach, 3)
-    size, held, core, rest = _region_sums(labels, count, mask, within, beyond)
-    whole = (core == 0) | (rest == 0)
+    size, held, sure_in, sure_out = _region_sums(labels, count, mask, within, beyond)
+    # A region with certain pixels on one side of the mask's edge only lies entirely on that side.
+    whole = (sure_in == 0) | (sure_out == 0)
     whole[0] = False
     inside: BoolMask = np.take(whole & (held > 0.5 * size), labels)
     mixed = free & ~np.take(whole, labels)
-    return inside | _meet(mask, mixed, within | beyond, reach) if mixed.any() else inside
+    return (inside | _meet(mask, mixed, within | beyond, reach)) if mixed.any() else inside
 
 
 def _meet(mask: BoolMask, mixed: BoolMask, sure: BoolMask, reach: float) -> BoolMask:
     """Return the object's pixels in regions with a gap, by growing inside and outside until they meet."""
     free = mixed.astype(np.uint8)
-    one: NDArray[np.uint8] = (mixed & sure & mask).astype(np.uint8)
-    other: NDArray[np.uint8] = (mixed & sure & ~mask).astype(np.uint8)
-    for _ in range(int(2 * reach) + 2):
-        grown = np.asarray(cv2.dilate(one, _CROSS), np.uint8) & free & ~other
-        other = np.asarray(cv2.dilate(other, _CROSS), np.uint8) & free & ~grown
-        one = grown
-    return np.where(other > 0, False, (one > 0) | (mask & mixed))
+    sure_in: NDArray[np.uint8] = (mixed & sure & mask).astype(np.uint8)
+    sure_out: NDArray[np.uint8] = (mixed & sure & ~mask).astype(np.uint8)
+    inner, outer = _grow(sure_in, sure_out, free, int(2 * reach) + 2)
+    return np.where(outer > 0, False, (inner > 0) | (mask & mixed))
+
+
+def _grow(
+    inner: NDArray[np.uint8], outer: NDArray[np.uint8], free: NDArray[np.uint8], steps: int
+) -> tuple[NDArray[np.uint8], NDArray[np.uint8]]:
+    """Return two areas (H, W) of 0 and 1 that grow over free pixels by one pixel a step, until they meet."""
+    for _ in range(steps):
+        inner = np.asarray(cv2.dilate(inner, _CROSS), np.uint8) & free & (1 - outer)
+        outer = np.asarray(cv2.dilate(outer, _CROSS), np.uint8) & free & (1 - inner)
+    return inner, outer
 
 
 def _own_ink(mask: BoolMask, inside: BoolMask, inked: BoolMask) -> BoolMask:
@@ -156,6 +162,7 @@ def _own_ink(mask: BoolMask, inside: BoolMask, inked: BoolMask) -> BoolMask:
         centres, alike, most = np.zeros_like(inked), widths == width, _FINER ** (float(width) + 1)
         centres[rows[alike], columns[alike]] = True
         box = around(centres, int(most) + 1)
+        # The accurate metric, as for `depth`: the discs are the drawn ink itself.
         own[box] |= _near(centres[box], most, 5)
     # Discs do not cover the corners of a line.
     for _ in range(2):
@@ -210,6 +217,7 @@ def _region_sums(labels: NDArray[Any], count: int, *marked: BoolMask) -> NDArray
         marked: masks of the same shape.
     """
     kinds = 2 ** len(marked)
+    # Bit k of a pixel's code is set if the pixel is marked in mask k.
     codes = labels * kinds
     for bit, each in enumerate(marked):
         codes += each * np.int32(2**bit)

@@ -36,7 +36,7 @@ class Relief(Output):
     def encode(self, preds: NormalMap) -> dict[str, bytes]:
         """Return the content of the file."""
         # Here because trimesh is slow to import.
-        from normalgan.inference.heights.relief import encode_relief, relief_mesh, simpler
+        from normalgan.inference.heights.relief_mesh import encode_relief, relief_mesh, simpler
 
         shape = preds.height(), preds.mask
         simple = shape if self.faces is None else simpler(*shape, self.faces)

@@ -1,10 +1,9 @@
-"""Drawings: read pictures, painted hints and normal maps, and find the files that go with a drawing."""
+"""Drawings: read pictures and normal maps, and find the files that go with a drawing."""
 
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from normalgan.arrays import Floats
 from normalgan.decoding import Decoded, Pixels, decode
@@ -12,7 +11,7 @@ from normalgan.decoding.decoders.formats import ENDINGS, LAYERED
 from normalgan.decoding.decoders.levels import float_white
 from normalgan.errors import InputError
 from normalgan.files.limits import read_bounded, refuse_pointer
-from normalgan.normals import LEAST_Z, Green, flip_green, normalize, read_exr, vectors
+from normalgan.normals import Green, flip_green, read_exr, vectors
 
 __all__ = [
     "LARGEST",
@@ -25,7 +24,6 @@ __all__ = [
     "is_drawing",
     "read_content",
     "read_drawing",
-    "read_hints",
     "read_normals",
     "read_pixels",
     "to_unit",
@@ -158,48 +156,6 @@ def read_drawing(path: str | Path) -> Floats:
     if ink.max() < 0.1:
         raise InputError(f"{path} is all white; a sketch needs dark lines on light paper.")
     return ink
-
-
-def read_hints(path: str | Path, shape: tuple[int, int]) -> tuple[Floats, NDArray[np.bool_]]:
-    """Read hints from a transparent PNG of the drawing's size, painted in normal-map colours.
-
-    Returns:
-        Unit normals (H, W, 3), zero where there is no hint, and the mask of the hints (H, W).
-
-    Raises:
-        InputError: if the picture is missing, opaque or of a different size, or a colour is not a normal.
-    """
-    path = Path(path)
-    pixels = read_pixels(path, exact=True).pixels
-    if pixels.shape[:2] != shape:
-        raise InputError(
-            f"the hints {path} are {pixels.shape[1]} × {pixels.shape[0]} pixels, "
-            f"but their sketch {shape[1]} × {shape[0]}."
-        )
-    if pixels.ndim == 2 or pixels.shape[2] < 4:
-        raise InputError(f"the hints {path} have no transparency; paint them on a transparent PNG.")
-    where = to_unit(pixels[..., 3]) > 0.5
-    rows, columns = np.nonzero(where)
-    colours = pixels[rows, columns, :3]
-    given = vectors(colours)
-    length = np.linalg.norm(given, axis=-1)
-    wrong = np.flatnonzero(~(np.abs(length - 1) <= 0.25))  # written so that NaN counts as wrong
-    if len(wrong):
-        first, half = wrong[0], {"uint8": 127.5, "uint16": 32767.5}.get(colours.dtype.name, 0.5)
-        raise InputError(
-            f"the colour {colours[first].tolist()} at x {columns[first]}, y {rows[first]} of {path} is not "
-            f"a normal: (colour / {half} - 1) must have length 1, not {length[first]:.2f}."
-        )
-    away = np.flatnonzero(given[:, 2] < LEAST_Z * length)
-    if len(away):
-        first = away[0]
-        raise InputError(
-            f"the colour {colours[first].tolist()} at x {columns[first]}, y {rows[first]} of {path} is a "
-            f"normal that looks away from the viewer: its z is {given[first, 2]:.2f}, and must be 0 or more."
-        )
-    normals = np.zeros((*shape, 3), np.float32)
-    normals[rows, columns] = normalize(given)
-    return normals, where
 
 
 def read_normals(path: str | Path, green: Green = "up") -> tuple[Floats, Floats | None]:

@@ -8,14 +8,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
 from normalgan.files.limits import read_named
-from normalgan.inference.reading.drawings import SUFFIXES, read_hints
-from normalgan.normals import LEAST_Z, normalize
+from normalgan.inference.reading.drawings import SUFFIXES, read_pixels, to_unit
+from normalgan.normals import LEAST_Z, normalize, vectors
 
-__all__ = ["ENDINGS", "MOST_LISTED", "Hints", "check_hints", "load_hints", "parse_hints"]
+__all__ = ["ENDINGS", "MOST_LISTED", "Hints", "check_hints", "load_hints", "parse_hints", "read_hints"]
 
 ENDINGS = ("_hints.png", "_hints.json", ".json", ".png")
 """Endings that follow a drawing's stem in the name of its hint file, in the order of the search."""
@@ -53,6 +54,48 @@ def load_hints(path: Path, shape: tuple[int, int]) -> Hints:
     rows, columns = np.nonzero(where)
     points = np.stack([columns, rows], axis=1).astype(np.float32) + np.float32(0.5)
     return Hints(points, normals[rows, columns])
+
+
+def read_hints(path: str | Path, shape: tuple[int, int]) -> tuple[Floats, NDArray[np.bool_]]:
+    """Read hints from a transparent PNG of the drawing's size, painted in normal-map colours.
+
+    Returns:
+        Unit normals (H, W, 3), zero where there is no hint, and the mask of the hints (H, W).
+
+    Raises:
+        InputError: if the picture is missing, opaque or of a different size, or a colour is not a normal.
+    """
+    path = Path(path)
+    pixels = read_pixels(path, exact=True).pixels
+    if pixels.shape[:2] != shape:
+        raise InputError(
+            f"the hints {path} are {pixels.shape[1]} × {pixels.shape[0]} pixels, "
+            f"but their sketch {shape[1]} × {shape[0]}."
+        )
+    if pixels.ndim == 2 or pixels.shape[2] < 4:
+        raise InputError(f"the hints {path} have no transparency; paint them on a transparent PNG.")
+    where = to_unit(pixels[..., 3]) > 0.5
+    rows, columns = np.nonzero(where)
+    colours = pixels[rows, columns, :3]
+    given = vectors(colours)
+    length = np.linalg.norm(given, axis=-1)
+    wrong = np.flatnonzero(~(np.abs(length - 1) <= 0.25))  # written so that NaN counts as wrong
+    if len(wrong):
+        first, half = wrong[0], {"uint8": 127.5, "uint16": 32767.5}.get(colours.dtype.name, 0.5)
+        raise InputError(
+            f"the colour {colours[first].tolist()} at x {columns[first]}, y {rows[first]} of {path} is not "
+            f"a normal: (colour / {half} - 1) must have length 1, not {length[first]:.2f}."
+        )
+    away = np.flatnonzero(given[:, 2] < LEAST_Z * length)
+    if len(away):
+        first = away[0]
+        raise InputError(
+            f"the colour {colours[first].tolist()} at x {columns[first]}, y {rows[first]} of {path} is a "
+            f"normal that looks away from the viewer: its z is {given[first, 2]:.2f}, and must be 0 or more."
+        )
+    normals = np.zeros((*shape, 3), np.float32)
+    normals[rows, columns] = normalize(given)
+    return normals, where
 
 
 def parse_hints(entries: Any, path: Path | str, shape: tuple[int, int]) -> Hints:

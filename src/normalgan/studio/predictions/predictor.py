@@ -14,7 +14,7 @@ import numpy as np
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError, RunError
 from normalgan.inference.cleaning.reader import read
-from normalgan.inference.composites.context import Context, Inferred, context_of, surest, ways_to_see
+from normalgan.inference.composites.layer_context import Context, Inferred, context_of, surest, ways_to_see
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.network.upsampling import Coarse
 from normalgan.inference.normal_map import NormalMap
@@ -98,7 +98,7 @@ class Predictor:
             if earlier is not None:
                 return earlier
         context = self._context(parts, longest, check)
-        around = sha256(b"" if context is None else context.seen.tobytes()).digest()
+        around = sha256(b"" if context is None else context.model_input.tobytes()).digest()
         predicted = self._recalled(self._predicted, (key, around))
         if predicted is None:
 
@@ -122,13 +122,13 @@ class Predictor:
 
     def _infer(self, prepared: Prepared) -> "Future[Inferred]":
         """Return a future of the network's prediction; layers without hints in the same context share it."""
-        shown = sha256(prepared.seen.tobytes())
+        shown = sha256(prepared.model_input.tobytes())
         if prepared.hints is not None:
             shown.update(prepared.hints.tobytes())
         key = shown.digest()
         found = self._recalled(self._inferred, key)
         if found is None or (found.done() and found.exception() is not None):
-            found = self._network.submit(self.model.predict, prepared.seen, prepared.hints)
+            found = self._network.submit(self.model.predict, prepared.model_input, prepared.hints)
             self._remember(self._inferred, key, found, _CONTEXTS)
         return found
 
@@ -176,8 +176,8 @@ class Predictor:
             prepared = prepare(
                 *(picture, self.model.size, mask, None, longest, by_hand),
                 line_widths=self.model.line_widths,
-                drawn=drawing.drawn,
-                on_seen=infer_ahead,
+                clean_strokes=drawing.drawn,
+                on_model_input=infer_ahead,
             )
             # The decision takes more memory than everything else and is not needed again.
             found = replace(prepared, decision=None, reading=None), picture.shape

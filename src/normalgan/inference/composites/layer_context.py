@@ -1,4 +1,4 @@
-"""Context: predict each part of a drawing alone or among the others, whichever the network is surer of."""
+"""Layer context: predict each part of a drawing alone or among the others, by its confidence."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
@@ -23,11 +23,11 @@ class Context:
 
     Args:
         frame: the square around all parts.
-        seen: (S, S), the lines of all parts.
+        model_input: (S, S), the lines of all parts.
     """
 
     frame: Frame
-    seen: Floats
+    model_input: Floats
 
 
 def context_of(parts: Iterable[Prepared]) -> Context:
@@ -58,7 +58,8 @@ def ways_to_see(part: Prepared, context: Context | None) -> list[Prepared]:
     """
     if context is None or part.mask is None:
         return [part]
-    return [part, replace(part, frame=context.frame, seen=context.seen, hints=None, pins=None, given=None)]
+    without_hints = replace(part, hints=None, map_hints=None, drawing_hints=None)
+    return [part, replace(without_hints, frame=context.frame, model_input=context.model_input)]
 
 
 def surest(

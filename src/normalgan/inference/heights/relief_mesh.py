@@ -1,4 +1,4 @@
-"""Relief: a closed mesh of a height map, for engines, viewers and 3D printers."""
+"""Relief mesh: a closed mesh of a height map, for engines, viewers and 3D printers."""
 
 from typing import Any, Literal
 

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask
 from normalgan.errors import InputError
-from normalgan.inference.heights.relief import encode_relief, relief_mesh
+from normalgan.inference.heights.relief_mesh import encode_relief, relief_mesh
 
 
 def dome(size: int = 40) -> tuple[NDArray[np.float32], BoolMask]:
