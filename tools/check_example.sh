@@ -44,7 +44,7 @@ step "normalgan plugins"
 "$work/venv/bin/normalgan" plugins | tee plugins.txt
 grep -Eq '^  PoissonHints +normalgan-poisson 0\.1\.0 +Scatters points' plugins.txt
 grep -Eq '^  Pebbles +normalgan-poisson 0\.1\.0 +Heaps of round stones' plugins.txt
-grep -Eq '^  WorstPicture +normalgan-poisson 0\.1\.0 +The mean angular error' plugins.txt
+grep -Eq '^  WorstPicture +normalgan-poisson 0\.1\.0 +The largest mean angular error' plugins.txt
 grep -q '^Nothing was left out' plugins.txt
 
 step "a few steps of training with its sampler, its pairs and its metric, named in YAML"
