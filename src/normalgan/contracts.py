@@ -17,7 +17,7 @@ def check_kinds(given: Mapping[str, tuple[object, type]], optional: Collection[s
         optional: names of the settings that may be None.
 
     Raises:
-        InputError: if a value is not an instance of its type, such as a name or the class itself.
+        InputError: if a value is not an instance of its type; it may be a name, or the class itself.
     """
     for setting, (value, kind) in given.items():
         if not (isinstance(value, kind) or (value is None and setting in optional)):

@@ -111,7 +111,7 @@ class Evaluation(LightningModule):
     def test_step(
         self, batch: Batch, batch_idx: int, dataloader_idx: int = 0
     ) -> dict[str, tuple[Tensor, Tensor]]:
-        """Update the metrics: without hints, with sampled hints, and with these outside the hinted pixels.
+        """Update the metrics: without hints, with sampled hints, and with these but without hinted pixels.
 
         Multiple loaders are treated as one set.
 

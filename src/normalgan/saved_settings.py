@@ -53,7 +53,7 @@ class SavedSettings(LightningModule):
         checkpoint["state_dict"] = {own.get(uncompiled(k), k): v for k, v in weights.items()}
 
     def _given(self) -> dict[str, Any]:
-        """Return all arguments of the module, with unpicklable ones that Lightning drops from ``hparams``.
+        """Return all arguments of the module, including unpicklable ones that Lightning drops.
 
         Without these, a run with an optimiser from a lambda would resume with the default optimiser.
         """

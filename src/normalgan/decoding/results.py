@@ -49,7 +49,7 @@ class Decoded:
     Args:
         pixels: (h, w), (h, w, 3) or (h, w, 4).
         shape: (H, W) of the file before downsampling.
-        notes: differences of the file.
+        notes: differences between the decoded file and what its own program shows.
     """
 
     pixels: Pixels
@@ -65,7 +65,7 @@ class DecodedFrames:
         frames: full frames.
         durations: durations of the frames in milliseconds.
         loop: number of loops; 0 for endless.
-        notes: differences of the file.
+        notes: differences between the decoded file and what its own program shows.
     """
 
     frames: list[Decoded]
@@ -109,7 +109,7 @@ class DecodedLayers:
         shape: (H, W) of the picture.
         durations: durations of the frames in milliseconds; [0] for a still file.
         layers: layers by frame, bottom to top; empty layers are left out.
-        notes: differences of the file.
+        notes: differences between the decoded file and what its own program shows.
     """
 
     shape: tuple[int, int]

@@ -19,7 +19,7 @@ _CROWDED = 1e4  # larger than any error
 class WorstErrorHints(ErrorHintSampler):
     """Sample points greedily where the generator's hint-free error is largest.
 
-    Users do not know this error, so the sampler is an upper bound for others. Points keep a minimum
+    Users do not know this error, so the sampler is an upper bound for other samplers. Points keep a minimum
     distance, because the neighbours of the worst pixel are nearly as wrong and one hint corrects them too.
     When no more points fit, the remaining ones go where the error is largest.
 

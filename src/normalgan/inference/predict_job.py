@@ -314,7 +314,7 @@ class _Problems:
     """Warnings and errors of an animation's frames or a file's pages.
 
     Args:
-        part: name of a single one, ``frame`` or ``page``.
+        part: name of a single item, ``frame`` or ``page``.
         errors: why frames could not be predicted.
         failed: pictures of these frames.
         said: failures, then other warnings, as parts of a sentence.

@@ -1,4 +1,4 @@
-"""Mesh, the input of renderers, MeshSource, which loads a mesh, and a check of the loaded mesh."""
+"""Meshes for renderers, their sources, and the check of loaded meshes."""
 
 from dataclasses import dataclass
 from typing import Any, Protocol

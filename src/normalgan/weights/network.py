@@ -1,4 +1,4 @@
-"""Construction of a generator for given tensors, after checking that they fit."""
+"""Build a generator that fits given tensors, after checking them."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager

@@ -330,7 +330,7 @@ def _layered_frames(layered: Any) -> Iterator[Message]:
 
 @contextmanager
 def _failures_refused(words: str) -> Iterator[None]:
-    """Convert any exception of a decoder to a `RefusedError` with ``words`` and the reason."""
+    """Convert any exception raised by a decoder to a `RefusedError` with ``words`` and the reason."""
     try:
         yield
     except (RefusedError, MemoryError):

@@ -236,7 +236,7 @@ def _near(marked: BoolMask, reach: float, metric: int) -> BoolMask:
 
 @lru_cache(128)
 def _disc(reach: float, metric: int) -> NDArray[np.uint8]:
-    """Return the pixels (K, K) that are at most ``reach`` from the central one."""
+    """Return a disc (K, K): the pixels at most ``reach`` from the centre."""
     most = int(reach / 0.95)  # a step to the side counts as 0.955 or 1 pixel in OpenCV
     middle = np.ones((2 * most + 1, 2 * most + 1), np.uint8)
     middle[most, most] = 0

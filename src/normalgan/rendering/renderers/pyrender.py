@@ -79,7 +79,7 @@ class _FloatFramebuffer:
     """A mixin for pyrender's ``Renderer`` with one float32 sample per pixel and our camera.
 
     pyrender itself multisamples and stores 8 bits, which blends the object with the background along
-    silhouettes and makes normals 0.2° inexact. Its cameras also cannot shift their window. This is a
+    silhouettes and shifts normals by 0.2°. Its cameras also cannot shift their window. This is a
     mixin, combined with pyrender's class in `_FloatContext`, so that this module can be imported without
     OpenGL.
     """
