@@ -285,7 +285,7 @@ def _further(plan: Plan, results: Results) -> Iterator[tuple[str, _Columns, str]
                 _PINS_NOTES,
             )
     if any(ADVERSARIAL_SHARE in run["curve"][-1] for run in _runs(results) if run["curve"]):
-        title = "Ratio of the adversarial to the reconstruction gradient norm, at the generator's weights"
+        title = "Adversarial gradient relative to the reconstruction's, at the generator's weights"
         yield title, {"first": share_cell(0), "last": share_cell(-1)}, ""
 
 
