@@ -71,7 +71,21 @@ def serve(app: ASGIApp, listening: socket.socket) -> None:
         proxy_headers=False,
         timeout_graceful_shutdown=_GRACE,
     )
-    uvicorn.Server(config).run(sockets=[listening])
+    server = _Server(config)
+    server.run(sockets=[listening])
+    if server.interrupted:  # Python drops a KeyboardInterrupt that is raised within a destructor
+        raise KeyboardInterrupt
+
+
+class _Server(uvicorn.Server):
+    """A server that remembers whether Ctrl-C stopped it."""
+
+    interrupted = False
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        """Stop serving."""
+        self.interrupted = self.interrupted or sig == signal.SIGINT
+        super().handle_exit(sig, frame)
 
 
 def _leave(number: int, frame: FrameType | None) -> None:
