@@ -37,7 +37,7 @@ from normalgan.weights.shipped import find_model
 
 SIDE, AZIMUTH, ELEVATION, STILL = 256, 60.0, 10.0, 1.0
 WIDEST = 1080
-"""The largest side of the picture in pixels."""
+"""The largest width of the picture in pixels."""
 MARGIN = 6
 """Margin in pixels above and below the visible part of the frames."""
 WAYS = {"own": (False, False), "shared": (True, False), "steady": (True, True)}

@@ -207,7 +207,7 @@ def main() -> int:
     given = parser.parse_args()
     folder = given.to or ADD_ONS[given.name].folder
     if folder is None:
-        parser.error(f"the add-on for {given.name} has no usual folder: name one with --to")
+        parser.error(f"the add-on for {given.name} needs a folder: name it with --to")
     found = shutil.which(given.normalgan) if given.normalgan else own_command()
     if given.normalgan and not found:
         parser.error(f"{given.normalgan} is not a command; give the path of normalgan")

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 RECORD = Path(__file__).with_name("normalgan_path.txt")
-"""The file where `install.py` notes the command: a program started from a menu sees no environment."""
+"""The file where `install.py` notes the command: programs started from a menu see no active environment."""
 
 FOREIGN = ("PYTHONHOME", "PYTHONPATH", "LD_LIBRARY_PATH")
 """Variables that programs set for their own Python, and that break another Python."""

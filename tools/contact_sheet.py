@@ -3,13 +3,13 @@
 contact_sheet.py OUT [DRAWING…] [--clipart COUNT] [--seed 0] [--model shipped]
 
 OUT.png shows each drawing with a number above its map, which is lit from the upper left. OUT.csv has a row
-for
-each: the object's share of the picture, the warning, and two columns to fill in, verdict (keep, fix or fail)
-and why. A DRAWING is a file or a folder.
+for each drawing: the object's share of the picture, the warning, and two columns to fill in, verdict (keep,
+fix or fail) and why. A DRAWING is a file or a folder.
 
 --clipart adds line drawings from the Debian package openclipart-svg, which is in the public domain. They are
-chosen at random among grey pictures that are mostly paper with thin lines, and not tiny. Of all names with
-the same first word only one is chosen, because drawings in a series such as star_20pt differ little.
+chosen at random among grey pictures that are mostly paper, have thin lines and are not tiny. If several
+names start with the same word, only one is chosen, because drawings in a series such as star_20pt differ
+little.
 """
 
 import argparse

@@ -29,7 +29,7 @@ MEMORY = 2 * 2**30
 SECONDS = 600
 """Seconds of processor time for code that limits itself; the fuzzer has its own clock for each input."""
 LEAST, MOST = 8, 256
-"""Maximum side of a decoded picture in pixels."""
+"""Minimum and maximum side in pixels of what is decoded."""
 _folder = tempfile.TemporaryDirectory(prefix="fuzz-")
 
 Read = Callable[[bytes], None]

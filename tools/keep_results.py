@@ -82,7 +82,7 @@ if __name__ == "__main__":
     parser.add_argument(
         "--by-mesh", nargs="+", default=(), metavar="FIGURE", help="the only figures to keep by mesh"
     )
-    parser.add_argument("--without", nargs="+", default=(), metavar="PART", help="left out: distance")
+    parser.add_argument("--without", nargs="+", default=(), metavar="PART", help="also left out: distance")
     options = parser.parse_args()
     found = [json.loads(path.read_text(encoding="utf-8")) for path in options.results]
     if len(found) == 1 and "runs" not in found[0]:

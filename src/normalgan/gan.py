@@ -114,8 +114,8 @@ class NormalGAN(SavedSettings, Evaluation):
         seed: seed of the hints and of the noise.
         refined: whether the package's refiner sharpens its maps when they are enlarged to a drawing's size.
             The refiner was trained for the shipped weights.
-        line_widths: thinnest and thickest line, in pixels of the model's input, that prediction leaves
-            as drawn; lines outside it are redrawn 1.25 pixels wide. Set it to the widths of the training.
+        line_widths: thinnest and thickest line, in pixels of the model's input, that prediction leaves as
+            drawn. Thinner and thicker lines are redrawn 1.25 pixels wide. Set it to the widths in training.
         compile: whether to compile the generator's forward pass in training with ``torch.compile``; a string
             selects another backend than the default, which needs a C++ compiler. Checkpoints do not hold it.
 

@@ -250,7 +250,7 @@ def _float_colours(normals: Floats, alpha: Floats | None) -> Floats:
 
 
 def _encoded(suffix: str, pixels: NDArray[Any]) -> bytes:
-    import cv2  # only files need OpenCV
+    import cv2  # imported here, because `encode` and `decode` do not need it
 
     done, buffer = cv2.imencode(suffix, pixels)
     if not done:

@@ -27,7 +27,7 @@ export async function read(plane, network) {
   return putIn(page, await look({ pixels: nearer, width: right - left, height: bottom - top, channels }, paper, network), box, width, height);
 }
 
-/** Returns the bounding box of everything drawn, unless it is almost the whole picture. @param {Reading} page @param {number} width @param {number} height */
+/** Returns the box of a picture to read from nearer, or null if that adds little detail. @param {Reading} page @param {number} width @param {number} height */
 function aroundDrawing({ ink, presence, width: wide, height: high }, width, height) {
   const drawn = where(ink, (value, i) => value > 0.5 || presence[i] > 0.5);
   const [columns, rows] = [[wide, -1], [high, -1]];

@@ -108,7 +108,7 @@ class Ornament(Table):
         mirror: whether there is a mirror image on the left.
         blend: width of the blend.
         carve: whether to subtract the ornament instead of adding it.
-        swivel: maximum random rotation in degrees.
+        swivel: twice the standard deviation of the random rotation, in degrees.
         chance: probability of the ornament.
         ripple: bumps, or None.
         pivot: centre of stretching and rotation; None for the first station.
@@ -158,7 +158,7 @@ def _ears(
         half_width: half of the maximum width.
         thick: half of the thickness.
         side: direction of the width.
-        swivel: maximum random rotation in degrees.
+        swivel: twice the standard deviation of the random rotation, in degrees.
         pricked: whether the ears are widest at the base instead, like a cat's.
         chance: probability of the ears.
     """

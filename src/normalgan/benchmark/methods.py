@@ -41,7 +41,7 @@ class Method:
         predict: function of a batch and hints (N, 4, H, W) or None, which returns normals (N, 3, H, W), or
             normals and confidence (N, 4, H, W). Only classical methods may use the truth; their docstrings
             say so.
-        sampler: sampler of the hints that the method was trained with, or None.
+        sampler: sampler of the hints that the method was trained with; `NoHints` if it uses none.
         generator: network of the method, or None.
         timed: whether the speed can be measured; predictions of another program are only read.
     """

@@ -37,7 +37,7 @@ class LastCheckpoint(ModelCheckpoint):
     batch. Saved any later, it would count the epoch as complete.
 
     Since Lightning 2.6, its own ``save_last`` saves only together with a new best checkpoint. In an epoch
-    without validation, it saves before the end of the epoch, so resuming fails.
+    without validation, it saves before the end of the epoch, so resuming goes wrong.
     """
 
     def __init__(self) -> None:

@@ -73,7 +73,7 @@ class TestReport(Callback):
         self._baselines = StageMetrics("test", baselines, with_presence=True).to(pl_module.device)
         rows = (*baselines, "hints", "unhinted", "no_hints")
         self._further = StageMetrics("test", rows, self.metrics).to(pl_module.device)
-        # The number of tested samples, which limit_test_batches and several processes reduce.
+        # limit_test_batches reduces the tested samples; the gallery shows samples of one process only.
         samples, share = len(data.test_dataset), int(trainer.num_test_batches[0]) * data.batch_size
         self._total = min(samples, share * trainer.world_size)
         self._shown = set(spread(min(-(-samples // trainer.world_size), share), self.samples))

@@ -79,7 +79,7 @@ class StoppedCheckpoint(Callback):
         """Save the checkpoint and print its path."""
         if not isinstance(exception, SIGTERMException | LossError):
             return
-        if trainer.sanity_checking or trainer.fast_dev_run:  # type: ignore[attr-defined]  # set by the signal handler
+        if trainer.sanity_checking or trainer.fast_dev_run:  # type: ignore[attr-defined]  # set by Lightning, not typed
             return
         path = stopped_checkpoint(trainer.default_root_dir)
         trainer.save_checkpoint(path)

@@ -215,8 +215,8 @@ def drop_lines(sketch: Tensor, share: float) -> Tensor:
     most = share * (some.shape[1] - 1)
     erased = (torch.rand(n, device=sketch.device) * most).long()
     lowest = some.topk(int(most) + 1, dim=1, largest=False, sorted=True).values
-    # Noise between the sorted pixels may be lower still, so the level -1 makes sure that nothing is
-    # erased.
+    # Noise between the sorted pixels may be lower still, so where nothing is to be erased, the level
+    # is -1.
     level = lowest.gather(1, erased[:, None])[:, 0].masked_fill(erased == 0, -1.0)
     return sketch * (noise >= level.view(n, 1, 1, 1))
 

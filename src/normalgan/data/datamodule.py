@@ -258,7 +258,7 @@ class MeshDataModule(LightningDataModule):
         """Return the splits with samples that are created on first read.
 
         For pairs, these are all splits except the one that is measured, so training begins immediately.
-        For meshes, there are none.
+        There are none for meshes, and none unless a trainer fits, validates or tests.
         """
         stage = self.trainer.state.fn if self.trainer is not None else None
         measured = {TrainerFn.FITTING: "", TrainerFn.VALIDATING: "val", TrainerFn.TESTING: "test"}
@@ -394,8 +394,7 @@ class MeshDataModule(LightningDataModule):
         seed = derive_seed("augment", self.seed, step, trainer.global_rank)
         return augmented(self.augmentation, batch, seed)
 
-    # --- for models and callbacks
-    # ------------------------------------------------------------------------------
+    # --- for models and callbacks --------------------------------------------------------------------
 
     def mean_normal_map(self) -> Tensor:
         """Return the mean of the training maps (3, H, W), unit vectors, or 0 where there is never an object.

@@ -20,8 +20,8 @@ def curvature_map(
     right and y up: ridges are positive, valleys negative, flat is 0. An orthographic sphere of radius r
     pixels has 2/r everywhere. The unsigned curvature is the Frobenius norm of the normal's gradient. In a
     colour normal map, (n + 1) / 2, the difference between the two neighbours of a pixel has the same
-    value. Tools that make a "curvature map" from a normal map compute this sum: red along columns plus
-    green along rows.
+    value. Tools that make a "curvature map" from a normal map compute this sum: red across columns plus
+    green across rows.
 
     Border pixels are repeated outside the picture. The zero normal outside the object counts as facing the
     viewer in the signed form, so a convex object has a strong negative outline.

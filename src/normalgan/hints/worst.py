@@ -37,7 +37,7 @@ class WorstErrorHints(ErrorHintSampler):
     def sample_by_error(self, error: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
         """Return the hint mask, (N, 1, H, W) of the error's type; ``rng`` is not used."""
         number, _, height, width = error.shape
-        on_object, flat = mask.flatten(1) > 0.5, error.flatten(1).float()  # ranks exceed float16
+        on_object, flat = mask.flatten(1) > 0.5, error.flatten(1).float()  # float16 is too coarse for ranks
         area_per_point = on_object.sum(1, keepdim=True) / max(self.count, 1)
         reach = self.spacing * area_per_point.sqrt()
         # Order: errors of free pixels first, then of pixels near a chosen point, then chosen or outside

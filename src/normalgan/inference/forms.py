@@ -27,7 +27,7 @@ _NUMBER = r",(bevel|strength)=(\d+\.?\d*|\.\d+)"
 _TEXT = re.compile(rf"({'|'.join(BEVELS)})((?:{_NUMBER})*)")
 
 _SIDE = 256
-"""Longer side in pixels at which a form is computed; it is smooth, so it can be enlarged afterwards."""
+"""Maximum longer side in pixels at which a form is computed; it is smooth and can be enlarged afterwards."""
 _COARSE = 64
 """Longer side of the coarsest level; each finer level starts from the result of the coarser one."""
 _SWEEPS = 24

@@ -59,7 +59,7 @@ class Tile:
 
     @classmethod
     def of(cls, heights: Floats) -> "Tile":
-        """Return the tile of heights (S, S) in any unit; it has a level for each time S can be halved."""
+        """Return the tile of heights (S, S) in any unit; a side of 2 ** n has n + 1 levels."""
         slopes = _slopes(heights)
         steepness = float(np.sqrt((slopes**2).sum(-1).mean()))
         levels = [slopes * np.float32(_STEEP / steepness if steepness > _EVEN * np.ptp(heights) > 0 else 0)]

@@ -24,7 +24,7 @@ _KINDS = {
 """Plain words for Python types."""
 _OF_A_CLASS = ("class_path", "init_args")
 _FEW = 16
-"""Maximum number of names that a message lists."""
+"""Longer lists of names are left out of the message about an unknown name."""
 
 
 def explain(

@@ -19,11 +19,11 @@ __all__ = ["LightParser", "OwnDefaultsParser", "choices"]
 
 
 class OwnDefaultsParser(ArgumentParser):
-    """A parser that does not carry the default settings of a class over to a class that replaces it.
+    """A parser that does not carry the settings of a class over to a class that replaces it.
 
     When another class is named, jsonargparse keeps every setting that both classes have, even if it was only
     a default of the first class (https://github.com/mauvilsa/jsonargparse/issues/460). A brush, for example,
-    got the default line width of another style. Settings that were given as options are still kept.
+    got the default line width of another style. Settings from options are kept if an option names the class.
     """
 
     def add_argument(self, *names: Any, **how: Any) -> Any:

@@ -30,7 +30,7 @@ def help_of(section: str | None) -> Iterator[None]:
 
 
 _RANGED = re.compile(r"Annotated\[(\w+(?:\[[\w,\s]*\])?),(\s+[^\[\]]*)\]")
-"""Pattern of types with a range, from which error messages drop the word Annotated."""
+"""Pattern of types with a range, from which ``--help`` drops the word Annotated."""
 
 
 class Parser(OwnDefaultsParser, LightningArgumentParser):

@@ -86,7 +86,7 @@ class Loaders:
             # Also for a single process, because the order must not depend on global state, which a resumed
             # run does not have.
             sampler = DistributedSampler(dataset, self.replicas, self.rank, shuffle=True, seed=seed)
-        whole = len(sampler) >= self.batch_size  # batch norm would fail on a last batch of one sample
+        whole = len(sampler) >= self.batch_size  # a last batch of one sample would upset batch norm
         return self._loader(dataset, sampler, isinstance(dataset, StreamDataset), whole)
 
     def in_order(self, dataset: SampleDataset) -> DataLoader[Item]:

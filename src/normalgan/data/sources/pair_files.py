@@ -194,8 +194,8 @@ def find_pairs(entry: str, left_out: list[str], direction: Direction = "AtoB") -
 def _pix2pix(root: Path, left_out: list[str], direction: Direction) -> Iterator[PairFiles]:
     """Yield the pairs of a pix2pix folder: ``A`` and ``B``, or side-by-side pictures in ``AB``.
 
-    The subfolders ``train``, ``val`` and ``test`` are the splits. Without a folder ``AB``, pictures in
-    ``train`` that are twice as wide as high are assumed to be side-by-side pairs.
+    The subfolders ``train``, ``val`` and ``test`` are the splits. Without a folder ``AB``, if a picture in
+    one of them is twice as wide as high, all of them are read as side-by-side pairs.
     """
     sketches, normals = (root / name for name in ("AB" if direction == "AtoB" else "BA"))
     both = root / "AB"

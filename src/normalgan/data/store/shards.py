@@ -32,7 +32,7 @@ class ShardedSamples:
 
     In the folder, ``samples.zarr/<split>/`` holds the Zarr 3 arrays ``sketch`` (N, H, W), ``normal`` (N,
     H, W, 3), ``mask`` (N, H, W) and, if the samples have any, ``hints`` (N, H, W, 4). They use the
-    sharding codec with one sample per inner chunk, each with a CRC-32C, so any Zarr reader can open them.
+    sharding codec with one sample per inner chunk, each with a CRC-32C. Any Zarr reader can open them.
     ``done/<split>/<shard>.json`` holds the length and SHA-256 of a shard's objects and is written last. A
     shard without it is unfinished. ``failed/<split>/<shard>.json`` lists meshes that could not be
     rendered. Their samples are blank and are skipped when reading.

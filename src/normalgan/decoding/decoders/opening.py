@@ -98,7 +98,7 @@ def check_sides(width: int, height: int, least: int, most: int) -> None:
 
 
 def reduced_size(width: int, height: int, longest: int) -> tuple[int, int]:
-    """Return (width, height) of a picture downsampled to a longer side of at most ``longest`` pixels."""
+    """Return (width, height) of a picture downsampled to a longer side of ``longest`` pixels."""
     scale = longest / max(width, height)
     return max(round(width * scale), 1), max(round(height * scale), 1)
 

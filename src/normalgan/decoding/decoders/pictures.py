@@ -261,7 +261,7 @@ def plain(image: "Image") -> "Image":
 def _deep(image: "Image") -> "Image":
     """Return a grey image of 16 or 32 bits with white at 65535.
 
-    A picture that uses at most a quarter of its range is assumed to have fewer bits than the file says. If
+    A picture within the lowest quarter of its range is assumed to have fewer bits than the file says. If
     one of its grey levels is transparent, it is converted to RGBA with 8 bits.
     """
     import numpy as np

@@ -41,7 +41,7 @@ def draw_svg(content: bytes, side: int, most: int) -> bytes:
         most: maximum side of embedded pictures in pixels.
 
     Raises:
-        RefusedError: if the SVG cannot be rendered, or refers to another file.
+        RefusedError: if the SVG cannot be rendered, or would draw another file.
     """
     from PIL import Image
     from resvg_py import svg_to_bytes
@@ -75,7 +75,7 @@ def sanitize_svg(content: bytes, most: int) -> str:
         most: maximum side of embedded pictures in pixels.
 
     Raises:
-        RefusedError: if the file is not XML, is nested too deeply, is too long, or refers to another file.
+        RefusedError: if the file is not XML, is nested too deeply, is too long, or would draw another file.
     """
     parser = ParserCreate()
     parser.buffer_text = True

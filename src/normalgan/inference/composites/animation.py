@@ -28,7 +28,7 @@ _EXTENSION, _CONTROL, _IMAGE, _END = 0x21, 0xF9, 0x2C, 0x3B
 def moving_kind(path: Path, content: bytes | None = None) -> Kind | Literal["pages"] | None:
     """Return the kind of an animation, `PAGES` for a multi-page file, or None for a single picture.
 
-    Only headers are read; nothing is decoded.
+    Only the headers of blocks and chunks are parsed; nothing is decoded.
 
     Args:
         path: the file, or its name in messages.

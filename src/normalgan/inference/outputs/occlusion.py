@@ -10,7 +10,7 @@ from normalgan.inference.reading.picture import fitted, resize
 __all__ = ["occlusion"]
 
 _SIDE = 512
-"""Longer side in pixels at which occlusion, which is smooth, is computed."""
+"""Maximum longer side in pixels at which occlusion, which is smooth, is computed."""
 _WAYS = 12
 """Number of search directions."""
 _REACH = 0.12

@@ -112,8 +112,9 @@ def read_container(path: Path) -> Container:
 
     Raises:
         InputError: if the file cannot be read, is not glTF 2.0, needs an unsupported extension, lacks a
-            buffer, or would exhaust memory. LookupError, TypeError, ValueError, AttributeError: if the
-            file is inconsistent; see `refusing_bad_gltf`.
+            buffer, or would exhaust memory.
+        LookupError, TypeError, ValueError, AttributeError: if the file is inconsistent; see
+            `refusing_bad_gltf`.
     """
     tree, binary = _tree(path)
     for name in map(str, tree.get("extensionsRequired", [])):

@@ -144,9 +144,9 @@ def follow(maps: Maps, distortion: Distortion) -> Maps:
     """Return the maps of an object after distorting its picture; depth values do not change.
 
     If point p of the picture moves to q, then q has the height z(p). With J = dp/dq, its gradient is J^T
-    dz/dp. Therefore (nx, ny) becomes J^T (nx, ny), nz is unchanged, and the vector is normalised. Of the
-    four pixels around a source, only those on the same surface as the nearest pixel are interpolated, so
-    that neither the background nor a more distant part blends in. The depth is that of the nearest pixel.
+    dz/dp. Therefore (nx, ny) becomes J^T (nx, ny), nz is unchanged, and the vector is normalised. Only
+    those of the four neighbouring pixels that lie on the same surface as the nearest one are interpolated,
+    so that neither the background nor a more distant part blends in. The depth is that of the nearest pixel.
     """
     place, jacobian = distortion.grid(*maps.mask.shape)
     x, y = (place * max(maps.mask.shape) - 0.5).astype(np.float32)  # pixel centres at integers

@@ -168,7 +168,7 @@ def draw_curve(line: Line, buffers: Buffers, width: float) -> Stroke:
     return Stroke.even(resample(buffers.to_sketch(path), SPACING), width)
 
 
-_GRAZING = 0.1  # tangent planes with a smaller cosine are ignored, because they would explain any gap
+_GRAZING = 0.1  # minimum cosine of a tangent plane, because steeper planes would explain any gap
 _BAND = 2  # pixels; such a narrow flank is a contour, because it is thinner than the line
 _MUCH = 3.0  # ratio above which a gap is considered much larger
 _BEYOND = np.float32(1e6)  # depth of the background in mesh units, farther than any object

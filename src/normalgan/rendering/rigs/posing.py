@@ -93,7 +93,7 @@ class Posture:
         tail: bend of the tail; its pitch raises the tip.
         whole: final rotation of the whole figure, to lay it down; random poses vary it by up to 15 %.
         spread: maximum random deviation of limb and trunk angles from the table, in degrees.
-        free: maximum random deviation of neck, head and tail angles from the table, in degrees.
+        free: maximum random deviation of neck and head angles from the table, in degrees; twice for the tail.
         level: whether the trunk is pitched so that forefeet and hind feet stand on the same level.
     """
 

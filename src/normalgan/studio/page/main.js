@@ -60,7 +60,7 @@ const lights = new Lights(result.viewer, () => result.view, (each) => result.sho
 result.onLight = (/** @type {number[]} */ light) => lights.took(light);
 const materials = new Materials(editor, predictor, result);
 const panes = new Panes(board, overlay, predictor, status);
-// In a result-only view, marks would hide the map.
+// Marks would hide the map from users who only look at it.
 overlay.marked = () => panes.layout === "result" || ["hint", "region", "brush"].includes(editor.tool);
 overlay.onMoved = () => {
   const [a, b, c, d, e, f] = overlay.camera.transform();

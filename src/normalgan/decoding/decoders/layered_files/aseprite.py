@@ -84,7 +84,7 @@ class AsepriteFile(LayeredFile):
         self._layers: list[_LayerChunk] = []
         self._levels: list[tuple[bool, str, int]] = []
         self._tilesets: dict[int, _Tileset] = {}
-        # An index outside the palette is transparent, because old files do not give the number of colours.
+        # An index outside the palette is transparent. Old files do not give the number of colours.
         self._palette = [(0, 0, 0, 255)] * (colours or 256)
         self._palettes: list[list[tuple[int, int, int, int]]] = []
         self._old_palette = True

@@ -126,7 +126,7 @@ export function withLayerMoved(doc, id, step) {
 }
 
 const MOST = { strokes: MOST_STROKES, hints: MOST_HINTS, areas: MOST_AREAS, mask: MOST_MASK_STROKES };
-/** Maximum lengths of a layer's lists. */
+/** Names of a layer's lists, each of which has a maximum length. */
 export const LISTS = /** @type {(keyof typeof MOST)[]} */ (Object.keys(MOST));
 
 /** Whether a layer is within the limits of a project; a larger one could not be opened again. @param {Pick<Layer, keyof typeof MOST>} layer */

@@ -19,7 +19,7 @@ export const NOTHING = { strokes: [], pictures: [] };
 /**
  * Events: `change` when the document has changed, with `detail.live` during a gesture; `drawing` when the ink is ahead
  * of the document, with `detail.box`; `replaced` when the current step of history has a new value, with
- * `detail.before` and `detail.after`; `marks` when something above the sheet has changed; `open` after a change of the
+ * `detail.before` and `detail.after`; `marks` when something above the sheet has changed; `open` after switching to another
  * document; `full` when a step was refused because a layer would exceed what can be saved; `state` when the tool, the
  * selection or the page's settings have changed.
  */

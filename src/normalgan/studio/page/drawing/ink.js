@@ -111,7 +111,7 @@ export class Ink {
     this.stale = ALL;
   }
 
-  /** Draws the strokes that are not drawn yet. @param {Drawn} doc */
+  /** Makes the pixels match the strokes, and only draws new strokes if the others are unchanged. @param {Drawn} doc */
   sync(doc) {
     const begun = this.drawn.length <= doc.strokes.length && this.drawn.every((each, i) => each === doc.strokes[i]);
     const sized = doc.width === this.width && doc.height === this.height;
@@ -208,7 +208,7 @@ export class Inks {
     return ink;
   }
 
-  /** Draws the strokes of a document that are not drawn yet. @param {import("./document.js").Doc} doc */
+  /** Makes the pixels match a document. @param {import("./document.js").Doc} doc */
   sync({ width, height, layers }) {
     for (const layer of layers) this.of(layer).sync({ width, height, strokes: layer.strokes });
     const ids = new Set(layers.map(({ id }) => id));

@@ -90,7 +90,7 @@ export class Status {
     // Messages behind an open dialog can be neither read nor clicked, so they move into it, except that the server is away.
     const dialog = kind === "away" ? null : document.querySelector("dialog[open] form");
     const buttons = dialog?.querySelector(".ways");
-    if (buttons) buttons.before(problem); // they would cover the foot of the dialog
+    if (buttons) buttons.before(problem); // the buttons stick to the foot of the dialog and would cover the message
     else (dialog ?? document.body).append(problem);
     problem.dataset.kind = kind;
     problem.hidden = false;
