@@ -19,7 +19,7 @@ CARRIERS = {"Job", "DrawingFiles", "Drawing", "DrawingRequest", "Picture", "Prep
 """Classes that hold a drawing, or facts about it, on the way to its map."""
 STARTS = {
     "generate": ("normalgan/inference/predict_job.py", "JobPredictor.__call__"),
-    "stroke": ("normalgan/studio/predictions/predictor.py", "Predictor.predict"),
+    "stroke": ("normalgan/studio/predictions/predictor.py", "DrawingPredictor.predict"),
 }
 SOURCE = str(Path(normalgan.__file__).parents[1])
 
@@ -59,10 +59,10 @@ def follow(what: str, drawing: Path) -> Chain:
                 main(["generate", str(drawing), "-o", folder])
         else:
             from normalgan.studio.drawings.drawing_request import DrawingRequest
-            from normalgan.studio.predictions.predictor import Predictor
+            from normalgan.studio.predictions.predictor import DrawingPredictor
             from normalgan.weights.shipped import SHIPPED
 
-            Predictor(SHIPPED).predict(DrawingRequest(drawing.read_bytes()), [], None, lambda: None)
+            DrawingPredictor(SHIPPED).predict(DrawingRequest(drawing.read_bytes()), [], None, lambda: None)
     finally:
         sys.setprofile(None)
         threading.setprofile(None)

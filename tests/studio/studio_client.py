@@ -15,7 +15,7 @@ from PIL import Image
 from starlette.testclient import TestClient
 
 from normalgan.studio.app import build_app
-from normalgan.studio.predictions.predictor import Predictor
+from normalgan.studio.predictions.predictor import DrawingPredictor
 from normalgan.studio.projects.document_store import DocumentStore
 from normalgan.studio.projects.opening import Opened
 
@@ -28,7 +28,7 @@ Pixels = NDArray[np.uint8]
 @contextmanager
 def serving(model: Path, folder: Path, opened: Opened | None = None) -> Iterator[TestClient]:
     """Give a client of a studio in this process."""
-    app = build_app(Predictor(model), DocumentStore(folder), PORT, opened)
+    app = build_app(DrawingPredictor(model), DocumentStore(folder), PORT, opened)
     with TestClient(app, base_url=f"http://127.0.0.1:{PORT}") as client:
         yield client
 

@@ -19,7 +19,7 @@ from types import ModuleType
 import numpy as np
 from mkdocs.config.defaults import MkDocsConfig
 
-from normalgan.inference import edits, forms, normal_map, pipeline, structures, suggestion, unrolling
+from normalgan.inference import edits, forms, normal_map, pipeline, regions, structures, suggestion, unrolling
 from normalgan.inference.cleaning import ink, reader, silhouette
 from normalgan.inference.mask import decision, edge
 from normalgan.inference.network import extension, line_width, upsampling
@@ -41,8 +41,8 @@ BINARY = "ort-wasm-simd-threaded.wasm"
 """Compressed in the site, 4 MB instead of 14, since not every host compresses; the worker unpacks it."""
 CONSTANTS = "constants.js"
 MODULES = (
-    decision, edge, edits, extension, forms, ink, line_width, normal_map, pipeline, reader, silhouette,
-    suggestion, unrolling, upsampling,
+    decision, edge, edits, extension, forms, ink, line_width, normal_map, pipeline, reader, regions,
+    silhouette, suggestion, unrolling, upsampling,
 )  # fmt: skip
 """Modules that the page's scripts reimplement with the same constants."""
 SERVICE_WORKER = "service_worker.js"

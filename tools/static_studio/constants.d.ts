@@ -2,9 +2,9 @@
 
 type Named<Names extends string> = { readonly [name in Names]: number };
 
-export const DECISION: Named<"INKED" | "LEAST_OFF" | "OFF" | "OPEN" | "REACH" | "SIDE" | "UNSURE_HIGH" | "UNSURE_LOW" | "UNSURE_SHARE">;
+export const DECISION: Named<"LEAST_OFF" | "OFF" | "OPEN" | "REACH" | "SIDE" | "UNSURE_HIGH" | "UNSURE_LOW" | "UNSURE_SHARE">;
 export const EDGE: Named<"FINER" | "LARGE" | "MERGED" | "PALEST" | "TIP" | "TOUCHING">;
-export const EDITS: Named<"AVERAGED" | "BRUSH_FADES" | "FADES" | "INKED" | "LEAST_REACH" | "REACH" | "SOFT">;
+export const EDITS: Named<"AVERAGED" | "BRUSH_FADES" | "FADES" | "LEAST_REACH" | "REACH" | "SOFT">;
 export const EXTENSION: Named<"SWEEPS">;
 export const FORMS: Named<"COARSE" | "DISH" | "OUTSIDE" | "SIDE" | "SWEEPS">;
 export const INK: Named<"LEAST">;
@@ -14,6 +14,7 @@ export const PIPELINE: Named<"BESIDE" | "LEAST" | "PRESENT">;
 export const READER: Named<"DOUBT" | "FLAT" | "ONE_TONE" | "PAPER" | "STRIDE" | "WINDOW"> & {
   readonly GREY: [number, number, number]; readonly NEARER: [number, number]; readonly SIDES: [number, number];
 };
+export const REGIONS: Named<"INKED">;
 export const SILHOUETTE: Named<"SHEET" | "SURE">;
 export const SUGGESTION: Named<"INKED" | "RIM" | "SIDE">;
 export const UNROLLING: Named<"GROUND" | "LEAST" | "SIDE" | "SLACK">;

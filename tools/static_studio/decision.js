@@ -1,11 +1,12 @@
 /** Decision: finds the object in a drawing from its lines and the reader's presence, like normalgan.inference.mask.decision in Python. */
 
-import { DECISION } from "./constants.js";
+import { DECISION, REGIONS } from "./constants.js";
 import { snapOutline } from "./edge.js";
 import { SQUARE, above, boxOf, components, dilated, distance, enclosedBy, eroded, opposite, refitted, rint, sumOf, where, without } from "./raster.js";
 import { presenceAt } from "./reader.js";
 
-const { INKED, OPEN, REACH, SIDE, UNSURE_HIGH, UNSURE_LOW, UNSURE_SHARE } = DECISION;
+const { INKED } = REGIONS;
+const { OPEN, REACH, SIDE, UNSURE_HIGH, UNSURE_LOW, UNSURE_SHARE } = DECISION;
 
 /** @typedef {{mask: Uint8Array | null, covered: Float32Array | null, unsure: import("./result/findings.js").Finding[]}} Decision
  *   the object, null if none is found, its coverage of each pixel, and the findings */

@@ -1,12 +1,13 @@
 /** Hold: makes a predicted map follow the user's form, areas and pins, like normalgan.inference.edits in Python. */
 
 import { feathered, giveForm } from "./bevel.js";
-import { EDITS } from "./constants.js";
+import { EDITS, REGIONS } from "./constants.js";
 import { slopesAt } from "./drawing/structures.js";
 import { blurred, boxOf, components, part, where } from "./raster.js";
 import { unrolled } from "./unrolling.js";
 
-const { AVERAGED, BRUSH_FADES, FADES, INKED, LEAST_REACH, REACH, SOFT } = EDITS;
+const { AVERAGED, BRUSH_FADES, FADES, LEAST_REACH, REACH, SOFT } = EDITS;
+const { INKED } = REGIONS;
 
 /** @typedef {import("./drawing/document.js").Hint} Hint @typedef {import("./drawing/carving.js").Asked} Area */
 /** @typedef {{normals: Float32Array, mask: Uint8Array, width: number, height: number}} Painted */

@@ -17,7 +17,6 @@ __all__ = [
     "AVERAGED",
     "BRUSH_FADES",
     "FADES",
-    "INKED",
     "LEAST_REACH",
     "MOST_PINS",
     "REACH",
@@ -47,8 +46,6 @@ BRUSH_FADES = 0.6
 """Default width of the fade of a brush stroke, as a fraction of its radius."""
 SOFT = 0.01
 """Width of the soft edge of an area without a fade, as a fraction of the map's longer side."""
-INKED = 0.35
-"""Minimum ink of a line that separates two areas."""
 
 
 def enforce_pins(normals: Floats, points: Floats, wanted: Floats, reaches: Floats) -> Floats:

@@ -384,7 +384,7 @@ def written_for(job: Job, outputs: Outputs, packing: Packing, layers: bool) -> I
     yield target
     if not layers:
         first = job.numbered(1, outputs.ending) if moves else job
-        yield from (first.beside(ending) for ending in outputs.beside)
+        yield from (first.path_with(ending) for ending in outputs.other_endings)
 
 
 def _moves(outputs: Outputs) -> bool:

@@ -8,10 +8,12 @@ import numpy as np
 
 from normalgan.arrays import BoolMask, Floats
 
-__all__ = ["Bounds", "around", "box_of", "depth_of", "enclosed_by", "extent_of", "united"]
+__all__ = ["INKED", "Bounds", "around", "box_of", "depth_of", "enclosed_by", "extent_of", "united"]
 
 Bounds = tuple[int, int, int, int]
 """First row, row after the last, first column, column after the last."""
+INKED = 0.35
+"""Minimum ink of a line that separates two areas."""
 
 
 def box_of(marked: BoolMask) -> Bounds:

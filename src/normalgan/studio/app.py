@@ -25,7 +25,7 @@ from normalgan.studio.drawings.limits import MOST_HINTS, MOST_SIDE, with_limits
 from normalgan.studio.drawings.schemas import ImportQuery
 from normalgan.studio.page_files import PAGE, markup, version_of
 from normalgan.studio.predictions.exports import with_export_menu
-from normalgan.studio.predictions.predictor import Predictor
+from normalgan.studio.predictions.predictor import DrawingPredictor
 from normalgan.studio.predictions.routes import PredictionRoutes
 from normalgan.studio.projects.document_store import DocumentStore
 from normalgan.studio.projects.opening import Opened
@@ -42,7 +42,7 @@ _SENTENCES = {404: "there is nothing at this address.", 405: "this address does 
 
 
 def build_app(
-    predictor: Predictor,
+    predictor: DrawingPredictor,
     projects: DocumentStore,
     port: int,
     opened: Opened | None = None,
@@ -119,7 +119,7 @@ def _structure(kind: structures.Kind, _: Request) -> Response:
     return Response(structures.tile_bytes(kind), media_type="application/octet-stream")
 
 
-def _about_route(predictor: Predictor) -> Route:
+def _about_route(predictor: DrawingPredictor) -> Route:
     """Return the route that describes the model and the limits of requests."""
     facts = {
         "version": __version__,

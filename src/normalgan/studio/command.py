@@ -12,7 +12,7 @@ from normalgan.cli.parsing.light_parser import LightParser
 from normalgan.inference.outputs import OUTPUTS
 from normalgan.studio.app import build_app
 from normalgan.studio.predictions.memory import keep_memory
-from normalgan.studio.predictions.predictor import Predictor
+from normalgan.studio.predictions.predictor import DrawingPredictor
 from normalgan.studio.projects.document_store import DocumentStore
 from normalgan.studio.projects.opening import find_opened
 from normalgan.studio.server.serving import listen, serve
@@ -81,7 +81,7 @@ def studio(settings: Namespace) -> int:
     opened = None if settings.opened is None else find_opened(settings.opened, store)
     with listen(settings.port, settings.address) as listening:
         port = listening.getsockname()[1]
-        app = build_app(Predictor(find_model(settings.model, [".onnx"])), store, port, opened)
+        app = build_app(DrawingPredictor(find_model(settings.model, [".onnx"])), store, port, opened)
         address = f"http://127.0.0.1:{port}/"
         print(f"The studio is at {address} (Ctrl-C stops it).", flush=True)
         if not settings.no_browser:

@@ -84,7 +84,7 @@ class DrawingBatch:
         """Print what would be read and written, and return the number of unusable drawings."""
         failed = 0
         for job in jobs:
-            extras = [f" with {each}" for each in job.files.beside]
+            extras = [f" with {each}" for each in job.files.companions]
             try:
                 target = self._target(job)
                 there = next(each for each in target.absolute().parents if each.is_dir())
@@ -187,7 +187,8 @@ class DrawingBatch:
         """Return the drawings, each with its other input files, such as hints and mask."""
         files = [job.files for job in jobs]
         return {
-            each.drawing: [*each.beside, *self._packing.beside(each.drawing, each.below)] for each in files
+            each.drawing: [*each.companions, *self._packing.companions(each.drawing, each.below)]
+            for each in files
         }
 
     @property

@@ -152,7 +152,7 @@ def _outputs(settings: Namespace) -> Outputs:
         raise InputError(f"--{error.setting.replace('_', '-')} {error.verdict}") from None
     if settings.watch and outputs.whole_batch:
         raise InputError("--height-scale batch needs all drawings at once, unlike --watch; give pixels.")
-    if settings.output == STDOUT and outputs.beside:
+    if settings.output == STDOUT and outputs.other_endings:
         raise InputError("standard output only holds the map; use -o with a folder for other outputs.")
     if settings.output == STDOUT and (settings.watch or settings.dry_run):
         raise InputError("standard output holds one map; --watch and --dry-run need a folder (-o).")
@@ -196,8 +196,8 @@ def _find(settings: Namespace, outputs: Outputs, packing: Packing, content: byte
         may_be_empty=settings.watch,
     )
     files, left_out = without_twins(files, settings.layers)
-    others = outputs.beside
-    also_read = [path for each in files for path in packing.beside(each.drawing, each.below)]
+    others = outputs.other_endings
+    also_read = [path for each in files for path in packing.companions(each.drawing, each.below)]
     also_read += [Path(settings.model)] if settings.model else []
     if is_file_name(folder):
         jobs = [plan_file(files, folder, others, also_read)] if files else []

@@ -57,7 +57,7 @@ class NormalMapWriter(BasePredictionWriter):
         refined = isinstance(pl_module, NormalGAN) and pl_module.refined
         self._upsample = upsampler(refined=refined, threads=torch.get_num_threads())
         drawings = _data_of(trainer).drawings
-        jobs = plan(drawings.files, self.folder, self.outputs.ending, self.outputs.beside)
+        jobs = plan(drawings.files, self.folder, self.outputs.ending, self.outputs.other_endings)
         self._jobs, self._held = {job.files.drawing.stem: job for job in jobs}, []
         self._failed, self._total = 0, len(jobs) + len(drawings.unusable)
         try:

@@ -9,8 +9,9 @@ from normalgan.graphs import connected
 from normalgan.inference.cleaning.reader import Reading
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.composites.islands import in_rows
-from normalgan.inference.mask.decision import INKED, Decision
+from normalgan.inference.mask.decision import Decision
 from normalgan.inference.reading.drawings import SMALLEST
+from normalgan.inference.regions import INKED
 
 __all__ = ["alike", "find_figures"]
 

@@ -11,10 +11,9 @@ from normalgan.inference.cleaning.ink import clean
 from normalgan.inference.cleaning.reader import read
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.composites.sheets import MOST_CELLS
-from normalgan.inference.mask.decision import INKED
 from normalgan.inference.reading.drawings import SMALLEST
 from normalgan.inference.reading.picture import MOST_WORKED, fitted_within, resize, to_picture
-from normalgan.inference.regions import enclosed_by
+from normalgan.inference.regions import INKED, enclosed_by
 
 __all__ = ["drawn", "find_islands", "in_rows"]
 

@@ -64,7 +64,7 @@ class Packing:
         """Whether drawings are sheets."""
         return any(getattr(self, each) is not None for each in _WAYS)
 
-    def beside(self, path: Path, below: Path | None = None) -> list[Path]:
+    def companions(self, path: Path, below: Path | None = None) -> list[Path]:
         """Return the companion files of a sheet: its atlas or tileset file, if there is one.
 
         Args:
@@ -76,7 +76,7 @@ class Packing:
         return [] if found is None else [found]
 
     def tile_grid(self, path: Path, below: Path | None = None) -> TileGrid:
-        """Return the tile grid of a sheet; the arguments are those of `beside`.
+        """Return the tile grid of a sheet; the arguments are those of `companions`.
 
         Raises:
             InputError: if the tileset file is missing or cannot be read.
@@ -84,7 +84,7 @@ class Packing:
         assert self.tileset is not None
         if not Path(self.tileset).exists():
             return parse_tile_size(self.tileset)
-        found = self.beside(path, below)
+        found = self.companions(path, below)
         if not found:
             raise InputError(
                 f"{self.tileset} has no tileset for {path}; its name must be {path.stem}.tsx, .tsj, .json or "
@@ -114,7 +114,7 @@ class Packing:
             return AtlasCells(grid_cells(*parse_grid(self.sheet), sheet.shape, path), [])
         if self.atlas is None:
             return AtlasCells(find_islands(sheet), [])
-        found = self.beside(path, below)
+        found = self.companions(path, below)
         if not found:
             raise InputError(
                 f"{self.atlas} has no atlas for {path}; its name must be {path.stem}.json, .xml, .plist, "

@@ -63,7 +63,7 @@ class DrawingFiles:
     below: Path = Path()
 
     @property
-    def beside(self) -> list[Path]:
+    def companions(self) -> list[Path]:
         """The files that are read in addition to the drawing."""
         return [each for each in (self.hints, self.mask) if isinstance(each, Path)]
 
@@ -84,7 +84,7 @@ class Job:
     stem: str
     exact: bool = False
 
-    def beside(self, ending: str) -> Path:
+    def path_with(self, ending: str) -> Path:
         """Return the path of another output of the drawing; ``ending`` is, for example, ``_input.png``."""
         return self.target.with_name(self.stem + ending)
 
@@ -287,13 +287,13 @@ def _check_names(
 
     With ``may_clash``, only a file that one drawing would write twice is an error.
     """
-    given = [(job.files.drawing, *job.files.beside) for job in jobs]
+    given = [(job.files.drawing, *job.files.companions) for job in jobs]
     read = {path.resolve() for each in (*given, also_read) for path in each}
     written: set[Path] = set()
     for job in jobs:
         if may_clash:
             written.clear()
-        for path in (job.target, *(job.beside(ending) for ending in others)):
+        for path in (job.target, *(job.path_with(ending) for ending in others)):
             if path.resolve() in read:
                 raise overwritten(path)
             if path.resolve() in written:

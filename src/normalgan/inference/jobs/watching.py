@@ -30,12 +30,12 @@ class Watcher:
     """
 
     def __init__(self, files: Mapping[Path, Iterable[Path]]) -> None:
-        self._done = {path: _stamp(path, beside) for path, beside in files.items()}
+        self._done = {path: _stamp(path, companions) for path, companions in files.items()}
         self._last: dict[Path, Stamp | None] = {}
 
     def saved(self, files: Mapping[Path, Iterable[Path]]) -> list[Path]:
         """Return the drawings to predict now."""
-        now = {path: _stamp(path, beside) for path, beside in files.items()}
+        now = {path: _stamp(path, companions) for path, companions in files.items()}
         settled = [
             path
             for path, stamp in now.items()
@@ -46,10 +46,10 @@ class Watcher:
         return settled
 
 
-def _stamp(path: Path, beside: Iterable[Path]) -> Stamp | None:
+def _stamp(path: Path, companions: Iterable[Path]) -> Stamp | None:
     """Return a value that changes when a drawing or a file read for it is saved; None without a drawing."""
     own = _look(path)
-    return None if own is None else (own, *map(_look, beside))
+    return None if own is None else (own, *map(_look, companions))
 
 
 def _look(path: Path) -> tuple[Path, int, int] | None:

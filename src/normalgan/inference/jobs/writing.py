@@ -57,9 +57,9 @@ class Writer:
         held = []
         for ending, content in self.outputs.encode_others(preds):
             if isinstance(content, Scaled) and (hold or self.outputs.whole_batch):
-                held.append(Held(job.beside(ending), content))
+                held.append(Held(job.path_with(ending), content))
             else:
-                self.sink(job.beside(ending), content)
+                self.sink(job.path_with(ending), content)
         return held
 
     def write_map(self, job: Job, preds: NormalMap) -> None:

@@ -13,10 +13,9 @@ from normalgan.inference.cleaning.reader import Reading
 from normalgan.inference.findings import Finding
 from normalgan.inference.mask.edge import snap
 from normalgan.inference.reading.picture import fitted, resize
-from normalgan.inference.regions import depth_of, enclosed_by, extent_of
+from normalgan.inference.regions import INKED, depth_of, enclosed_by, extent_of
 
 __all__ = [
-    "INKED",
     "OPEN",
     "REACH",
     "SIDE",
@@ -31,8 +30,6 @@ SIDE = 512
 """Longer side in pixels at which regions are voted on: at most this, and at least half of it."""
 _OFF, _LEAST_OFF = 2.5, 2.0
 """Tolerance of the edge in pixels of the vote, and its minimum in pixels of the drawing."""
-INKED = 0.35
-"""Minimum ink of a line."""
 UNSURE_LOW, UNSURE_HIGH = 0.15, 0.7
 """Range of mean presence in which a region is ambiguous. The vote is decided at 0.5, so the warning
 covers more votes for a hole than for the object."""

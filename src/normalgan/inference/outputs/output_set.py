@@ -30,7 +30,7 @@ class Outputs:
         return self.normal.endings[0]
 
     @property
-    def beside(self) -> list[str]:
+    def other_endings(self) -> list[str]:
         """The endings of all other files, such as ``_height.png``."""
         return [ending for output in self.others for ending in output.endings]
 

@@ -18,7 +18,6 @@ from pydantic_core import to_json
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
 from normalgan.inference.edits import (
-    INKED,
     REACH,
     SOFT,
     brush,
@@ -34,6 +33,7 @@ from normalgan.inference.forms import Form, feather, give_form
 from normalgan.inference.mask.mask_files import MaskOrSource, MaskSource, mask_of
 from normalgan.inference.reading.hint_files import Hints, check_hints
 from normalgan.inference.reading.picture import Picture, read_picture
+from normalgan.inference.regions import INKED
 from normalgan.inference.structures import Tile, impress, read_tile
 from normalgan.inference.unrolling import unroll
 from normalgan.studio.drawings.limits import LEAST_SIDE, MOST_SIDE, MOST_STRUCTURES, TILE_SIDE

@@ -1,4 +1,4 @@
-"""Predictor: the studio's model with a cache of recent predictions."""
+"""DrawingPredictor: the studio's model with a cache of recent predictions."""
 
 from collections import OrderedDict
 from collections.abc import Callable, Sequence
@@ -23,7 +23,7 @@ from normalgan.inference.preparation import Prepared, hinted, prepare
 from normalgan.inference.reading.picture import Picture
 from normalgan.studio.drawings.drawing_request import DrawingRequest
 
-__all__ = ["Predictor"]
+__all__ = ["DrawingPredictor"]
 
 K = TypeVar("K")
 T = TypeVar("T")
@@ -43,7 +43,7 @@ _CONTEXTS = 16
 """Maximum number of cached contexts, and of the network's predictions for them."""
 
 
-class Predictor:
+class DrawingPredictor:
     """Predicts drawings with a model.
 
     Args:

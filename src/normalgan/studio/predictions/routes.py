@@ -30,7 +30,7 @@ from normalgan.studio.drawings.schemas import (
     parse,
 )
 from normalgan.studio.predictions.exports import read_export_request
-from normalgan.studio.predictions.predictor import Predictor
+from normalgan.studio.predictions.predictor import DrawingPredictor
 from normalgan.studio.predictions.request_queue import RequestQueue, Stop
 from normalgan.studio.server.bodies import check_type, read_body, wait_disconnect
 from normalgan.studio.server.refusals import RefusedError
@@ -48,7 +48,7 @@ class PredictionRoutes:
         predictor: predicts the drawings.
     """
 
-    def __init__(self, predictor: Predictor) -> None:
+    def __init__(self, predictor: DrawingPredictor) -> None:
         self._predictor = predictor
         # Heights and exports take seconds, so they have a queue of their own.
         self._quick, self._slow = RequestQueue(), RequestQueue()
