@@ -22,7 +22,6 @@ __all__ = [
     "brief",
     "did_you_mean",
     "exit_caller",
-    "one_line",
     "printable",
     "sentence_of",
     "tell",
@@ -92,10 +91,10 @@ def printable(name: object) -> str:
     return _STEERING.sub(lambda found: repr(found[0])[1:-1], str(name))
 
 
-def one_line(text: str) -> str:
+def _one_line(text: str) -> str:
     r"""Return text as one printable line, because names in files may contain terminal control codes.
 
-    >>> one_line("the mesh \x1b[2Jhorse\n is missing")
+    >>> _one_line("the mesh \x1b[2Jhorse\n is missing")
     'the mesh \\x1b[2Jhorse is missing'
     """
     return printable(" ".join(text.split()))
@@ -103,7 +102,7 @@ def one_line(text: str) -> str:
 
 def tell(message: object) -> None:
     """Print a one-line message to stderr, prefixed with the program's name."""
-    print(f"normalgan: {one_line(str(message))}", file=sys.stderr, flush=True)
+    print(f"normalgan: {_one_line(str(message))}", file=sys.stderr, flush=True)
 
 
 class Place(NamedTuple):

@@ -19,7 +19,7 @@ from normalgan.weights.checkpoint import (
 )
 from normalgan.weights.class_spec import ANY_NUMBER, ClassSpec, is_plain
 
-__all__ = ["SavedSettings", "settings_to_save"]
+__all__ = ["SavedSettings"]
 
 _OF_TRAINING = {"compile"}
 """Arguments of the model that depend on the training machine and are not saved."""
@@ -36,12 +36,12 @@ class SavedSettings(LightningModule):
 
         Given the objects themselves, loggers would write each weight as text: 8 MB per million weights.
         """
-        settings = settings_to_save(self._given())
+        settings = _settings_to_save(self._given())
         return AttributeDict({k: list(v) if isinstance(v, tuple) else v for k, v in settings.items()})
 
     def on_save_checkpoint(self, checkpoint: dict[str, Any]) -> None:
         """Store classes and settings as text, so that loading a checkpoint does not execute code from it."""
-        checkpoint[self.CHECKPOINT_HYPER_PARAMS_KEY] = settings_to_save(self._given())
+        checkpoint[self.CHECKPOINT_HYPER_PARAMS_KEY] = _settings_to_save(self._given())
         checkpoint["state_dict"] = {uncompiled(k): v for k, v in checkpoint["state_dict"].items()}
         if self._picture_size is not None:
             checkpoint[PICTURE_SIZE] = self._picture_size
@@ -61,7 +61,7 @@ class SavedSettings(LightningModule):
         return {**{name: getattr(self, name) for name in dropped if hasattr(self, name)}, **self.hparams}
 
 
-def settings_to_save(given: Mapping[str, Any]) -> dict[str, Any]:
+def _settings_to_save(given: Mapping[str, Any]) -> dict[str, Any]:
     """Return the arguments of a model as stored in a checkpoint: class names and plain values, not objects.
 
     Objects that plain values cannot describe are stored by class name only; resume such a model from

@@ -10,9 +10,9 @@ from typing import Any
 
 from normalgan.errors import tell
 
-__all__ = ["INFO_NOT_SAID", "NOT_SAID", "filter_warnings", "quiet_loggers"]
+__all__ = ["filter_warnings", "quiet_loggers"]
 
-NOT_SAID = (
+_NOT_SAID = (
     r".*does not have many workers.*",  # a small data set is kept in memory, where workers only add overhead
     r".*is smaller than the logging interval.*",
     r".*The dirpath has changed.*",  # a checkpoint from another folder is in use
@@ -26,7 +26,7 @@ _LIBRARIES = r"(lightning|torch)\."
 """Modules with hidden deprecation warnings; warnings caused by plug-ins are shown."""
 
 
-INFO_NOT_SAID = re.compile(
+_INFO_NOT_SAID = re.compile(
     r"(GPU|TPU|HPU) available|Seed set to|Tip: For seamless|LOCAL_RANK|MPS available|"
     # Confirmations of settings, and of a run that ends or continues as requested.
     r"`Trainer\(|already configured with model summary|^`Trainer\.fit` stopped: `max_epochs|"
@@ -45,7 +45,7 @@ class _InfoHandler(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         """Print a message unless it is filtered."""
         text = record.getMessage().strip("\n")
-        if record.levelno <= logging.INFO and (not text.strip() or INFO_NOT_SAID.search(text.strip())):
+        if record.levelno <= logging.INFO and (not text.strip() or _INFO_NOT_SAID.search(text.strip())):
             return
         if "\n" in text:
             print(text, file=sys.stderr)
@@ -65,7 +65,7 @@ def filter_warnings() -> None:
         logger.setLevel(logging.INFO)
         logger.handlers.clear()
         logger.propagate = True
-    for expected in NOT_SAID:
+    for expected in _NOT_SAID:
         warnings.filterwarnings("ignore", message=expected)
     for category in (DeprecationWarning, FutureWarning):
         warnings.filterwarnings("ignore", category=category, module=_LIBRARIES)

@@ -11,7 +11,6 @@ from normalgan.arrays import Doubles, Indices
 from normalgan.benchmark.training import Result
 
 __all__ = [
-    "DRAWS",
     "LEVEL",
     "Interval",
     "difference_interval",
@@ -21,7 +20,7 @@ __all__ = [
     "total_interval",
 ]
 
-DRAWS = 10_000
+_DRAWS = 10_000
 LEVEL = 0.95
 
 
@@ -100,16 +99,16 @@ def total_interval(
 def draws_of(count: int) -> Indices:
     """Return the indices of the meshes of each bootstrap draw, (draws, count), with replacement.
 
-    These are all possible draws if there are at most `DRAWS`, otherwise `DRAWS` random draws.
+    These are all possible draws if there are at most `_DRAWS`, otherwise `_DRAWS` random draws.
 
     >>> draws_of(2).tolist()
     [[0, 0], [0, 1], [1, 0], [1, 1]]
     >>> draws_of(20).shape
     (10000, 20)
     """
-    if count**count <= DRAWS:
+    if count**count <= _DRAWS:
         return np.array(list(product(range(count), repeat=count)))
-    return np.random.default_rng(0).integers(0, count, (DRAWS, count))
+    return np.random.default_rng(0).integers(0, count, (_DRAWS, count))
 
 
 def pooled(values: Doubles, pixels: Doubles, draws: Indices) -> Doubles:

@@ -13,15 +13,7 @@ from normalgan.cli.parsing.light_parser import OwnDefaultsParser
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError
 
-__all__ = [
-    "Run",
-    "build_data",
-    "check_shared",
-    "plan_runs",
-    "row_settings",
-    "shared_settings",
-    "timed",
-]
+__all__ = ["Run", "build_data", "check_shared", "plan_runs", "shared_settings", "timed"]
 
 _OWN_DATA = (
     *("data.animals.extra", "data.animals.extra_postures", "data.augmentation", "data.batch_size"),
@@ -92,7 +84,7 @@ def shared_settings(plan: Plan, scale: Scale) -> Settings:
     return compose(layers)
 
 
-def row_settings(plan: Plan, row: Row, scale: Scale) -> Settings:
+def _row_settings(plan: Plan, row: Row, scale: Scale) -> Settings:
     """Return all settings of a trained row, except for the seed and the duration.
 
     Raises:
@@ -163,7 +155,7 @@ def plan_runs(plan: Plan, scale: Scale, out: Path, seeds: Sequence[int]) -> list
     settings: dict[str, Settings] = {}
     for row in plan.rows:
         if not row.classical:
-            composed = row_settings(plan, row, scale)
+            composed = _row_settings(plan, row, scale)
             check_shared(row, composed, shared)
             data = build_data(composed)
             samples = len(data.sources["train"]) * data.views_per_mesh["train"]

@@ -26,9 +26,9 @@ from normalgan.hints import NoHints, UniformHints
 from normalgan.inference.reading.drawings import read_pixels, to_unit
 from normalgan.normals import encode_grey
 
-__all__ = ["SUBMISSION", "Submission", "read_submission", "write_inputs"]
+__all__ = ["Submission", "read_submission", "write_inputs"]
 
-SUBMISSION = "submission.json"
+_SUBMISSION = "submission.json"
 _SILENT = 0.05
 """Minimum length of a vector; shorter vectors are background grey, in 8 or 16 bits."""
 _THERE, _ABSENT = 1.0, 0.25
@@ -107,7 +107,7 @@ def read_submission(folder: Path) -> Submission:
     Raises:
         InputError: if the folder has no readable ``submission.json`` with a name, or no maps without hints.
     """
-    path, like = folder / SUBMISSION, 'it must be like {"name": "theirs"}.'
+    path, like = folder / _SUBMISSION, 'it must be like {"name": "theirs"}.'
     content = read_json(path, like=like)
     if not isinstance(content, dict) or not isinstance(content.get("name"), str):
         raise InputError(f"{path} has no name; {like}")

@@ -11,7 +11,7 @@ from normalgan.batch import Batch
 from normalgan.errors import InputError
 from normalgan.ranges import Count, Positive, PositiveInt, Range, check_ranges
 
-__all__ = ["StableSchedule", "WallClockSchedule", "cosine_factor", "stable_factor"]
+__all__ = ["StableSchedule", "WallClockSchedule", "cosine_factor"]
 
 
 class _RateSchedule(Callback, ABC):
@@ -120,7 +120,7 @@ class WallClockSchedule(_RateSchedule):
         self._rates = state_dict["rates"]
 
 
-def stable_factor(step: int, warmup: int, cooldown: tuple[int, int] | None = None) -> float:
+def _stable_factor(step: int, warmup: int, cooldown: tuple[int, int] | None = None) -> float:
     """Return the factor of a learning rate: a linear warm-up, then 1, then a cool-down by 1 - sqrt(t).
 
     Args:
@@ -132,7 +132,7 @@ def stable_factor(step: int, warmup: int, cooldown: tuple[int, int] | None = Non
         Hägele et al. 2024, "Scaling Laws and Compute-Optimal Training Beyond Fixed Training Durations"
         (arXiv 2405.18392), equation 2.
 
-    >>> [stable_factor(step, warmup=2, cooldown=(5, 4)) for step in (0, 1, 2, 5, 6, 9)]
+    >>> [_stable_factor(step, warmup=2, cooldown=(5, 4)) for step in (0, 1, 2, 5, 6, 9)]
     [0.5, 1.0, 1.0, 1.0, 0.5, 0.0]
     """
     factor = min((step + 1) / warmup, 1.0) if warmup else 1.0
@@ -170,7 +170,7 @@ class StableSchedule(_RateSchedule):
         step = trainer.fit_loop.total_batch_idx
         if self.cooldown is not None and self._cooldown_start is None:
             self._cooldown_start = step
-        return stable_factor(step, self.warmup, self._span())
+        return _stable_factor(step, self.warmup, self._span())
 
     def on_train_batch_end(
         self, trainer: Trainer, pl_module: LightningModule, outputs: object, batch: Batch, batch_idx: int

@@ -11,7 +11,7 @@ from rich.table import Table
 from normalgan.metrics import MapMetric
 from normalgan.metrics.base import unit_of
 
-__all__ = ["FIGURES", "HEADINGS", "NOTE", "Results", "results_table"]
+__all__ = ["FIGURES", "HEADINGS", "Results", "results_table"]
 
 Results = Mapping[str, Mapping[str, float]]
 """Metrics by column and by name, such as ``results["hints"]["angular_mean"]``."""
@@ -38,7 +38,7 @@ FIGURES = {
     "mask_iou": "mask IoU",
     "coverage": "coverage",
 }
-NOTE = """\
+_NOTE = """\
 Pixels on the object. constant: (0, 0, 1) everywhere; mean map: the mean of the
 training split; neither sees the sketch. unhinted: with the same hints, the
 hinted pixels left out. mask IoU: of where an object is predicted (a vector
@@ -68,7 +68,7 @@ def results_table(results: Results, title: str, more: Sequence[MapMetric] = ()) 
         table.add_row(metric.label or metric.figure, *(_written(value, metric.unit) for value in values))
     text = StringIO()
     Console(file=text, width=80, color_system=None).print(table)
-    return "\n".join(line.rstrip() for line in text.getvalue().strip("\n").splitlines()) + f"\n{NOTE}"
+    return "\n".join(line.rstrip() for line in text.getvalue().strip("\n").splitlines()) + f"\n{_NOTE}"
 
 
 def _written(value: float, unit: str) -> str:

@@ -12,9 +12,9 @@ from normalgan.cli.parsing.light_parser import LightParser
 from normalgan.cli.training.help import COMMANDS
 from normalgan.errors import InputError
 
-__all__ = ["SHELLS", "build_parser", "completion_script", "run"]
+__all__ = ["build_parser", "completion_script", "run"]
 
-SHELLS = ("bash", "zsh", "tcsh")
+_SHELLS = ("bash", "zsh", "tcsh")
 """The supported shells."""
 
 
@@ -35,7 +35,7 @@ def build_parser() -> LightParser:
         usage="%(prog)s bash|zsh|tcsh",
         description="Print a script that completes commands and settings in a shell.",
     )
-    parser.add_argument("shell", choices=SHELLS, help="which shell")
+    parser.add_argument("shell", choices=_SHELLS, help="which shell")
     return parser
 
 
@@ -43,7 +43,7 @@ def completion_script(shell: str, training: Sequence[str] = tuple(COMMANDS)) -> 
     """Return the completion script for a shell; generating it takes seconds, but using it takes no time.
 
     Args:
-        shell: one of `SHELLS`.
+        shell: one of `_SHELLS`.
         training: training commands to include; all other commands are always included.
 
     Raises:

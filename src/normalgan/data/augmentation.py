@@ -27,11 +27,9 @@ __all__ = [
     "augmented",
     "change_width",
     "drop_lines",
-    "move_hints",
     "sample_at",
     "sampling_grid",
     "smooth_noise",
-    "smooth_shifts",
     "turn_normals",
     "wobble",
 ]
@@ -42,7 +40,7 @@ class BatchAugmentation(ABC):
 
     An augmentation is a frozen dataclass of plain settings. If it moves pixels, it must move those of
     sketch, normals, mask and, if the batch has any, hints, and rotate the vectors with `turn_normals` and
-    `move_hints`.
+    `_move_hints`.
     """
 
     @abstractmethod
@@ -165,7 +163,7 @@ def smooth_noise(values: Tensor, side: int, mode: str) -> Tensor:
     return weights @ values @ weights.T
 
 
-def smooth_shifts(count: int, side: int, strength: float, device: torch.device) -> Tensor:
+def _smooth_shifts(count: int, side: int, strength: float, device: torch.device) -> Tensor:
     """Return smooth random displacements (N, H, W, 2) with standard deviation ``strength``."""
     shift = torch.randn(count, 2, 9, 9, device=device) * strength
     return smooth_noise(shift, side, "bicubic").permute(0, 2, 3, 1)
@@ -176,7 +174,7 @@ def sample_at(picture: Tensor, grid: Tensor) -> Tensor:
     return F.grid_sample(picture, grid, mode="bilinear", padding_mode="zeros", align_corners=False)
 
 
-def move_hints(hints: Tensor, transform: Tensor) -> Tensor:
+def _move_hints(hints: Tensor, transform: Tensor) -> Tensor:
     """Move hints with their pixels and transform their normals.
 
     Each hint stays a single pixel, because interpolation would fade it. Hints outside the picture are
@@ -202,7 +200,7 @@ def wobble(sketch: Tensor, strength: float) -> Tensor:
     """Displace the lines smoothly, by ``strength`` pixels (standard deviation)."""
     count, side = len(sketch), sketch.shape[-1]
     still = torch.eye(3, device=sketch.device).expand(count, 3, 3)
-    shift = smooth_shifts(count, side, strength * 2 / side, sketch.device)  # the grid is 2 wide
+    shift = _smooth_shifts(count, side, strength * 2 / side, sketch.device)  # the grid is 2 wide
     return sample_at(sketch, sampling_grid(still, side) + shift)
 
 
@@ -288,7 +286,7 @@ class Augmentation(BatchAugmentation):
             transform = self.draw_transform(count, side, device)
             grid = sampling_grid(transform, side)
             # Transform and wobble are one step, because two interpolations would blur lines twice.
-            shift = smooth_shifts(count, side, self.jitter * 2 / 256, device) if self.jitter else 0.0
+            shift = _smooth_shifts(count, side, self.jitter * 2 / 256, device) if self.jitter else 0.0
             sketch = self.roughen(sample_at(sketch, grid + shift))
             moved = sample_at(torch.cat([normal, mask], dim=1), grid)
             mask = (moved[:, 3:] > 0.5).to(mask.dtype)
@@ -301,7 +299,7 @@ class Augmentation(BatchAugmentation):
             sketch = mark_surfaces(sketch, normal, mask, seed, self.fills, self.decals, self.hatching)
         augmented: Batch = {**batch, "sketch": sketch, "normal": normal, "mask": mask}
         if "hints" in batch:
-            augmented["hints"] = move_hints(batch["hints"], transform)
+            augmented["hints"] = _move_hints(batch["hints"], transform)
         return augmented
 
     def describe(self) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from normalgan.errors import InputError, RunError, printable, unwritable
 from normalgan.files.writing import write_bytes
 from normalgan.warning_filters import filter_warnings
 
-__all__ = ["SUFFIXES", "TOLERANCE", "build_parser", "run"]
+__all__ = ["SUFFIXES", "build_parser", "run"]
 
 _ONNX = ".onnx"
 SUFFIXES = {_ONNX: "ONNX", ".safetensors": "safetensors", ".pt": "TorchScript", ".pt2": "torch.export"}
@@ -22,7 +22,7 @@ SUFFIXES = {_ONNX: "ONNX", ".safetensors": "safetensors", ".pt": "TorchScript", 
 _HALVED = (_ONNX, ".safetensors")
 _Opset = Literal[15, 16, 17, 18, 19, 20, 21]
 """Supported ONNX opset versions; ONNX cannot convert our models to versions below 15."""
-TOLERANCE = 1e-3
+_TOLERANCE = 1e-3
 """Maximum accepted difference between the exported model and torch."""
 
 
@@ -96,9 +96,9 @@ def _export(options: Namespace, target: Path) -> str:
 
         content = lowered(content, options.opset)
     difference = largest_difference(model, form.read(content))
-    if not difference <= TOLERANCE:
+    if not difference <= _TOLERANCE:
         raise RunError(
-            f"the exported model differs from torch by {difference:.2g}, more than {TOLERANCE}; nothing was "
+            f"the exported model differs from torch by {difference:.2g}, more than {_TOLERANCE}; nothing was "
             "written."
         )
     said = f"differs from torch by at most {difference:.1g}"

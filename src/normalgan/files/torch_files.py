@@ -15,9 +15,9 @@ from torch import Tensor
 from normalgan.errors import InputError, RunError, wants_memory
 from normalgan.files.limits import refuse_pointer
 
-__all__ = ["MOST_OBJECTS", "MOST_PARTS", "load_torch_file"]
+__all__ = ["MOST_PARTS", "load_torch_file"]
 
-MOST_OBJECTS = 2**24
+_MOST_OBJECTS = 2**24
 """Maximum size of the pickle in bytes, ten times the names and shapes of ten thousand tensors."""
 MOST_PARTS = 100_000
 """Maximum number of parts in an archive or of values in a pickle, more than in any checkpoint."""
@@ -98,7 +98,7 @@ def _read_pickle(path: Path) -> bytes:
             if len(set(names)) < len(names):
                 raise _RefusedError("two of its parts have the same name")
             found = [part for part in parts if re.fullmatch(r"[^/]+/data\.pkl", part.filename)]
-            if len(found) != 1 or found[0].file_size > MOST_OBJECTS:
+            if len(found) != 1 or found[0].file_size > _MOST_OBJECTS:
                 raise _RefusedError("it is not an archive of torch")
             return archive.read(found[0])
 

@@ -41,10 +41,10 @@ from normalgan.inference.reading.picture import Picture, fitted, read_picture, r
 from normalgan.inference.reading.svg_size import svg_size
 from normalgan.inference.sprites import Sprite
 
-__all__ = ["MOST_TOGETHER", "Done", "Framing", "JobPredictor", "target_of", "written_for"]
+__all__ = ["Done", "Framing", "JobPredictor", "target_of", "written_for"]
 
 Framing = Literal["own", "shared"]
-MOST_TOGETHER = 2**26
+_MOST_TOGETHER = 2**26
 """Maximum total number of pixels of drawings that share a frame, because all are held in memory."""
 
 
@@ -145,9 +145,9 @@ class JobPredictor:
                 yield job, error
                 continue
             pixels += picture.size[0] * picture.size[1]
-            if pixels > MOST_TOGETHER:
+            if pixels > _MOST_TOGETHER:
                 raise InputError(
-                    f"the drawings that share a frame have more than {MOST_TOGETHER} pixels together; "
+                    f"the drawings that share a frame have more than {_MOST_TOGETHER} pixels together; "
                     "name fewer, or omit --frame shared."
                 )
             members.append(member)

@@ -7,9 +7,9 @@ from torch import Tensor
 
 from normalgan.losses.angular_likelihood import smooth_angle
 
-__all__ = ["SHARE_MARKED", "add_distractor_strokes", "distractor_inconsistency", "with_distractor_strokes"]
+__all__ = ["add_distractor_strokes", "distractor_inconsistency", "with_distractor_strokes"]
 
-SHARE_MARKED = 1 / 4
+_SHARE_MARKED = 1 / 4
 """Fraction of a batch that is predicted a second time with distractor strokes."""
 
 
@@ -45,7 +45,7 @@ def add_distractor_strokes(sketch: Tensor, mask: Tensor, share: float) -> Tensor
 
 def with_distractor_strokes(sketch: Tensor, mask: Tensor) -> Tensor:
     """Return the first quarter of the sketches (N, 1, H, W), at least one, with distractor strokes added."""
-    count = max(round(len(sketch) * SHARE_MARKED), 1)
+    count = max(round(len(sketch) * _SHARE_MARKED), 1)
     return add_distractor_strokes(sketch[:count], mask[:count], 1.0)
 
 

@@ -12,9 +12,9 @@ from torch import Tensor
 from normalgan.batch import Batch
 from normalgan.errors import RunError
 
-__all__ = ["FEW", "LossError", "async_to_cpu", "loss_error", "not_finite", "start_finite_check"]
+__all__ = ["LossError", "async_to_cpu", "loss_error", "not_finite", "start_finite_check"]
 
-FEW = 8
+_FEW = 8
 """Maximum number of sample names in a message."""
 
 
@@ -74,11 +74,11 @@ def loss_error(bad: Sequence[str], names: Sequence[str], epoch: int, batch: int)
         epoch: index of the epoch, from 0.
         batch: index of the batch in the epoch, from 0.
     """
-    more = f" and {len(names) - FEW} more" if len(names) > FEW else ""
+    more = f" and {len(names) - _FEW} more" if len(names) > _FEW else ""
     which = ", ".join(bad) if bad else "a loss of another process is not finite"
     return LossError(
         f"the loss is not finite ({which}) in epoch {epoch + 1}, batch {batch + 1}, with the "
-        f"samples {', '.join(names[:FEW])}{more}; lower the learning rates, or look at these samples."
+        f"samples {', '.join(names[:_FEW])}{more}; lower the learning rates, or look at these samples."
     )
 
 

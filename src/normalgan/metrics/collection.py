@@ -17,9 +17,9 @@ from normalgan.metrics.base import MapMetric
 from normalgan.metrics.distance import MeanL1, MeanL2
 from normalgan.metrics.relief import RELIEF
 
-__all__ = ["FIGURES", "PRESENCE", "THRESHOLDS", "check_names", "normal_map_metrics"]
+__all__ = ["FIGURES", "PRESENCE", "check_names", "normal_map_metrics"]
 
-THRESHOLDS = (5.0, 7.5, 11.25, 22.5, 30.0)
+_THRESHOLDS = (5.0, 7.5, 11.25, 22.5, 30.0)
 """Usual thresholds in degrees: Bae and Davison, DSINE, CVPR 2024, and earlier Fouhey et al., ICCV 2013."""
 
 
@@ -81,7 +81,7 @@ def normal_map_metrics(
         "l1": MeanL1(),
         "l2": MeanL2(),
     }
-    metrics |= {share.figure: share for share in (ShareBelow(t) for t in THRESHOLDS)}
+    metrics |= {share.figure: share for share in (ShareBelow(t) for t in _THRESHOLDS)}
     known = sorted(metrics)
     check_names(more)
     groups = [known, *([metric.figure for metric in group] for group in (*own, *([each] for each in more)))]

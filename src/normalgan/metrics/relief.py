@@ -14,7 +14,6 @@ from normalgan.metrics.functional import angular_error, unit_vectors
 from normalgan.metrics.presence import presence
 
 __all__ = [
-    "EDGES",
     "RELIEF",
     "GradientRatio",
     "ReliefMetric",
@@ -29,7 +28,7 @@ _SIDE = 170
 _RIM_WIDTH, _DEEP_FROM = 1, 10
 """Limits in these units: the rim is nearer to the contour than the first, the interior farther than the
 second."""
-EDGES = (0, 1, 2, 3, 4, 6, 8, 10, 16, 24, math.inf)
+_EDGES = (0, 1, 2, 3, 4, 6, 8, 10, 16, 24, math.inf)
 """Edges of the distance bins, in 170ths of the picture's side; the lower edge is inclusive."""
 
 _ALL, _RIM, _DEEP, _BINS = 0, 1, 2, 3
@@ -91,7 +90,7 @@ class ReliefMetric(MapMetric):
 
     The zones are the whole object, the rim (within 1/170 of the picture's side from the contour, at least
     the outermost pixels), the interior (farther than 10/170 from the contour), and the distance bins of
-    `EDGES`.
+    `_EDGES`.
     """
 
     is_differentiable = False
@@ -102,7 +101,7 @@ class ReliefMetric(MapMetric):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
-        shapes = {"zones": (_BINS + len(EDGES) - 1, 3), "variation": (2,), "invalid": ()}
+        shapes = {"zones": (_BINS + len(_EDGES) - 1, 3), "variation": (2,), "invalid": ()}
         for name, shape in shapes.items():
             self.add_state(name, torch.zeros(shape, dtype=torch.int64), dist_reduce_fx="sum")
 
@@ -118,7 +117,7 @@ class ReliefMetric(MapMetric):
         zones = [distance >= 0, distance <= max(_RIM_WIDTH * unit, 0.5), distance > _DEEP_FROM * unit]
         zones += [
             (distance >= low * unit) & ((distance < high * unit) | math.isinf(high))
-            for low, high in pairwise(EDGES)
+            for low, high in pairwise(_EDGES)
         ]
         sums = torch.stack([whole((values * zone).sum((2, 3)), FRACTION) for zone in zones])
         self.zones = self.zones + sums
@@ -138,8 +137,8 @@ class ReliefMetric(MapMetric):
         pixels, angle, nz = (self.zones[_BINS:].double() * FRACTION).T.tolist()
         return [
             {
-                "from": float(EDGES[i]),
-                "to": float(EDGES[i + 1]),
+                "from": float(_EDGES[i]),
+                "to": float(_EDGES[i + 1]),
                 "pixels": int(count),
                 "angular_mean": round(angle[i] / count, 4),
                 "nz_bias": round(nz[i] / count, 4),

@@ -13,13 +13,7 @@ from normalgan.models.blocks import check_levels, residual_blocks
 from normalgan.models.predictions import Predictions
 from normalgan.ranges import PositiveInt, check_ranges
 
-__all__ = [
-    "ResidualUNetGenerator",
-    "float32_output",
-    "hint_pyramid",
-    "mean_of_mirrored",
-    "mirror_condition",
-]
+__all__ = ["ResidualUNetGenerator", "hint_pyramid"]
 
 _OUTPUTS = 5
 """Channels of the last layer: a direction (3), the logit of presence, and the confidence."""
@@ -136,7 +130,7 @@ class ResidualUNetGenerator(Generator):
             )
         if self.training or not self.mirror:
             return self._predict(condition)
-        return mean_of_mirrored(self._predict(torch.cat([condition, mirror_condition(condition)])))
+        return _mean_of_mirrored(self._predict(torch.cat([condition, _mirror_condition(condition)])))
 
     def _predict(self, condition: Tensor) -> Predictions:
         """Return the predictions of the network itself, without mirroring."""
@@ -149,9 +143,9 @@ class ResidualUNetGenerator(Generator):
         ink = (1 - condition[:, :1]) / 2 * (1 - where)
         ink_and_hints = torch.cat([ink, hints], dim=1).contiguous(memory_format=torch.channels_last)
         features = F.silu(self._body(ink_and_hints, hints))
-        coarse = F.pixel_shuffle(float32_output(self.heads, features), self.patch // self.detail_patch)
+        coarse = F.pixel_shuffle(_float32_output(self.heads, features), self.patch // self.detail_patch)
         fine = torch.cat([coarse, F.pixel_unshuffle(ink_and_hints, self.detail_patch)], dim=1)
-        heads = F.pixel_shuffle(coarse + float32_output(self.detail, fine), self.detail_patch)
+        heads = F.pixel_shuffle(coarse + _float32_output(self.detail, fine), self.detail_patch)
         direction, presence = F.normalize(heads[:, :3], dim=1, eps=1e-6), heads[:, 3:4]
         # Not in training: it has no weights, and takes long.
         if self.deblock and self.patch > 1 and not self.training:
@@ -220,14 +214,14 @@ def hint_pyramid(hints: Tensor, levels: int) -> list[Tensor]:
     return pyramid
 
 
-def mirror_condition(condition: Tensor) -> Tensor:
+def _mirror_condition(condition: Tensor) -> Tensor:
     """Return a generator's input (N, 4, H, W) for the mirror image of its drawing."""
     normals, where = condition[:, :3], condition[:, 3:]
     # Where there is no hint, these channels hold the sketch, whose values are not directions.
     return torch.cat([torch.where(where > 0.5, _flip_x(normals), normals), where], dim=1).flip(3)
 
 
-def mean_of_mirrored(preds: Predictions) -> Predictions:
+def _mean_of_mirrored(preds: Predictions) -> Predictions:
     """Average the predictions for drawings with those for their mirror images.
 
     Directions are weighted by their confidence, if the network predicts one.
@@ -255,7 +249,7 @@ def _flip_x(normals: Tensor) -> Tensor:
     return torch.cat([-normals[:, :1], normals[:, 1:]], dim=1)
 
 
-def float32_output(layer: nn.Module, features: Tensor) -> Tensor:
+def _float32_output(layer: nn.Module, features: Tensor) -> Tensor:
     """Apply a layer to features (N, C, H, W) in float32, even under autocast.
 
     In bfloat16, logits near 5 are multiples of 0.03.
@@ -265,4 +259,4 @@ def float32_output(layer: nn.Module, features: Tensor) -> Tensor:
         result: Tensor = layer(features)
         return result.float()  # the whole network may be bfloat16
     with torch.autocast(kind, enabled=False):
-        return float32_output(layer, features.float())
+        return _float32_output(layer, features.float())

@@ -10,7 +10,7 @@ from normalgan.models.base import DISCRIMINATORS, GENERATORS, INPUT_CHANNELS, Di
 from normalgan.models.blocks import Norm, down, init_weights, norm_layer, up
 from normalgan.ranges import PositiveInt, Range, Share, check_ranges
 
-__all__ = ["UNet", "UNetDiscriminator", "UNetGenerator", "full_depth"]
+__all__ = ["UNet", "UNetDiscriminator", "UNetGenerator"]
 
 _Depth = Annotated[int, Range(2)]
 
@@ -133,7 +133,7 @@ class UNetGenerator(Generator):
             INPUT_CHANNELS,
             3,
             width=width,
-            depth=full_depth(size) if depth is None else depth,
+            depth=_full_depth(size) if depth is None else depth,
             kernel=kernel,
             norm=norm,
             bias=bias,
@@ -185,7 +185,7 @@ class UNetDiscriminator(Discriminator):
             self.condition_channels + 3,
             1,
             width=width,
-            depth=full_depth(size) if depth is None else depth,
+            depth=_full_depth(size) if depth is None else depth,
             kernel=kernel,
             norm=norm,
         )
@@ -202,13 +202,13 @@ class UNetDiscriminator(Discriminator):
         return scores, self.encoder_head(torch.relu(innermost).sum(dim=(2, 3)))
 
 
-def full_depth(size: int) -> int:
+def _full_depth(size: int) -> int:
     """Return the number of halvings from ``size`` pixels to a single pixel.
 
     Raises:
         InputError: if ``size`` is not a power of two.
 
-    >>> full_depth(256)
+    >>> _full_depth(256)
     8
     """
     if size < 4 or size & (size - 1):

@@ -10,9 +10,9 @@ from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 from normalgan.files.json_files import read_json
 
-__all__ = ["INDEX", "HumanDrawing", "read_drawings"]
+__all__ = ["HumanDrawing", "read_drawings"]
 
-INDEX = "drawings.json"
+_INDEX = "drawings.json"
 _LAYOUT = (
     '{"OBJECT/PERSON": {"drawing": "a.png", "mesh": "a.obj", "projection": [[…4], […4], […4]]}}, or '
     '"normal": "a_normal.png" instead of mesh and projection'
@@ -46,9 +46,9 @@ def read_drawings(folder: Path) -> tuple[list[HumanDrawing], list[str]]:
     Raises:
         InputError: if the file does not exist or lists no usable drawing.
     """
-    path = folder / INDEX
+    path = folder / _INDEX
     if not path.is_file():
-        raise InputError(f"--human was given {folder}, which has no {INDEX}; it must be like {_LAYOUT}.")
+        raise InputError(f"--human was given {folder}, which has no {_INDEX}; it must be like {_LAYOUT}.")
     content = read_json(path)
     if not isinstance(content, dict):
         raise InputError(f"{path} is not a list of drawings by name; it must be like {_LAYOUT}.")

@@ -13,9 +13,9 @@ from normalgan.rendering.loading import read_triangles
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile, place
 
-__all__ = ["CREASE_ANGLE", "PlacedMesh", "camera_of", "read_placed_mesh"]
+__all__ = ["PlacedMesh", "camera_of", "read_placed_mesh"]
 
-CREASE_ANGLE = 40.0
+_CREASE_ANGLE = 40.0
 """Minimum angle in degrees of a hard edge; most of the drawn objects have hard edges."""
 _SKEWED = 0.03
 """Maximum skew of a camera's axes, and maximum relative difference in scale of an orthographic camera's axes;
@@ -41,7 +41,7 @@ def read_placed_mesh(path: Path) -> PlacedMesh:
     Raises:
         InputError: if the file cannot be read or has no surface.
     """
-    file = MeshFile(str(path), crease_angle=CREASE_ANGLE)
+    file = MeshFile(str(path), crease_angle=_CREASE_ANGLE)
     return PlacedMesh(*place(file.name, file, *read_triangles(path)))
 
 

@@ -30,8 +30,6 @@ __all__ = [
     "find_damage",
     "render_shard",
     "render_shards",
-    "try_mesh",
-    "validate_source",
     "validate_sources",
 ]
 
@@ -112,7 +110,7 @@ def render_shard(task: ShardTask) -> dict[str, str]:
     return failed
 
 
-def try_mesh(task: ShardTask) -> None:
+def _try_mesh(task: ShardTask) -> None:
     """Render a shard without writing it, to test whether the process survives."""
     _render(task)
 
@@ -139,7 +137,7 @@ def _render(task: ShardTask) -> tuple[list[Sample], dict[str, str], dict[str, st
     return samples, failed, traces
 
 
-def validate_source(task: MeshTask) -> str | None:
+def _validate_source(task: MeshTask) -> str | None:
     """Return the reason why a mesh cannot be used, or None if it can.
 
     Raises:
@@ -263,15 +261,15 @@ def render_shards(pool: Pool, tasks: Sequence[ShardTask]) -> Iterator[tuple[Shar
 
 
 def validate_sources(pool: Pool, tasks: Sequence[MeshTask]) -> Iterator[tuple[MeshTask, str | None]]:
-    """Yield each mesh with the reason why it is unusable, or None. Raises as `validate_source`."""
+    """Yield each mesh with the reason why it is unusable, or None. Raises as `_validate_source`."""
     suspects = []
-    for task, outcome in pool.run(validate_source, tasks, _names):
+    for task, outcome in pool.run(_validate_source, tasks, _names):
         if isinstance(outcome, Killed):
             suspects.append(task)
         else:
             yield task, outcome
     for task in suspects:
-        outcome = pool.alone(validate_source, task)
+        outcome = pool.alone(_validate_source, task)
         yield task, DEADLY if isinstance(outcome, Killed) else outcome
 
 
@@ -279,7 +277,7 @@ def _killer(pool: Pool, task: ShardTask) -> str | None:
     """Return the first mesh of a shard that kills a worker on its own."""
     for name in task.meshes:
         others = {mesh: "" for mesh in task.meshes if mesh != name}
-        if isinstance(pool.alone(try_mesh, _without(task, others)), Killed):
+        if isinstance(pool.alone(_try_mesh, _without(task, others)), Killed):
             return name
     return None
 

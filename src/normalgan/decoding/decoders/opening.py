@@ -20,7 +20,6 @@ __all__ = [
     "RefusedError",
     "check_sides",
     "first_line",
-    "import_plugin",
     "opened",
     "reduced_size",
     "with_form",
@@ -66,7 +65,7 @@ def opened(content: bytes) -> "Image":
     if found is None or found.plugin is None:
         raise UnidentifiedImageError
     try:
-        import_plugin(found)
+        _import_plugin(found)
     except ImportError:
         raise RefusedError(
             f"is a {found.name}; run `pip install 'normalgan[{found.name.lower()}]'` to read it, or save it "
@@ -78,7 +77,7 @@ def opened(content: bytes) -> "Image":
         raise DamagedError(f"it starts like a {found.name} but is truncated or damaged") from None
 
 
-def import_plugin(wanted: Format) -> None:
+def _import_plugin(wanted: Format) -> None:
     """Import Pillow's plug-in of a format.
 
     Raises:

@@ -11,7 +11,7 @@ from normalgan.inference.network.line_width import render_model_input
 from normalgan.inference.preparation import Prepared
 from normalgan.inference.suggestion import uncertainty
 
-__all__ = ["Context", "Inferred", "context_of", "expected_error", "surest", "ways_to_see"]
+__all__ = ["Context", "Inferred", "context_of", "surest", "ways_to_see"]
 
 Inferred = tuple[Floats, Floats | None]
 """The network's prediction (S, S, 3), and its confidence κ (S, S) or None."""
@@ -75,12 +75,12 @@ def surest(
         infer: runs the network.
     """
     inferred = [infer(each) for each in ways]
-    errors = [expected_error(way, confidence) for way, (_, confidence) in zip(ways, inferred, strict=True)]
+    errors = [_expected_error(way, confidence) for way, (_, confidence) in zip(ways, inferred, strict=True)]
     best = int(np.argmin(errors))
     return ways[best], *inferred[best]
 
 
-def expected_error(part: Prepared, confidence: Floats | None) -> float:
+def _expected_error(part: Prepared, confidence: Floats | None) -> float:
     """Return the mean expected error on the object as a fraction of a right angle; 0 if unknown."""
     if confidence is None or part.mask is None:
         return 0.0

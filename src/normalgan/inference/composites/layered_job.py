@@ -23,7 +23,7 @@ from normalgan.inference.preparation import Prepared
 from normalgan.inference.reading.picture import fitted
 from normalgan.inference.sprites import Sprite
 
-__all__ = ["LayeredJob", "goes_in_one", "layered_target"]
+__all__ = ["LayeredJob", "layered_target"]
 
 _LONGEST = 48
 """Maximum length of a layer's name within a file name."""
@@ -85,7 +85,7 @@ class LayeredJob:
             held += waiting
         if len(failed) == len(numbers):
             raise failed[0] if failed else InputError("none of its layers holds a drawing.")
-        if drawing.layered is not None and goes_in_one(self.writer.outputs):
+        if drawing.layered is not None and _goes_in_one(self.writer.outputs):
             shape = fitted(found.shape, self.size)
             predicted.sort(key=lambda layer: (layer.frame, layer.number))
             self.writer.sink(target, encode_layers(drawing.layered, shape, predicted, found.durations))
@@ -129,7 +129,7 @@ class LayeredJob:
             stronger = self.sprite(preds, member.picture).stronger(self.strength)
             each = _job_of(job, layer, outputs.ending, len(found.durations))
             held += self.writer.write_others(each, stronger)
-            if not goes_in_one(outputs):
+            if not _goes_in_one(outputs):
                 self.writer.write_map(each, stronger)
                 continue
             inside = cut(layer, stronger.pixels(outputs.normal.y, alpha=True))
@@ -154,7 +154,7 @@ def _member(job: Job, layer: DecodedLayer, shape: tuple[int, int]) -> Member:
     return Member(picture_of(layer, shape), None, where)
 
 
-def goes_in_one(outputs: Outputs) -> bool:
+def _goes_in_one(outputs: Outputs) -> bool:
     """Return whether predicted layers go into one layered file, which is 8-bit and for no engine."""
     return outputs.normal.plain and outputs.normal.engine is None
 
@@ -167,7 +167,7 @@ def layered_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
     """
     if job.exact:
         raise InputError(f"{job.target} holds one map; --layers needs a folder (-o).")
-    if not goes_in_one(outputs):
+    if not _goes_in_one(outputs):
         found = drawing.layers
         first = next((each for each in found.layers if not is_plain(each, found.shape)), found.layers[0])
         return _job_of(job, first, outputs.ending, len(found.durations)).target

@@ -14,11 +14,11 @@ from normalgan.errors import InputError
 from normalgan.files.limits import read_named
 from normalgan.inference.reading.drawings import SMALLEST
 
-__all__ = ["ENDINGS", "MOST_TILES", "TileGrid", "parse_tile_size", "read_tiled"]
+__all__ = ["ENDINGS", "TileGrid", "parse_tile_size", "read_tiled"]
 
 ENDINGS = (".tsx", ".tsj", ".json", ".xml")
 """Endings that follow a picture's stem in the name of its tileset file."""
-MOST_TILES = 16384
+_MOST_TILES = 16384
 """Maximum number of tiles in a picture; the largest sheets in use have a few thousand."""
 _MOST_BYTES = 2**24
 _SIZE = re.compile(r"(\d{1,4})\s*[x×*]\s*(\d{1,4})((?:\s*,\s*(?:margin|spacing)\s*=\s*\d{1,4})*)")
@@ -71,10 +71,10 @@ class TileGrid:
                 f"the minimum is {SMALLEST} a side."
             )
         columns, rows = self.counts(shape)
-        if not 0 < columns * rows <= MOST_TILES:
+        if not 0 < columns * rows <= _MOST_TILES:
             raise InputError(
                 f"{name} of {width} × {height} pixels has {columns * rows} tiles of {self.width} × "
-                f"{self.height}; it needs 1 to {MOST_TILES}."
+                f"{self.height}; it needs 1 to {_MOST_TILES}."
             )
         left = [side - each[-1] - 1 for side, each in zip(shape, self.places(shape), strict=True)]
         if max(left) <= self.margin + self.spacing:

@@ -7,9 +7,9 @@ from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.base import OUTPUTS, Output
 from normalgan.ranges import Range
 
-__all__ = ["FEWEST", "Relief"]
+__all__ = ["Relief"]
 
-FEWEST = 12
+_FEWEST = 12
 """Minimum number of triangles of a closed relief."""
 
 
@@ -31,7 +31,7 @@ class Relief(Output):
     in_zip: ClassVar[bool] = False
 
     format: Literal["glb", "obj"] = "glb"
-    faces: Annotated[int, Range(FEWEST)] | None = None
+    faces: Annotated[int, Range(_FEWEST)] | None = None
 
     def encode(self, preds: NormalMap) -> dict[str, bytes]:
         """Return the content of the file."""

@@ -16,11 +16,11 @@ from normalgan.files.limits import read_named
 from normalgan.inference.reading.drawings import SUFFIXES, read_pixels, to_unit
 from normalgan.normals import LEAST_Z, normalize, vectors
 
-__all__ = ["ENDINGS", "MOST_LISTED", "Hints", "check_hints", "load_hints", "parse_hints", "read_hints"]
+__all__ = ["ENDINGS", "Hints", "check_hints", "load_hints", "parse_hints", "read_hints"]
 
 ENDINGS = ("_hints.png", "_hints.json", ".json", ".png")
 """Endings that follow a drawing's stem in the name of its hint file, in the order of the search."""
-MOST_LISTED = 2**24
+_MOST_LISTED = 2**24
 """Maximum size of a list of hints in bytes; each hint takes about 50."""
 
 _Listed = tuple[float, float, tuple[float, float, float]]
@@ -172,7 +172,7 @@ def _is_number(value: Any) -> bool:
 
 
 def _parsed(path: Path) -> Any:
-    content = read_named(path, "the hints", MOST_LISTED)
+    content = read_named(path, "the hints", _MOST_LISTED)
     try:
         return json.loads(content)  # detects the encoding of bytes, also with a byte order mark
     except json.JSONDecodeError as error:

@@ -22,14 +22,7 @@ from normalgan.studio.drawings.schemas import ExportFields
 from normalgan.studio.names import check_name
 from normalgan.studio.page_files import PAGE
 
-__all__ = [
-    "PRESETS",
-    "ExportRequest",
-    "Preset",
-    "offered",
-    "read_export_request",
-    "with_export_menu",
-]
+__all__ = ["ExportRequest", "Preset", "offered", "read_export_request", "with_export_menu"]
 
 
 @dataclass(frozen=True)
@@ -63,7 +56,7 @@ class Preset:
         return self.notes.format(linear=f"{', '.join(suffixes[:-1])} and {suffixes[-1]}") + "\n"
 
 
-PRESETS: Final = {
+_PRESETS: Final = {
     "unity": Preset(
         "Unity: the .meta file marks _NormalMap as a normal map, which sprites use as a secondary texture. "
         "Switch sRGB off for {linear}.",
@@ -105,7 +98,7 @@ _FORMATS: Final[dict[str, Format]] = {"png8": "png", "png16": "png", "exr": "exr
 def offered() -> dict[str, tuple[str, ...]]:
     """Return the formats of each export by name; the first format is the default."""
     beside = {kind.name: kind.formats() for kind in OUTPUTS}
-    return {"map": tuple(_FORMATS), "all": ("plain", *PRESETS), **beside}
+    return {"map": tuple(_FORMATS), "all": ("plain", *_PRESETS), **beside}
 
 
 def with_export_menu(page: str) -> str:
@@ -123,7 +116,7 @@ def with_export_menu(page: str) -> str:
         files = {form: _request("{}", name, form, line_art=b"").names for form in formats}
         more = f'data-formats="{" ".join(formats)}" data-files="{escape(json.dumps(files))}"'
         options.append(f'<option value="{name}" {more}{own}>{label}</option>')
-    down = " ".join(name for name, preset in PRESETS.items() if preset.normal.y == "down")
+    down = " ".join(name for name, preset in _PRESETS.items() if preset.normal.y == "down")
     return page.replace("<!-- outputs -->", "".join(options)).replace("<!-- down -->", down)
 
 
@@ -168,7 +161,7 @@ class ExportRequest:
             for ending in self.output.endings:
                 yield self.name + ending, partial(_encoded, encode, ending)
             return
-        preset = PRESETS.get(self.preset, _PLAIN)
+        preset = _PRESETS.get(self.preset, _PLAIN)
         own, normal = preset.prefix + self.name, preset.normal
         encode = lru_cache(maxsize=1)(normal.encode)
         for ending in normal.endings:

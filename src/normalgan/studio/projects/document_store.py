@@ -21,7 +21,7 @@ from normalgan.studio.names import check_name, is_name
 from normalgan.studio.server.bodies import MOST_BYTES
 from normalgan.studio.server.refusals import ChangedError, MissingError
 
-__all__ = ["ANYTHING", "SUFFIX", "Anything", "DocumentStore", "Expected", "tag_of"]
+__all__ = ["ANYTHING", "SUFFIX", "Anything", "DocumentStore", "Expected"]
 
 SUFFIX = ".normalgan"
 
@@ -98,7 +98,7 @@ class DocumentStore:
             raise MissingError(f"there is nothing called {name!r}.") from None
         except OSError as error:
             raise InputError(f"{path} cannot be read: {error.strerror}.") from None
-        return content, tag_of(content)
+        return content, _tag_of(content)
 
     def write(self, name: str, content: bytes, expected: Expected) -> str:
         """Write a document durably and return its tag.
@@ -116,7 +116,7 @@ class DocumentStore:
                 _sync(path.parent)
             except OSError as error:
                 raise unwritable(f"{name!r} cannot be saved: {error.strerror}.", error) from error
-        return tag_of(content)
+        return _tag_of(content)
 
     def delete(self, name: str, expected: Expected) -> None:
         """Delete a document.
@@ -179,7 +179,7 @@ class DocumentStore:
         raise ChangedError(f"{name!r} was {has} elsewhere in the meantime; save it under another name.")
 
 
-def tag_of(content: bytes) -> str:
+def _tag_of(content: bytes) -> str:
     """Return the ETag of a document, which is a hash of its bytes."""
     return f'"{hashlib.sha256(content).hexdigest()[:32]}"'
 
