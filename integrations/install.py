@@ -96,20 +96,8 @@ ADD_ONS = {
         True,
         "Restart Inkscape: Extensions > Render > Normal map and light.",
     ),
-    "godot3": AddOn(
-        None,
-        (("addons/normalgan", "addons/normalgan"),),
-        "addons/normalgan",
-        False,
-        GODOT_THEN,
-    ),
-    "godot4": AddOn(
-        None,
-        (("addons/normalgan", "addons/normalgan"),),
-        "addons/normalgan",
-        False,
-        GODOT_THEN,
-    ),
+    "godot3": AddOn(None, (("addons/normalgan", "addons/normalgan"),), "addons/normalgan", False, GODOT_THEN),
+    "godot4": AddOn(None, (("addons/normalgan", "addons/normalgan"),), "addons/normalgan", False, GODOT_THEN),
     "blender": AddOn(
         BLENDER and BLENDER / "scripts" / "addons",
         (("normalgan_blender", "normalgan_blender"),),

@@ -10,8 +10,6 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import ClassVar
 from urllib.parse import urlsplit
 
-__all__ = ["KINDS", "Faults", "faulty_proxy"]
-
 KINDS = ("reset", "busy", "cut", "forgotten")
 """Ways to spoil a request.
 

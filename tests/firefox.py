@@ -121,12 +121,7 @@ class Firefox:
             *moves[1:],
             {"type": "pointerUp", "button": 0},
         ]
-        pointer = {
-            "type": "pointer",
-            "id": kind,
-            "parameters": {"pointerType": kind},
-            "actions": actions,
-        }
+        pointer = {"type": "pointer", "id": kind, "parameters": {"pointerType": kind}, "actions": actions}
         self.command("WebDriver:PerformActions", {"actions": [pointer]})
 
     def kill(self) -> None:

@@ -140,9 +140,7 @@ def test_a_gpu_changes_no_method(method: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "names",
-    [("quickstart",), *itertools.product(METHODS), ("paper", "cpu")],
-    ids="+".join,
+    "names", [("quickstart",), *itertools.product(METHODS), ("paper", "cpu")], ids="+".join
 )
 def test_networks_and_objective_can_be_built(names: tuple[str, ...]) -> None:
     settings = parsed(*names)

@@ -161,10 +161,7 @@ def test_what_a_plug_in_gives_wrongly_is_told_by_its_name(wrong: str, tmp_path: 
             r"^Sampler gave hints with the value nan; hints are a tensor \(1, 1, 32, 32\) here, 1 at",
         ),
         (Sampler(lambda mask: mask * 0.25), r"^Sampler gave hints with the value 0\.25; hints"),
-        (
-            Sampler(torch.ones_like),
-            r"^Sampler gave \d+ hints off the object; hints must lie where mask is 1",
-        ),
+        (Sampler(torch.ones_like), r"^Sampler gave \d+ hints off the object; hints must lie where mask is 1"),
     ],
     ids=["no numbers", "weights", "off the object"],
 )

@@ -44,10 +44,7 @@ def drawings(tmp_path: Path) -> Path:
 def given(drawing: Path) -> dict[str, Any]:
     """The hints and the mask of a drawing."""
     folder = drawing.parents[1]
-    named = {
-        "hints": folder / f"{drawing.stem}_hints.json",
-        "mask": folder / f"{drawing.stem}_mask.png",
-    }
+    named = {"hints": folder / f"{drawing.stem}_hints.json", "mask": folder / f"{drawing.stem}_mask.png"}
     return {name: path if path.is_file() else None for name, path in named.items()}
 
 

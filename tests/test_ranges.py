@@ -41,10 +41,7 @@ class Pen:
         ({"width": float("inf")}, "width of Pen is inf; it must be more than 0."),
         ({"width": float("nan")}, "width of Pen is nan; it must be more than 0."),
         ({"tilt": 90}, "tilt of Pen is 90; it must be from 0 to below 90."),
-        (
-            {"strength": (0.6, 0.5)},
-            "strength of Pen is (0.6, 0.5); it must be two numbers",
-        ),
+        ({"strength": (0.6, 0.5)}, "strength of Pen is (0.6, 0.5); it must be two numbers"),
         ({"strength": (0.5,)}, "strength of Pen is (0.5,); it must be two numbers"),
         ({"strength": (0.5, 2)}, "two numbers, low then high, from 0 to 1."),
         ({"spacing": 0}, "spacing of Pen is 0; it must be more than 0."),

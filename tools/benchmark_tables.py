@@ -305,10 +305,7 @@ def placement() -> list[str]:
     gains = [
         f"{n} hints: {beside((), f'uniform-{n}', '0')(rows['paper-uniform-17'])}" for n in (3, 10, 17, 30, 60)
     ]
-    lines += [
-        "",
-        "Uniform hints change the error of the network that was trained with 17 of them by:",
-    ]
+    lines += ["", "Uniform hints change the error of the network that was trained with 17 of them by:"]
     return [*lines, "; ".join(gains) + "."]
 
 

@@ -20,8 +20,6 @@ from normalgan.inference.reading.picture import Picture
 from normalgan.inference.sprites import Sprite
 from normalgan.normals import normalize, pixels_of
 
-__all__ = ["SPRITES", "draw"]
-
 _SIDE = 32
 _Y, _X = np.mgrid[:_SIDE, :_SIDE] + 0.5
 _INK = (0.10, 0.07, 0.13)

@@ -26,16 +26,7 @@ from normalgan.errors import (
 )
 
 TRAINING_LIBRARIES = (
-    *(
-        "torch",
-        "lightning",
-        "torchmetrics",
-        "safetensors",
-        "onnx",
-        "kornia",
-        "embreex",
-        "mapbox_earcut",
-    ),
+    *("torch", "lightning", "torchmetrics", "safetensors", "onnx", "kornia", "embreex", "mapbox_earcut"),
     *("pyrender", "zarr", "fsspec", "tensorboard", "matplotlib", "rich"),
 )
 """Import names of the packages in pyproject.toml's ``train`` extra."""

@@ -3,8 +3,6 @@
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["BoolMask", "Doubles", "Floats", "Indices"]
-
 Floats = NDArray[np.float32]
 """Images, normals and other single-precision values."""
 Doubles = NDArray[np.float64]

@@ -4,8 +4,6 @@ from typing import NotRequired, TypedDict
 
 from torch import Tensor
 
-__all__ = ["Batch", "Sketches"]
-
 
 class Sketches(TypedDict):
     """The generator's input: sketches, and hints if the user gave any."""

@@ -3,8 +3,6 @@
 import subprocess
 from pathlib import Path
 
-__all__ = ["commit"]
-
 
 def commit() -> str | None:
     """Return the commit of the code, with a ``+`` if there are local changes; None outside a repository."""

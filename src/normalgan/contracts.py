@@ -6,8 +6,6 @@ from torch import Tensor
 
 from normalgan.errors import InputError
 
-__all__ = ["check_kinds", "class_name", "describe", "refused"]
-
 
 def check_kinds(given: Mapping[str, tuple[object, type]], optional: Collection[str] = ()) -> None:
     """Check the types of settings that a caller from Python passed.

@@ -13,24 +13,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 if TYPE_CHECKING:
     from pydantic import ValidationError
 
-__all__ = [
-    "FOREIGN_ERRORS",
-    "CommandExit",
-    "InputError",
-    "Place",
-    "RunError",
-    "brief",
-    "did_you_mean",
-    "exit_caller",
-    "printable",
-    "sentence_of",
-    "tell",
-    "third_party_place",
-    "unwritable",
-    "wants_memory",
-    "with_subject",
-]
-
 
 _STEERING = re.compile(r"[\0-\x1f\x7f-\x9f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
 """Characters that control a terminal, break a line, change the writing direction, or cannot be encoded."""

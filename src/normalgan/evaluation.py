@@ -15,8 +15,6 @@ from normalgan.models import Generator
 from normalgan.models.base import check_generated
 from normalgan.models.condition import make_condition
 
-__all__ = ["Evaluation"]
-
 
 class Evaluation(LightningModule):
     """LightningModule that predicts with a generator and measures it; subclasses add the training.

@@ -37,8 +37,6 @@ from normalgan.saved_settings import SavedSettings
 from normalgan.schedules import end_cosine_at
 from normalgan.seeds import derive_seed, seed_torch
 
-__all__ = ["ADVERSARIAL_SHARE", "NormalGAN"]
-
 ADVERSARIAL_SHARE = "train/adversarial_share"
 """Ratio of the adversarial to the reconstruction gradient norm, at the generator's weights."""
 

@@ -5,8 +5,6 @@ from numpy.typing import ArrayLike
 
 from normalgan.arrays import Indices
 
-__all__ = ["connected"]
-
 
 def connected(count: int, pairs: ArrayLike) -> Indices:
     """Return the index of each item's connected component, (count,).

@@ -5,8 +5,6 @@ from collections.abc import Mapping
 
 from normalgan.errors import InputError
 
-__all__ = ["DRAWN_WIDTH", "USUAL_WIDTHS", "LineWidths", "check_line_widths", "line_widths_of"]
-
 LineWidths = tuple[float, float]
 """The thinnest and thickest line that a model saw in training, in pixels at the model's resolution."""
 DRAWN_WIDTH = 1.25

@@ -17,29 +17,6 @@ from normalgan.arrays import Floats
 from normalgan.errors import InputError, brief
 from normalgan.files.limits import read_bounded, refuse_pointer
 
-__all__ = [
-    "LEAST_Z",
-    "Bits",
-    "Green",
-    "angles",
-    "decode",
-    "encode",
-    "encode_exr",
-    "encode_grey",
-    "encode_png",
-    "encode_tiff",
-    "flip_green",
-    "normalize",
-    "pack_png",
-    "pad_edge",
-    "paint_flat",
-    "pixels_of",
-    "read_exr",
-    "read_png",
-    "strips",
-    "vectors",
-]
-
 Bits = Literal[8, 16]
 Green = Literal["up", "down"]
 """Direction of y that a file's green channel stores: up as in OpenGL, down as in DirectX."""

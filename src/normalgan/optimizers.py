@@ -10,8 +10,6 @@ from torch.optim import RAdam
 
 from normalgan.ranges import Range, check_ranges
 
-__all__ = ["MuonRAdam", "orthogonalized"]
-
 _QUINTICS = (
     (8.28721201814563, -23.595886519098837, 17.300387312530933),
     (4.107059111542203, -2.9478499167379106, 0.5448431082926601),

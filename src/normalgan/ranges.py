@@ -9,18 +9,6 @@ from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 from normalgan.errors import InputError
 
-__all__ = [
-    "Count",
-    "NonNegative",
-    "OneOf",
-    "OutOfRangeError",
-    "Positive",
-    "PositiveInt",
-    "Range",
-    "Share",
-    "check_ranges",
-]
-
 
 class OutOfRangeError(InputError):
     """Error for a setting outside its range.

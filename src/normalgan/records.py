@@ -10,8 +10,6 @@ from normalgan.errors import InputError, did_you_mean, sentence_of
 if TYPE_CHECKING:
     from pydantic import TypeAdapter
 
-__all__ = ["Record", "read_record", "reads"]
-
 T = TypeVar("T")
 
 

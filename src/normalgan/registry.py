@@ -17,8 +17,6 @@ from typing import Any, ClassVar, Generic, TypeVar, get_origin
 
 from normalgan.errors import brief, did_you_mean
 
-__all__ = ["LeftOut", "Registry", "class_path", "find_imported", "offered", "offerer", "summary"]
-
 T = TypeVar("T")
 C = TypeVar("C", bound=type[Any])
 

@@ -19,8 +19,6 @@ from normalgan.weights.checkpoint import (
 )
 from normalgan.weights.class_spec import ANY_NUMBER, ClassSpec, is_plain
 
-__all__ = ["SavedSettings"]
-
 _OF_TRAINING = {"compile"}
 """Arguments of the model that depend on the training machine and are not saved."""
 

@@ -4,8 +4,6 @@ import math
 
 from torch.optim.lr_scheduler import CosineAnnealingLR
 
-__all__ = ["end_cosine_at"]
-
 
 def end_cosine_at(schedule: CosineAnnealingLR, epochs: int) -> None:
     """Change the length of a cosine schedule, and update the learning rate of the current epoch.

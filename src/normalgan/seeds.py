@@ -9,8 +9,6 @@ import numpy as np
 if TYPE_CHECKING:
     import torch
 
-__all__ = ["derive_seed", "rng_of", "seed_torch"]
-
 
 def derive_seed(*parts: int | str) -> int:
     """Return a seed that depends only on the parts, not on the machine.

@@ -7,8 +7,6 @@ workers that load samples do not need it.
 import torch
 from torch import Tensor
 
-__all__ = ["length", "of_unit_size", "unit_vectors", "unit_vectors_within"]
-
 
 def unit_vectors(vectors: Tensor) -> Tensor:
     """Return (N, 3, H, W) vectors scaled to length 1; the zero vector stays zero.

@@ -10,8 +10,6 @@ from typing import Any
 
 from normalgan.errors import tell
 
-__all__ = ["filter_warnings", "quiet_loggers"]
-
 _NOT_SAID = (
     r".*does not have many workers.*",  # a small data set is kept in memory, where workers only add overhead
     r".*is smaller than the logging interval.*",

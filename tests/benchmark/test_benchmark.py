@@ -176,10 +176,7 @@ def test_mistakes_are_told_before_anything_starts(capsys: pytest.CaptureFixture[
         (["--config", fourlegs, "--config", fourlegs], f"but was given {fourlegs}, {fourlegs}."),
         (["--config", fourlegs, "--rows", "paper,their"], "the plan has no row their"),
         (["--config", fourlegs, "--budget", "soon"], "the budget 'soon' is not a duration"),
-        (
-            ["--config", fourlegs, "--seeds", "1.5"],
-            "--seeds, item 1: expected a whole number, not 1.5.",
-        ),
+        (["--config", fourlegs, "--seeds", "1.5"], "--seeds, item 1: expected a whole number, not 1.5."),
         (["--config", fourlegs, "--cheat", "1"], "there is no option --cheat"),
     ):
         assert main(["benchmark", *arguments]) == 2

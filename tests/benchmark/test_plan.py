@@ -120,10 +120,7 @@ def test_our_plans_have_every_row_of_the_comparison(name: str) -> None:
         (plan(reference="theirs"), ["the plan has no row theirs; it has mean, paper"]),
         (plan(rows=3), ["are not a list of settings"]),
         (plan(placements=["best"], placement_counts=[3]), ['placements[0] is "best"', "'curvature'"]),
-        (
-            plan(test_data={"size": 32}),
-            ["medium, meshes, ", "test_views, not size"],
-        ),
+        (plan(test_data={"size": 32}), ["medium, meshes, ", "test_views, not size"]),
         (plan(placements=["worst"]), ["placements if and only if it has placement_counts"]),
         (plan(rows=[]), ["a plan needs rows"]),
         (plan(rows=[{"name": "a", "label": "A"}]), ["row a", "must have either configs or classical"]),

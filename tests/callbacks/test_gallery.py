@@ -7,13 +7,7 @@ import torch
 from numpy.typing import NDArray
 from PIL import Image
 
-from normalgan.callbacks.gallery import (
-    MAX_ERROR,
-    Row,
-    batch_row,
-    colours,
-    draw_gallery,
-)
+from normalgan.callbacks.gallery import MAX_ERROR, Row, batch_row, colours, draw_gallery
 from normalgan.errors import InputError
 from normalgan.metrics import angular_error
 from spheres import batch, sphere

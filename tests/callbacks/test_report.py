@@ -35,11 +35,7 @@ class Truth(UNetGenerator):
 
 
 def report(
-    folder: Path,
-    module: MeshDataModule,
-    samples: int = 6,
-    model: NormalGAN | None = None,
-    **settings: Any,
+    folder: Path, module: MeshDataModule, samples: int = 6, model: NormalGAN | None = None, **settings: Any
 ) -> Results:
     run = trainer(folder, callbacks=[TestReport(samples)], **settings)
     run.test(model or gan(), module, verbose=False)

@@ -107,10 +107,7 @@ def test_a_sheet_seen_edge_on_is_no_drawing(tmp_path: Path, capsys: pytest.Captu
         (["horse", "--size", "3"], "--size: 3 is out of range; it must be >= 8 and <= 8192."),
         (["horse", "--hand.strenth", "1"], "no setting 'strenth' in it. Did you mean strength?"),
         (["horse", "--lines", "Sugestive"], "no LineDrawing named 'Sugestive'. Did you mean Sug"),
-        (
-            ["horse", "--hand.strength", "[2,3]"],
-            "a setting cannot be used: strength of Hand is (2.0, 3.0)",
-        ),
+        (["horse", "--hand.strength", "[2,3]"], "a setting cannot be used: strength of Hand is (2.0, 3.0)"),
         (["horse", "--widht", "3"], "there is no option --widht."),
         ([], "missing: mesh."),
     ],

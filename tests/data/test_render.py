@@ -205,12 +205,7 @@ def test_each_mesh_but_the_first_of_a_split_is_loaded_once(
         ({"train": [Octahedron("a")]}, 0, 0, "0 views per mesh are requested for train"),
         ({"train": [Octahedron("a")]}, {"val": 3}, 0, "0 views per mesh are requested for train"),
         ({"train": [Octahedron("a")]}, 2, -1, "-1 workers were requested"),
-        (
-            {"train": [Octahedron("a")]},
-            2,
-            2,
-            "memory://x is invisible to other processes; set workers to 0",
-        ),
+        ({"train": [Octahedron("a")]}, 2, 2, "memory://x is invisible to other processes; set workers to 0"),
     ],
 )
 def test_invalid_requests_are_refused(

@@ -139,10 +139,7 @@ BAD: dict[str, tuple[dict[str, Any], str]] = {
         {"hints": np.tile(np.array([0, 0.6, -0.8, 1]), (*GREY.shape, 1))},
         r"^the hint at x 0, y 0 has z -0\.8 and looks away from the viewer; the z of a normal must be 0",
     ),
-    "listed wrongly": (
-        {"hints": [{"x": 1}]},
-        r'^hint 1 of the list is {"x": 1}; a hint has x, y',
-    ),
+    "listed wrongly": ({"hints": [{"x": 1}]}, r'^hint 1 of the list is {"x": 1}; a hint has x, y'),
     "no hints": ({"hints": 3}, r"^the hints are of the type int; give a path, a list or an array\.$"),
     "half hints": (
         {"hints": np.full((*GREY.shape, 4), [0, 0.6, 0.8, 0.3])},

@@ -5,13 +5,7 @@ import torch
 from torch import Tensor, nn
 
 from normalgan.errors import InputError
-from normalgan.losses import (
-    CrossEntropy,
-    Wasserstein,
-    WassersteinGradientPenalty,
-    hint_loss,
-    l1_loss,
-)
+from normalgan.losses import CrossEntropy, Wasserstein, WassersteinGradientPenalty, hint_loss, l1_loss
 from normalgan.models import UNetDiscriminator
 
 

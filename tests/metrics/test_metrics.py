@@ -7,12 +7,7 @@ import torch
 from metric_samples import computed, random_batch, turned
 
 from normalgan.errors import InputError
-from normalgan.metrics import (
-    MeanAngularError,
-    MedianAngularError,
-    ShareBelow,
-    normal_map_metrics,
-)
+from normalgan.metrics import MeanAngularError, MedianAngularError, ShareBelow, normal_map_metrics
 
 
 def test_bounds_of_shares_are_strict() -> None:

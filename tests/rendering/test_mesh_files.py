@@ -81,10 +81,7 @@ BAD_FILES: dict[str, tuple[Callable[[Path], Any], str]] = {
     "none.off": (lambda path: write(path, FLAT, []), "holds no faces|cannot be read"),
     "line.off": (lambda path: write(path, FLAT, [[0, 1, 2], [1, 2, 3]]), "has only faces without area"),
     "point.off": (lambda path: write(path, [[1, 1, 1]] * 3, [[0, 1, 2]]), "has only faces without area"),
-    "beyond.off": (
-        lambda path: write(path, FLAT, [[0, 1, 9]]),
-        "refers to a missing vertex|cannot be read",
-    ),
+    "beyond.off": (lambda path: write(path, FLAT, [[0, 1, 9]]), "refers to a missing vertex|cannot be read"),
     "cloud.ply": (cloud, "holds no faces"),
     "empty.obj": (lambda path: path.write_text(""), "holds no faces|cannot be read"),
     "words.stl": (lambda path: path.write_text("hello"), "holds no faces|cannot be read"),

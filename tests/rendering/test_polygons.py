@@ -196,16 +196,10 @@ BAD: dict[str, tuple[bytes | str, str]] = {
     "cut.off": (f"OFF\n{TRIANGLE}", "declares 3 vertices and 1 faces in 3 lines (is it truncated"),
     "corners.ply": (PLY.replace("\n7 8 ", "\n7 2000000000 ", 1), "declares 2000000000 corners and lists 8"),
     "axes.ply": (PLY.replace("property float y", "property float w"), "its vertices have no x, y and z"),
-    "header.ply": (
-        PLY.replace("property float y", "property quad y"),
-        "has the line 'property quad y'",
-    ),
+    "header.ply": (PLY.replace("property float y", "property quad y"), "has the line 'property quad y'"),
     "cut.ply": (ply(*prism(U), "binary_big_endian")[:-3], "and it ends before"),
     "none.gltf": (gltf(6, None, put("meshes", 0, value=7)), "it does not conform to glTF 2.0"),
-    "strange.gltf": (
-        gltf(6, None, put("nodes", 0, "mesh", value="a")),
-        "refers to entry a of its 1 meshes",
-    ),
+    "strange.gltf": (gltf(6, None, put("nodes", 0, "mesh", value="a")), "refers to entry a of its 1 meshes"),
 }
 
 

@@ -124,10 +124,7 @@ SAMPLERS = broken(
             quota,
             "changed the hints of a sample when another sample of the batch was changed; a sample must not",
         ),
-        "IntoTheMask": (
-            into_the_mask,
-            "changed the tensors it was given; they belong to the caller",
-        ),
+        "IntoTheMask": (into_the_mask, "changed the tensors it was given; they belong to the caller"),
     },
 )
 
@@ -492,12 +489,7 @@ OBJECTIVES: Cases = [
     ),
     *broken(
         *(Plain, "check", HERE),
-        {
-            "Rude": (
-                fail,
-                "raised KeyError .* when asked for one-sentence errors; check may raise only",
-            )
-        },
+        {"Rude": (fail, "raised KeyError .* when asked for one-sentence errors; check may raise only")},
     ),
 ]
 
@@ -882,10 +874,7 @@ LINE_STYLES: Cases = [
                 "drew nothing of an animal; each object must give some ink",
             ),
             "Frame": (with_a_frame, r"put \d+% of its ink outside the animal; lines must lie on the object"),
-            "NeverNothing": (
-                never_nothing,
-                "drew something in an empty view; it must draw nothing there",
-            ),
+            "NeverNothing": (never_nothing, "drew something in an empty view; it must draw nothing there"),
             "ExpectsAnObject": (
                 lambda right, view, rng: (np.nonzero(view.maps().mask)[0].min(), right(view, rng))[1],
                 "raised ValueError .* when asked for an empty view; an empty view must",
@@ -912,8 +901,7 @@ def test_a_fault_is_told_in_one_sentence(cls: type[Any], sentence: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "cls",
-    [Sampler, Network, Judge, Spectral, Plain, Squares, Worst, Mirror, Horses, Rays, Outline],
+    "cls", [Sampler, Network, Judge, Spectral, Plain, Squares, Worst, Mirror, Horses, Rays, Outline]
 )
 def test_one_without_a_fault_passes(cls: type[Any]) -> None:
     check(cls())

@@ -19,12 +19,7 @@ from normalgan.hints import (
     UniformHints,
     WorstErrorHints,
 )
-from normalgan.inference.outputs import (
-    OUTPUTS,
-    Height,
-    Preview,
-    Relief,
-)
+from normalgan.inference.outputs import OUTPUTS, Height, Preview, Relief
 from normalgan.losses import (
     ADVERSARIAL_OBJECTIVES,
     RECONSTRUCTIONS,
@@ -102,10 +97,7 @@ OURS: list[tuple[Registry[Any], list[Any]]] = [
             GlobalDiscriminator(64, 4),
         ],
     ),
-    (
-        ADVERSARIAL_OBJECTIVES,
-        [CrossEntropy(), Wasserstein(), WassersteinGradientPenalty()],
-    ),
+    (ADVERSARIAL_OBJECTIVES, [CrossEntropy(), Wasserstein(), WassersteinGradientPenalty()]),
     (RECONSTRUCTIONS, [L1AndHints(), AngularLikelihood(), CosineAndL2()]),
     (
         AUGMENTATIONS,

@@ -56,10 +56,7 @@ def _sound() -> Tree:
                 "init_args": dict(SETTINGS),
             },
             "hint_sampler": {"class_path": "normalgan.hints.UniformHints", "init_args": {"minimum": 3}},
-            "objective": {
-                "class_path": "normalgan.losses.Wasserstein",
-                "init_args": {"weight_clip": 0.01},
-            },
+            "objective": {"class_path": "normalgan.losses.Wasserstein", "init_args": {"weight_clip": 0.01}},
             "generator_optimizer": optimizer,
             "discriminator_optimizer": "normalgan.gan._rmsprop",
             "lr_scheduler": {

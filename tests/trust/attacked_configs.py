@@ -5,10 +5,7 @@ from base64 import b64encode
 
 from attacked_checkpoints import EVIL, SYMPY
 
-CALLBACK = {
-    "class_path": "lightning.pytorch.callbacks.LambdaCallback",
-    "init_args": {"on_fit_start": SYMPY},
-}
+CALLBACK = {"class_path": "lightning.pytorch.callbacks.LambdaCallback", "init_args": {"on_fit_start": SYMPY}}
 UNSAFE: dict[str, dict[str, object]] = {
     "a callback that runs a text": {"trainer": {"callbacks": [CALLBACK]}},
     "one that is imported": {"trainer": {"callbacks": {"class_path": f"{EVIL}.Foo"}}},

@@ -159,8 +159,7 @@ GLTF: dict[str, Callable[[Tree], object]] = {
     "stride of joints": put("bufferViews", 1, "byteStride", value=0),
     "many numbers": repeat(10**6),
     "many views": lambda tree: tree.update(
-        buffers=[embedded(bytes(2**20))],
-        bufferViews=[{"buffer": 0, "byteLength": 2**20}] * 4000,
+        buffers=[embedded(bytes(2**20))], bufferViews=[{"buffer": 0, "byteLength": 2**20}] * 4000
     ),
     "many zeros": lambda tree: tree["accessors"].extend(
         [{"componentType": 5126, "type": "MAT4", "count": 2**20}] * 3

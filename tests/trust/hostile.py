@@ -84,14 +84,8 @@ def laughs(levels: int) -> str:
 
 
 CONFIGURATIONS: dict[str, tuple[str | bytes, str]] = {
-    "laughs.yaml": (
-        laughs(11),
-        "stands for more than 100000 values",
-    ),
-    "section.yaml": (
-        laughs(8) + "data: *a8\n",
-        "stands for more than 100000 values",
-    ),
+    "laughs.yaml": (laughs(11), "stands for more than 100000 values"),
+    "section.yaml": (laughs(8) + "data: *a8\n", "stands for more than 100000 values"),
     "itself.yaml": ("data: &a [1, *a]\n", "contains itself, at *a"),
     "deep.yaml": ("data: " + "[" * 100_000 + "]" * 100_000, "is nested more than 50 deep"),
     "blocks.yaml": ("".join(f"{' ' * i}a:\n" for i in range(400)), "is nested more than 50 deep"),

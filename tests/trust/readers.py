@@ -98,10 +98,7 @@ def checkpoint(path: Path) -> None:
 
 READERS: dict[str, Callable[[Path], None]] = {
     read.__name__: read
-    for read in (
-        *(mesh, rig, configuration, drawing, model, hints, orientation, split, plan),
-        checkpoint,
-    )
+    for read in (*(mesh, rig, configuration, drawing, model, hints, orientation, split, plan), checkpoint)
 }
 
 

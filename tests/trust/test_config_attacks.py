@@ -76,8 +76,7 @@ def test_a_safe_configuration_names_known_classes_only(folder: Path, kind: str) 
 def test_a_class_that_is_not_allowed_is_named(folder: Path) -> None:
     config = written(folder, {"trainer": {"callbacks": {"class_path": f"{EVIL}.Foo"}}})
     with pytest.raises(
-        InputError,
-        match=f'"trainer.callbacks": --safe-config does not allow {EVIL}.Foo; it only allows',
+        InputError, match=f'"trainer.callbacks": --safe-config does not allow {EVIL}.Foo; it only allows'
     ):
         parsed("--safe-config", "--config", str(config))
     assert EVIL not in sys.modules

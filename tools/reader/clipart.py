@@ -74,10 +74,7 @@ def rendered(path: Path) -> NDArray[np.uint8] | None:
     if share > 4 or min(image.size) * share < 24:
         return None
     width, height = (max(round(side * share), 1) for side in image.size)
-    image = image.resize(
-        (width, height),
-        Image.Resampling.BOX if share < 1 else Image.Resampling.BICUBIC,
-    )
+    image = image.resize((width, height), Image.Resampling.BOX if share < 1 else Image.Resampling.BICUBIC)
     whole = Image.new("RGBA", (SIZE, SIZE), (255, 255, 255, 0))
     whole.paste(image, ((SIZE - width) // 2, (SIZE - height) // 2))
     return np.asarray(whole)

@@ -733,13 +733,7 @@ class _Writer:
                         else int(np.clip(255 * (0.45 + 0.55 * share * rng.uniform(0.7, 1.1)), 90, 255))
                     )
                     cv2.polylines(
-                        canvas,
-                        [line[a : b + 1]],
-                        False,
-                        level,
-                        max(round(wide * share), 1),
-                        cv2.LINE_AA,
-                        4,
+                        canvas, [line[a : b + 1]], False, level, max(round(wide * share), 1), cv2.LINE_AA, 4
                     )
             else:
                 cv2.polylines(

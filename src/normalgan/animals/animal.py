@@ -11,8 +11,6 @@ from normalgan.ranges import Count, check_ranges
 from normalgan.rendering.mesh import Mesh
 from normalgan.seeds import rng_of
 
-__all__ = ["Animal", "make_animals"]
-
 _VERSION = 2  # increase it if the same species and seed give a different shape than before
 
 

@@ -17,8 +17,6 @@ from normalgan.animals.tables import Bone, Kinds, Number, Table
 from normalgan.arrays import Doubles
 from normalgan.ranges import OneOf, Range
 
-__all__ = ["STANCES", "Biped", "Flesh", "Girth", "Measures", "Robot", "Skeleton", "Stance", "skeleton"]
-
 _FLAT_HAND = 0.17  # half thickness of a palm, in hand lengths
 
 

@@ -8,8 +8,6 @@ from normalgan.animals.frames import pitch, roll, yaw
 from normalgan.animals.parts import Part, Ripple, ball, block, fuse, pair, tube
 from normalgan.animals.plan import Rng
 
-__all__ = ["HEADS", "robot"]
-
 
 def _eyes(x: float, y: float, z: float, radius: float, socket: float = 1.5) -> list[Part]:
     dug = ball([x + 0.6 * radius, y, z], [socket * radius, 0.9 * socket * radius, socket * radius])

@@ -20,8 +20,6 @@ from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 from normalgan.ranges import OneOf, Range
 
-__all__ = ["Bird", "Legs", "Tail", "Wing"]
-
 _STEP = 0.010  # height of a feather above its neighbour
 _THIN = 0.012  # half thickness of a feather
 _TOES = (-34.0, 0.0, 34.0, 180.0)

@@ -21,8 +21,6 @@ from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 from normalgan.ranges import OneOf, Range
 
-__all__ = ["Arm", "Armour", "Theropod"]
-
 _RANGES: Mapping[str, Span] = {
     "girth": (0.88, 1.15), "tail": (0.85, 1.12), "neck": (0.88, 1.12), "head": (0.88, 1.15),
     "arm": (0.85, 1.2), "legs": (0.9, 1.08), "sail": (0.75, 1.2),

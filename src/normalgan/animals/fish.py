@@ -16,8 +16,6 @@ from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 from normalgan.ranges import OneOf, Range
 
-__all__ = ["Fin", "Fish", "Gills"]
-
 _RANGES: Mapping[str, Span] = {
     "depth": (0.85, 1.18), "girth": (0.85, 1.2), "fins": (0.8, 1.25), "tail": (0.85, 1.2),
     "eye": (0.85, 1.25),

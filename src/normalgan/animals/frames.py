@@ -8,23 +8,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from normalgan.arrays import Doubles
 
-__all__ = [
-    "Axes",
-    "Frame",
-    "Volume",
-    "about",
-    "bend",
-    "fold",
-    "hinge",
-    "pitch",
-    "ray",
-    "roll",
-    "spanned",
-    "unit",
-    "way_along",
-    "yaw",
-]
-
 Volume = NDArray[np.float32]
 """Values on a grid."""
 Axes = tuple[Volume, Volume, Volume]

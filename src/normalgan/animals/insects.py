@@ -13,8 +13,6 @@ from normalgan.animals.shapes import Plate, Shape, Sweep
 from normalgan.animals.tables import Span
 from normalgan.arrays import Doubles
 
-__all__ = ["INSECTS", "LegRow", "legs", "wing"]
-
 _OUT = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # columns: right, forward, up
 # Outlines of right wings: outwards, forward.
 _BLADE = np.array(

@@ -13,8 +13,6 @@ from normalgan.animals.shapes import Sweep, smooth_minimum
 from normalgan.arrays import Doubles
 from normalgan.rendering.mesh import Mesh
 
-__all__ = ["drop_crumbs", "fill_voids", "to_mesh", "unit_sphere"]
-
 _Window = tuple[slice, slice, slice]
 _FAR = np.float32(10.0)  # value of the field far from all parts
 _MARGIN = 4  # number of grid cells around a part where its field is valid

@@ -11,8 +11,6 @@ from normalgan.animals.plan import BodyPlan, Form, Rng, around
 from normalgan.animals.shapes import Shape
 from normalgan.arrays import Doubles
 
-__all__ = ["BLOBS", "turned"]
-
 
 def turned(heights: Sequence[float], radii: Sequence[float], wall: float) -> list[Part]:
     """Return an open vessel on a flat foot.

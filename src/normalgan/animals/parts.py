@@ -12,22 +12,6 @@ from normalgan.animals.shapes import Box, Cut, Ellipsoid, Ring, Shape, Sweep
 from normalgan.animals.tables import Number
 from normalgan.arrays import Doubles
 
-__all__ = [
-    "Part",
-    "Ripple",
-    "ball",
-    "block",
-    "both",
-    "by",
-    "carried",
-    "fuse",
-    "in_space",
-    "on_side",
-    "pair",
-    "ring",
-    "tube",
-]
-
 _SIDE = (0.0, 0.0, 1.0)
 
 

@@ -10,17 +10,6 @@ import numpy as np
 from normalgan.animals.parts import Part
 from normalgan.animals.tables import Number, Point, Span, Table
 
-__all__ = [
-    "BodyPlan",
-    "Eyeball",
-    "Form",
-    "PosedPlan",
-    "Rng",
-    "around",
-    "drawn_pose",
-    "proportions",
-]
-
 Rng = np.random.Generator
 
 

@@ -13,8 +13,6 @@ from normalgan.animals.shapes import Shape, Sweep
 from normalgan.animals.tables import Point
 from normalgan.arrays import Doubles
 
-__all__ = ["PLUSH"]
-
 _HABITS = ("sit", "sit", "stand", "hug", "cheer")
 _SKULL = np.array([1.0, 0.93, 1.08])  # radii of a head in its own unit
 # Outline of a dragon's right wing: outwards, forward.

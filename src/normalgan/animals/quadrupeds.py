@@ -18,8 +18,6 @@ from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 from normalgan.ranges import Count, OneOf
 
-__all__ = ["Eye", "Head", "LegTemplate", "Limb", "Mane", "Mouth", "Ornament", "Quadruped"]
-
 _SEATED = 0.82  # sitting animals have a round back, which brings shoulder and hip closer
 _FACE = 0.4  # fraction of the head's length from the poll that the muzzle factor does not affect
 _BELOW_BELLY = 0.6  # fraction of the height that scales with the legs

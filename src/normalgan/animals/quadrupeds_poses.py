@@ -8,8 +8,6 @@ import numpy as np
 
 from normalgan.animals.plan import Rng
 
-__all__ = ["POSES", "POSTURES", "Angles", "Pose"]
-
 Angles = tuple[float, float, float, float]
 
 

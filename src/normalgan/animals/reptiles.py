@@ -15,8 +15,6 @@ from normalgan.animals.tables import Number, Point, Span
 from normalgan.arrays import Doubles
 from normalgan.ranges import OneOf, Range
 
-__all__ = ["Crawler", "Snake", "Turtle"]
-
 _RANGES: Mapping[str, Span] = {
     "girth": (0.88, 1.18), "tail": (0.8, 1.15), "head": (0.9, 1.18), "legs": (0.88, 1.15),
     "crest": (0.7, 1.3),

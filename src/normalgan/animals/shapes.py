@@ -11,22 +11,6 @@ import numpy as np
 from normalgan.animals.frames import Axes, Frame, Volume
 from normalgan.arrays import Doubles
 
-__all__ = [
-    "MIRROR",
-    "Box",
-    "Cut",
-    "Ellipsoid",
-    "Piece",
-    "Plate",
-    "Ring",
-    "Shape",
-    "Solid",
-    "Sweep",
-    "outline_distance",
-    "rounded",
-    "smooth_minimum",
-]
-
 MIRROR = np.array([1.0, 1.0, -1.0])  # factors that mirror a point
 _TINY = np.float32(1e-9)
 _BAND = 0.15

@@ -17,8 +17,6 @@ from normalgan.animals.tables import FOLDER, read_toml
 from normalgan.errors import InputError, did_you_mean
 from normalgan.records import read_record
 
-__all__ = ["GROUPS", "PLANS", "SPECIES", "read_species"]
-
 PLANS = {
     "biped": "normalgan.animals.bipeds.Biped",
     "bird": "normalgan.animals.birds.Bird",

@@ -12,8 +12,6 @@ from normalgan.animals.tables import Column, Table
 from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 
-__all__ = ["Profile", "Spine", "Stations"]
-
 
 @dataclass(frozen=True, eq=False)
 class Stations(Table):

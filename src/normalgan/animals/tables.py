@@ -14,8 +14,6 @@ from normalgan.files.limits import read_named
 from normalgan.ranges import Range
 from normalgan.records import Record, reads
 
-__all__ = ["FOLDER", "SHARED", "Bone", "Column", "Kinds", "Number", "Point", "Span", "Table", "read_toml"]
-
 FOLDER = Path(__file__).with_name("species")
 """The species files of the package."""
 SHARED = FOLDER / "shared.toml"

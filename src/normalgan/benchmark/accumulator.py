@@ -13,8 +13,6 @@ from normalgan.metrics.calibration import Calibration, expected_angle
 from normalgan.metrics.presence import Coverage, MaskIoU
 from normalgan.metrics.relief import ReliefMetric, relief_metrics
 
-__all__ = ["Accumulator", "Figure", "mesh_of"]
-
 Figure = dict[str, float | None]
 
 

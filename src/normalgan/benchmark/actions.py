@@ -19,8 +19,6 @@ from normalgan.benchmark.training import fit, read_state, run_all, write_json
 from normalgan.errors import InputError
 from normalgan.files.writing import write_bytes
 
-__all__ = ["check", "compare", "evaluate", "score", "write_test_inputs"]
-
 _say = partial(print, flush=True)
 
 

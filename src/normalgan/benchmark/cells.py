@@ -9,18 +9,6 @@ from normalgan.benchmark.training import Result
 from normalgan.gan import ADVERSARIAL_SHARE
 from normalgan.metrics.base import unit_of
 
-__all__ = [
-    "Cell",
-    "cost_cells",
-    "distance_cell",
-    "figure_cell",
-    "interval_cell",
-    "large",
-    "pin_cell",
-    "share_cell",
-    "spread_of",
-]
-
 Cell = Callable[[Sequence[Result]], str]
 """A function that returns the text of a cell from the runs of a row, one per seed."""
 

@@ -15,8 +15,6 @@ from normalgan.errors import InputError
 from normalgan.files.shipped_configs import find_beside
 from normalgan.warning_filters import filter_warnings
 
-__all__ = ["build_parser", "run"]
-
 
 def run(arguments: list[str]) -> int:
     """Run the command and return the exit code, which is 1 if a run failed.
@@ -95,9 +93,7 @@ def build_parser() -> LightParser:
         ".onnx, or shipped",
     )
     parser.add_argument(
-        "--score",
-        type=str | None,
-        help="measure a folder of another program's normal maps, without training",
+        "--score", type=str | None, help="measure a folder of another program's normal maps, without training"
     )
     parser.add_argument(
         "--inputs",

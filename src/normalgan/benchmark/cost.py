@@ -19,8 +19,6 @@ from normalgan.benchmark.methods import Method
 from normalgan.commit import commit
 from normalgan.version import __version__
 
-__all__ = ["describe_origin", "flops", "images_per_second"]
-
 _PACKAGES = ("torch", "lightning", "numpy", "kornia", "torchmetrics")
 
 

@@ -13,15 +13,6 @@ from normalgan.benchmark.plan import Plan
 from normalgan.benchmark.training import Result, Results
 from normalgan.metrics.calibration import BIN
 
-__all__ = [
-    "VALIDATION",
-    "calibration_curve",
-    "draw_calibration",
-    "draw_curves",
-    "hint_curve",
-    "learning_curve",
-]
-
 VALIDATION = "val/hints/angular_mean"
 _REFERENCE = "0.25"  # grey
 
@@ -143,13 +134,7 @@ def hint_curve(runs: Iterable[Result], counts: Sequence[int]) -> tuple[Doubles, 
 
 
 def _draw(
-    axes: Axes,
-    x: Doubles,
-    errors: Doubles,
-    colour: object,
-    style: str,
-    label: str,
-    marker: str | None = None,
+    axes: Axes, x: Doubles, errors: Doubles, colour: object, style: str, label: str, marker: str | None = None
 ) -> None:
     shown = np.isfinite(errors).any(axis=0)
     x, errors = x[shown], errors[:, shown]

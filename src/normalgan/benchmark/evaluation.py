@@ -17,13 +17,7 @@ from normalgan.batch import Batch
 from normalgan.benchmark.cost import describe_origin, flops, images_per_second
 from normalgan.benchmark.hints import hint_points, placements
 from normalgan.benchmark.measure import HintTests, measure, more_metrics, true_float32
-from normalgan.benchmark.methods import (
-    Method,
-    constant_method,
-    inflation_method,
-    mean_method,
-    weights_method,
-)
+from normalgan.benchmark.methods import Method, constant_method, inflation_method, mean_method, weights_method
 from normalgan.benchmark.pins import STRATEGIES, Strategy, pin_curve, pin_one_by_one
 from normalgan.benchmark.plan import Plan, Settings
 from normalgan.benchmark.runs import Run, build_data, shared_settings
@@ -39,8 +33,6 @@ from normalgan.files.writing import write_bytes
 from normalgan.gan import ADVERSARIAL_SHARE
 from normalgan.hints import hints_at
 from normalgan.weights.checkpoint import read_checkpoint
-
-__all__ = ["Evaluation", "maps_of", "read_curve"]
 
 _BATCH = 16  # the same for all methods, because noise at test time depends on it
 _VERSION = 3  # increase it when the figures in results change, so that models are measured again

@@ -7,16 +7,8 @@ import torch
 from torch import Tensor
 
 from normalgan.arrays import BoolMask, Doubles, Indices
-from normalgan.hints import (
-    CurvatureHints,
-    FarthestPointHints,
-    HintSampler,
-    UniformHints,
-    WorstErrorHints,
-)
+from normalgan.hints import CurvatureHints, FarthestPointHints, HintSampler, UniformHints, WorstErrorHints
 from normalgan.seeds import derive_seed
-
-__all__ = ["hint_order", "hint_points", "noisy_hints", "placements", "turn"]
 
 _SAMPLERS: dict[str, Callable[[int], HintSampler]] = {
     "uniform": lambda count: UniformHints(count, count),

@@ -10,8 +10,6 @@ from scipy.sparse.linalg import spsolve
 from normalgan.arrays import BoolMask, Doubles, Floats
 from normalgan.normals import normalize
 
-__all__ = ["inflate", "inflated_normals"]
-
 _SIDES = ((0, 1), (0, -1), (1, 0), (-1, 0))  # (rows, columns) to the four neighbours
 
 

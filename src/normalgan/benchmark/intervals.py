@@ -10,16 +10,6 @@ from scipy.special import stdtrit
 from normalgan.arrays import Doubles, Indices
 from normalgan.benchmark.training import Result
 
-__all__ = [
-    "LEVEL",
-    "Interval",
-    "difference_interval",
-    "draws_of",
-    "mesh_interval",
-    "pooled",
-    "total_interval",
-]
-
 _DRAWS = 10_000
 LEVEL = 0.95
 

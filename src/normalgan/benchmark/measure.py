@@ -19,8 +19,6 @@ from normalgan.metrics import METRICS, MapMetric, angular_error
 from normalgan.metrics.collection import check_names
 from normalgan.weights.class_spec import ANY_NUMBER, ClassSpec
 
-__all__ = ["OWN", "HintTests", "Measured", "measure", "more_metrics", "true_float32"]
-
 OWN = "own"
 """Name of the figures with the hints of the method's own sampler."""
 

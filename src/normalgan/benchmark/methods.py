@@ -22,16 +22,6 @@ from normalgan.weights.class_spec import ClassSpec
 from normalgan.weights.file import SUFFIXES, Weights, read_weights
 from normalgan.weights.shipped import SHIPPED_NAME, find_model
 
-__all__ = [
-    "Method",
-    "constant_method",
-    "inflation_method",
-    "mean_method",
-    "model_method",
-    "saved_method",
-    "weights_method",
-]
-
 
 @dataclass(frozen=True)
 class Method:

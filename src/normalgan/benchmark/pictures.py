@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from normalgan.callbacks.gallery import MAX_ERROR, Row, Sheet, colours, error_colours
 from normalgan.normals import encode
 
-__all__ = ["Line", "Picture", "draw_methods"]
-
 _CELL, _GAP, _HEAD, _LABEL = 112, 4, 40, 190  # pixels
 
 Picture = NDArray[np.generic]

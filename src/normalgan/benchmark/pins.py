@@ -14,8 +14,6 @@ from normalgan.hints import hints_at
 from normalgan.inference.suggestion import suggest
 from normalgan.metrics import angular_error, without_hints
 
-__all__ = ["STRATEGIES", "Strategy", "pin_curve", "pin_one_by_one"]
-
 Strategy = Literal["worst", "suggested"]
 """How the next pin is placed: at the largest error, which only an oracle knows, or as the studio suggests."""
 STRATEGIES: tuple[Strategy, ...] = ("worst", "suggested")

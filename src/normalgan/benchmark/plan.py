@@ -13,8 +13,6 @@ from normalgan.files.shipped_configs import find_config
 from normalgan.ranges import Count, NonNegative, PositiveInt, check_ranges
 from normalgan.records import Record, read_record
 
-__all__ = ["Placement", "Plan", "Row", "Settings", "is_plan", "read_plan", "read_yaml"]
-
 Settings = dict[str, Any]
 _DRAWN = ("hand", "lines", "medium")
 _MESHES = ("meshes", "reading", "split", "test_views")

@@ -19,8 +19,6 @@ from normalgan.errors import InputError
 from normalgan.files.writing import write_bytes
 from normalgan.hints import hints_at
 
-__all__ = ["write_report"]
-
 
 def write_report(evaluation: Evaluation, runs: Sequence[Run], folder: Path) -> None:
     """Write the results of a plan's runs so far, each file atomically.

@@ -13,8 +13,6 @@ from normalgan.cli.parsing.light_parser import OwnDefaultsParser
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError
 
-__all__ = ["Run", "build_data", "check_shared", "plan_runs", "shared_settings", "timed"]
-
 _OWN_DATA = (
     *("data.animals.extra", "data.animals.extra_postures", "data.augmentation", "data.batch_size"),
     *("data.on_the_fly", "data.reading.variants", "data.reading.variation", "data.storage", "data.workers"),

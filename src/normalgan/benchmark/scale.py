@@ -12,8 +12,6 @@ from normalgan.benchmark.plan import Settings, read_yaml
 from normalgan.benchmark.settings import MACHINE, flatten, nest, without
 from normalgan.errors import InputError
 
-__all__ = ["Scale", "read_budget", "read_scale"]
-
 _UNITS = {"h": 3600, "m": 60, "s": 1}
 
 

@@ -12,8 +12,6 @@ import yaml
 from normalgan.benchmark.plan import Settings
 from normalgan.errors import InputError
 
-__all__ = ["MACHINE", "compose", "differences", "digest", "flatten", "nest", "part", "without"]
-
 MACHINE = (
     *("data.cache", "data.meshes", "data.storage", "data.workers"),
     *("trainer.default_root_dir", "trainer.enable_progress_bar"),

@@ -9,8 +9,6 @@ from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError
 from normalgan.files.json_files import read_json
 
-__all__ = ["Specification", "check_specification", "specify"]
-
 Specification = dict[str, str | int]
 
 _RULE = "uniform on the object, in the order of a permutation by numpy's default_rng, seeded by the name"

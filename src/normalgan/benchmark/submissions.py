@@ -26,8 +26,6 @@ from normalgan.hints import NoHints, UniformHints
 from normalgan.inference.reading.drawings import read_pixels, to_unit
 from normalgan.normals import encode_grey
 
-__all__ = ["Submission", "read_submission", "write_inputs"]
-
 _SUBMISSION = "submission.json"
 _SILENT = 0.05
 """Minimum length of a vector; shorter vectors are background grey, in 8 or 16 bits."""

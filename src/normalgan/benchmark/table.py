@@ -23,8 +23,6 @@ from normalgan.benchmark.scale import Scale
 from normalgan.benchmark.training import Result, Results
 from normalgan.gan import ADVERSARIAL_SHARE
 
-__all__ = ["FIGURES", "RELIEF", "interval_table", "markdown", "markdown_table", "mesh_table", "ranked_error"]
-
 FIGURES = {
     "angular_mean": "mean",
     "angular_median": "median",

@@ -15,18 +15,6 @@ from normalgan.callbacks.checkpoints import best_checkpoint
 from normalgan.errors import InputError, RunError, brief
 from normalgan.files.writing import write_bytes
 
-__all__ = [
-    "Result",
-    "Results",
-    "State",
-    "fit",
-    "measured_checkpoint",
-    "read_result",
-    "read_state",
-    "run_all",
-    "write_json",
-]
-
 Result = dict[str, Any]
 """The result of a run; see `normalgan.benchmark.evaluation`."""
 Results = Mapping[str, Sequence[Result]]

@@ -15,20 +15,6 @@ from normalgan.errors import InputError
 from normalgan.files.torch_files import load_torch_file
 from normalgan.files.writing import write_bytes
 
-__all__ = [
-    "AtomicCheckpointIO",
-    "LastCheckpoint",
-    "best_checkpoint",
-    "check_others",
-    "check_size",
-    "check_sizes",
-    "check_unused",
-    "checkpoint_folder",
-    "named_checkpoint",
-    "run_folder",
-    "stopped_checkpoint",
-]
-
 
 class LastCheckpoint(ModelCheckpoint):
     """Saves ``last.ckpt`` after every epoch, so that a killed run loses at most one epoch.

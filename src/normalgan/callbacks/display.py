@@ -7,8 +7,6 @@ from lightning.pytorch import LightningModule, Trainer
 from lightning.pytorch.callbacks import Callback, RichProgressBar
 from torch.nn import Module
 
-__all__ = ["NetworkSummary", "WideProgressBar", "count_parameters"]
-
 _WIDE = 160
 """Line width for log files; Rich's default of 80 would cut the losses off."""
 

@@ -22,18 +22,6 @@ from normalgan.errors import InputError
 from normalgan.files.writing import write_bytes
 from normalgan.normals import angles, encode, normalize, paint_flat
 
-__all__ = [
-    "COLUMNS",
-    "MAX_ERROR",
-    "Row",
-    "Sheet",
-    "batch_row",
-    "colours",
-    "draw_gallery",
-    "error_colours",
-    "write_gallery",
-]
-
 COLUMNS = ("sketch", "hints", "generated", "ground truth", "angular error")
 MAX_ERROR = 60.0
 """Top of the error scale in degrees; larger errors get the last colour."""

@@ -11,8 +11,6 @@ from normalgan.batch import Batch
 from normalgan.files.writing import write_bytes
 from normalgan.gan import ADVERSARIAL_SHARE, NormalGAN
 
-__all__ = ["LearningCurve"]
-
 
 class LearningCurve(Callback):
     """Writes ``curve.json`` to the folder of the run, with one record per validation.

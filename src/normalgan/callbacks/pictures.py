@@ -14,8 +14,6 @@ from normalgan.data.datamodule import MeshDataModule
 from normalgan.gan import NormalGAN
 from normalgan.ranges import PositiveInt, check_ranges
 
-__all__ = ["PictureLogger"]
-
 
 class PictureLogger(Callback):
     """Logs a gallery of the first samples of the validation split.

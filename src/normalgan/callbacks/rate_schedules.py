@@ -11,8 +11,6 @@ from normalgan.batch import Batch
 from normalgan.errors import InputError
 from normalgan.ranges import Count, Positive, PositiveInt, Range, check_ranges
 
-__all__ = ["StableSchedule", "WallClockSchedule", "cosine_factor"]
-
 
 class _RateSchedule(Callback, ABC):
     """Multiplies all learning rates of a run by a factor, which is updated before each batch."""

@@ -24,8 +24,6 @@ from normalgan.metrics.collection import check_names
 from normalgan.ranges import PositiveInt, check_ranges
 from normalgan.version import __version__
 
-__all__ = ["TestReport"]
-
 
 class TestReport(Callback):
     """Measures two baselines that ignore the sketch, prints the table and draws the gallery.

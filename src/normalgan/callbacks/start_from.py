@@ -16,8 +16,6 @@ from normalgan.weights.checkpoint import read_checkpoint
 from normalgan.weights.file import SUFFIXES, read_weights
 from normalgan.weights.shipped import SHIPPED_NAME, find_model
 
-__all__ = ["StartFrom"]
-
 
 class StartFrom(Callback):
     """Initialises a new run with the generator's weights of another run, but not with its optimisers.

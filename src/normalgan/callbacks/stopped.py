@@ -15,8 +15,6 @@ from normalgan.callbacks.checkpoints import stopped_checkpoint
 from normalgan.errors import tell
 from normalgan.losses.finite import LossError
 
-__all__ = ["StoppedCheckpoint", "requeue_job"]
-
 
 class StoppedCheckpoint(Callback):
     """Saves ``stopped.ckpt`` when a job is preempted (SIGTERM) or a loss is no longer finite.

@@ -11,8 +11,6 @@ from rich.table import Table
 from normalgan.metrics import MapMetric
 from normalgan.metrics.base import unit_of
 
-__all__ = ["FIGURES", "HEADINGS", "Results", "results_table"]
-
 Results = Mapping[str, Mapping[str, float]]
 """Metrics by column and by name, such as ``results["hints"]["angular_mean"]``."""
 

@@ -11,8 +11,6 @@ from torch.optim.swa_utils import get_ema_multi_avg_fn
 from normalgan.models.statistics import average_statistics
 from normalgan.ranges import Range, check_ranges
 
-__all__ = ["WarmAverage"]
-
 
 class WarmAverage(WeightAveraging):
     """Validates and saves an exponential moving average of the weights instead of the weights themselves.

@@ -2,8 +2,6 @@
 
 from normalgan.cli.training.help import COMMANDS as TRAINING
 
-__all__ = ["COMMANDS", "OTHERS", "USAGE"]
-
 USAGE = """\
 normalgan: from a line sketch to a surface normal map
 

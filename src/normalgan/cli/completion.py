@@ -12,8 +12,6 @@ from normalgan.cli.parsing.light_parser import LightParser
 from normalgan.cli.training.help import COMMANDS
 from normalgan.errors import InputError
 
-__all__ = ["build_parser", "completion_script", "run"]
-
 _SHELLS = ("bash", "zsh", "tcsh")
 """The supported shells."""
 

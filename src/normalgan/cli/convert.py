@@ -13,8 +13,6 @@ from normalgan.inference.conversion import map_of_heights, read_map, with_detail
 from normalgan.inference.outputs.height import Height
 from normalgan.normals import Bits, Green
 
-__all__ = ["build_parser", "run"]
-
 _Kind = Literal["normal", "height"]
 
 
@@ -95,10 +93,7 @@ def build_parser() -> LightParser:
         help="direction of green in the output: down for DirectX (default %(default)s)",
     )
     parser.add_argument(
-        "--bits",
-        type=Bits,
-        default=8,
-        help="bits per channel of a PNG normal map (default %(default)s)",
+        "--bits", type=Bits, default=8, help="bits per channel of a PNG normal map (default %(default)s)"
     )
     parser.add_argument(
         "--strength", type=Strength, default=1.0, help="factor applied to the slopes (default %(default)s)"

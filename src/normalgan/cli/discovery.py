@@ -20,16 +20,6 @@ from normalgan.registry import LeftOut, Registry, offerer, summary
 from normalgan.rendering.lines import LINE_DRAWINGS
 from normalgan.rendering.renderers import RENDERERS
 
-__all__ = [
-    "REGISTRIES",
-    "SETTINGS",
-    "described",
-    "load_plugins",
-    "misplaced",
-    "namable",
-    "safe_imports",
-]
-
 REGISTRIES: dict[str, Registry[Any]] = {
     "renderer": RENDERERS,
     "lines": LINE_DRAWINGS,
@@ -45,10 +35,7 @@ REGISTRIES: dict[str, Registry[Any]] = {
 }
 """The registry of each kind of plug-in."""
 
-_SECTIONS = {
-    **dict.fromkeys(("renderer", "lines", "source", "augmentation"), "data"),
-    "metrics": "report",
-}
+_SECTIONS = {**dict.fromkeys(("renderer", "lines", "source", "augmentation"), "data"), "metrics": "report"}
 SETTINGS = {kind: f"{_SECTIONS.get(kind, 'model')}.{kind}" for kind in REGISTRIES if kind != "output"}
 """The setting that names a plug-in of each kind; outputs have options of their own instead."""
 

@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from normalgan.inference.normal_map import NormalMap
     from normalgan.inference.predictor import Predictor
 
-__all__ = ["Tools", "build_parser", "make_server", "run"]
-
 _INSTRUCTIONS = (
     "normalgan turns line drawings and sprites into normal maps for lighting in games and 3D programs. "
     "Paths are relative to the folder that the server serves."

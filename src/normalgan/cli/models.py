@@ -7,8 +7,6 @@ from pathlib import Path
 from normalgan.cli.parsing.light_parser import LightParser
 from normalgan.errors import InputError, printable
 
-__all__ = ["build_parser", "run"]
-
 
 def run(arguments: list[str]) -> int:
     """List the models and return the exit code.

@@ -8,8 +8,6 @@ from normalgan.cli.late_imports import gc_paused
 from normalgan.cli.parsing.light_parser import LightParser
 from normalgan.registry import LeftOut, Registry, class_path, summary
 
-__all__ = ["Kind", "build_parser", "run"]
-
 Kind = Literal[
     "renderer",
     "lines",

@@ -30,8 +30,6 @@ from normalgan.rendering.samples import draw_ink, draw_strokes, no_lines
 from normalgan.rendering.strokes.svg import to_svg
 from normalgan.rendering.view import View
 
-__all__ = ["build_parser", "run"]
-
 _PLUGINS: dict[str, Registry[Any]] = {"renderer": RENDERERS, "lines": LINE_DRAWINGS, "styles": LINE_DRAWINGS}
 """Registries of the settings that name plug-ins."""
 
@@ -96,10 +94,7 @@ def build_parser() -> LightParser:
         help="mesh file, or embedded animal: a species such as horse, or a variation of it such as horse-7",
     )
     parser.add_argument(
-        "-o",
-        "--output",
-        default="sketch.svg",
-        help="output file, .svg or .png (default %(default)s)",
+        "-o", "--output", default="sketch.svg", help="output file, .svg or .png (default %(default)s)"
     )
     parser.add_argument(
         "--normal", type=str | None, help="file for the normal map, .png; by default none is written"

@@ -20,20 +20,6 @@ from normalgan.registry import Registry
 from normalgan.seeds import seed_torch
 from normalgan.vectors import unit_vectors, unit_vectors_within
 
-__all__ = [
-    "AUGMENTATIONS",
-    "Augmentation",
-    "BatchAugmentation",
-    "augmented",
-    "change_width",
-    "drop_lines",
-    "sample_at",
-    "sampling_grid",
-    "smooth_noise",
-    "turn_normals",
-    "wobble",
-]
-
 
 class BatchAugmentation(ABC):
     """Base class of augmentations: random changes of training batches, on the batch's device.

@@ -44,8 +44,6 @@ from normalgan.rendering.samples import Recipe
 from normalgan.seeds import derive_seed
 from normalgan.vectors import unit_vectors
 
-__all__ = ["MeshDataModule"]
-
 _MEAN_OF = 1024
 """Number of samples for the mean map of an endless split, with an error of about 1/32 at each pixel."""
 _SHORT = 40

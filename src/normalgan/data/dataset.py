@@ -13,8 +13,6 @@ from normalgan.data.store.sample_layout import ARRAYS, array_names
 from normalgan.data.store.shards import ShardedSamples
 from normalgan.errors import InputError
 
-__all__ = ["SampleDataset", "bytes_per_sample"]
-
 
 class SampleDataset(Dataset[Item]):
     """Samples of one split, read from memory if they fit, otherwise one by one from the store.
@@ -35,11 +33,7 @@ class SampleDataset(Dataset[Item]):
     """
 
     def __init__(
-        self,
-        store: ShardedSamples,
-        memory: int = 2 * 1024**3,
-        processes: int = 1,
-        substitute: bool = False,
+        self, store: ShardedSamples, memory: int = 2 * 1024**3, processes: int = 1, substitute: bool = False
     ) -> None:
         self.store = store
         self.substitute = substitute

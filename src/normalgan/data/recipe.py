@@ -5,8 +5,6 @@ from typing import Any, Protocol, runtime_checkable
 from normalgan.errors import InputError
 from normalgan.rendering.samples import Sample
 
-__all__ = ["Loadable", "SampleRecipe", "fingerprint"]
-
 
 @runtime_checkable
 class Loadable(Protocol):

@@ -28,8 +28,6 @@ from normalgan.errors import InputError, RunError
 from normalgan.progress import progress_bar
 from normalgan.rendering.samples import RENDERING_VERSION
 
-__all__ = ["Sources", "find_unusable", "leave_out", "open_samples", "render_samples"]
-
 Sources = Mapping[str, Sequence[Loadable]]
 _AT_ONCE = 64  # shards checked per task, a few seconds of reading
 

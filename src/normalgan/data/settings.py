@@ -9,8 +9,6 @@ from normalgan.errors import InputError
 from normalgan.ranges import Count, PositiveInt, Share, check_ranges
 from normalgan.rendering.variation import Variation
 
-__all__ = ["EmbeddedAnimals", "MeshOptions", "MeshReading", "Prediction", "Split", "Storage"]
-
 
 @dataclass(frozen=True, kw_only=True)
 class MeshOptions:

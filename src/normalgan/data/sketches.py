@@ -17,8 +17,6 @@ from normalgan.inference.parallel import stream
 from normalgan.inference.preparation import Prepared
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths
 
-__all__ = ["SketchDataset", "SketchSample"]
-
 _KEPT = 2**29
 """Maximum size of cached prepared drawings in bytes; others are prepared again when needed."""
 

@@ -11,8 +11,6 @@ from normalgan.errors import InputError
 from normalgan.files.json_files import read_json
 from normalgan.files.shipped_configs import find_beside
 
-__all__ = ["SPLITS", "none_usable", "plural", "split_by_file", "split_by_fractions"]
-
 SPLITS = ("train", "val", "test")
 """The names of the splits, in the order of the fractions."""
 _FEW = 5

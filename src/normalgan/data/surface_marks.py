@@ -16,8 +16,6 @@ from torch import Tensor
 
 from normalgan.arrays import BoolMask, Doubles, Floats
 
-__all__ = ["mark_surfaces"]
-
 _Rng = np.random.Generator
 
 _PAPER = 0.35

@@ -29,17 +29,6 @@ from normalgan.decoding.results import (
 )
 from normalgan.errors import InputError, RunError
 
-__all__ = [
-    "MEMORY",
-    "PATIENCE",
-    "SECONDS",
-    "decode",
-    "decode_frames",
-    "decode_layers",
-    "decode_tileset",
-    "start",
-]
-
 T = TypeVar("T")
 SECONDS = 10
 """Limit of processor time per picture, in seconds."""

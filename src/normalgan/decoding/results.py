@@ -5,8 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["Decoded", "DecodedFrames", "DecodedLayer", "DecodedLayers", "FileNotes", "LayerNote", "Pixels"]
-
 Pixels = NDArray[np.uint8] | NDArray[np.uint16] | NDArray[np.int32] | NDArray[np.float32]
 """(H, W) grey of any of these types, or (H, W, 3) or (H, W, 4) with red, green, blue and opacity of 8
 bits. If the stored levels are requested, colours may also be 16 bits or floats."""

@@ -14,8 +14,6 @@ from normalgan.errors import InputError, RunError, printable, unwritable
 from normalgan.files.writing import write_bytes
 from normalgan.warning_filters import filter_warnings
 
-__all__ = ["SUFFIXES", "build_parser", "run"]
-
 _ONNX = ".onnx"
 SUFFIXES = {_ONNX: "ONNX", ".safetensors": "safetensors", ".pt": "TorchScript", ".pt2": "torch.export"}
 """The formats by file extension."""
@@ -60,9 +58,7 @@ def build_parser() -> LightParser:
         help=f"output file; its extension determines the format: {named} (default %(default)s)",
     )
     parser.add_argument(
-        "--opset",
-        type=_Opset | None,
-        help="ONNX opset version, lower for older runtimes (default 18)",
+        "--opset", type=_Opset | None, help="ONNX opset version, lower for older runtimes (default 18)"
     )
     parser.add_argument("--half", action="store_true", help="store the weights as float16")
     parser.add_argument(

@@ -9,8 +9,6 @@ from normalgan.exporting.formats import Run
 from normalgan.normals import angles
 from normalgan.rendering.strokes import Stroke, rasterise
 
-__all__ = ["examples", "largest_difference", "predict", "turn_in_degrees"]
-
 _STROKES, _HINTS = 12, 15
 _OBJECT = 0.5
 """Normals shorter than this in torch's output count as background."""

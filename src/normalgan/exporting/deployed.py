@@ -12,8 +12,6 @@ from normalgan.weights.checkpoint import read_model
 from normalgan.weights.metadata import ModelMetadata
 from normalgan.weights.shipped import find_model
 
-__all__ = ["Deployed", "load"]
-
 
 class Deployed(nn.Module):
     """Maps sketch and hints to normals and optional confidence, in evaluation mode.

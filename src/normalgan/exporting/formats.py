@@ -19,21 +19,6 @@ from normalgan.warning_filters import quiet_loggers
 from normalgan.weights.file import Weights, parse_weights
 from normalgan.weights.metadata import ModelMetadata
 
-__all__ = [
-    "FORMATS",
-    "Format",
-    "Run",
-    "halve_onnx",
-    "read_onnx",
-    "read_program",
-    "read_safetensors",
-    "read_torchscript",
-    "write_onnx",
-    "write_program",
-    "write_safetensors",
-    "write_torchscript",
-]
-
 Run = Callable[[Floats, Floats], Sequence[Floats]]
 
 
@@ -151,9 +136,7 @@ def read_safetensors(content: bytes) -> Run:
 FORMATS = {  # by file extension
     ".onnx": Format(write_onnx, read_onnx, halve_onnx),
     ".safetensors": Format(
-        write_safetensors,
-        read_safetensors,
-        lambda content: parse_weights(content).halved().to_bytes(),
+        write_safetensors, read_safetensors, lambda content: parse_weights(content).halved().to_bytes()
     ),
     ".pt": Format(write_torchscript, read_torchscript),
     ".pt2": Format(write_program, read_program),

@@ -9,8 +9,6 @@ from onnxscript import optimizer
 
 from normalgan.errors import InputError, brief
 
-__all__ = ["finish", "fold_constants", "halve", "lowered"]
-
 _SMALL = 64
 """Smaller tensors, such as shapes and scales, keep their type because they take little space."""
 

@@ -19,8 +19,6 @@ from normalgan.errors import InputError, brief
 from normalgan.files.limits import MOST_BYTES
 from normalgan.files.writing import write_bytes
 
-__all__ = ["CACHE", "Address", "Kept", "is_address", "kept_files", "local_file", "parse_address"]
-
 CACHE = "NORMALGAN_CACHE"
 """Environment variable with the folder of downloaded files."""
 _WAIT = 30

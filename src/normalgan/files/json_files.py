@@ -7,8 +7,6 @@ from typing import Any
 from normalgan.errors import InputError, brief
 from normalgan.files.limits import read_named
 
-__all__ = ["read_json"]
-
 
 def read_json(path: Path, kind: str = "", like: str = "") -> Any:
     """Return the value in a JSON file.

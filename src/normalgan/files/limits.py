@@ -9,18 +9,6 @@ import yaml
 
 from normalgan.errors import InputError, brief
 
-__all__ = [
-    "MOST_BYTES",
-    "MOST_DEPTH",
-    "MOST_NODES",
-    "MOST_SETTINGS",
-    "load_yaml",
-    "read_bounded",
-    "read_named",
-    "refuse_pointer",
-    "yaml_limit_error",
-]
-
 MOST_BYTES = 2**30
 """Maximum file size in bytes, ten times the largest scans in use."""
 MOST_SETTINGS = 2**18

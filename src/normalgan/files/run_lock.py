@@ -9,8 +9,6 @@ from filelock import FileLock, Timeout
 
 from normalgan.errors import InputError, brief
 
-__all__ = ["NAME", "check_writable", "one_run_in"]
-
 NAME = ".running"
 
 

@@ -2,8 +2,6 @@
 
 from pathlib import Path
 
-__all__ = ["find_beside", "find_config", "shipped_folder", "shipped_names"]
-
 
 def shipped_folder() -> Path:
     """Return the folder of the shipped configurations, in the installed package or in the clone."""

@@ -9,8 +9,6 @@ from functools import lru_cache
 from importlib.util import resolve_name
 from pathlib import Path
 
-__all__ = ["source_hash"]
-
 _NOT_THEIRS = frozenset({"normalgan", *sys.stdlib_module_names})
 
 

@@ -15,8 +15,6 @@ from torch import Tensor
 from normalgan.errors import InputError, RunError, wants_memory
 from normalgan.files.limits import refuse_pointer
 
-__all__ = ["MOST_PARTS", "load_torch_file"]
-
 _MOST_OBJECTS = 2**24
 """Maximum size of the pickle in bytes, ten times the names and shapes of ten thousand tensors."""
 MOST_PARTS = 100_000

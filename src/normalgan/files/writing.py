@@ -4,8 +4,6 @@ import os
 from contextlib import suppress
 from pathlib import Path
 
-__all__ = ["write_bytes"]
-
 
 def write_bytes(
     path: str | Path, content: bytes | memoryview, partial: Path | None = None, durable: bool = True

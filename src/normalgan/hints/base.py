@@ -7,8 +7,6 @@ from torch import Tensor
 
 from normalgan.registry import Registry
 
-__all__ = ["HINT_SAMPLERS", "ErrorHintSampler", "HintSampler"]
-
 
 class HintSampler(ABC):
     """Base class of hint samplers, which stand in for the designer in training and testing."""

@@ -12,8 +12,6 @@ from normalgan.hints.base import HINT_SAMPLERS, HintSampler
 from normalgan.hints.normal_curvature import Estimator, curvature_map
 from normalgan.ranges import Count, NonNegative, Positive, Share, check_ranges
 
-__all__ = ["CurvatureHints"]
-
 # Interpolated float32 normals of a plane differ by about 1e-7. Flat lies on the boundary of two grey
 # levels (127.5), so without a dead zone such noise would select every other pixel of a plane.
 _FLAT = 1e-5

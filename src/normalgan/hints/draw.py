@@ -11,8 +11,6 @@ from normalgan.hints.base import ErrorHintSampler, HintSampler
 from normalgan.hints.encode import hints_at
 from normalgan.seeds import derive_seed
 
-__all__ = ["check_hint_shape", "check_hint_values", "draw_hints", "draw_hints_by_name"]
-
 
 def draw_hints(
     sampler: HintSampler, normal: Tensor, mask: Tensor, seed: int, error: Tensor | None = None

@@ -3,8 +3,6 @@
 import torch
 from torch import Tensor
 
-__all__ = ["hints_at"]
-
 
 def hints_at(normal: Tensor, where: Tensor) -> Tensor:
     """Return hints with the normals at the given pixels.

@@ -8,8 +8,6 @@ from torch import Tensor
 from normalgan.hints.base import HINT_SAMPLERS, HintSampler
 from normalgan.ranges import Count, check_ranges
 
-__all__ = ["FarthestPointHints"]
-
 
 @HINT_SAMPLERS.register
 @dataclass(frozen=True)

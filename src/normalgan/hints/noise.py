@@ -7,8 +7,6 @@ from torch import Tensor
 
 from normalgan.metrics import unit_vectors
 
-__all__ = ["turn_hints"]
-
 
 def turn_hints(hints: Tensor, degrees: float, seed: int) -> Tensor:
     """Return hints (N, 4, H, W) with each normal rotated at random, at the same positions.

@@ -7,8 +7,6 @@ from torch import Tensor
 
 from normalgan.hints.base import HINT_SAMPLERS, HintSampler
 
-__all__ = ["NoHints"]
-
 
 @HINT_SAMPLERS.register
 @dataclass(frozen=True)

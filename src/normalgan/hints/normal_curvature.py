@@ -6,8 +6,6 @@ import torch
 import torch.nn.functional as F
 from torch import Tensor
 
-__all__ = ["Estimator", "curvature_map"]
-
 Estimator = Literal["central", "sobel"]
 
 

@@ -9,8 +9,6 @@ from torch.nn import functional as F
 from normalgan.hints.encode import hints_at
 from normalgan.metrics import angular_error
 
-__all__ = ["MOST_TURNS", "pin_in_turn"]
-
 MOST_TURNS = 3
 """Maximum number of pins added in turn, equal to the maximum number of clicks of Sofiiuk et al."""
 _REGION = 1 / 8

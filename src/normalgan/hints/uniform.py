@@ -11,8 +11,6 @@ from normalgan.errors import InputError
 from normalgan.hints.base import HINT_SAMPLERS, HintSampler
 from normalgan.ranges import Count, Share, check_ranges
 
-__all__ = ["UniformHints"]
-
 
 @HINT_SAMPLERS.register
 @dataclass(frozen=True)

@@ -9,8 +9,6 @@ from torch import Tensor
 from normalgan.hints.base import HINT_SAMPLERS, ErrorHintSampler
 from normalgan.ranges import Count, NonNegative, check_ranges
 
-__all__ = ["WorstErrorHints"]
-
 _CROWDED = 1e4  # larger than any error
 
 

@@ -11,8 +11,6 @@ from normalgan.inference.reading.drawings import read_normals, read_pixels, to_u
 from normalgan.inference.vectors import unit
 from normalgan.normals import Green
 
-__all__ = ["map_of_heights", "read_map", "reoriented", "with_detail"]
-
 
 def read_map(path: str | Path, green: Green = "up") -> NormalMap:
     """Return the normal map in a file as a `NormalMap`.

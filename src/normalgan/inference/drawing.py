@@ -10,8 +10,6 @@ from normalgan.inference.composites.layers import LayeredKind, layered_kind, rea
 from normalgan.inference.reading.drawings import LARGEST, SMALLEST, SVG_SIDE, read_content, read_pixels
 from normalgan.inference.reading.picture import MOST_WORKED, Picture, to_picture
 
-__all__ = ["Drawing"]
-
 
 class Drawing:
     """The file of a drawing, with its composite, frames and layers.

@@ -13,25 +13,6 @@ from normalgan.inference.conversion import reoriented
 from normalgan.inference.regions import around
 from normalgan.normals import normalize
 
-__all__ = [
-    "AVERAGED",
-    "BRUSH_FADES",
-    "FADES",
-    "LEAST_REACH",
-    "MOST_PINS",
-    "REACH",
-    "SOFT",
-    "MaskStroke",
-    "brush",
-    "carve",
-    "enforce_pins",
-    "paint_mask",
-    "polygon",
-    "smooth",
-    "stroke",
-    "tilt",
-]
-
 REACH = 0.05
 """Default reach of a pin, as a fraction of the map's longer side."""
 MOST_PINS = 200

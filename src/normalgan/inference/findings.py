@@ -6,19 +6,7 @@ from typing import Literal
 
 from normalgan.errors import InputError
 
-__all__ = ["Code", "Finding", "LackingError", "finding_of", "join", "words_of"]
-
-Code = Literal[
-    "edge",
-    "empty_mask",
-    "guessed",
-    "hints",
-    "no_lines",
-    "no_object",
-    "note",
-    "regions",
-    "unseen",
-]
+Code = Literal["edge", "empty_mask", "guessed", "hints", "no_lines", "no_object", "note", "regions", "unseen"]
 _FEW = 3
 """Maximum number of places that a message lists."""
 

@@ -16,8 +16,6 @@ from normalgan.inference.regions import around, depth_of
 from normalgan.inference.vectors import unit
 from normalgan.normals import normalize
 
-__all__ = ["BEVELS", "Form", "feather", "give_form", "parse_form"]
-
 _Kind = Literal["round", "flat", "hollow"]
 BEVELS: dict[_Kind, float] = {"round": 1.0, "flat": 0.2, "hollow": 1.0}
 """The kinds of forms, each with its default bevel."""

@@ -20,18 +20,6 @@ from normalgan.inference.reading.picture import MOST_WORKED, Picture, read_pictu
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths
 from normalgan.normals import LEAST_Z, normalize
 
-__all__ = [
-    "AnyHints",
-    "AnyMask",
-    "AnyPicture",
-    "as_hints",
-    "as_mask",
-    "as_picture",
-    "check_any",
-    "check_size",
-    "prepare_any",
-]
-
 AnyPicture = str | Path | Image.Image | NDArray[Any] | Picture
 AnyMask = str | Path | Image.Image | NDArray[Any] | None
 AnyHints = str | Path | Sequence[dict[str, Any]] | NDArray[Any] | Hints | None

@@ -8,8 +8,6 @@ from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.predictor import Predictor
 from normalgan.weights.shipped import SHIPPED_NAME, find_model
 
-__all__ = ["load"]
-
 
 def load(path_or_name: str | Path = SHIPPED_NAME, size: int | None = None) -> Predictor:
     """Return the predictor of a trained model.

@@ -4,8 +4,6 @@ import numpy as np
 
 from normalgan.arrays import Floats
 
-__all__ = ["median", "ranked"]
-
 
 def median(values: Floats) -> float:
     """Return the median of one or more values (N,), ten times as fast as `numpy.median`.

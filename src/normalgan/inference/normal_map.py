@@ -30,8 +30,6 @@ from normalgan.normals import (
     strips,
 )
 
-__all__ = ["PADDING", "Format", "NormalMap", "as_it_lies", "part_of"]
-
 PADDING = 16
 """Default width in pixels of the padding around the object; the fourth mipmap level blends 16 pixels."""
 
@@ -179,12 +177,7 @@ class NormalMap:
         return flip_green(normals) if y == "down" else normals
 
     def save(
-        self,
-        path: str | Path,
-        bits: Bits = 8,
-        y: Green = "up",
-        alpha: bool = False,
-        pad: int | None = None,
+        self, path: str | Path, bits: Bits = 8, y: Green = "up", alpha: bool = False, pad: int | None = None
     ) -> None:
         """Write the map atomically as PNG, EXR or TIFF, depending on the path's ending.
 

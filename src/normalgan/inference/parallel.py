@@ -6,8 +6,6 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import TypeVar
 
-__all__ = ["result_of", "stream", "workers"]
-
 J = TypeVar("J")
 R = TypeVar("R")
 

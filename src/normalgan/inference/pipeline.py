@@ -20,8 +20,6 @@ from normalgan.inference.reading.picture import resize
 from normalgan.inference.vectors import lengths, unit
 from normalgan.normals import strips
 
-__all__ = ["coarse_of", "finish", "hints_off", "predict"]
-
 _PRESENT = 0.6
 """Minimum fraction of the mask in which the model should see the object; less gives a warning."""
 _LEAST = 0.02

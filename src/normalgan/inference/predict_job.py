@@ -41,8 +41,6 @@ from normalgan.inference.reading.picture import Picture, fitted, read_picture, r
 from normalgan.inference.reading.svg_size import svg_size
 from normalgan.inference.sprites import Sprite
 
-__all__ = ["Done", "Framing", "JobPredictor", "target_of", "written_for"]
-
 Framing = Literal["own", "shared"]
 _MOST_TOGETHER = 2**26
 """Maximum total number of pixels of drawings that share a frame, because all are held in memory."""

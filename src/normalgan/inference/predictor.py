@@ -8,8 +8,6 @@ from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.pipeline import predict
 from normalgan.inference.tiling import predict_tile
 
-__all__ = ["Predictor"]
-
 
 class Predictor:
     """Predicts drawings. Several threads may call it.

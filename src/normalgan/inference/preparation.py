@@ -21,8 +21,6 @@ from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, fi
 from normalgan.inference.regions import Bounds
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths
 
-__all__ = ["Prepared", "hinted", "prepare", "reframed"]
-
 
 @dataclass(frozen=True)
 class Prepared:

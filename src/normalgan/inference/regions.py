@@ -8,8 +8,6 @@ import numpy as np
 
 from normalgan.arrays import BoolMask, Floats
 
-__all__ = ["INKED", "Bounds", "around", "box_of", "depth_of", "enclosed_by", "extent_of", "united"]
-
 Bounds = tuple[int, int, int, int]
 """First row, row after the last, first column, column after the last."""
 INKED = 0.35

@@ -17,8 +17,6 @@ from normalgan.inference.regions import extent_of
 from normalgan.inference.vectors import unit
 from normalgan.ranges import Share, check_ranges
 
-__all__ = ["DIRECTIONS", "Sprite", "art_pixel", "outlines", "slopes_of"]
-
 T = TypeVar("T", bound=np.generic)
 
 _COARSE = 1 / 10

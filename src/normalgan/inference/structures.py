@@ -12,8 +12,6 @@ from normalgan.inference.conversion import reoriented
 from normalgan.inference.unrolling import unroll
 from normalgan.normals import normalize
 
-__all__ = ["FILE", "KINDS", "Kind", "Placement", "Tile", "impress", "make_heights", "read_tile", "tile_bytes"]
-
 Kind = Literal["scales", "fur", "weave", "stone", "bark"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
@@ -253,11 +251,7 @@ def _weave(_: np.random.Generator) -> NDArray[np.float64]:
 
 
 def _cells(
-    rng: np.random.Generator,
-    count: int,
-    x: NDArray[np.float64],
-    y: NDArray[np.float64],
-    stretch: float = 1,
+    rng: np.random.Generator, count: int, x: NDArray[np.float64], y: NDArray[np.float64], stretch: float = 1
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Return the distance of each pixel from its Voronoi cell's border, in cell sizes, and the cell's index.
 

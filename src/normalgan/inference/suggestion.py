@@ -11,8 +11,6 @@ from normalgan.inference.reading.picture import fitted_within, resize
 from normalgan.inference.regions import depth_of, extent_of
 from normalgan.normals import normalize
 
-__all__ = ["Point", "suggest", "uncertainty"]
-
 _SIDE = 256
 """Maximum longer side in pixels at which points are searched."""
 _RIM = 0.02

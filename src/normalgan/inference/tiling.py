@@ -25,8 +25,6 @@ from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, fitted_within, resize
 from normalgan.inference.vectors import lengths, unit
 
-__all__ = ["MOST_TILED", "predict_tile"]
-
 _BESIDE = 0.25
 """Margin of repeats that is processed around a drawing, as a fraction of its longer side."""
 MOST_TILED = int(MOST_WORKED / (1 + 2 * _BESIDE))

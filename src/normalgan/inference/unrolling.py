@@ -8,8 +8,6 @@ import numpy as np
 
 from normalgan.arrays import BoolMask, Doubles, Floats
 
-__all__ = ["unroll"]
-
 _SIDE = 64
 """Maximum number of cells along a side of the grid; a coarse grid is enough, because the result is smooth."""
 _LEAST = 0.3

@@ -6,8 +6,6 @@ import numpy as np
 from normalgan.arrays import Floats
 from normalgan.normals import strips
 
-__all__ = ["lengths", "unit"]
-
 _NONE = np.float32(1e-8)
 _SUM = np.ones((1, 3), np.float32)
 

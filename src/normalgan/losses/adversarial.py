@@ -8,8 +8,6 @@ from torch import Tensor, nn
 
 from normalgan.registry import Registry
 
-__all__ = ["ADVERSARIAL_OBJECTIVES", "AdversarialObjective", "Critic", "Scores", "mean_over_heads"]
-
 Scores = tuple[Tensor, ...]
 """Raw scores of a discriminator, one tensor per head; see `Discriminator.forward`."""
 

@@ -12,8 +12,6 @@ from normalgan.losses.reconstruction import RECONSTRUCTIONS, Reconstruction, Ter
 from normalgan.models.predictions import Predictions
 from normalgan.ranges import NonNegative, PositiveInt, check_ranges
 
-__all__ = ["AngularLikelihood", "angular_nll", "relief_error", "smooth_angle"]
-
 _GRID = 8  # cells along each side of the grid in which the relief is compared
 _TINY = 1e-6  # lower bound of a length or its square, because the angle has no gradient at 0 and 180°
 

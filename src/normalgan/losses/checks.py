@@ -9,8 +9,6 @@ from normalgan.errors import InputError
 from normalgan.losses.adversarial import AdversarialObjective
 from normalgan.losses.reconstruction import Reconstruction, Term
 
-__all__ = ["check_losses", "check_terms"]
-
 
 def check_losses(objective: AdversarialObjective, losses: Mapping[str, object]) -> None:
     """Check that an objective's losses, given by method name, are scalars.

@@ -9,8 +9,6 @@ from normalgan.losses.reconstruction import RECONSTRUCTIONS, Reconstruction, Ter
 from normalgan.models.predictions import Predictions
 from normalgan.ranges import NonNegative, check_ranges
 
-__all__ = ["CosineAndL2"]
-
 
 @RECONSTRUCTIONS.register
 @dataclass(frozen=True)

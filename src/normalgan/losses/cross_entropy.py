@@ -8,8 +8,6 @@ from torch import Tensor
 
 from normalgan.losses.adversarial import ADVERSARIAL_OBJECTIVES, AdversarialObjective, Scores
 
-__all__ = ["CrossEntropy"]
-
 
 def _cross_entropy(scores: Scores, target: float) -> Tensor:
     full = [score.float() for score in scores]  # scores may be bfloat16 under autocast

@@ -7,8 +7,6 @@ from torch import Tensor
 
 from normalgan.losses.angular_likelihood import smooth_angle
 
-__all__ = ["add_distractor_strokes", "distractor_inconsistency", "with_distractor_strokes"]
-
 _SHARE_MARKED = 1 / 4
 """Fraction of a batch that is predicted a second time with distractor strokes."""
 

@@ -12,8 +12,6 @@ from torch import Tensor
 from normalgan.batch import Batch
 from normalgan.errors import RunError
 
-__all__ = ["LossError", "async_to_cpu", "loss_error", "not_finite", "start_finite_check"]
-
 _FEW = 8
 """Maximum number of sample names in a message."""
 

@@ -5,8 +5,6 @@ from collections.abc import Sequence
 import torch
 from torch import Tensor
 
-__all__ = ["gradient_share"]
-
 
 def gradient_share(loss: Tensor, other: Tensor, inputs: Sequence[Tensor]) -> Tensor:
     """Return the gradient norm of one loss divided by that of another; the graph is retained.

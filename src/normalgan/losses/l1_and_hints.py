@@ -10,8 +10,6 @@ from normalgan.losses.reconstruction import RECONSTRUCTIONS, Reconstruction, Ter
 from normalgan.models.predictions import Predictions
 from normalgan.ranges import NonNegative, check_ranges
 
-__all__ = ["L1AndHints"]
-
 
 @RECONSTRUCTIONS.register
 @dataclass(frozen=True)

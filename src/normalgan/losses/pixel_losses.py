@@ -2,8 +2,6 @@
 
 from torch import Tensor
 
-__all__ = ["hint_loss", "l1_loss"]
-
 
 def l1_loss(preds: Tensor, target: Tensor) -> Tensor:
     """Return the mean absolute difference over pixels and channels (He et al. 2021, equation 5).

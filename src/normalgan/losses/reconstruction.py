@@ -8,8 +8,6 @@ from torch import Tensor
 from normalgan.models.predictions import Predictions
 from normalgan.registry import Registry
 
-__all__ = ["RECONSTRUCTIONS", "Reconstruction", "Term"]
-
 
 class Term(NamedTuple):
     """A weighted term of a loss."""

@@ -15,8 +15,6 @@ from normalgan.losses.adversarial import (
 )
 from normalgan.ranges import NonNegative, Positive, check_ranges
 
-__all__ = ["Wasserstein", "WassersteinGradientPenalty"]
-
 
 class _DistanceObjective(AdversarialObjective):
     """Losses of a critic that estimates the Wasserstein distance."""

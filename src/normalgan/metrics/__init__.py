@@ -10,13 +10,7 @@ from normalgan.metrics.angular import (
 from normalgan.metrics.base import METRICS, MapMetric, NormalMapMetric
 from normalgan.metrics.collection import normal_map_metrics
 from normalgan.metrics.distance import MeanL1, MeanL2
-from normalgan.metrics.functional import (
-    angular_error,
-    l1_distance,
-    l2_distance,
-    unit_vectors,
-    without_hints,
-)
+from normalgan.metrics.functional import angular_error, l1_distance, l2_distance, unit_vectors, without_hints
 from normalgan.metrics.stage import StageMetrics
 
 __all__ = [

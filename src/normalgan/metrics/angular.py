@@ -8,14 +8,6 @@ from torch import Tensor
 from normalgan.errors import InputError
 from normalgan.metrics.base import BINS_PER_DEGREE, METRICS, NormalMapMetric
 
-__all__ = [
-    "MeanAngularError",
-    "MeanAngularErrorPerImage",
-    "MedianAngularError",
-    "RootMeanSquareAngularError",
-    "ShareBelow",
-]
-
 
 @METRICS.register
 class MeanAngularError(NormalMapMetric):

@@ -12,8 +12,6 @@ from normalgan.errors import InputError
 from normalgan.metrics.functional import angular_error, l1_distance, l2_distance, unit_vectors
 from normalgan.registry import Registry
 
-__all__ = ["BINS_PER_DEGREE", "FRACTION", "METRICS", "MapMetric", "NormalMapMetric", "unit_of", "whole"]
-
 BINS_PER_DEGREE = 100
 
 # Sums are integer multiples of these fractions. They are exact, independent of the order and the number of

@@ -6,8 +6,6 @@ from dataclasses import dataclass, field
 import torch
 from torch import Tensor
 
-__all__ = ["BIN", "Calibration", "expected_angle"]
-
 BIN = 2.0
 """Width of a bin of the curve, in degrees of predicted error."""
 _BINS = math.ceil(90 / BIN)

@@ -17,8 +17,6 @@ from normalgan.metrics.base import MapMetric
 from normalgan.metrics.distance import MeanL1, MeanL2
 from normalgan.metrics.relief import RELIEF
 
-__all__ = ["FIGURES", "PRESENCE", "check_names", "normal_map_metrics"]
-
 _THRESHOLDS = (5.0, 7.5, 11.25, 22.5, 30.0)
 """Usual thresholds in degrees: Bae and Davison, DSINE, CVPR 2024, and earlier Fouhey et al., ICCV 2013."""
 
@@ -46,9 +44,7 @@ def check_names(more: Sequence[MapMetric]) -> None:
 
 
 def normal_map_metrics(
-    prefix: str = "",
-    more: Sequence[MapMetric] = (),
-    own: Sequence[Sequence[MapMetric]] = (),
+    prefix: str = "", more: Sequence[MapMetric] = (), own: Sequence[Sequence[MapMetric]] = ()
 ) -> MetricCollection:
     """Return the metrics of normal maps, with one shared state that `update` computes only once.
 

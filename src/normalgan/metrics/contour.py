@@ -7,8 +7,6 @@ from torch import Tensor
 
 from normalgan.arrays import BoolMask, Floats
 
-__all__ = ["distance_from_contour"]
-
 
 def distance_from_contour(mask: Tensor) -> Tensor:
     """Return the distance of each pixel from the contour, in pixels; 0 outside the object.

@@ -4,8 +4,6 @@ from torch import Tensor
 
 from normalgan.metrics.base import METRICS, NormalMapMetric
 
-__all__ = ["MeanL1", "MeanL2"]
-
 
 @METRICS.register
 class MeanL1(NormalMapMetric):

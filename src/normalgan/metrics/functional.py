@@ -6,13 +6,7 @@ from torch import Tensor
 from normalgan.errors import InputError
 from normalgan.vectors import length, of_unit_size, unit_vectors
 
-__all__ = [
-    "angular_error",
-    "l1_distance",
-    "l2_distance",
-    "unit_vectors",
-    "without_hints",
-]
+__all__ = ["angular_error", "l1_distance", "l2_distance", "unit_vectors", "without_hints"]
 
 
 def angular_error(preds: Tensor, target: Tensor) -> Tensor:

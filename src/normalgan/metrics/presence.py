@@ -5,8 +5,6 @@ from torch import Tensor
 
 from normalgan.metrics.base import MapMetric
 
-__all__ = ["PRESENT", "Coverage", "MaskIoU", "presence"]
-
 PRESENT = 0.5
 """Predicted vectors longer than this count as object."""
 

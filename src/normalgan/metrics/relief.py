@@ -13,16 +13,6 @@ from normalgan.metrics.contour import distance_from_contour
 from normalgan.metrics.functional import angular_error, unit_vectors
 from normalgan.metrics.presence import presence
 
-__all__ = [
-    "RELIEF",
-    "GradientRatio",
-    "ReliefMetric",
-    "ZoneMean",
-    "depth_difference",
-    "relief_metrics",
-    "total_variation",
-]
-
 _SIDE = 170
 """Side of a picture in the unit of distances from the contour."""
 _RIM_WIDTH, _DEEP_FROM = 1, 10

@@ -12,8 +12,6 @@ from normalgan.metrics.base import MapMetric
 from normalgan.metrics.collection import normal_map_metrics
 from normalgan.metrics.presence import Coverage, MaskIoU
 
-__all__ = ["StageMetrics"]
-
 
 class StageMetrics(nn.Module):
     """The metric collections of one stage, such as validation with and without hints.

@@ -12,18 +12,6 @@ from normalgan.errors import InputError
 from normalgan.models.predictions import Predictions
 from normalgan.registry import Registry
 
-__all__ = [
-    "DISCRIMINATORS",
-    "GENERATORS",
-    "INPUT_CHANNELS",
-    "Discriminator",
-    "Generator",
-    "Network",
-    "check_generated",
-    "check_predictions",
-    "check_scores",
-]
-
 INPUT_CHANNELS = 4
 """Sketch as RGB with the hint normals pasted in, and the mask of the hints: the paper's "four-dimensional"
 input, in the reading of Su et al. 2018, Fig. 2."""

@@ -7,17 +7,6 @@ from torch import Tensor, nn
 
 from normalgan.errors import InputError
 
-__all__ = [
-    "Norm",
-    "ResidualBlock",
-    "check_levels",
-    "down",
-    "init_weights",
-    "norm_layer",
-    "residual_blocks",
-    "up",
-]
-
 Norm = Literal["batch", "instance", "none"]
 
 

@@ -10,8 +10,6 @@ from normalgan.errors import InputError, did_you_mean
 from normalgan.models.base import Generator
 from normalgan.models.predictions import Predictions
 
-__all__ = ["check_compile", "compiled_predict"]
-
 
 def check_compile(compile: bool | str) -> bool | str:  # the name of the setting
     """Return the setting after checking that torch has such a backend.

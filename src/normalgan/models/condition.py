@@ -3,8 +3,6 @@
 import torch
 from torch import Tensor
 
-__all__ = ["make_condition", "paste_hints"]
-
 
 def make_condition(sketch: Tensor, hints: Tensor) -> Tensor:
     """Return the input of the networks, (N, 4, H, W).

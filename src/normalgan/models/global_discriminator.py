@@ -8,8 +8,6 @@ from normalgan.models.base import DISCRIMINATORS, INPUT_CHANNELS, Discriminator
 from normalgan.models.blocks import Norm, down, init_weights, norm_layer
 from normalgan.ranges import PositiveInt, check_ranges
 
-__all__ = ["GlobalDiscriminator"]
-
 
 @DISCRIMINATORS.register
 class GlobalDiscriminator(Discriminator):

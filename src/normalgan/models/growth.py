@@ -9,8 +9,6 @@ from normalgan.errors import InputError
 from normalgan.models.blocks import ResidualBlock
 from normalgan.models.residual_unet import ResidualUNetGenerator
 
-__all__ = ["grow"]
-
 
 @torch.no_grad()
 def grow(small: ResidualUNetGenerator, large: ResidualUNetGenerator) -> None:

@@ -7,8 +7,6 @@ from normalgan.models.base import DISCRIMINATORS, INPUT_CHANNELS, Discriminator
 from normalgan.models.blocks import Norm, init_weights, norm_layer
 from normalgan.ranges import PositiveInt, check_ranges
 
-__all__ = ["PatchDiscriminator"]
-
 
 @DISCRIMINATORS.register
 class PatchDiscriminator(Discriminator):

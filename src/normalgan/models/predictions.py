@@ -5,8 +5,6 @@ from typing import NamedTuple
 import torch
 from torch import Tensor
 
-__all__ = ["Predictions"]
-
 
 class Predictions(NamedTuple):
     """A generator's per-pixel output, in float32 at any precision of the network."""

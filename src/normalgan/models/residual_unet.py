@@ -13,8 +13,6 @@ from normalgan.models.blocks import check_levels, residual_blocks
 from normalgan.models.predictions import Predictions
 from normalgan.ranges import PositiveInt, check_ranges
 
-__all__ = ["ResidualUNetGenerator", "hint_pyramid"]
-
 _OUTPUTS = 5
 """Channels of the last layer: a direction (3), the logit of presence, and the confidence."""
 _DETAIL = 16

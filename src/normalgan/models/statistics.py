@@ -4,8 +4,6 @@ from typing import Any, Protocol
 
 from torch import Tensor, nn
 
-__all__ = ["Processes", "average_statistics"]
-
 
 class Processes(Protocol):
     """Averages tensors over the training processes, as a Lightning strategy does."""

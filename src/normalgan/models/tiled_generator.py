@@ -11,8 +11,6 @@ from normalgan.models.base import GENERATORS, Generator
 from normalgan.models.blocks import Norm, check_levels, residual_blocks
 from normalgan.ranges import PositiveInt, check_ranges
 
-__all__ = ["SCALES", "TiledGenerator"]
-
 SCALES = (1, 2, 4)
 """Widths of the areas shown by the input channels, in window widths."""
 

@@ -10,8 +10,6 @@ from normalgan.models.base import DISCRIMINATORS, GENERATORS, INPUT_CHANNELS, Di
 from normalgan.models.blocks import Norm, down, init_weights, norm_layer, up
 from normalgan.ranges import PositiveInt, Range, Share, check_ranges
 
-__all__ = ["UNet", "UNetDiscriminator", "UNetGenerator"]
-
 _Depth = Annotated[int, Range(2)]
 
 

@@ -10,8 +10,6 @@ from normalgan.arrays import Doubles
 from normalgan.ranges import Range, Share, check_ranges
 from normalgan.rendering.mesh import Mesh
 
-__all__ = ["Camera", "Views", "framed", "look_at_origin", "project", "towards_eye"]
-
 
 @dataclass(frozen=True)
 class Camera:

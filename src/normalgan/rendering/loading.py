@@ -15,8 +15,6 @@ from normalgan.rendering.ply import read_ply
 from normalgan.rendering.polygons import BrokenMeshError, read_obj, read_off
 from normalgan.warning_filters import quiet_loggers
 
-__all__ = ["SUFFIXES", "read_triangles"]
-
 _Triangles = tuple[Doubles, Indices]
 
 _POLYGONS = {".off": read_off, ".obj": read_obj, ".ply": read_ply}

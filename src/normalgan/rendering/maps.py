@@ -7,8 +7,6 @@ import numpy as np
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
 
-__all__ = ["Maps", "check_maps"]
-
 
 @dataclass(frozen=True)
 class Maps:

@@ -9,8 +9,6 @@ import numpy as np
 from normalgan.arrays import Floats
 from normalgan.ranges import Range, Share, check_ranges
 
-__all__ = ["Medium", "bleed", "on_paper", "pencil", "scanned"]
-
 
 @dataclass(frozen=True)
 class Medium:

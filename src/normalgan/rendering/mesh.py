@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
 
-__all__ = ["Mesh", "MeshSource", "check_mesh"]
-
 
 @dataclass(frozen=True)
 class Mesh:

@@ -8,8 +8,6 @@ from pathlib import Path
 from normalgan.errors import InputError
 from normalgan.files.limits import read_bounded
 
-__all__ = ["mesh_bytes", "read_once"]
-
 _kept: ContextVar[dict[Path, bytes] | None] = ContextVar("bytes of mesh files", default=None)
 
 

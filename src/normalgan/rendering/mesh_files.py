@@ -21,8 +21,6 @@ from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_bytes import mesh_bytes
 from normalgan.rendering.repair import shade, weld, wind
 
-__all__ = ["MeshFile", "find_meshes", "place", "read_orientations"]
-
 _LOADER_VERSIONS = {".obj": 3, ".off": 2}
 """Versions in fingerprints, 1 by default; increase one if `MeshFile.load` returns different meshes."""
 
@@ -80,11 +78,7 @@ class MeshFile:
 
 
 def place(
-    name: str,
-    file: MeshFile,
-    vertices: Doubles,
-    faces: Indices,
-    about: Doubles | None = None,
+    name: str, file: MeshFile, vertices: Doubles, faces: Indices, about: Doubles | None = None
 ) -> tuple[Mesh, Doubles]:
     """Return the mesh of a file's triangles, and the (4, 4) matrix from it to the file's world axes.
 

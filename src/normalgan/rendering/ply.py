@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from normalgan.arrays import Doubles, Indices
 from normalgan.rendering.polygons import BrokenMeshError, Polygons, decode_text, parse_points, polygons_of
 
-__all__ = ["read_ply"]
-
 _TYPES = {
     **{"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"},
     **{"int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4"},

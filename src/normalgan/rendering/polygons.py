@@ -13,16 +13,6 @@ import numpy as np
 
 from normalgan.arrays import BoolMask, Doubles, Indices
 
-__all__ = [
-    "BrokenMeshError",
-    "Polygons",
-    "decode_text",
-    "parse_points",
-    "polygons_of",
-    "read_obj",
-    "read_off",
-]
-
 _MOST_CORNERS = 2**14
 """Maximum number of corners of a concave face, because triangulation takes quadratic time."""
 _STRAIGHT = 1e-4

@@ -5,8 +5,6 @@ import numpy as np
 from normalgan.arrays import BoolMask, Doubles, Indices
 from normalgan.graphs import connected
 
-__all__ = ["bodies", "face_vectors", "shade", "weld", "wind"]
-
 _GRID = 2**20
 """Number of grid cells per side for welding vertices, so the tolerance is a millionth of the size."""
 

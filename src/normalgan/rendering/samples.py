@@ -26,8 +26,6 @@ from normalgan.rendering.strokes import Stroke
 from normalgan.rendering.strokes.raster import rasterise
 from normalgan.rendering.view import View
 
-__all__ = ["RENDERING_VERSION", "Recipe", "Sample", "draw_ink", "draw_strokes", "no_lines", "sample_rng"]
-
 RENDERING_VERSION = 2
 """Version of the rendering. Increase it if a code change affects samples, so that they are created again."""
 

@@ -5,8 +5,6 @@ from normalgan.rendering.maps import Maps, check_maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers.base import Renderer
 
-__all__ = ["View"]
-
 
 class View:
     """An object viewed by a camera.

@@ -35,17 +35,12 @@ from normalgan.studio.server.guard import Guard
 from normalgan.studio.server.responses import ResponseMiddleware, failed, refused
 from normalgan.version import __version__
 
-__all__ = ["build_app"]
-
 _AUTOSAVES = 50
 _SENTENCES = {404: "there is nothing at this address.", 405: "this address does not accept that method."}
 
 
 def build_app(
-    predictor: DrawingPredictor,
-    projects: DocumentStore,
-    port: int,
-    opened: Opened | None = None,
+    predictor: DrawingPredictor, projects: DocumentStore, port: int, opened: Opened | None = None
 ) -> Starlette:
     """Return the application.
 
@@ -74,10 +69,7 @@ def build_app(
             *DocumentRoutes("/api/autosave", autosaved, False, _AUTOSAVES).routes(),
             *page,
         ],
-        middleware=[
-            Middleware(ResponseMiddleware, kept=kept),
-            Middleware(Guard, port=port),
-        ],
+        middleware=[Middleware(ResponseMiddleware, kept=kept), Middleware(Guard, port=port)],
         exception_handlers={InputError: _on_input_error, HTTPException: _known, ClientDisconnect: _left},
         lifespan=lifespan,
     )

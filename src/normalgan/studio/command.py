@@ -18,8 +18,6 @@ from normalgan.studio.projects.opening import find_opened
 from normalgan.studio.server.serving import listen, serve
 from normalgan.weights.shipped import find_model
 
-__all__ = ["build_parser", "run", "studio"]
-
 
 def run(arguments: list[str]) -> int:
     """Serve the studio until it is stopped, and return the exit code.

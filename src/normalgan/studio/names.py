@@ -4,8 +4,6 @@ import unicodedata
 
 from normalgan.errors import InputError
 
-__all__ = ["LONGEST", "check_name", "is_name", "to_name"]
-
 LONGEST = 80
 _DEVICES = frozenset(
     ["con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in "0123456789¹²³")]

@@ -6,8 +6,6 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
-__all__ = ["PAGE", "markup", "modules_of", "version_of"]
-
 PAGE = Path(__file__).parent / "page"
 """The folder of the page's files."""
 _IMPORT = re.compile(r'^(?:import|export)\b(?:[^;"]*?\bfrom\b)?\s*"(\.{1,2}/[\w./]+)"', re.MULTILINE)

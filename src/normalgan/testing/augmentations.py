@@ -20,8 +20,6 @@ from normalgan.testing.conformance import (
 )
 from normalgan.testing.pictures import batch
 
-__all__ = ["augmentation_checks"]
-
 _SIZE = 64
 
 

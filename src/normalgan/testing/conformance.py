@@ -14,19 +14,6 @@ import torch
 from normalgan.contracts import class_name
 from normalgan.errors import FOREIGN_ERRORS, InputError, brief
 
-__all__ = [
-    "Check",
-    "ConformanceError",
-    "demand",
-    "device_check",
-    "device_list",
-    "global_randomness_untouched",
-    "held_to_contract",
-    "promised",
-    "seed_checks",
-    "untouched_check",
-]
-
 T = TypeVar("T")
 
 

@@ -12,8 +12,6 @@ from normalgan.rendering import Mesh
 from normalgan.testing.conformance import Check, demand
 from normalgan.testing.settings import frozen_check, settings_checks
 
-__all__ = ["data_source_checks"]
-
 
 def data_source_checks() -> list[Check[DataSource]]:
     """Return the named checks of a data source, for ``pytest.mark.parametrize``."""

@@ -17,8 +17,6 @@ from normalgan.testing.conformance import (
 from normalgan.testing.pictures import pictures
 from normalgan.testing.settings import settings_checks
 
-__all__ = ["hint_sampler_checks"]
-
 _WHERE = promised(HintSampler.sample)
 
 

@@ -23,8 +23,6 @@ from normalgan.testing.networks import discriminator_checks, generator_checks
 from normalgan.testing.outputs import output_checks
 from normalgan.testing.renderers import renderer_checks
 
-__all__ = ["KINDS", "check", "checks"]
-
 KINDS: dict[type, Callable[..., list[Check[Any]]]] = {
     AdversarialObjective: objective_checks,
     BatchAugmentation: augmentation_checks,

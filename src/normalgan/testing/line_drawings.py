@@ -16,17 +16,9 @@ from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers import EmbreeRenderer
 from normalgan.rendering.strokes import Stroke, rasterise
 from normalgan.rendering.view import View
-from normalgan.testing.conformance import (
-    Check,
-    demand,
-    held_to_contract,
-    promised,
-    seed_checks,
-)
+from normalgan.testing.conformance import Check, demand, held_to_contract, promised, seed_checks
 from normalgan.testing.settings import frozen_check, settings_checks
 from normalgan.testing.solids import away, camera
-
-__all__ = ["line_drawing_checks"]
 
 _STROKES = promised(LineDrawing.trace)
 _SIZE = 96

@@ -13,8 +13,6 @@ from normalgan.testing.conformance import Check, demand, held_to_contract, promi
 from normalgan.testing.pictures import pictures
 from normalgan.testing.settings import settings_checks
 
-__all__ = ["objective_checks", "reconstruction_checks"]
-
 _LOSSES = "both losses must be scalars computed from scores, one tensor per head"
 _TERMS = promised(Reconstruction.terms)
 _TAKEN = {"adversarial", "discriminator"}

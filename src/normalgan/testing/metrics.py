@@ -7,8 +7,6 @@ from normalgan.metrics import MapMetric
 from normalgan.testing.conformance import Check, demand, device_list, untouched_check
 from normalgan.testing.pictures import pictures
 
-__all__ = ["metric_checks"]
-
 
 def metric_checks() -> list[Check[MapMetric]]:
     """Return the named checks of a metric, for ``pytest.mark.parametrize``."""

@@ -21,8 +21,6 @@ from normalgan.testing.conformance import (
 from normalgan.testing.pictures import batch
 from normalgan.testing.settings import settings_checks
 
-__all__ = ["discriminator_checks", "generator_checks"]
-
 N = TypeVar("N", bound=nn.Module)
 _Answer = Callable[[N, Tensor, Tensor], tuple[Tensor, ...]]
 """Function that runs a network on a condition (N, 4, H, W) and normals (N, 3, H, W) and checks its output."""

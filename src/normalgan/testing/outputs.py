@@ -8,8 +8,6 @@ from normalgan.inference.outputs import Output
 from normalgan.testing.conformance import Check, demand
 from normalgan.testing.settings import frozen_check, settings_checks
 
-__all__ = ["output_checks"]
-
 _SIZE = 48
 
 

@@ -5,8 +5,6 @@ from torch import Tensor
 
 from normalgan.batch import Batch
 
-__all__ = ["batch", "pictures"]
-
 
 def pictures(count: int, height: int = 32, width: int = 32) -> tuple[Tensor, Tensor]:
     """Return normals (N, 3, H, W), 0 outside the object, and masks (N, 1, H, W) of N different objects.

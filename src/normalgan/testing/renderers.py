@@ -19,8 +19,6 @@ from normalgan.testing.conformance import (
 from normalgan.testing.settings import frozen_check, settings_checks
 from normalgan.testing.solids import RADII, away, bowl, camera, ellipsoid, exact_ellipsoid
 
-__all__ = ["renderer_checks"]
-
 _MAPS = promised(Renderer.render)
 _SIZE = 96
 _VIEWS = {"orthographic": None, "perspective": 40.0}

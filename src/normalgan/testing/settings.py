@@ -15,8 +15,6 @@ from torch import nn
 from normalgan.registry import class_path, summary
 from normalgan.testing.conformance import Check, demand
 
-__all__ = ["frozen_check", "settings_checks"]
-
 T = TypeVar("T")
 
 

@@ -9,8 +9,6 @@ from normalgan.rendering.cameras import Camera, framed, look_at_origin
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 
-__all__ = ["RADII", "away", "bowl", "camera", "ellipsoid", "exact_ellipsoid"]
-
 RADII = (1.0, 0.6, 0.4)
 """Semi-axes of the ellipsoid for checking renderers, different along x, y and z."""
 

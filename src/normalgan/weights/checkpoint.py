@@ -27,18 +27,6 @@ from normalgan.weights.local_classes import find_local, where_classes_are_looked
 from normalgan.weights.metadata import ModelMetadata
 from normalgan.weights.network import check_fit
 
-__all__ = [
-    "DEFAULT_OPTIMIZER",
-    "MADE_IN_PYTHON",
-    "OF_TORCH",
-    "PICTURE_SIZE",
-    "REGISTRIES",
-    "Checkpoint",
-    "read_checkpoint",
-    "read_model",
-    "uncompiled",
-]
-
 REGISTRIES: dict[str, tuple[Registry[Any], int]] = {
     "generator": (GENERATORS, LARGEST),
     "discriminator": (DISCRIMINATORS, LARGEST),

@@ -14,8 +14,6 @@ from normalgan.models.base import Network
 from normalgan.registry import Registry, class_path
 from normalgan.weights.local_classes import find_local, where_classes_are_looked_for
 
-__all__ = ["ANY_NUMBER", "LARGEST", "ClassSpec", "is_plain"]
-
 T = TypeVar("T")
 
 LARGEST = 4096

@@ -17,8 +17,6 @@ from normalgan.weights.metadata import ModelMetadata
 from normalgan.weights.network import build_generator, check_fit
 from normalgan.weights.onnx_tensors import parse_onnx
 
-__all__ = ["SUFFIXES", "Weights", "parse_weights", "read_weights"]
-
 _ONNX = ".onnx"
 SUFFIXES = (".safetensors", _ONNX)
 """Extensions of files that hold weights without training state."""

@@ -15,8 +15,6 @@ from typing import TypeVar
 from normalgan.errors import FOREIGN_ERRORS, InputError, brief
 from normalgan.files.limits import MOST_SETTINGS, read_bounded
 
-__all__ = ["find_local", "no_local_classes", "where_classes_are_looked_for"]
-
 T = TypeVar("T")
 
 _allowed: ContextVar[bool] = ContextVar("_allowed", default=True)

@@ -11,8 +11,6 @@ from normalgan.models import GENERATORS
 from normalgan.version import __version__
 from normalgan.weights.class_spec import LARGEST, ClassSpec
 
-__all__ = ["ModelMetadata"]
-
 _UNKNOWN = "null"
 _MADE_IN_PYTHON = "its hint sampler was made in Python of more than plain values; measure the model there."
 

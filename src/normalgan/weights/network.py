@@ -13,8 +13,6 @@ from normalgan.models import GENERATORS, Generator
 from normalgan.registry import Registry
 from normalgan.weights.class_spec import ClassSpec
 
-__all__ = ["Tensors", "build_generator", "check_fit"]
-
 Tensors = Mapping[str, Tensor]
 T = TypeVar("T", bound=nn.Module)
 _FLOATS = {torch.float16, torch.bfloat16, torch.float32, torch.float64}

@@ -6,8 +6,6 @@ from onnx import numpy_helper
 from onnx.external_data_helper import uses_external_data
 from torch import Tensor
 
-__all__ = ["parse_onnx"]
-
 _NETWORK, _HALF = "generator.", ".half"
 _MEAN, _COUNT = "running_mean", "num_batches_tracked"
 

@@ -6,8 +6,6 @@ from pathlib import Path
 from normalgan.errors import InputError, did_you_mean
 from normalgan.files.addresses import local_file
 
-__all__ = ["READER_FILE", "REFINER", "SHIPPED", "SHIPPED_NAME", "find_model"]
-
 _HERE = Path(__file__).parent
 SHIPPED = _HERE / "ours.onnx"
 """The generator, run by ONNX Runtime; torch can read its weights."""

@@ -66,8 +66,7 @@ def save(kind: str) -> str:
 
 
 @pytest.mark.parametrize(
-    "kind",
-    ["png", "16.png", "rgba.png", "jpg", "exif.jpg", "webp", "inverted.webp", "bmp", "tif", "gif"],
+    "kind", ["png", "16.png", "rgba.png", "jpg", "exif.jpg", "webp", "inverted.webp", "bmp", "tif", "gif"]
 )
 def test_every_format_gives_the_same_map(here: Path, kind: str) -> None:
     assert generate("fox.png", save(kind), "-o", "out") == 0

@@ -33,8 +33,7 @@ BAD: dict[str, tuple[Callable[[Path, Path], object], str]] = {
 
 
 @pytest.mark.parametrize(
-    ("command", "kind"),
-    [("test", "truncated"), ("fit", "plug-in gone"), ("test", "plug-in changed")],
+    ("command", "kind"), [("test", "truncated"), ("fit", "plug-in gone"), ("test", "plug-in changed")]
 )
 def test_a_bad_checkpoint_is_refused(
     bench: Bench, trained: Path, tmp_path: Path, command: str, kind: str

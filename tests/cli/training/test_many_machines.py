@@ -40,11 +40,6 @@ def test_a_cluster_that_cannot_be_had_is_one_sentence(
 def test_training_streams_from_s3(bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with s3_server() as endpoint:
         bucket = fresh_bucket(endpoint, monkeypatch)
-        settings = (
-            "--data.cache",
-            bucket,
-            "--data.storage.memory",
-            0,
-        )
+        settings = ("--data.cache", bucket, "--data.storage.memory", 0)
         trained = bench.run("fit", tmp_path / "run", *settings, "--trainer.max_epochs", 1)
         assert trained.code == 0, trained.err

@@ -155,8 +155,7 @@ def test_a_drawing_is_not_written_over(tmp_path: Path) -> None:
 def test_predict_writes_the_outputs_of_generate(tmp_path: Path) -> None:
     drawings = draw(tmp_path / "in", a=(40, 40))
     writer = NormalMapWriter(
-        tmp_path / "out",
-        Outputs(Normal("exr", y="down", suffix="_n"), (ModelInput(), Height("tiff"))),
+        tmp_path / "out", Outputs(Normal("exr", y="down", suffix="_n"), (ModelInput(), Height("tiff")))
     )
     run = trainer(tmp_path, callbacks=[writer])
     module = data(drawings, drawings, prediction=Prediction(str(drawings), map_size=80))

@@ -30,10 +30,7 @@ def plist(version: int) -> bytes:
         }
         return plistlib.dumps({"frames": frames})
     box, turned = ("textureRect", "textureRotated") if version == 3 else ("frame", "rotated")
-    frames = {
-        "a": {box: "{{0,0},{40,60}}", turned: False},
-        "b": {box: "{{50,10},{20,30}}", turned: True},
-    }
+    frames = {"a": {box: "{{0,0},{40,60}}", turned: False}, "b": {box: "{{50,10},{20,30}}", turned: True}}
     about = {"size": "{200,100}", "textureFileName": "sheet.png", "format": version}
     form = plistlib.FMT_BINARY if version == 3 else plistlib.FMT_XML
     return plistlib.dumps({"frames": frames, "metadata": about}, fmt=form)

@@ -172,7 +172,7 @@ def test_layers_of_an_animation_move(here: Path) -> None:
     found = read_layers(Path("normals/walk_normal.aseprite"))
     assert found.durations == [80, 120]
     assert [(each.name, each.frame, each.opacity) for each in found.layers] == [
-        *(("body", 0, 255), ("ball", 0, 255), ("body", 1, 128), ("ball", 1, 255)),
+        *(("body", 0, 255), ("ball", 0, 255), ("body", 1, 128), ("ball", 1, 255))
     ]
     still = [each.pixels for each in found.layers if each.name == "body"]
     assert np.array_equal(still[0], still[1])

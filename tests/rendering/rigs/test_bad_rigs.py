@@ -98,10 +98,7 @@ BAD: dict[str, tuple[Callable[[Gltf, Tree], None], str]] = {
         put("animations", 0, "samplers", 0, "interpolation", value="MAGIC"),
         "an animation is interpolated by 'MAGIC'",
     ),
-    "view beyond": (
-        put("bufferViews", 0, "byteOffset", value=10**6),
-        "buffer view 0 is too short",
-    ),
+    "view beyond": (put("bufferViews", 0, "byteOffset", value=10**6), "buffer view 0 is too short"),
     "count beyond": (put("accessors", 0, "count", value=10**5), "buffer view 0 is too short"),
     "kind": (put("accessors", 0, "type", value="VEC2"), "accessor 0 holds VEC2 of 5126 where VEC3 is needed"),
     "compressed": (

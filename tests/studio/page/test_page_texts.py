@@ -100,8 +100,7 @@ def test_no_words_beside_the_tools_and_views_are_cut_off(
 
 @pytest.mark.slow  # a server and a browser, which take seconds to start
 @pytest.mark.parametrize(
-    ("locale", "language", "words"),
-    [("de-AT", "de", "Exportieren"), ("it-IT", "en", "Export")],
+    ("locale", "language", "words"), [("de-AT", "de", "Exportieren"), ("it-IT", "en", "Export")]
 )
 def test_the_browsers_language_is_chosen(
     opened: "Browser", server: Server, locale: str, language: str, words: str

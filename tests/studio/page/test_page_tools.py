@@ -19,12 +19,7 @@ def box_of_ink(studio: Studio) -> tuple[float, float, float, float]:
     picture = studio.screen()[round(top) : round(bottom), round(left) : round(right)].max(-1) < 110
     rows, columns = np.nonzero(picture)
     scale = (right - left) / SIDE
-    return (
-        columns.min() / scale,
-        rows.min() / scale,
-        (columns.max() + 1) / scale,
-        (rows.max() + 1) / scale,
-    )
+    return (columns.min() / scale, rows.min() / scale, (columns.max() + 1) / scale, (rows.max() + 1) / scale)
 
 
 def test_lines_are_selected_moved_scaled_and_removed(studio: Studio) -> None:

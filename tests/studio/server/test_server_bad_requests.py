@@ -69,10 +69,7 @@ SMALL = b64(png(np.full((15, 40), 255, np.uint8)))
         ({"picture": b64(b"text")}, "the picture is not a PNG."),
         ({"picture": b64(jpeg())}, "the picture is not a PNG."),
         ({"picture": b64(png(circle())[:200])}, "the picture cannot be read as an image"),
-        (
-            {"picture": b64(bomb(60000, 60000))},
-            "the picture is 60000 × 60000 pixels; the studio accepts 16",
-        ),
+        ({"picture": b64(bomb(60000, 60000))}, "the picture is 60000 × 60000 pixels; the studio accepts 16"),
         ({"picture": b64(bomb(2048, 2048))}, "the picture cannot be read as an image"),
         ({"picture": SMALL}, "the picture is 40 × 15 pixels"),
         ({"picture": WHITE}, "no lines were found in it"),

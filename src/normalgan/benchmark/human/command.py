@@ -20,8 +20,6 @@ from normalgan.errors import InputError, did_you_mean
 from normalgan.files.writing import write_bytes
 from normalgan.inference.load import load
 
-__all__ = ["human", "tables"]
-
 _GALLERY = 6
 _SEED = 0
 _NOTES = (

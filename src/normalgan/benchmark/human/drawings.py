@@ -10,8 +10,6 @@ from normalgan.arrays import Doubles
 from normalgan.errors import InputError
 from normalgan.files.json_files import read_json
 
-__all__ = ["HumanDrawing", "read_drawings"]
-
 _INDEX = "drawings.json"
 _LAYOUT = (
     '{"OBJECT/PERSON": {"drawing": "a.png", "mesh": "a.obj", "projection": [[…4], […4], […4]]}}, or '

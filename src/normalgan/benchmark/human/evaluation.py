@@ -25,8 +25,6 @@ from normalgan.inference.regions import Bounds, box_of
 from normalgan.metrics import angular_error, without_hints
 from normalgan.rendering.renderers.embree import EmbreeRenderer
 
-__all__ = ["COUNTS", "Measurement", "measure_drawings", "sample_of"]
-
 COUNTS = (0, 15)
 """Numbers of hints with which every drawing is predicted, as in the benchmark's table 1."""
 _VISIBLE = 0.05
@@ -130,13 +128,7 @@ def measure_drawings(
         rows = []
         for count in COUNTS:
             predicted, hints, warning = _predict(predictor, batch, count, seed)
-            group[str(count)].update(
-                predicted,
-                batch["normal"],
-                batch["mask"],
-                hints[:, 3:],
-                batch["name"],
-            )
+            group[str(count)].update(predicted, batch["normal"], batch["mask"], hints[:, 3:], batch["name"])
             record["figures"][str(count)] = _of_one(predicted, batch, hints[:, 3:])
             record["warning"] = warning
             rows.append(batch_row(batch, 0, hints, predicted[:, :3], of_pairs=True))

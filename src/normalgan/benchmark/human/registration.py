@@ -13,8 +13,6 @@ from normalgan.rendering.loading import read_triangles
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile, place
 
-__all__ = ["PlacedMesh", "camera_of", "read_placed_mesh"]
-
 _CREASE_ANGLE = 40.0
 """Minimum angle in degrees of a hard edge; most of the drawn objects have hard edges."""
 _SKEWED = 0.03

@@ -22,8 +22,6 @@ from normalgan.inference.reading.drawings import without_companions
 from normalgan.inference.sprites import Sprite
 from normalgan.progress import progress_bar
 
-__all__ = ["DrawingBatch", "Found"]
-
 _POLL_SECONDS = 0.5
 """Seconds between two checks of the watched folders."""
 
@@ -61,11 +59,7 @@ class DrawingBatch:
     """
 
     def __init__(
-        self,
-        settings: Namespace,
-        writer: Writer,
-        packing: Packing,
-        holes: Sequence[tuple[float, float]] = (),
+        self, settings: Namespace, writer: Writer, packing: Packing, holes: Sequence[tuple[float, float]] = ()
     ) -> None:
         self._settings, self._writer, self._packing, self._holes = settings, writer, packing, holes
         self._form = None if settings.form is None else parse_form(settings.form)
@@ -141,13 +135,7 @@ class DrawingBatch:
                 if settings.output != STDOUT:
                     print(printable(outcome.target), flush=self._settings.watch)
 
-    def watch(
-        self,
-        predictor: Predictor,
-        watcher: Watcher,
-        find: Callable[[], Found],
-        found: Found,
-    ) -> None:
+    def watch(self, predictor: Predictor, watcher: Watcher, find: Callable[[], Found], found: Found) -> None:
         """Predict drawings whenever they are saved, until Ctrl-C; drawings that share a frame all at once.
 
         Raises:

@@ -33,8 +33,6 @@ from normalgan.inference.reading.drawings import MOST_BYTES
 from normalgan.ranges import OutOfRangeError
 from normalgan.weights.shipped import find_model
 
-__all__ = ["run"]
-
 
 def run(arguments: list[str]) -> int:
     """Predict and write the maps; return the exit code, which is 1 if some of several drawings failed.

@@ -14,8 +14,6 @@ from normalgan.inference.outputs import OUTPUTS
 from normalgan.inference.outputs.engines import CONVENTIONS, Engine
 from normalgan.inference.outputs.normal import engine_defaults
 
-__all__ = ["as_shell_means", "build_parser", "engine_of"]
-
 
 def engine_of(arguments: Sequence[str]) -> Engine | None:
     """Return the engine that a command line names; None if it names no known engine.
@@ -71,9 +69,7 @@ def _add_drawing(parser: LightParser) -> None:
         help="file or address of a model written by normalgan export; by default the shipped model",
     )
     group.add_argument(
-        "--hints",
-        type=str | None,
-        help="file of hints, or folder of <sketch>_hints.png or .json files",
+        "--hints", type=str | None, help="file of hints, or folder of <sketch>_hints.png or .json files"
     )
     group.add_argument(
         "--mask",

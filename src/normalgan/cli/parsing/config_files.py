@@ -12,8 +12,6 @@ from normalgan.errors import InputError, did_you_mean
 from normalgan.files.limits import MOST_SETTINGS, load_yaml, read_named, yaml_limit_error
 from normalgan.files.shipped_configs import find_config, shipped_folder, shipped_names
 
-__all__ = ["check_config", "load_bounded", "with_environment", "with_shipped_configs"]
-
 _VARIABLE = re.compile(r"\$\{([^{}]*)\}")
 
 

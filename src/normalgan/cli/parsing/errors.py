@@ -8,8 +8,6 @@ from normalgan.errors import brief, did_you_mean
 from normalgan.registry import Registry
 from normalgan.weights.local_classes import where_classes_are_looked_for
 
-__all__ = ["explain", "refusal"]
-
 _KINDS = {
     "int": "a whole number",
     "float": "a number",

@@ -15,8 +15,6 @@ from normalgan.errors import CommandExit, InputError, did_you_mean
 from normalgan.files.limits import load_yaml
 from normalgan.registry import Registry
 
-__all__ = ["LightParser", "OwnDefaultsParser", "choices"]
-
 
 class OwnDefaultsParser(ArgumentParser):
     """A parser that does not carry the settings of a class over to a class that replaces it.

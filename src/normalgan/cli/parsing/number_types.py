@@ -4,8 +4,6 @@ from jsonargparse.typing import restricted_number_type
 
 from normalgan.inference.reading.drawings import LARGEST, SMALLEST
 
-__all__ = ["Degrees", "Margin", "ModelSide", "Side", "Strength"]
-
 Side = restricted_number_type("Side", int, [(">=", SMALLEST), ("<=", LARGEST)])
 """Side of a map or a drawing in pixels."""
 ModelSide = restricted_number_type("ModelSide", int, (">=", 8))

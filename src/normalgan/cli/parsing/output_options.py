@@ -14,8 +14,6 @@ from normalgan.inference.outputs import OUTPUTS, Normal, Output
 from normalgan.inference.outputs.output_set import option_of, settings_of
 from normalgan.registry import summary
 
-__all__ = ["add_output_options"]
-
 
 class _Option(NamedTuple):
     name: str

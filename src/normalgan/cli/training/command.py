@@ -71,8 +71,6 @@ from normalgan.gan import NormalGAN
 from normalgan.inference.outputs.output_set import outputs_of
 from normalgan.warning_filters import filter_warnings
 
-__all__ = ["NormalGANCLI", "resolved_settings", "run", "training_parser"]
-
 _OPTIMIZER = {"class_path": "torch.optim.RMSprop", "init_args": {"lr": 5e-5, "alpha": 0.9}}
 _DEFAULTS = {
     "model.generator": {"class_path": "normalgan.models.UNetGenerator"},

@@ -5,8 +5,6 @@ from collections.abc import Sequence
 
 from normalgan.errors import InputError, did_you_mean
 
-__all__ = ["ALL", "COMMANDS", "SECTIONS", "asked_for", "overview"]
-
 COMMANDS = {
     "fit": "train a generator on rendered meshes",
     "validate": "measure a checkpoint on the validation split",

@@ -20,8 +20,6 @@ from normalgan.inference.network.upsampling import enlarge, upsampler
 from normalgan.inference.outputs.output_set import Outputs
 from normalgan.inference.pipeline import finish
 
-__all__ = ["NormalMapWriter"]
-
 
 class NormalMapWriter(BasePredictionWriter):
     """Writes ``<name>_normal.png`` for each sketch, at the sketch's own size and flat off the object.

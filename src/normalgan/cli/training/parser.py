@@ -14,8 +14,6 @@ from normalgan.cli.parsing.errors import explain
 from normalgan.cli.parsing.light_parser import OwnDefaultsParser
 from normalgan.errors import InputError
 
-__all__ = ["Parser", "help_of"]
-
 _section: ContextVar[str | None] = ContextVar("_section", default=None)
 
 

@@ -12,8 +12,6 @@ from normalgan.files.addresses import is_address
 from normalgan.files.limits import load_yaml
 from normalgan.weights.local_classes import no_local_classes
 
-__all__ = ["SAFE_CONFIG", "allow_known_classes_only", "check_outputs"]
-
 SAFE_CONFIG = "--safe-config"
 """The option that restricts configurations to registered classes."""
 _OUTPUTS = (

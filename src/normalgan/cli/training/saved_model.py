@@ -11,8 +11,6 @@ from normalgan.weights.checkpoint import Checkpoint, read_checkpoint
 from normalgan.weights.file import SUFFIXES, Weights, read_weights
 from normalgan.weights.shipped import SHIPPED, SHIPPED_NAME, find_model
 
-__all__ = ["SavedModel", "announce", "find_saved_model", "ignored_settings", "read_saved_model"]
-
 
 @dataclass(frozen=True)
 class SavedModel:
@@ -35,10 +33,7 @@ class SavedModel:
         """The settings, by section, that replace the command's."""
         if self.weights is None:
             return {"model": self.trained}
-        return {
-            "model": {**self.trained, "discriminator": None},
-            "data": {"size": self.weights.notes.size},
-        }
+        return {"model": {**self.trained, "discriminator": None}, "data": {"size": self.weights.notes.size}}
 
     @property
     def folders(self) -> set[str]:

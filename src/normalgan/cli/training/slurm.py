@@ -14,8 +14,6 @@ from normalgan.callbacks.checkpoints import checkpoint_folder, run_folder, stopp
 from normalgan.callbacks.stopped import requeue_job
 from normalgan.errors import InputError
 
-__all__ = ["check_left_behind", "requeued_on_signal", "restarted_from", "with_slurm"]
-
 
 def with_slurm(plugins: Iterable[object]) -> list[object]:
     """Return the trainer's plugins; under SLURM, with an environment that does not requeue by itself.

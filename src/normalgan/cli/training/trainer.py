@@ -16,15 +16,6 @@ from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError
 from normalgan.gan import NormalGAN
 
-__all__ = [
-    "RenderingTrainer",
-    "SaveConfig",
-    "check_strategy",
-    "check_trainer",
-    "check_trains",
-    "keep_earlier_logs",
-]
-
 _INSTEAD = {
     "gradient_clip_val": "model.gradient_clip",
     "gradient_clip_algorithm": "model.gradient_clip, which is a norm",

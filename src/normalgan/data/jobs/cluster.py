@@ -20,8 +20,6 @@ from normalgan.data.store.fsspec_storage import reason
 from normalgan.errors import InputError, RunError
 from normalgan.warning_filters import quiet_loggers
 
-__all__ = ["Cluster"]
-
 T = TypeVar("T")
 R = TypeVar("R")
 

@@ -13,8 +13,6 @@ from typing import Any
 from normalgan.errors import InputError, brief
 from normalgan.rendering import samples
 
-__all__ = ["Unfit", "flaws", "order", "perform", "worker_versions"]
-
 _DO = "__import__('normalgan.data.jobs.cluster_worker', fromlist=['perform']).perform(work, ours, folder)"
 _ASK = "__import__('normalgan.data.jobs.cluster_worker', fromlist=['perform']).worker_versions()"
 _PACKAGES = ("normalgan", "numpy", "scipy", "scikit-image", "trimesh", "embreex", "zarr", "numcodecs")

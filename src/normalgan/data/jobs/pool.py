@@ -6,8 +6,6 @@ from collections.abc import Callable, Collection, Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-__all__ = ["Again", "Killed", "Pool"]
-
 T = TypeVar("T")
 R = TypeVar("R")
 

@@ -19,20 +19,6 @@ from normalgan.errors import FOREIGN_ERRORS, InputError, RunError, brief, third_
 from normalgan.rendering.mesh_bytes import read_once
 from normalgan.rendering.samples import Sample
 
-__all__ = [
-    "DEADLY",
-    "ChangedMeshError",
-    "MakeShard",
-    "MeshTask",
-    "ShardTask",
-    "check_recipe",
-    "error_text",
-    "find_damage",
-    "render_shard",
-    "render_shards",
-    "validate_sources",
-]
-
 
 @dataclass(frozen=True)
 class MeshTask:

@@ -20,8 +20,6 @@ from typing import Any, Self, TypeVar
 from normalgan.data.jobs.pool import Killed, Pool
 from normalgan.errors import InputError
 
-__all__ = ["Workers", "check_main_guard", "leave_signals_to_parent", "one_thread_each"]
-
 T = TypeVar("T")
 R = TypeVar("R")
 

@@ -11,8 +11,6 @@ from normalgan.batch import Batch
 from normalgan.errors import InputError
 from normalgan.vectors import unit_vectors_within
 
-__all__ = ["Item", "SampleError", "collate_decoded", "decode", "to_item"]
-
 
 class SampleError(InputError):
     """Error for a sample that cannot be read or created, in one sentence even if raised in a worker process.

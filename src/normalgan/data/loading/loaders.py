@@ -14,8 +14,6 @@ from normalgan.data.loading.items import Item, collate_decoded
 from normalgan.data.loading.order import ShardOrder
 from normalgan.data.loading.stream import FreshViews, StreamDataset
 
-__all__ = ["EqualShare", "Loaders"]
-
 _Samples = SampleDataset | StreamDataset
 
 

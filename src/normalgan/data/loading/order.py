@@ -9,16 +9,6 @@ from torch.utils.data import Sampler
 from normalgan.data.store.shards import ShardedSamples
 from normalgan.seeds import derive_seed
 
-__all__ = [
-    "ABREAST",
-    "BATCHES_PER_CYCLE",
-    "VIEWS_AT_ONCE",
-    "ShardOrder",
-    "ViewIndex",
-    "order_of_epoch",
-    "spread",
-]
-
 VIEWS_AT_ONCE = 16
 """Number of views of a mesh that are rendered close together, before the mesh may leave the cache."""
 

@@ -16,8 +16,6 @@ from normalgan.data.store.sample_layout import array_names
 from normalgan.errors import FOREIGN_ERRORS
 from normalgan.rendering.mesh import Mesh, check_mesh
 
-__all__ = ["FreshViews", "MeshCache", "StreamDataset"]
-
 
 class StreamDataset(Dataset[Item]):
     """Renders samples on request, identical to stored samples of the same mesh and view.

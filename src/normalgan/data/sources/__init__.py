@@ -5,12 +5,4 @@ from normalgan.data.sources.meshes import MeshGroup
 from normalgan.data.sources.pair import Pair
 from normalgan.data.sources.pairs import Pairs
 
-__all__ = [
-    "DATA_SOURCES",
-    "DataSource",
-    "MeshGroup",
-    "Pair",
-    "PairSource",
-    "Pairs",
-    "SplitSettings",
-]
+__all__ = ["DATA_SOURCES", "DataSource", "MeshGroup", "Pair", "PairSource", "Pairs", "SplitSettings"]

@@ -11,8 +11,6 @@ from normalgan.registry import Registry
 from normalgan.rendering.samples import Recipe
 from normalgan.rendering.variation import Variation
 
-__all__ = ["DATA_SOURCES", "DataSource", "PairSource", "SplitSettings"]
-
 
 @dataclass(frozen=True)
 class SplitSettings(Split):

@@ -12,8 +12,6 @@ from normalgan.rendering import MeshSource, find_meshes
 from normalgan.rendering.rigs import find_poses
 from normalgan.rendering.variation import Variation, Varied
 
-__all__ = ["MeshGroup", "join_variants", "split_meshes"]
-
 M = TypeVar("M", bound=MeshSource)
 
 

@@ -17,8 +17,6 @@ from normalgan.normals import normalize
 from normalgan.ranges import PositiveInt, check_ranges
 from normalgan.rendering.samples import Sample
 
-__all__ = ["PAIRS_VERSION", "Pair", "PairRecipe", "background"]
-
 PAIRS_VERSION = 2
 """Version of samples of pairs. Increase it if a code change affects them, so that they are created again."""
 

@@ -26,8 +26,6 @@ from normalgan.inference.reading.drawings import is_drawing, read_normals, read_
 from normalgan.inference.reading.hint_files import load_hints
 from normalgan.normals import Green, flip_green
 
-__all__ = ["LAYOUTS", "Direction", "PairFiles", "find_pairs", "header_size"]
-
 _NORMAL_SUFFIXES = (".png", ".exr", ".tif", ".tiff", ".webp", ".jpg", ".jpeg", ".bmp")
 """File extensions of normal maps, in search order."""
 _COLUMNS = ("sketch", "normal", "mask", "hints", "group", "split", "name")

@@ -14,8 +14,6 @@ from normalgan.errors import InputError
 from normalgan.normals import Green
 from normalgan.ranges import check_ranges
 
-__all__ = ["Pairs"]
-
 _SHOWN = 20
 """Maximum number of files that a warning lists."""
 _WITH_HEADER = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".gif"}

@@ -15,8 +15,6 @@ from fsspec.spec import AbstractFileSystem  # type: ignore[import-untyped]
 from normalgan.errors import InputError, brief, unwritable
 from normalgan.files.writing import write_bytes
 
-__all__ = ["Storage", "options", "reason"]
-
 _PARTIAL = ".partial"
 _LONG = 3600.0
 """Age in seconds after which a partial file is stale; no write takes an hour."""

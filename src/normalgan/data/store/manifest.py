@@ -14,8 +14,6 @@ from normalgan.data.store.sample_layout import Layout
 from normalgan.data.store.shards import ShardedSamples
 from normalgan.errors import InputError
 
-__all__ = ["FORMAT_VERSION", "Manifest", "dataset_key", "fingerprints", "views_by_split"]
-
 FORMAT_VERSION = 1
 """Version of the storage format. Increase it if the format changes, so that samples are created again."""
 

@@ -11,8 +11,6 @@ from zarr.storage import MemoryStore
 
 from normalgan.rendering.samples import Sample
 
-__all__ = ["ARRAYS", "Layout", "Shard", "array_names", "blank", "chunk_path", "encode", "metadata"]
-
 ARRAYS: dict[str, tuple[str, tuple[int, ...]]] = {
     "sketch": ("uint8", ()),
     "normal": ("float16", (3,)),

@@ -19,8 +19,6 @@ from normalgan.data.store.zarr_store import ObjectStore
 from normalgan.errors import InputError
 from normalgan.rendering.samples import Sample
 
-__all__ = ["ZARR", "ShardedSamples", "damaged", "write_shard", "write_traces"]
-
 ZARR = "samples.zarr"
 """The folder of the arrays."""
 _FAILED = "failed"

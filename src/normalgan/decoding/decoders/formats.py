@@ -5,8 +5,6 @@ It imports nothing else of normalgan, because the child process (`worker.py`) ru
 
 from typing import NamedTuple
 
-__all__ = ["ENDINGS", "FORMATS", "LAYERED", "MOVING", "NO_PAGE", "SUBFILE", "Format", "format_of"]
-
 
 class Format(NamedTuple):
     """A picture format.

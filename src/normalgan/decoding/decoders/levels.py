@@ -5,8 +5,6 @@ from typing import Any
 from .formats import format_of
 from .opening import DTYPES, RefusedError, check_sides, first_line, reduced_size
 
-__all__ = ["exact_levels", "float_white", "is_tiff", "loses_levels", "viewed"]
-
 
 def loses_levels(content: bytes) -> bool:
     r"""Return whether Pillow may round a picture, as for a TIFF or a colour PNG with 16 bits per channel.

@@ -2,8 +2,6 @@
 
 import sys
 
-__all__ = ["limit", "limit_time"]
-
 
 def limit(memory: int) -> None:
     """Forbid this process from opening files, and limit its memory."""

@@ -9,22 +9,6 @@ from .formats import Format, format_of
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-__all__ = [
-    "DTYPES",
-    "KNOWN",
-    "MODES",
-    "MOST_PARTS",
-    "MOST_PIXELS",
-    "DamagedError",
-    "Message",
-    "RefusedError",
-    "check_sides",
-    "first_line",
-    "opened",
-    "reduced_size",
-    "with_form",
-]
-
 Message = tuple[dict[str, Any], Any]
 """A message: a dictionary of strings and numbers, and an image or array to send in strips, or None."""
 MOST_PARTS, MOST_PIXELS = 1024, 2**26

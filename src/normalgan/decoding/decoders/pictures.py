@@ -28,17 +28,6 @@ if TYPE_CHECKING:
 
     from .layered_files import Notes
 
-__all__ = [
-    "decode",
-    "frames",
-    "layers",
-    "noted",
-    "plain",
-    "reduced",
-    "tileset",
-    "turned_upright",
-]
-
 _MOST_NOTES = 4000
 """Maximum length of a text sent about a picture."""
 _LONGEST_NAME, _DEEPEST = 255, 32
@@ -50,13 +39,7 @@ _TOPS = (255, 1023, 4095, 16383, 65535, 2**24 - 1, 2**31 - 1)
 
 
 def decode(
-    content: bytes,
-    least: int,
-    most: int,
-    svg_side: int,
-    longest: int,
-    grey: bool,
-    notes: list[Any],
+    content: bytes, least: int, most: int, svg_side: int, longest: int, grey: bool, notes: list[Any]
 ) -> tuple[Any, tuple[int, int]]:
     """Return a picture upright, and its (width, height) before downsampling.
 

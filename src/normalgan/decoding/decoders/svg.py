@@ -9,8 +9,6 @@ from pyexpat import ErrorString, ExpatError, ParserCreate
 
 from .opening import KNOWN, RefusedError, first_line, opened
 
-__all__ = ["MOST_DEPTH", "draw_svg", "is_svg", "sanitize_svg"]
-
 MOST_DEPTH = 128
 """Maximum nesting of elements in an SVG, because the drawing library recurses and crashes without stack."""
 _MOST_TEXT = 2**26

@@ -20,8 +20,6 @@ from .limits import limit, limit_time
 from .opening import Message, RefusedError, with_form
 from .pictures import decode, frames, layers, noted, tileset
 
-__all__ = ["import_all", "main", "needed"]
-
 _STRIP = 2**20
 """Number of pixels sent at a time."""
 

@@ -11,8 +11,6 @@ from normalgan.inference.cleaning.silhouette import contour, is_silhouette
 from normalgan.inference.findings import LackingError
 from normalgan.inference.reading.picture import Picture
 
-__all__ = ["Cleaned", "clean"]
-
 _LEAST = 0.3
 """Minimum ink of a pixel on a line."""
 _JOINT = 9, 0.035

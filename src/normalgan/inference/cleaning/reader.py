@@ -14,22 +14,6 @@ from normalgan.weights.shipped import READER_FILE
 if TYPE_CHECKING:
     from onnxruntime import InferenceSession
 
-__all__ = [
-    "DOUBT",
-    "FLAT",
-    "GREY",
-    "NEARER",
-    "ONE_TONE",
-    "PAPER",
-    "SIDES",
-    "STRIDE",
-    "WINDOW",
-    "Reading",
-    "over_paper",
-    "read",
-    "reduced",
-]
-
 SIDES = 256, 384
 """Minimum and maximum longer side of the network's input, in pixels."""
 NEARER = 1.5, 2.5

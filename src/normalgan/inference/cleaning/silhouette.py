@@ -7,8 +7,6 @@ from normalgan.inference.cleaning.reader import Reading, read, reduced
 from normalgan.inference.reading.picture import Picture
 from normalgan.inference.regions import around, depth_of, extent_of
 
-__all__ = ["contour", "is_silhouette"]
-
 _SHEET = 0.995
 """Opaque fraction of a picture above which the opaque part is paper with rounded corners or a torn edge."""
 _SURE = 0.05

@@ -15,8 +15,6 @@ from normalgan.errors import InputError
 from normalgan.files.limits import read_bounded
 from normalgan.inference.reading.drawings import MOST_BYTES
 
-__all__ = ["PAGES", "Kind", "count_parts", "encode_animation", "kind_of", "moving_kind"]
-
 Kind = Literal["gif", "webp", "png"]
 """Formats of animations; APNG has the ending .png too."""
 PAGES: Literal["pages"] = "pages"

@@ -11,8 +11,6 @@ from typing import Any, NamedTuple
 from xml.etree import ElementTree as Tree
 from xml.parsers.expat import ExpatError
 
-__all__ = ["ENDINGS", "FORMATS", "Format", "Frame", "Page", "UnreadableAtlasError", "parse_atlas"]
-
 
 class UnreadableAtlasError(Exception):
     """An atlas that cannot be read; the message continues a sentence that begins with the atlas's name."""

@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 from normalgan.inference.network.tile import Tile
 from normalgan.inference.reading.hint_files import Hints
 
-__all__ = ["Cell"]
-
 T = TypeVar("T", bound=np.generic)
 P = TypeVar("P", float, NDArray[np.float32])
 

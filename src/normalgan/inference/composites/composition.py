@@ -10,8 +10,6 @@ from normalgan.arrays import Floats
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.vectors import unit
 
-__all__ = ["compose", "tiled"]
-
 _THIN = np.float32(1 / 255)
 """Opacity given to mask pixels whose soft edge has no opacity, such as very thin parts."""
 

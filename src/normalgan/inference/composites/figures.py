@@ -13,8 +13,6 @@ from normalgan.inference.mask.decision import Decision
 from normalgan.inference.reading.drawings import SMALLEST
 from normalgan.inference.regions import INKED
 
-__all__ = ["alike", "find_figures"]
-
 _ALIKE = 0.25
 """Minimum area of a figure, as a fraction of the largest figure's; smaller areas join their neighbour."""
 _OWN_MIDDLE = 0.35

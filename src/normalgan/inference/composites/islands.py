@@ -15,8 +15,6 @@ from normalgan.inference.reading.drawings import SMALLEST
 from normalgan.inference.reading.picture import MOST_WORKED, fitted_within, resize, to_picture
 from normalgan.inference.regions import INKED, enclosed_by
 
-__all__ = ["drawn", "find_islands", "in_rows"]
-
 _GAP = 0.004
 """Half the widest gap across which parts count as connected, as a fraction of the sheet's longer side."""
 _FAINT = 8

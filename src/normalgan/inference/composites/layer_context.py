@@ -11,8 +11,6 @@ from normalgan.inference.network.line_width import render_model_input
 from normalgan.inference.preparation import Prepared
 from normalgan.inference.suggestion import uncertainty
 
-__all__ = ["Context", "Inferred", "context_of", "surest", "ways_to_see"]
-
 Inferred = tuple[Floats, Floats | None]
 """The network's prediction (S, S, 3), and its confidence κ (S, S) or None."""
 

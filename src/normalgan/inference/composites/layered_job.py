@@ -23,8 +23,6 @@ from normalgan.inference.preparation import Prepared
 from normalgan.inference.reading.picture import fitted
 from normalgan.inference.sprites import Sprite
 
-__all__ = ["LayeredJob", "layered_target"]
-
 _LONGEST = 48
 """Maximum length of a layer's name within a file name."""
 

@@ -26,8 +26,6 @@ from normalgan.inference.reading.drawings import LARGEST, SMALLEST, read_content
 from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, to_picture
 from normalgan.inference.regions import box_of
 
-__all__ = ["LayeredKind", "cut", "encode_layers", "is_plain", "layered_kind", "picture_of", "read_layers"]
-
 LayeredKind = Literal["psd", "ora", "aseprite"]
 """Formats of layered files that can be written."""
 _KINDS: dict[str, LayeredKind] = {"PSD": "psd", "Krita": "ora", "OpenRaster": "ora", "Aseprite": "aseprite"}

@@ -12,8 +12,6 @@ from normalgan.decoding import Decoded
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.composites.islands import drawn
 
-__all__ = ["separate"]
-
 _HALF = 0.5
 """Fraction of a connected part that a box must hold to show the part itself, not just a neighbour's edge."""
 

@@ -13,8 +13,6 @@ from normalgan.inference.composites.tile_grid import ENDINGS as TILED
 from normalgan.inference.composites.tile_grid import TileGrid, parse_tile_size, read_tiled
 from normalgan.inference.reading.drawings import find_companion
 
-__all__ = ["OWN", "Packing"]
-
 OWN = "own"
 """Value of ``tileset`` that selects the tileset stored in the drawing's own file."""
 
@@ -93,11 +91,7 @@ class Packing:
         return read_tiled(found[0])
 
     def cells(
-        self,
-        sheet: Decoded,
-        path: Path,
-        below: Path | None = None,
-        units: tuple[float, float] | None = None,
+        self, sheet: Decoded, path: Path, below: Path | None = None, units: tuple[float, float] | None = None
     ) -> AtlasCells:
         """Return the cells of a sheet's drawings, with warnings about drawings that are left out.
 

@@ -19,8 +19,6 @@ from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import Picture, fitted
 from normalgan.inference.regions import Bounds, united
 
-__all__ = ["Member", "flat_map", "left_flat", "predict_series", "prepare_member"]
-
 
 @dataclass(frozen=True)
 class Member:

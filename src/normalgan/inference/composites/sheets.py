@@ -23,8 +23,6 @@ from normalgan.inference.reading.drawings import SMALLEST
 from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import to_picture
 
-__all__ = ["MOST_CELLS", "drawings_in", "grid_cells", "parse_grid", "predict_sheet"]
-
 MOST_CELLS = 4096
 """Maximum number of drawings in a sheet; the largest atlases in use have a few hundred."""
 _NAMED = 3
@@ -141,11 +139,7 @@ def _repeated(
 
 
 def _member(
-    cell: Cell,
-    pixels: Pixels,
-    hints: Hints | None,
-    mask: MaskOrSource,
-    holes: Sequence[tuple[float, float]],
+    cell: Cell, pixels: Pixels, hints: Hints | None, mask: MaskOrSource, holes: Sequence[tuple[float, float]]
 ) -> Member | None:
     """Return the drawing in a cell; None if the cell is empty."""
     part = pixels[cell.box].copy()

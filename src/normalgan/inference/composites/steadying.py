@@ -8,8 +8,6 @@ import numpy as np
 from normalgan.arrays import Floats
 from normalgan.inference.vectors import lengths
 
-__all__ = ["steadied"]
-
 _REACH = 4
 """Number of frames before and after a frame that it is averaged with, as far as they agree."""
 _AROUND = 1 / 32

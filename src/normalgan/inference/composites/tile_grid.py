@@ -14,8 +14,6 @@ from normalgan.errors import InputError
 from normalgan.files.limits import read_named
 from normalgan.inference.reading.drawings import SMALLEST
 
-__all__ = ["ENDINGS", "TileGrid", "parse_tile_size", "read_tiled"]
-
 ENDINGS = (".tsx", ".tsj", ".json", ".xml")
 """Endings that follow a picture's stem in the name of its tileset file."""
 _MOST_TILES = 16384

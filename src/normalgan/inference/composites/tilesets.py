@@ -22,8 +22,6 @@ from normalgan.inference.reading.picture import Picture, to_picture
 from normalgan.inference.sprites import Sprite
 from normalgan.inference.vectors import unit
 
-__all__ = ["predict_tileset"]
-
 _REACH = 1 / 4
 """Depth of the band at a tile's edge that is adjusted to matching edges, as a fraction of the tile."""
 _PASSES = 4
@@ -312,11 +310,7 @@ def _packed_hints(hints: Hints | None, rows: NDArray[np.intp], columns: NDArray[
 
 
 def _spread(
-    preds: NormalMap,
-    sheet: Decoded,
-    packed: Decoded,
-    rows: NDArray[np.intp],
-    columns: NDArray[np.intp],
+    preds: NormalMap, sheet: Decoded, packed: Decoded, rows: NDArray[np.intp], columns: NDArray[np.intp]
 ) -> NormalMap:
     """Return the map of a sheet from the map of its tiles without gaps.
 

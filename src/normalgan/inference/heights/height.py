@@ -13,8 +13,6 @@ from normalgan.inference.heights.surface import Surface
 from normalgan.inference.network.tile import Tile, repeats, resize_tile
 from normalgan.inference.reading.picture import fitted, resize
 
-__all__ = ["integrate"]
-
 _SMALL = 16000
 """Maximum number of pixels that are solved without a coarser level."""
 _ROUNDS, _TOLERANCE = 30, 1e-3
@@ -29,10 +27,7 @@ _MOST = 1536
 
 
 def integrate(
-    normals: Floats,
-    mask: NDArray[np.bool_],
-    jumps: float = 2.0,
-    tile: Tile | None = None,
+    normals: Floats, mask: NDArray[np.bool_], jumps: float = 2.0, tile: Tile | None = None
 ) -> Floats:
     """Return the height of a surface above the picture plane, by bilateral normal integration.
 

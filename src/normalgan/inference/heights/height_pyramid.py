@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 from normalgan.arrays import BoolMask
 from normalgan.inference.network.tile import Tile, repeats
 
-__all__ = ["Vectors", "double", "halve"]
-
 _STEEPEST = 0.2
 """Minimum nz for a slope within a pixel; the slope only affects the initial guess at the next level."""
 

@@ -5,8 +5,6 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, cg
 
-__all__ = ["Relaxation", "Solver"]
-
 _Vector = NDArray[np.float64]
 _STEPS = 20
 """Number of conjugate gradient steps of a relaxation."""

@@ -10,8 +10,6 @@ from normalgan.errors import InputError
 from normalgan.inference.heights.relief_outline import Corners, corners_of
 from normalgan.inference.reading.picture import resize
 
-__all__ = ["encode_relief", "relief_mesh", "simpler"]
-
 _DEPTH = 0.5
 """Factor applied to the heights; 1 would keep the object's full depth, and 0.2 is a bas-relief."""
 _THICKNESS = 0.03

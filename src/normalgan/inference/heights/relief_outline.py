@@ -6,8 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-__all__ = ["Corners", "corners_of"]
-
 _ROUNDS = 4
 """Number of times the rim is smoothed; more would erode thin legs and ears."""
 

@@ -10,8 +10,6 @@ from scipy import sparse
 from normalgan.inference.heights.multigrid import Relaxation, Solver
 from normalgan.inference.network.tile import Tile, repeats
 
-__all__ = ["Links", "Surface", "breaks", "link"]
-
 _STEEPEST = 0.05
 """Minimum nz, a slope of 20; at a contour the true slope is infinite."""
 _SURE = 12.0

@@ -8,8 +8,6 @@ from normalgan.errors import InputError
 from normalgan.inference.jobs.plan import DrawingFiles, Job
 from normalgan.inference.reading.drawings import LAYERED
 
-__all__ = ["without_clashes", "without_twins"]
-
 
 def without_twins(
     files: Sequence[DrawingFiles], layers: bool = False

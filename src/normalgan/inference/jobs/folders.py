@@ -9,8 +9,6 @@ from pathlib import Path
 from normalgan.errors import InputError
 from normalgan.inference.reading.drawings import SUFFIXES, is_drawing, without_companions
 
-__all__ = ["find_drawings", "search"]
-
 
 def find_drawings(
     source: str | Sequence[str], ending: str = "_normal.png", companions: Sequence[str] = ()

@@ -14,23 +14,6 @@ from normalgan.inference.outputs import OUTPUTS
 from normalgan.inference.reading.drawings import SUFFIXES, find_companion
 from normalgan.inference.reading.hint_files import ENDINGS as HINT_ENDINGS
 
-__all__ = [
-    "FILES",
-    "STDIN",
-    "STDOUT",
-    "DrawingFiles",
-    "Job",
-    "check_writable",
-    "companions_of",
-    "find_files",
-    "find_many",
-    "format_of",
-    "is_file_name",
-    "overwritten",
-    "plan",
-    "plan_file",
-]
-
 STDIN = STDOUT = "-"
 FILES: dict[str, Literal["png", "exr", "tiff"]] = {
     **{".png": "png", ".apng": "png", ".gif": "png", ".webp": "png"},

@@ -3,8 +3,6 @@
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-__all__ = ["Stamp", "Watcher"]
-
 Stamp = tuple[tuple[Path, int, int] | None, ...]
 """State of a drawing and of all files read for it; it changes when one of them is saved."""
 

@@ -11,8 +11,6 @@ from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.base import Scaled
 from normalgan.inference.outputs.output_set import Outputs
 
-__all__ = ["Held", "Sink", "Writer"]
-
 Sink = Callable[[Path, bytes], None]
 """Called with the path and the content of each file. The default, `write_bytes`, writes atomically."""
 

@@ -15,17 +15,6 @@ from normalgan.inference.mask.edge import snap
 from normalgan.inference.reading.picture import fitted, resize
 from normalgan.inference.regions import INKED, depth_of, enclosed_by, extent_of
 
-__all__ = [
-    "OPEN",
-    "REACH",
-    "SIDE",
-    "UNSURE_HIGH",
-    "UNSURE_LOW",
-    "UNSURE_SHARE",
-    "Decision",
-    "decide",
-]
-
 SIDE = 512
 """Longer side in pixels at which regions are voted on: at most this, and at least half of it."""
 _OFF, _LEAST_OFF = 2.5, 2.0

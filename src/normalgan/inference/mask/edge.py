@@ -12,8 +12,6 @@ from normalgan.inference.network.line_width import line_width
 from normalgan.inference.reading.picture import resize
 from normalgan.inference.regions import around, depth_of, extent_of
 
-__all__ = ["snap", "soft_edge"]
-
 _PALEST = 0.35
 """Minimum ink at the darkest place of a line."""
 _LARGE = 1024

@@ -7,18 +7,6 @@ from normalgan.arrays import BoolMask
 from normalgan.errors import InputError
 from normalgan.inference.reading.picture import Picture, read_picture
 
-__all__ = [
-    "ENDINGS",
-    "MODEL",
-    "OUTLINE",
-    "READER",
-    "SOURCES",
-    "MaskOrSource",
-    "MaskSource",
-    "load_mask",
-    "mask_of",
-]
-
 MaskSource = Literal["outline", "model", "reader"]
 """Sources of a mask: the area that lines enclose, the normal network, or the reader's vote."""
 OUTLINE: MaskSource = "outline"

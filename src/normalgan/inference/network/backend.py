@@ -6,8 +6,6 @@ from normalgan.arrays import Floats
 from normalgan.inference.network.upsampling import Upsampler
 from normalgan.line_widths import LineWidths
 
-__all__ = ["Backend"]
-
 
 class Backend(Protocol):
     """A network that predicts one sketch at a time; several threads may call it."""

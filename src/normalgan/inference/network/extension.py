@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 from normalgan.arrays import Floats
 from normalgan.inference.vectors import unit
 
-__all__ = ["extend"]
-
 _SWEEPS = 6
 _MEAN = np.array([[0, 1, 0], [1, 0, 1], [0, 1, 0]], np.float32) / 4
 

@@ -12,8 +12,6 @@ from normalgan.inference.medians import median
 from normalgan.inference.regions import Bounds, box_of
 from normalgan.normals import normalize
 
-__all__ = ["Frame", "bounds_of"]
-
 
 @dataclass(frozen=True)
 class Frame:

@@ -9,8 +9,6 @@ from normalgan.inference.network.framing import Frame
 from normalgan.inference.regions import around, depth_of
 from normalgan.line_widths import DRAWN_WIDTH, LineWidths
 
-__all__ = ["areas", "line_width", "middle", "render_model_input"]
-
 _FINER = 4
 """Resolution at which lines are thinned, as a multiple of the model's."""
 _ROUGH = 2

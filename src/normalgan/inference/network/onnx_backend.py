@@ -17,14 +17,6 @@ from normalgan.inference.network.onnx_graph import check_graph
 from normalgan.inference.network.upsampling import upsampler
 from normalgan.line_widths import line_widths_of
 
-__all__ = [
-    "LARGEST",
-    "MEMORY",
-    "PATIENCE",
-    "SMALLEST",
-    "OnnxBackend",
-]
-
 PATIENCE = 300.0
 """Maximum wall-clock time for one picture, in seconds."""
 MEMORY = 2**31

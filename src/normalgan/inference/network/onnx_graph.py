@@ -9,8 +9,6 @@ from collections.abc import Iterator
 
 from normalgan.errors import InputError
 
-__all__ = ["MOST_NODES", "check_graph"]
-
 MOST_NODES = 20_000
 """Maximum number of operators; a large generator has a few hundred."""
 _VARINT, _FIXED64, _BYTES, _FIXED32 = 0, 1, 2, 5

@@ -10,8 +10,6 @@ from normalgan.arrays import Floats
 from normalgan.errors import InputError
 from normalgan.inference.reading.picture import resize
 
-__all__ = ["Tile", "check_tile", "middle", "repeats", "resize_tile", "wrapped"]
-
 Tile = Literal["both", "x", "y"]
 """Directions in which a picture repeats: horizontally (x), vertically (y) or both."""
 _REACH = 4

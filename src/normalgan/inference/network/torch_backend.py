@@ -10,8 +10,6 @@ from normalgan.line_widths import USUAL_WIDTHS, LineWidths
 from normalgan.models.base import check_generated
 from normalgan.models.condition import make_condition
 
-__all__ = ["TorchBackend", "channels_last"]
-
 
 class TorchBackend:
     """A `Backend` that runs a torch module.

@@ -17,17 +17,6 @@ from normalgan.weights.shipped import REFINER
 if TYPE_CHECKING:
     from onnxruntime import InferenceSession
 
-__all__ = [
-    "CELL",
-    "RIM",
-    "Coarse",
-    "Refiner",
-    "Upsampler",
-    "enlarge",
-    "planes",
-    "upsampler",
-]
-
 CELL = 4
 """Sides of the refiner's input are multiples of this number of pixels."""
 RIM = 16

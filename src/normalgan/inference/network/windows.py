@@ -16,8 +16,6 @@ from normalgan.inference.network.line_width import render_model_input
 from normalgan.inference.network.tile import Tile, repeats
 from normalgan.inference.reading.hint_files import Hints
 
-__all__ = ["Window", "predict_windows", "repeated", "windows"]
-
 _SIDE = 1.5
 """Side of a window, as a fraction of the drawing's longer side."""
 _IN = 6

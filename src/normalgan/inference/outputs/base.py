@@ -13,8 +13,6 @@ from normalgan.normals import encode_grey
 from normalgan.ranges import check_ranges
 from normalgan.registry import Registry
 
-__all__ = ["OUTPUTS", "Output", "Scaled"]
-
 
 @dataclass(frozen=True)
 class Output(ABC):

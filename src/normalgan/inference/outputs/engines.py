@@ -10,8 +10,6 @@ from typing import Literal
 
 from normalgan.normals import Bits, Green
 
-__all__ = ["CONVENTIONS", "Convention", "Engine", "sidecar"]
-
 Engine = Literal["unity", "unreal", "godot", "godot3", "blender"]
 
 

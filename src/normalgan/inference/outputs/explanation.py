@@ -13,8 +13,6 @@ from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.preparation import Prepared
 from normalgan.inference.reading.picture import Picture
 
-__all__ = ["STAGES", "write_explanation"]
-
 STAGES = ("input", "ink", "regions", "presence", "mask")
 """The stages in order; file names contain the number of the stage."""
 

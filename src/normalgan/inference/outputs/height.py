@@ -13,8 +13,6 @@ from normalgan.inference.outputs.engines import Engine
 from normalgan.normals import encode_grey
 from normalgan.ranges import Positive
 
-__all__ = ["Height"]
-
 
 @OUTPUTS.register
 @dataclass(frozen=True)

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
 
-__all__ = ["CLAY_FILE", "Clay", "Colour", "lamp_direction", "shade", "to_srgb"]
-
 Colour = tuple[float, float, float]
 
 CLAY_FILE = Path(__file__).with_name("clay.json")

@@ -9,8 +9,6 @@ from normalgan.inference.outputs.base import OUTPUTS, Output
 from normalgan.inference.outputs.engines import Engine
 from normalgan.normals import encode_grey
 
-__all__ = ["Mask"]
-
 
 @OUTPUTS.register
 @dataclass(frozen=True)

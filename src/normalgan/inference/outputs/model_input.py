@@ -7,8 +7,6 @@ from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.base import OUTPUTS, Output
 from normalgan.normals import encode_grey
 
-__all__ = ["ModelInput"]
-
 
 @OUTPUTS.register
 @dataclass(frozen=True)

@@ -14,8 +14,6 @@ from normalgan.inference.outputs.shading import specular_of
 from normalgan.normals import Bits, Green
 from normalgan.ranges import Range
 
-__all__ = ["Normal", "Pack", "engine_defaults"]
-
 Pack = Literal["normal_specular"]
 
 

@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 from normalgan.arrays import Floats
 from normalgan.inference.reading.picture import fitted, resize
 
-__all__ = ["occlusion"]
-
 _SIDE = 512
 """Maximum longer side in pixels at which occlusion, which is smooth, is computed."""
 _WAYS = 12

@@ -9,8 +9,6 @@ from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.base import OUTPUTS, Output
 from normalgan.inference.outputs.normal import Normal
 
-__all__ = ["Outputs", "option_of", "outputs_of", "settings_of"]
-
 
 @dataclass(frozen=True)
 class Outputs:

@@ -11,8 +11,6 @@ from normalgan.inference.outputs.base import OUTPUTS, Output
 from normalgan.inference.outputs.shading import occlusion_of, specular_of
 from normalgan.normals import encode_grey, pack_png
 
-__all__ = ["OcclusionRoughnessMetallic", "Roughness"]
-
 
 @OUTPUTS.register
 @dataclass(frozen=True)

@@ -17,8 +17,6 @@ from normalgan.inference.outputs.engines import Engine
 from normalgan.inference.outputs.lighting import lamp_direction, shade, to_srgb
 from normalgan.normals import normalize
 
-__all__ = ["Opacity", "Pixels", "Preview", "lit", "preview_gif", "preview_png", "sheet", "turn"]
-
 Pixels = NDArray[np.uint8]
 Opacity = NDArray[np.bool_] | Floats
 

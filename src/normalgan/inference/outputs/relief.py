@@ -7,8 +7,6 @@ from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.base import OUTPUTS, Output
 from normalgan.ranges import Range
 
-__all__ = ["Relief"]
-
 _FEWEST = 12
 """Minimum number of triangles of a closed relief."""
 

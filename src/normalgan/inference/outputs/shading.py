@@ -17,17 +17,6 @@ from normalgan.inference.outputs.engines import Engine
 from normalgan.inference.outputs.occlusion import occlusion
 from normalgan.normals import encode_grey
 
-__all__ = [
-    "AmbientOcclusion",
-    "Curvature",
-    "Specular",
-    "curvature",
-    "curvature_of",
-    "gloss",
-    "occlusion_of",
-    "specular_of",
-]
-
 _FINE = 1 / 256
 """Smoothing width for the curvature, as a fraction of a drawing's longer side."""
 _BEND = 0.04

@@ -16,8 +16,6 @@ from normalgan.files.limits import read_named
 from normalgan.inference.reading.drawings import SUFFIXES, read_pixels, to_unit
 from normalgan.normals import LEAST_Z, normalize, vectors
 
-__all__ = ["ENDINGS", "Hints", "check_hints", "load_hints", "parse_hints", "read_hints"]
-
 ENDINGS = ("_hints.png", "_hints.json", ".json", ".png")
 """Endings that follow a drawing's stem in the name of its hint file, in the order of the search."""
 _MOST_LISTED = 2**24

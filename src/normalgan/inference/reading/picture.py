@@ -11,18 +11,6 @@ from normalgan.arrays import Floats
 from normalgan.decoding import Decoded, FileNotes
 from normalgan.inference.reading.drawings import SVG_SIDE, read_pixels, to_unit
 
-__all__ = [
-    "MOST_WORKED",
-    "Picture",
-    "Resize",
-    "fitted",
-    "fitted_within",
-    "read_picture",
-    "resize",
-    "to_picture",
-    "to_pixels",
-]
-
 MOST_WORKED = 2048
 """Maximum longer side in pixels of the working size; maps of larger drawings are enlarged."""
 Resize = Callable[[Floats, tuple[int, int]], Floats]

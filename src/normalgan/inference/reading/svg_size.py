@@ -4,8 +4,6 @@ import re
 from contextlib import suppress
 from pyexpat import ExpatError, ParserCreate
 
-__all__ = ["svg_size"]
-
 _PIXELS = {
     "": 1.0,
     "px": 1.0,

@@ -7,8 +7,6 @@ from numpy.typing import NDArray
 
 from normalgan.rendering.gltf.container import COMPONENTS, WIDTHS, Container, bad_gltf
 
-__all__ = ["read_accessor"]
-
 _MOST = 2**26
 """Maximum number of elements, because an accessor may declare any number of zeros."""
 

@@ -18,17 +18,6 @@ import numpy as np
 from normalgan.errors import InputError, brief
 from normalgan.rendering.mesh_bytes import mesh_bytes
 
-__all__ = [
-    "COMPONENTS",
-    "WIDTHS",
-    "Container",
-    "bad_gltf",
-    "has_skin",
-    "linked_buffers",
-    "read_container",
-    "refusing_bad_gltf",
-]
-
 COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 """NumPy dtypes of the component types of accessors."""
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}

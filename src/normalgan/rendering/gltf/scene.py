@@ -12,8 +12,6 @@ from normalgan.arrays import Doubles, Indices
 from normalgan.rendering.gltf.accessors import read_accessor
 from normalgan.rendering.gltf.container import Container, bad_gltf, read_container, refusing_bad_gltf
 
-__all__ = ["Nodes", "read_nodes", "read_primitives", "read_surfaces", "shown_nodes", "world_matrices"]
-
 
 @dataclass(frozen=True)
 class Nodes:

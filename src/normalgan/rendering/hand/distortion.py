@@ -8,8 +8,6 @@ import numpy as np
 from normalgan.arrays import BoolMask, Doubles, Floats, Indices
 from normalgan.rendering.maps import Maps
 
-__all__ = ["KNOTS", "Distortion", "follow", "random_distortion"]
-
 _CELLS = 4
 """Number of spline cells along a side of the frame; displacements vary over about half a side."""
 _AROUND = 1  # number of cells around the frame, beyond which the displacement is constant

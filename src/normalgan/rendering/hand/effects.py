@@ -16,25 +16,6 @@ from normalgan.rendering.maps import Maps
 from normalgan.rendering.strokes.curves import lengths_along
 from normalgan.rendering.strokes.stroke import Stroke
 
-__all__ = [
-    "STEP",
-    "begin_at",
-    "cut",
-    "forget",
-    "in_order",
-    "inside",
-    "miss_ends",
-    "press",
-    "resample",
-    "round_off",
-    "second_pass",
-    "skip_parts",
-    "smooth_noise",
-    "stray",
-    "turning",
-]
-
-
 STEP = 1 / 320
 """Distance between points: a quarter of the tremor's wavelength, and less than a line's width."""
 

@@ -25,8 +25,6 @@ from normalgan.rendering.hand.effects import (
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.strokes.stroke import Stroke
 
-__all__ = ["Hand"]
-
 _HABITS = (0.3, 1.7)  # range of a drawing's factor for each effect
 _Length = Annotated[float, Range(0, 0.1)]  # fraction of the side
 _Number = Annotated[float, Range(0, 20)]  # per side length

@@ -10,8 +10,6 @@ from normalgan.registry import Registry
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
-__all__ = ["LINE_DRAWINGS", "LineDrawing", "check_strokes"]
-
 
 class LineDrawing(ABC):
     """Base class of line styles.

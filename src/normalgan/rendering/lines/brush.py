@@ -15,8 +15,6 @@ from normalgan.rendering.strokes.curves import SPACING, resample, settle, smooth
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
-__all__ = ["Brush", "thin"]
-
 _RATIO = 1.6  # ratio of the blurs that best approximates a Laplacian (Marr, Hildreth 1980)
 _SPUR = 1.5  # minimum length of a stroke in ink widths; shorter ones are spurs
 _TREMBLE = 7.0  # points for smoothing the centre line, which jumps from pixel to pixel

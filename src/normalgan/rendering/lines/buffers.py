@@ -15,8 +15,6 @@ from normalgan.rendering.maps import Maps
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
-__all__ = ["BufferedDrawing", "Buffers", "Sight", "sight"]
-
 _MARGIN = 4  # pixels around the object, so that filters reach the background before the border
 
 

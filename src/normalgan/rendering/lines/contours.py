@@ -18,16 +18,6 @@ from normalgan.rendering.strokes.curves import SPACING, resample, settle, smooth
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
-__all__ = [
-    "OccludingContours",
-    "OutlinedDrawing",
-    "Silhouette",
-    "borders",
-    "draw_curve",
-    "mark",
-    "occluding_contours",
-]
-
 
 @LINE_DRAWINGS.register
 @dataclass(frozen=True)

@@ -9,8 +9,6 @@ from normalgan.arrays import BoolMask, Doubles, Floats, Indices
 from normalgan.graphs import connected
 from normalgan.rendering.strokes.chain import chain
 
-__all__ = ["PAIRS", "Crossed", "Crossings", "Line", "crossings", "places"]
-
 _Pair = tuple[tuple[slice, slice], tuple[slice, slice]]
 
 PAIRS: tuple[_Pair, _Pair] = (

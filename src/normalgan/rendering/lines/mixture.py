@@ -9,8 +9,6 @@ from normalgan.rendering.lines.base import LINE_DRAWINGS, LineDrawing, check_str
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
-__all__ = ["Mixture"]
-
 
 @LINE_DRAWINGS.register
 @dataclass(frozen=True)

@@ -11,8 +11,6 @@ from normalgan.rendering.lines.base import LINE_DRAWINGS
 from normalgan.rendering.lines.surface import Shape
 from normalgan.rendering.lines.surface_lines import EdgeMarks, SurfaceDrawing, zero_marks
 
-__all__ = ["ObjectSpaceSuggestive", "radial_curvature"]
-
 
 @LINE_DRAWINGS.register
 @dataclass(frozen=True)

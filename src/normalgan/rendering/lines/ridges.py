@@ -10,8 +10,6 @@ from normalgan.rendering.lines.base import LINE_DRAWINGS
 from normalgan.rendering.lines.surface import Shape, Surface
 from normalgan.rendering.lines.surface_lines import EdgeMarks, SurfaceDrawing
 
-__all__ = ["RidgesAndValleys", "apparent_curvature", "extremes"]
-
 _FACING = 0.15  # n·v below which a ridge counts as a contour
 _GRAZING = 0.1  # minimum n·v, because foreshortening has no bound
 

@@ -15,8 +15,6 @@ from normalgan.rendering.lines.crossings import PAIRS, Crossings, Line, crossing
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
-__all__ = ["SuggestiveContours"]
-
 _BAND = 0.003  # fraction of the frame's side; normals within this distance of a contour mix two surfaces
 
 

@@ -9,8 +9,6 @@ from scipy import sparse
 from normalgan.arrays import Doubles, Indices
 from normalgan.rendering.mesh import Mesh
 
-__all__ = ["Shape", "Surface", "shape_of", "shape_operators", "smooth_normals"]
-
 _Operator = Any  # a sparse matrix, because SciPy's types are not generic in the other factor
 
 

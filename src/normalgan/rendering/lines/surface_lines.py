@@ -18,8 +18,6 @@ from normalgan.rendering.strokes.curves import SPACING, lengths_along, resample,
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
-__all__ = ["EdgeMarks", "SurfaceDrawing", "zero_marks"]
-
 _DEEPER = 0.004  # in mesh units; rounding and facets put points behind the depth buffer
 
 

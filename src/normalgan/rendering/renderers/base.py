@@ -7,8 +7,6 @@ from normalgan.rendering.cameras import Camera
 from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 
-__all__ = ["RENDERERS", "Renderer"]
-
 
 class Renderer(ABC):
     """Base class of renderers.

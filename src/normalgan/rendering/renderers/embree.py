@@ -12,9 +12,6 @@ from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers.base import RENDERERS, Renderer
 
-__all__ = ["EmbreeRenderer"]
-
-
 _CANCELLED = 1e-4
 """Length below which interpolated normals have cancelled each other out."""
 

@@ -15,8 +15,6 @@ from normalgan.rendering.maps import Maps
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.renderers.base import RENDERERS, Renderer
 
-__all__ = ["PyrenderRenderer"]
-
 # One context per process, because deleting a second one would delete the shared EGL display.
 _context: "_FloatContext | None" = None
 

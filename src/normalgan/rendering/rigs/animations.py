@@ -11,8 +11,6 @@ from normalgan.rendering.gltf.container import Container, bad_gltf
 from normalgan.rendering.gltf.scene import Nodes
 from normalgan.rendering.rigs.rig import Clip, Track
 
-__all__ = ["pose_at", "read_clips", "track_at"]
-
 _KINDS = {"translation": "VEC3", "rotation": "VEC4", "scale": "VEC3"}
 _MOST_CHANNELS = 2**14
 """Maximum number of channels; each takes 0.1 ms to read, and rigs have a few thousand."""

@@ -14,8 +14,6 @@ from normalgan.rendering.rigs.animations import pose_at
 from normalgan.rendering.rigs.reading import read_rig
 from normalgan.rendering.rigs.rig import Clip, posed_surface
 
-__all__ = ["ClipMeshes"]
-
 _MOMENTS = 16
 """Number of times for estimating the bounding box of a whole clip."""
 

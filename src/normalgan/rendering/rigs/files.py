@@ -15,8 +15,6 @@ from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile, place
 from normalgan.seeds import rng_of
 
-__all__ = ["RiggedFile", "find_poses"]
-
 _RIG_VERSION = 2
 """Version in each fingerprint. Increase it if a pose number gives a different pose than before."""
 _POSTURES_VERSION = 1

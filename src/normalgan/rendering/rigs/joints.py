@@ -12,8 +12,6 @@ from normalgan.rendering.gltf.scene import world_matrices
 from normalgan.rendering.rigs.animations import track_at
 from normalgan.rendering.rigs.rig import Rig, posed_vertices
 
-__all__ = ["SMALL", "Joints", "LooseRigError", "find_joints", "owned_vertices"]
-
 SMALL = np.deg2rad(12.0)
 """Maximum rotation of a joint about each axis if there is no animation."""
 _FRAMES = 24

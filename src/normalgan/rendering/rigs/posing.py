@@ -15,17 +15,6 @@ from normalgan.rendering.rigs.animations import pose_at
 from normalgan.rendering.rigs.joints import Joints, find_joints, owned_vertices
 from normalgan.rendering.rigs.rig import Rig
 
-__all__ = [
-    "POSTURES",
-    "Posture",
-    "Skeleton",
-    "draw_pose",
-    "draw_posture",
-    "find_skeleton",
-    "in_posture",
-    "turned",
-]
-
 
 def draw_pose(rig: Rig, rng: np.random.Generator, postures: float = 0.0) -> Doubles:
     """Return the nodes' matrices (N, 4, 4) in a random pose.

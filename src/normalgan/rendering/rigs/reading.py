@@ -13,8 +13,6 @@ from normalgan.rendering.gltf.scene import Nodes, read_nodes, read_primitives, s
 from normalgan.rendering.rigs.animations import read_clips
 from normalgan.rendering.rigs.rig import Piece, Rig, Skin
 
-__all__ = ["read_rig"]
-
 _MOST_SETS = 4
 """Maximum number of sets of four joints and weights per vertex."""
 _SUM_TOLERANCE = 0.05

@@ -7,8 +7,6 @@ import numpy as np
 from normalgan.arrays import Doubles, Indices
 from normalgan.rendering.gltf.scene import Nodes
 
-__all__ = ["Clip", "Piece", "Rig", "Skin", "Track", "posed_surface", "posed_vertices"]
-
 
 @dataclass(frozen=True)
 class Skin:

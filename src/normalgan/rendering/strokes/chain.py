@@ -6,7 +6,6 @@ import numpy as np
 
 from normalgan.arrays import Doubles, Indices
 
-__all__ = ["chain"]
 _Piece = list[int]
 _Neighbours = tuple[list[int], list[int]]
 _End = tuple[int, int]  # index of a piece and one of its ends, 0 or -1

@@ -4,8 +4,6 @@ import numpy as np
 
 from normalgan.arrays import Doubles
 
-__all__ = ["SPACING", "lengths_along", "resample", "settle", "smooth"]
-
 SPACING = 1.0
 """Distance between the points of a stroke, in pixels of the sketch."""
 

@@ -8,8 +8,6 @@ import numpy as np
 from normalgan.arrays import BoolMask, Doubles, Floats, Indices
 from normalgan.rendering.strokes.stroke import Stroke
 
-__all__ = ["rasterise"]
-
 _LONGEST = 2.0  # maximum length of a segment in pixels, so that each affects only a small square
 _FAINTEST = 1e-4  # smaller amounts of ink are rounding errors
 _BATCH = 1_000_000  # number of pixels processed at once

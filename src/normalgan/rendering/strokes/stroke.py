@@ -7,8 +7,6 @@ import numpy as np
 
 from normalgan.arrays import Doubles
 
-__all__ = ["Stroke"]
-
 
 @dataclass(frozen=True)
 class Stroke:

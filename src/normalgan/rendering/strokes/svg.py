@@ -7,8 +7,6 @@ import numpy as np
 from normalgan.arrays import Doubles
 from normalgan.rendering.strokes.stroke import Stroke
 
-__all__ = ["outline", "to_svg"]
-
 _EXACT = 0.05  # in pixels; points closer than this to the line between their neighbours are left out
 _EVEN = 0.01  # in pixels; smaller variations of the width are ignored
 

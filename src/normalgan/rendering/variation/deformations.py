@@ -13,24 +13,6 @@ from numpy.typing import NDArray
 
 from normalgan.arrays import Doubles
 
-__all__ = [
-    "Deformation",
-    "Deformed",
-    "Middle",
-    "belly",
-    "bend",
-    "bump",
-    "free_form",
-    "in_turn",
-    "lengthen",
-    "scale",
-    "swell",
-    "taper",
-    "thicken",
-    "together",
-    "twist",
-]
-
 Deformed = tuple[Doubles, Doubles]
 Deformation = Callable[[Doubles], Deformed]
 

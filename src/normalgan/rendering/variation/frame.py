@@ -8,8 +8,6 @@ from normalgan.arrays import Doubles
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.repair import face_vectors
 
-__all__ = ["Frame", "find_frame"]
-
 _COARSE, _FINE = np.arange(0.0, 180.0, 5.0), np.arange(-4.5, 5.0, 0.5)
 """Steps in degrees of the search for the plane of symmetry, first over all angles, then around the best."""
 _ACROSS = 0.002

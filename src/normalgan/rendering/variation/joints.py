@@ -13,8 +13,6 @@ from normalgan.rendering.variation.deformations import Deformed
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-__all__ = ["Joint", "find_joints"]
-
 _TIPS = 8
 """Maximum number of limb ends; a person has five, a dog with a tail six."""
 _SHORTEST_LIMB = 0.35

@@ -5,8 +5,6 @@ from typing import Annotated
 
 from normalgan.ranges import Range, check_ranges
 
-__all__ = ["Variation"]
-
 _Part = Annotated[float, Range(0, 0.9)]  # so that nothing shrinks to zero
 
 

@@ -34,8 +34,6 @@ from normalgan.rendering.variation.joints import find_joints
 from normalgan.rendering.variation.variation import Variation
 from normalgan.seeds import rng_of
 
-__all__ = ["Varied", "vary"]
-
 _LEAST_VOLUME = 0.1
 """Minimum volume factor at a vertex; deformations that shrink space more, or invert it, are too strong."""
 

@@ -39,8 +39,6 @@ from normalgan.inference.unrolling import unroll
 from normalgan.studio.drawings.limits import LEAST_SIDE, MOST_SIDE, MOST_STRUCTURES, TILE_SIDE
 from normalgan.studio.drawings.schemas import Area, DrawingFields, HintFields, MaskStrokeFields, Structure
 
-__all__ = ["DrawingRequest", "check_sides", "read_png", "to_hints", "to_picture"]
-
 _PNG = b"\x89PNG\r\n\x1a\n"
 
 
@@ -68,10 +66,7 @@ class DrawingRequest:
 
     @classmethod
     def of(
-        cls,
-        fields: DrawingFields,
-        pixels: NDArray[np.uint8] | None = None,
-        source: MaskSource | None = None,
+        cls, fields: DrawingFields, pixels: NDArray[np.uint8] | None = None, source: MaskSource | None = None
     ) -> Self:
         """Return the drawing of a request.
 

@@ -18,8 +18,6 @@ from normalgan.inference.reading.picture import Picture, fitted, read_picture, t
 from normalgan.studio.drawings.drawing_request import check_sides
 from normalgan.studio.drawings.limits import LONGEST_NAME, MOST_LAYERS, MOST_SIDE
 
-__all__ = ["Imported", "import_layers", "import_picture"]
-
 Imported = dict[str, Any]
 
 

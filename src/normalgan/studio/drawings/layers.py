@@ -12,8 +12,6 @@ from normalgan.studio.drawings.planes import KeptPlanes
 from normalgan.studio.drawings.schemas import RequestFields
 from normalgan.studio.server.refusals import RefusedError
 
-__all__ = ["Layer", "predict_layers", "take_layers"]
-
 
 @dataclass(frozen=True)
 class Layer:

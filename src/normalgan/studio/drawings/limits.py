@@ -9,25 +9,6 @@ from normalgan.inference.forms import BEVELS
 from normalgan.inference.structures import KINDS as STRUCTURES
 from normalgan.normals import LEAST_Z
 
-__all__ = [
-    "LEAST_PERIOD",
-    "LEAST_SIDE",
-    "LONGEST_NAME",
-    "MOST_AREAS",
-    "MOST_CARVED",
-    "MOST_HINTS",
-    "MOST_LAYERS",
-    "MOST_MASK_STROKES",
-    "MOST_PERIOD",
-    "MOST_PICTURES",
-    "MOST_POINTS",
-    "MOST_SIDE",
-    "MOST_STROKES",
-    "MOST_STRUCTURES",
-    "TILE_SIDE",
-    "with_limits",
-]
-
 LEAST_SIDE, MOST_SIDE = 16, 2048
 """Minimum and maximum side of a drawing in pixels."""
 MOST_LAYERS = 16

@@ -11,8 +11,6 @@ from normalgan.errors import InputError
 from normalgan.studio.drawings.schemas import DrawingFields, Plane
 from normalgan.studio.server.refusals import BehindError
 
-__all__ = ["CONTENT_TYPE", "KeptPlanes", "Pixels", "split_body"]
-
 Pixels = NDArray[np.uint8]
 
 CONTENT_TYPE: Final = "application/x-normalgan-drawing"

@@ -31,25 +31,6 @@ from normalgan.studio.drawings.limits import (
 from normalgan.studio.names import LONGEST
 from normalgan.studio.server.bodies import MOST_BYTES
 
-__all__ = [
-    "Area",
-    "DrawingFields",
-    "ExportFields",
-    "HintFields",
-    "ImportQuery",
-    "LayerFields",
-    "MaskStrokeFields",
-    "Plane",
-    "PredictFields",
-    "RequestFields",
-    "Schema",
-    "Side",
-    "Structure",
-    "SuggestFields",
-    "parse",
-    "parse_object",
-]
-
 _FARTHEST = 1e6
 """Maximum offset, in pixels, and rotation, in radians, of a structure's tiles."""
 

@@ -22,8 +22,6 @@ from normalgan.studio.drawings.schemas import ExportFields
 from normalgan.studio.names import check_name
 from normalgan.studio.page_files import PAGE
 
-__all__ = ["ExportRequest", "Preset", "offered", "read_export_request", "with_export_menu"]
-
 
 @dataclass(frozen=True)
 class Preset:

@@ -3,8 +3,6 @@
 import ctypes
 import platform
 
-__all__ = ["keep_memory"]
-
 _TRIM_THRESHOLD, _MMAP_THRESHOLD, _ARENA_MAX = -1, -3, -8
 """Parameters of mallopt in glibc's malloc.h."""
 _LARGEST = 2**25

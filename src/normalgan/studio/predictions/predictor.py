@@ -23,8 +23,6 @@ from normalgan.inference.preparation import Prepared, hinted, prepare
 from normalgan.inference.reading.picture import Picture
 from normalgan.studio.drawings.drawing_request import DrawingRequest
 
-__all__ = ["DrawingPredictor"]
-
 K = TypeVar("K")
 T = TypeVar("T")
 

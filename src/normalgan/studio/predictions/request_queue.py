@@ -7,8 +7,6 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
-__all__ = ["GivenUpError", "RequestQueue", "Stop"]
-
 T = TypeVar("T")
 
 _TABS = 256

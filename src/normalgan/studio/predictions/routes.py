@@ -22,20 +22,12 @@ from normalgan.normals import pixels_of
 from normalgan.studio.drawings.drawing_request import to_hints
 from normalgan.studio.drawings.layers import Layer, predict_layers, take_layers
 from normalgan.studio.drawings.planes import CONTENT_TYPE, KeptPlanes, split_body
-from normalgan.studio.drawings.schemas import (
-    ExportFields,
-    PredictFields,
-    RequestFields,
-    SuggestFields,
-    parse,
-)
+from normalgan.studio.drawings.schemas import ExportFields, PredictFields, RequestFields, SuggestFields, parse
 from normalgan.studio.predictions.exports import read_export_request
 from normalgan.studio.predictions.predictor import DrawingPredictor
 from normalgan.studio.predictions.request_queue import RequestQueue, Stop
 from normalgan.studio.server.bodies import check_type, read_body, wait_disconnect
 from normalgan.studio.server.refusals import RefusedError
-
-__all__ = ["PredictionRoutes"]
 
 T = TypeVar("T")
 F = TypeVar("F", bound=RequestFields)

@@ -21,8 +21,6 @@ from normalgan.studio.names import check_name, is_name
 from normalgan.studio.server.bodies import MOST_BYTES
 from normalgan.studio.server.refusals import ChangedError, MissingError
 
-__all__ = ["ANYTHING", "SUFFIX", "Anything", "DocumentStore", "Expected"]
-
 SUFFIX = ".normalgan"
 
 
@@ -60,8 +58,7 @@ class DocumentStore:
                     left.unlink(missing_ok=True)
         except OSError as error:
             raise unwritable(
-                f"projects cannot be saved in {folder}: {error.strerror}; give another --projects.",
-                error,
+                f"projects cannot be saved in {folder}: {error.strerror}; give another --projects.", error
             ) from error
 
     def entries(self) -> list[dict[str, Any]]:

@@ -7,8 +7,6 @@ from pydantic import ValidationError
 from normalgan.errors import InputError, sentence_of
 from normalgan.studio.drawings.schemas import Schema, Side, parse_object
 
-__all__ = ["FORMAT", "VERSION", "check_document"]
-
 FORMAT, VERSION = "normalgan-studio", 5
 _ONE_LAYER = 3
 """Last version without layers; in these versions, ``layers`` are pictures for tracing."""

@@ -11,8 +11,6 @@ from normalgan.studio.projects.document_store import SUFFIX, DocumentStore
 from normalgan.studio.projects.format import check_document
 from normalgan.studio.server.bodies import MOST_BYTES
 
-__all__ = ["Opened", "find_opened"]
-
 Opened = dict[str, Any]
 
 

@@ -10,8 +10,6 @@ from normalgan.studio.projects.document_store import ANYTHING, DocumentStore, Ex
 from normalgan.studio.projects.format import check_document
 from normalgan.studio.server.bodies import read_json
 
-__all__ = ["DocumentRoutes"]
-
 
 class DocumentRoutes:
     """The routes of a document store.

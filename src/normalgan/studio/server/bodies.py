@@ -6,15 +6,6 @@ from starlette.requests import Request
 
 from normalgan.studio.server.refusals import TooLargeError, TooSlowError, WrongTypeError
 
-__all__ = [
-    "MOST_BYTES",
-    "PATIENCE",
-    "check_type",
-    "read_body",
-    "read_json",
-    "wait_disconnect",
-]
-
 MOST_BYTES = 20 * 2**20
 """Maximum size of a request body in bytes."""
 PATIENCE = 20.0

@@ -6,8 +6,6 @@ from starlette.types import ASGIApp, Receive, Scope, Send
 from normalgan.studio.server.refusals import ForeignError, RefusedError
 from normalgan.studio.server.responses import refused
 
-__all__ = ["Guard"]
-
 
 class Guard:
     """Refuses requests under another host name and requests from other pages.

@@ -2,17 +2,6 @@
 
 from normalgan.errors import InputError
 
-__all__ = [
-    "BehindError",
-    "ChangedError",
-    "ForeignError",
-    "MissingError",
-    "RefusedError",
-    "TooLargeError",
-    "TooSlowError",
-    "WrongTypeError",
-]
-
 
 class RefusedError(InputError):
     """A refused request; its message is one sentence for the user."""

@@ -11,8 +11,6 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from normalgan.errors import InputError, RunError, brief
 from normalgan.studio.server.refusals import RefusedError
 
-__all__ = ["ResponseMiddleware", "failed", "refused"]
-
 _HEADERS = {
     "Content-Security-Policy": "default-src 'self'; img-src 'self' data: blob:; base-uri 'none'; "
     "form-action 'none'; frame-ancestors 'none'; object-src 'none'",

@@ -12,8 +12,6 @@ from starlette.types import ASGIApp
 
 from normalgan.errors import CommandExit, InputError
 
-__all__ = ["listen", "serve"]
-
 _GRACE = 10
 """Seconds that running requests have to finish when the server is stopped."""
 

@@ -10,15 +10,7 @@ from .openraster import OpenRasterFile
 from .psd import PsdFile
 from .zips import MERGED, open_zip
 
-__all__ = [
-    "KINDS",
-    "TREATMENT",
-    "Layer",
-    "LayeredFile",
-    "Notes",
-    "foreign",
-    "open_layered",
-]
+__all__ = ["KINDS", "TREATMENT", "Layer", "LayeredFile", "Notes", "foreign", "open_layered"]
 
 KINDS = ("PSD", "KRA", "ORA", "Aseprite")
 _APPLIED, _NORMAL, _OUT, _NONE = "applied", "shown as normal, named", "left out, named", ""

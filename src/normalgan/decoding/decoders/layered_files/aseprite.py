@@ -12,8 +12,6 @@ from .base import Layer, LayeredFile, flattened
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-__all__ = ["AsepriteFile"]
-
 _FRAME = 0xF1FA
 _LAYER, _CEL, _PALETTE, _TILESET = 0x2004, 0x2005, 0x2019, 0x2023
 _OLD_PALETTES = {0x0004: 255, 0x0011: 63}

@@ -10,8 +10,6 @@ from ..opening import RefusedError
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-__all__ = ["Layer", "LayeredFile", "Notes", "flattened"]
-
 _MOST_NOTES = 12
 """Maximum number of notes given in full; others are only counted."""
 

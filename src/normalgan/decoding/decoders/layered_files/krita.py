@@ -12,8 +12,6 @@ from .zips import MERGED, LayeredZip, member_of, xml_of
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-__all__ = ["KritaFile"]
-
 _TILE = 64
 """Number of columns and rows of a tile in a Krita layer."""
 _LAYERS = {
@@ -24,11 +22,7 @@ _LAYERS = {
     "clonelayer": "clone layer",
 }
 """Krita layers without pixels of their own, by their type in the file."""
-_MASKS = {
-    "filtermask": "filter mask",
-    "transformmask": "transform mask",
-    "colorizemask": "colorize mask",
-}
+_MASKS = {"filtermask": "filter mask", "transformmask": "transform mask", "colorizemask": "colorize mask"}
 _ANIMATED = "it is animated in Krita, of which"
 _WAY_OUT = "is used; render the animation as GIF, WebP or PNG files for all frames"
 

@@ -7,8 +7,6 @@ from ..opening import RefusedError
 from .base import Layer
 from .zips import LayeredZip, member_of, png_of, xml_of
 
-__all__ = ["OpenRasterFile"]
-
 
 class OpenRasterFile(LayeredZip):
     """An OpenRaster file."""

@@ -12,8 +12,6 @@ from .base import Layer, LayeredFile, Notes
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-__all__ = ["PsdFile"]
-
 _DRAWN_EFFECTS = {"stroke", "coloroverlay", "gradientoverlay", "patternoverlay"}
 """Photoshop effects that psd-tools draws, by class name."""
 _STROKE = 250

@@ -13,8 +13,6 @@ from .base import LayeredFile, flattened
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-__all__ = ["MERGED", "LayeredZip", "member_of", "open_zip", "png_of", "xml_of"]
-
 MERGED = "mergedimage.png"
 """Name of the merged picture."""
 _MOST_MEMBER = 2**29
