@@ -11,7 +11,7 @@ export const INK: Named<"LEAST">;
 export const LINE_WIDTH: Named<"DRAWN_WIDTH" | "FINER" | "ROUGH" | "THIN">;
 export const NORMAL_MAP: Named<"PADDING">;
 export const PIPELINE: Named<"BESIDE" | "LEAST" | "PRESENT">;
-export const READER: Named<"DOUBT" | "FLAT" | "ONE_TONE" | "PAPER" | "STRIDE" | "WINDOW"> & {
+export const READER: Named<"DOUBT" | "FLAT" | "NARROWEST" | "ONE_TONE" | "PAPER" | "STRIDE" | "WINDOW"> & {
   readonly GREY: [number, number, number]; readonly NEARER: [number, number]; readonly SIDES: [number, number];
 };
 export const REGIONS: Named<"INKED">;

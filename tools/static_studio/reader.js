@@ -3,7 +3,7 @@
 import { READER } from "./constants.js";
 import { components, extreme, filtered, part, refitted, resized, rint, where } from "./raster.js";
 
-const { DOUBT, FLAT, GREY, NEARER, ONE_TONE, PAPER, SIDES, STRIDE, WINDOW } = READER;
+const { DOUBT, FLAT, GREY, NARROWEST, NEARER, ONE_TONE, PAPER, SIDES, STRIDE, WINDOW } = READER;
 
 /** @typedef {(picture: Float32Array, width: number, height: number) => Promise<Float32Array>} Network three planes in; ink, presence and two more out */
 /** @typedef {{ink: Float32Array, presence: Float32Array, width: number, height: number}} Reading probabilities, at the scale at which the network saw the drawing */
@@ -74,24 +74,40 @@ async function look({ pixels, width: wide, height: high, channels }, paper, netw
   const longest = Math.max(wide, high);
   const side = Math.min(Math.max(longest, SIDES[0]), SIDES[1]);
   const [width, height] = [wide, high].map((each) => Math.max(rint(Math.max(rint((each * side) / longest), 1) / STRIDE), 1) * STRIDE);
-  const picture = new Float32Array(3 * width * height);
+  const least = rint((NARROWEST * Math.max(width, height)) / STRIDE) * STRIDE;
+  const [across, down] = [Math.max(width, least), Math.max(height, least)];
+  const [left, top] = [(across - width) >> 1, (down - height) >> 1];
+  const picture = new Float32Array(3 * across * down);
   const plane = new Float32Array(wide * high);
   for (let c = 0; c < 3; c++) {
     // A grey picture has one channel for all three.
-    if (channels === 1 && c) picture.copyWithin(c * width * height, 0, width * height);
+    if (channels === 1 && c) picture.copyWithin(c * across * down, 0, across * down);
     else {
       for (let i = 0; i < plane.length; i++) {
         const alpha = channels === 4 ? pixels[4 * i + 3] / 255 : 1;
         plane[i] = (pixels[channels * i + c] / 255) * alpha + paper * (1 - alpha);
       }
+      const shown = resized(plane, wide, high, width, height, 1, side < longest ? "lines" : "points");
       // The network expects blue first.
-      picture.set(resized(plane, wide, high, width, height, 1, side < longest ? "lines" : "points"), (channels === 1 ? 0 : 2 - c) * width * height);
+      const start = (channels === 1 ? 0 : 2 - c) * across * down;
+      if (across > width || down > height) picture.fill(borderTone(plane, wide, high), start, start + across * down);
+      for (let row = 0; row < height; row++) picture.set(shown.subarray(row * width, (row + 1) * width), start + (top + row) * across + left);
     }
   }
-  const found = await network(picture, width, height);
-  const [ink, presence] = [0, 1].map((c) => found.slice(c * width * height, (c + 1) * width * height).map((value) => 1 / (1 + Math.exp(-value))));
+  const found = await network(picture, across, down);
+  const box = /** @type {import("./raster.js").Box} */ ([left, top, left + width, top + height]);
+  const [ink, presence] = [0, 1].map((c) => found.slice(c * across * down, (c + 1) * across * down).map((value) => 1 / (1 + Math.exp(-value))));
   const grey = ink.map((_, i) => GREY[2] * picture[i] + GREY[1] * picture[i + ink.length] + GREY[0] * picture[i + 2 * ink.length]);
-  return { ink: byTone(ink, grey, width, height), presence, width, height };
+  return { ink: part(byTone(ink, grey, across, down), across, down, box), presence: part(presence, across, down, box), width, height };
+}
+
+/** Returns the median of a plane along its border. @param {Float32Array} plane @param {number} width @param {number} height */
+function borderTone(plane, width, height) {
+  const border = [...plane.subarray(0, width), ...plane.subarray((height - 1) * width)];
+  for (let row = 0; row < height; row++) border.push(plane[row * width], plane[(row + 1) * width - 1]);
+  border.sort((a, b) => a - b);
+  const half = border.length >> 1;
+  return (border[half - 1] + border[half]) / 2;
 }
 
 /**

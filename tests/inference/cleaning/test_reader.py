@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from normalgan.arrays import BoolMask, Floats
-from normalgan.inference.mask.mask_files import OUTLINE
+from normalgan.inference.mask.mask_files import OUTLINE, MaskSource
 from normalgan.inference.preparation import prepare
 from normalgan.inference.reading.picture import Picture
 
@@ -127,6 +127,17 @@ def test_a_small_drawing_on_a_large_page_is_read_as_by_itself(corner: tuple[int,
     inside = slice(y, y + SIDE), slice(x, x + SIDE)
     sheet[inside], where[inside] = page, alone
     assert iou(prepare(picture_of(sheet), 1200).mask, where) > 0.98
+
+
+@pytest.mark.parametrize("source", [None, OUTLINE])
+@pytest.mark.parametrize("shape", [(200, 1600), (100, 1200), (1600, 200)])
+def test_a_long_closed_outline_is_its_inside(shape: tuple[int, int], source: MaskSource | None) -> None:
+    page, solid = np.ones(shape, np.float32), np.zeros(shape, np.uint8)
+    box = (10, 10), (shape[1] - 11, shape[0] - 11)
+    cv2.rectangle(page, *box, 0, 4)
+    cv2.rectangle(solid, *box, 1, 4)
+    cv2.rectangle(solid, *box, 1, -1)
+    assert iou(prepare(picture_of(page), SIDE, mask=source).mask, solid > 0) > 0.95
 
 
 def test_rules_of_the_paper_are_no_lines() -> None:

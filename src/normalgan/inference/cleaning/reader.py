@@ -22,6 +22,9 @@ PAPER = 0.15
 """Margin around the drawing in the second pass, as a fraction of its longer side, as in training."""
 STRIDE = 32
 """The sides of the network's input are multiples of this number of pixels."""
+NARROWEST = 0.3
+"""Minimum ratio of the sides of the network's input. In narrower pictures, such as banners, it finds no
+object, so they get margins of paper."""
 GREY = np.array([0.299, 0.587, 0.114], np.float32)
 """Weights of red, green and blue in the luminance."""
 ONE_TONE = 0.08
@@ -139,14 +142,28 @@ def _run_network(colour: Floats) -> Reading:
     shape = colour.shape[0], colour.shape[1]
     side = min(max(*shape, SIDES[0]), SIDES[1])
     height, width = (max(round(each / STRIDE), 1) * STRIDE for each in fitted(shape, side))
+    least = round(NARROWEST * max(height, width) / STRIDE) * STRIDE
+    page = max(height, least), max(width, least)
     shown = reduced(colour, (height, width))
+    top, left = (page[0] - height) // 2, (page[1] - width) // 2
+    if page != (height, width):
+        border = np.concatenate([colour[0], colour[-1], colour[:, 0], colour[:, -1]])
+        shown = _with_margins(shown, page, (top, left), np.median(border, axis=0))
     blob = np.ascontiguousarray(shown[..., ::-1].transpose(2, 0, 1)[None], np.float32)
     found = np.asarray(_session().run(["read"], {"picture": blob})[0][0], np.float32)
     ink, presence = 1 / (1 + np.exp(-np.clip(found[:2], -30, 30)))
-    longest = max(height, width)
-    x = (np.arange(width, dtype=np.float32) + found[2] * longest) / width
-    y = (np.arange(height, dtype=np.float32)[:, None] + found[3] * longest) / height
-    return Reading(_by_tone(ink, shown @ GREY), presence, np.stack([x, y]))
+    within = slice(top, top + height), slice(left, left + width)
+    middle = found[2:, *within] * max(page)
+    x = (np.arange(width, dtype=np.float32) + middle[0]) / width
+    y = (np.arange(height, dtype=np.float32)[:, None] + middle[1]) / height
+    return Reading(_by_tone(ink, shown @ GREY)[within], presence[within], np.stack([x, y]))
+
+
+def _with_margins(shown: Floats, page: tuple[int, int], at: tuple[int, int], paper: Floats) -> Floats:
+    """Return a page (H, W, 3) of one colour with a picture on it."""
+    whole = np.broadcast_to(paper.astype(np.float32), (*page, 3)).copy()
+    whole[at[0] : at[0] + shown.shape[0], at[1] : at[1] + shown.shape[1]] = shown
+    return whole
 
 
 def _by_tone(ink: Floats, grey: Floats) -> Floats:
