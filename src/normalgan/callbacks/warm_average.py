@@ -25,9 +25,6 @@ class WarmAverage(WeightAveraging):
 
     Args:
         decay: final decay, in [0, 1).
-
-    Raises:
-        InputError: if the decay is not in [0, 1).
     """
 
     def __init__(self, decay: Annotated[float, Range(0, 1, below=True)] = 0.998) -> None:

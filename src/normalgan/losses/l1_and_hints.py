@@ -21,9 +21,6 @@ class L1AndHints(Reconstruction):
         hint_weight: weight of the hint loss (a mean over hints, a sum over channels), always on the raw map.
         composited: whether the L1 loss is computed after the true normals are pasted in at the hints, as
             by Su et al., instead of on the raw map.
-
-    Raises:
-        InputError: if a weight is negative.
     """
 
     l1_weight: NonNegative = 500.0

@@ -253,9 +253,6 @@ class Varied:
         source: source of the original mesh.
         variation: strengths of the variation.
         number: number of the variant, from 0; the random draws depend only on this and on the mesh's name.
-
-    Raises:
-        InputError: if the number is negative.
     """
 
     source: MeshSource
