@@ -295,6 +295,24 @@ def in_posture(rig: Rig, skeleton: Skeleton, posture: Posture) -> Doubles:
 
 def _placed(skeleton: Skeleton, posture: Posture) -> tuple[Doubles, Doubles]:
     """Return the rotations (N, 3, 3) of the nodes from the rest pose, and positions (N, 3), in body axes."""
+    bends, targets = _bends(skeleton, posture), _targets(skeleton, posture)
+    turns = np.tile(np.eye(3), (len(skeleton.parents), 1, 1))
+    places = skeleton.places.copy()
+    for node in _parents_first(skeleton.parents):
+        above = skeleton.parents[node]
+        if above >= 0:
+            turns[node] = turns[above]
+            places[node] = places[above] + turns[above] @ (skeleton.places[node] - skeleton.places[above])
+        if node in bends:
+            turns[node] = turns[node] @ bends[node]
+        elif node in targets:
+            rest, target = targets[node]
+            turns[node] = _swing(turns[node] @ rest, target) @ turns[node]
+    return turns, places
+
+
+def _bends(skeleton: Skeleton, posture: Posture) -> dict[int, Doubles]:
+    """Return the rotation (3, 3) of each bent node; the nodes of spine, neck and tail share their bend."""
     bends = {skeleton.trunk[0]: _turn((posture.pitch, 0.0, 0.0)), skeleton.head: _turn(posture.head)}
     pitch, yaw, roll = posture.tail
     for nodes, bend in (
@@ -303,37 +321,35 @@ def _placed(skeleton: Skeleton, posture: Posture) -> tuple[Doubles, Doubles]:
         (skeleton.tail, (-pitch, -yaw, roll)),
     ):
         bends |= {node: _turn(tuple(angle / len(nodes) for angle in bend)) for node in nodes}
-    ways: dict[int, tuple[Doubles, Doubles]] = {}
-    for limbs, held in ((skeleton.fore, posture.fore), (skeleton.hind, posture.hind)):
-        for nodes, limb, side in zip(limbs, held, (-1.0, 1.0), strict=True):
-            for number, (node, way) in enumerate(zip(nodes, limb, strict=False)):
-                if way is not None:
-                    end = (
-                        skeleton.places[nodes[number + 1]] if number + 1 < len(nodes) else skeleton.tips[node]
-                    )
-                    ways[node] = (end - skeleton.places[node], _direction(way, side))
-    turns = np.tile(np.eye(3), (len(skeleton.parents), 1, 1))
-    places = skeleton.places.copy()
-    done = set()
+    return bends
 
-    def place(node: int) -> None:
-        if node in done:
-            return
-        done.add(node)
-        above = skeleton.parents[node]
-        if above >= 0:
-            place(above)
-            turns[node] = turns[above]
-            places[node] = places[above] + turns[above] @ (skeleton.places[node] - skeleton.places[above])
-        if node in bends:
-            turns[node] = turns[node] @ bends[node]
-        elif node in ways:
-            rest, target = ways[node]
-            turns[node] = _swing(turns[node] @ rest, target) @ turns[node]
 
-    for node in range(len(skeleton.parents)):
-        place(node)
-    return turns, places
+def _targets(skeleton: Skeleton, posture: Posture) -> dict[int, tuple[Doubles, Doubles]]:
+    """Return the vector (3,) of each limb segment at rest, and the unit vector (3,) that it shall get."""
+    targets = {}
+    limbs = (*skeleton.fore, *skeleton.hind)
+    for nodes, limb, side in zip(limbs, (*posture.fore, *posture.hind), (-1.0, 1.0) * 2, strict=True):
+        ends = [*(skeleton.places[node] for node in nodes[1:]), skeleton.tips[nodes[-1]]]
+        for node, end, way in zip(nodes, ends, limb, strict=False):  # a limb may leave out its last segments
+            if way is not None:
+                targets[node] = (end - skeleton.places[node], _direction(way, side))
+    return targets
+
+
+def _parents_first(parents: Sequence[int]) -> list[int]:
+    """Return the nodes, each after its parent.
+
+    >>> _parents_first([2, 0, -1])
+    [2, 0, 1]
+    """
+    ordered: dict[int, None] = {}
+    for start in range(len(parents)):
+        line, node = [], start
+        while node >= 0 and node not in ordered and node not in line:  # `line` stops a cycle
+            line.append(node)
+            node = parents[node]
+        ordered |= dict.fromkeys(reversed(line))
+    return list(ordered)
 
 
 def _level(skeleton: Skeleton, posture: Posture) -> float:
