@@ -25,6 +25,7 @@ from normalgan.data.store.manifest import Manifest, dataset_key, fingerprints, v
 from normalgan.data.store.sample_layout import Layout, Shard
 from normalgan.data.store.shards import ShardedSamples
 from normalgan.errors import InputError, RunError
+from normalgan.files.json_files import encode_json
 from normalgan.progress import progress_bar
 from normalgan.rendering.samples import RENDERING_VERSION
 
@@ -202,7 +203,7 @@ def find_unusable(cache: str, sources: Sequence[Loadable], workers: int = 0) -> 
                 if reason is not None:
                     reasons[task.source.name] = reason
     left_out = {source.name: reasons[source.name] for source in sources if source.name in reasons}
-    folder.write(path, (json.dumps({"left_out": left_out}, indent=1) + "\n").encode())
+    folder.write(path, encode_json({"left_out": left_out}))
     return left_out
 
 

@@ -17,6 +17,7 @@ from normalgan.data.store.fsspec_storage import Storage
 from normalgan.data.store.sample_layout import Layout, Shard, array_names, blank, chunk_path, encode, metadata
 from normalgan.data.store.zarr_store import ObjectStore
 from normalgan.errors import InputError
+from normalgan.files.json_files import encode_json
 from normalgan.rendering.samples import Sample
 
 ZARR = "samples.zarr"
@@ -232,12 +233,14 @@ def write_shard(
         storage.write(f"{ZARR}/{path}", content)
     note = f"{_FAILED}/{shard.split}/{shard.number}"
     if failed:
-        storage.write(f"{note}.json", _json({mesh: failed[mesh] for mesh in shard.meshes if mesh in failed}))
+        storage.write(
+            f"{note}.json", encode_json({mesh: failed[mesh] for mesh in shard.meshes if mesh in failed})
+        )
     else:
         storage.delete(f"{note}.json")
         storage.delete(f"{note}.txt")
     sums = {path: [len(content), _digest(content)] for path, content in objects.items()}
-    storage.write(shard.marker, _json(sums))
+    storage.write(shard.marker, encode_json(sums))
 
 
 def write_traces(storage: Storage, shard: Shard, traces: Mapping[str, str]) -> str:
@@ -296,10 +299,6 @@ def damaged(storage: Storage, split: str, numbers: Sequence[int]) -> list[int]:
 
 def _digest(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
-
-
-def _json(content: Mapping[str, object]) -> bytes:
-    return (json.dumps(content, indent=1) + "\n").encode()
 
 
 def _same_json(a: bytes, b: bytes) -> bool:
