@@ -1,7 +1,9 @@
 """NormalGAN: the LightningModule of generator and discriminator, with manual optimisation."""
 
+import math
 import warnings
 from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Annotated, cast
 
 import torch
@@ -34,48 +36,14 @@ from normalgan.models.predictions import Predictions
 from normalgan.models.statistics import average_statistics
 from normalgan.ranges import Count, NonNegative, Positive, PositiveInt, Range, Share, check_ranges
 from normalgan.saved_settings import SavedSettings
-from normalgan.schedules import end_cosine_at
 from normalgan.seeds import derive_seed, seed_torch
 
 ADVERSARIAL_SHARE = "train/adversarial_share"
 """Ratio of the adversarial to the reconstruction gradient norm, at the generator's weights."""
 
 
-def _weighted(terms: dict[str, Term]) -> Tensor:
-    return torch.stack([term.weight * term.value for term in terms.values()]).sum()
-
-
 def _rmsprop(parameters: object) -> Optimizer:
     return RMSprop(cast("list[Tensor]", parameters), lr=5e-5, alpha=0.9)
-
-
-def _optimizer(make: OptimizerCallable, network: nn.Module, name: str) -> Optimizer:
-    try:
-        return make(network.parameters())
-    except ValueError as error:  # such as a negative learning rate, which is found only here
-        raise InputError(f"{name} cannot be used: {brief(error)}.") from error
-
-
-def _check_optimizer(name: str, optimizer: object) -> None:
-    if not callable(optimizer):
-        raise InputError(
-            f"{name} must make an optimiser of parameters, such as partial(torch.optim.Adam, lr=1e-4), "
-            f"not be {describe(optimizer)}."
-        )
-
-
-def _check_callbacks(callbacks: Iterable[object]) -> None:
-    """Refuse callbacks that work only if Lightning steps the optimisers.
-
-    Raises:
-        InputError: if there is such a callback.
-    """
-    for callback in callbacks:
-        if isinstance(callback, LearningRateFinder):
-            raise InputError(
-                "LearningRateFinder cannot be used, because NormalGAN steps its optimisers by hand; compare "
-                "rates with a sweep."
-            )
 
 
 class NormalGAN(SavedSettings, Evaluation):
@@ -205,7 +173,7 @@ class NormalGAN(SavedSettings, Evaluation):
         epochs = self.trainer.max_epochs
         for config in self.trainer.lr_scheduler_configs:
             if isinstance(config.scheduler, CosineAnnealingLR) and epochs is not None and epochs > 0:
-                end_cosine_at(config.scheduler, epochs)
+                _end_cosine_at(config.scheduler, epochs)
 
     def teardown(self, stage: str) -> None:
         """Drop the compiled function, which cannot be copied or pickled."""
@@ -363,7 +331,7 @@ class NormalGAN(SavedSettings, Evaluation):
 
     def _average_statistics(self) -> None:
         if self.trainer.world_size > 1:
-            average_statistics(self, self.trainer.strategy)
+            average_statistics(self, partial(self.trainer.strategy.reduce, reduce_op="mean"))
 
     def on_train_epoch_end(self) -> None:
         """Step the learning rate schedules, which Lightning does not do in manual optimisation."""
@@ -386,3 +354,53 @@ class NormalGAN(SavedSettings, Evaluation):
     def _optimizers(self) -> list[LightningOptimizer]:
         optimizers = self.optimizers()
         return cast(list[LightningOptimizer], optimizers if isinstance(optimizers, list) else [optimizers])
+
+
+def _check_optimizer(name: str, optimizer: object) -> None:
+    if not callable(optimizer):
+        raise InputError(
+            f"{name} must make an optimiser of parameters, such as partial(torch.optim.Adam, lr=1e-4), "
+            f"not be {describe(optimizer)}."
+        )
+
+
+def _check_callbacks(callbacks: Iterable[object]) -> None:
+    """Refuse callbacks that work only if Lightning steps the optimisers.
+
+    Raises:
+        InputError: if there is such a callback.
+    """
+    for callback in callbacks:
+        if isinstance(callback, LearningRateFinder):
+            raise InputError(
+                "LearningRateFinder cannot be used, because NormalGAN steps its optimisers by hand; compare "
+                "rates with a sweep."
+            )
+
+
+def _optimizer(make: OptimizerCallable, network: nn.Module, name: str) -> Optimizer:
+    try:
+        return make(network.parameters())
+    except ValueError as error:  # such as a negative learning rate, which is found only here
+        raise InputError(f"{name} cannot be used: {brief(error)}.") from error
+
+
+def _end_cosine_at(schedule: CosineAnnealingLR, epochs: int) -> None:
+    """Change the length of a cosine schedule, and update the learning rate of the current epoch.
+
+    PyTorch derives each rate from the previous one, so a schedule that has reached 0 would stay there.
+
+    Args:
+        schedule: schedule that is stepped once per epoch; unchanged if it already has this length.
+        epochs: number of epochs until the lowest rate.
+    """
+    if schedule.T_max == epochs:
+        return
+    schedule.T_max = epochs
+    share = (1 + math.cos(math.pi * schedule.last_epoch / epochs)) / 2
+    for group, rate in zip(schedule.optimizer.param_groups, schedule.base_lrs, strict=True):
+        group["lr"] = schedule.eta_min + (rate - schedule.eta_min) * share
+
+
+def _weighted(terms: dict[str, Term]) -> Tensor:
+    return torch.stack([term.weight * term.value for term in terms.values()]).sum()
