@@ -1,4 +1,4 @@
-"""ObjectStore: a read-only Zarr store for a `Storage` folder."""
+"""ObjectStore: a read-only Zarr store for an `ObjectFolder`."""
 
 from collections.abc import Iterable
 from typing import Any, NoReturn
@@ -7,7 +7,7 @@ from zarr.abc.store import ByteRequest, OffsetByteRequest, RangeByteRequest, Sto
 from zarr.core.buffer import Buffer, BufferPrototype
 from zarr.core.buffer.core import default_buffer_prototype
 
-from normalgan.data.store.fsspec_storage import Storage
+from normalgan.data.store.fsspec_storage import ObjectFolder
 
 _METADATA = {"zarr.json", ".zarray", ".zattrs", ".zgroup", ".zmetadata"}  # Zarr checks which of them exist
 
@@ -23,7 +23,7 @@ class ObjectStore(Store):
     supports_deletes = False
     supports_listing = False
 
-    def __init__(self, storage: Storage) -> None:
+    def __init__(self, storage: ObjectFolder) -> None:
         super().__init__(read_only=True)
         self.storage = storage
 
@@ -56,7 +56,7 @@ class ObjectStore(Store):
     def _refuse(self, *_: Any, **__: Any) -> NoReturn:
         raise NotImplementedError("an ObjectStore only reads objects by their keys.")
 
-    # `Storage.write` writes whole shards, and reading samples does not need a list of the objects.
+    # `ObjectFolder.write` writes whole shards, and reading samples does not need a list of the objects.
     set = delete = list = list_prefix = list_dir = _refuse
 
 
