@@ -20,7 +20,7 @@ from normalgan.errors import InputError, brief
 from normalgan.evaluation import Evaluation
 from normalgan.hints import HintSampler
 from normalgan.hints.draw import draw_hints
-from normalgan.hints.noise import turn_hints
+from normalgan.hints.noise import perturb_hints
 from normalgan.hints.pins_in_turn import pin_in_turn
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths, check_line_widths
 from normalgan.losses import AdversarialObjective, L1AndHints, Reconstruction, Term
@@ -179,8 +179,6 @@ class NormalGAN(SavedSettings, Evaluation):
         """Drop the compiled function, which cannot be copied or pickled."""
         self._generate = None
 
-    # --- training -------------------------------------------------------------------------------------
-
     # torch.compile(model) would also compile Lightning's code between the networks, which it cannot trace.
     @torch.compiler.disable  # type: ignore[untyped-decorator]
     def training_step(self, batch: Batch, batch_idx: int) -> None:
@@ -191,26 +189,27 @@ class NormalGAN(SavedSettings, Evaluation):
         self._picture_size = int(batch["sketch"].shape[-1])  # which `SavedSettings` saves
         hints = self.training_hints(batch, seed)
         if self.hint_noise:
-            hints = turn_hints(hints, self.hint_noise, derive_seed("hint noise", seed))
+            hints = perturb_hints(hints, self.hint_noise, derive_seed("hint noise", seed))
         condition = make_condition(batch["sketch"], hints)
-        generates = self.discriminator is None or step % self.n_critic == 0  # step 0 trains both networks
-        distracts = generates and self.distractor_consistency > 0
-        # The first sketches of the batch again, with strokes that should not change their maps.
-        distracted = with_distractor_strokes(batch["sketch"], batch["mask"]) if distracts else None
-        with torch.set_grad_enabled(generates):
-            preds, of_distracted = self._predict_both(condition, distracted, hints)
-        fake: Tensor | None = None  # without a discriminator nothing needs whole maps
+        trains_generator = self.discriminator is None or step % self.n_critic == 0  # step 0 trains both
+        distracted: Tensor | None = None
+        if trains_generator and self.distractor_consistency > 0:
+            # The first sketches of the batch again, with strokes that should not change their maps.
+            distracted = with_distractor_strokes(batch["sketch"], batch["mask"])
+        with torch.set_grad_enabled(trains_generator):
+            preds, distracted_direction = self._predict_both(condition, distracted, hints)
+        fake: Tensor | None = None  # the predicted maps as a discriminator sees them
         if self.discriminator is not None:
             fake = paste_hints(preds.normal, hints).to(condition.dtype)
             self._step_discriminator(self.discriminator, condition, batch, fake.detach())
-        if generates:
+        if trains_generator:
             terms = self.reconstruction.terms(
                 preds, batch["normal"].float(), batch["mask"].float(), hints[:, 3:].float()
             )
             check_terms(self.reconstruction, terms, alone=self.discriminator is None)
-            if of_distracted is not None:
-                turned = distractor_inconsistency(preds.direction, of_distracted, batch["mask"].float())
-                terms = {**terms, "distractor_inconsistency": Term(turned, self.distractor_consistency)}
+            if distracted_direction is not None:
+                angle = distractor_inconsistency(preds.direction, distracted_direction, batch["mask"].float())
+                terms = {**terms, "distractor_inconsistency": Term(angle, self.distractor_consistency)}
             self._step_generator(condition, terms, preds.direction, fake, batch)
 
     def _predict_both(
@@ -266,7 +265,7 @@ class NormalGAN(SavedSettings, Evaluation):
             )
             optimizer.zero_grad()
             self.manual_backward(loss + penalty)
-            values = check_finite(batch, *self._place())
+            values = check_finite(batch, *self._epoch_and_batch())
             optimizer.step()
             self.objective.after_discriminator_step(discriminator)
         if self._logs_losses(1):
@@ -289,14 +288,14 @@ class NormalGAN(SavedSettings, Evaluation):
             check_finite = start_finite_check(losses, self.trainer.world_size)
             optimizer.zero_grad()
             self.manual_backward(_weighted(terms))
-            values = check_finite(batch, *self._place())
+            values = check_finite(batch, *self._epoch_and_batch())
             optimizer.step()
         if self._logs_losses(1 if self.discriminator is None else self.n_critic):
             self.log_dict({f"train/{name}": value for name, value in values.items()})
             first = next(iter(values))
             self.log(first, values[first], prog_bar=True, logger=False)  # the bar shows it without "train/"
 
-    def _place(self) -> tuple[int, int]:
+    def _epoch_and_batch(self) -> tuple[int, int]:
         """Return the epoch and the index of the batch in it, for error messages."""
         return self.current_epoch, self.trainer.fit_loop.epoch_loop.batch_idx
 

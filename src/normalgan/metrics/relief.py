@@ -11,7 +11,7 @@ import torch
 from torch import Tensor
 
 from normalgan.arrays import BoolMask, Floats
-from normalgan.metrics.base import FRACTION, MapMetric, whole
+from normalgan.metrics.base import FRACTION, MapMetric, fixed_point
 from normalgan.metrics.functional import angular_error, unit_vectors
 from normalgan.metrics.presence import presence
 
@@ -138,10 +138,10 @@ class ReliefMetric(MapMetric):
             (distance >= low * unit) & ((distance < high * unit) | math.isinf(high))
             for low, high in pairwise(_EDGES)
         ]
-        sums = torch.stack([whole((values * zone).sum((2, 3)), FRACTION) for zone in zones])
+        sums = torch.stack([fixed_point((values * zone).sum((2, 3)), FRACTION) for zone in zones])
         self.zones = self.zones + sums
         varied = torch.stack([total_variation(normals, inside & finite) for normals in (preds, target)], 1)
-        self.variation = self.variation + whole(varied, FRACTION)
+        self.variation = self.variation + fixed_point(varied, FRACTION)
 
     def compute(self) -> Tensor:
         """Return the metric over all batches so far; nan without pixels or for non-finite predictions."""
