@@ -234,10 +234,10 @@ class NormalGAN(SavedSettings, Evaluation):
             return batch["hints"]
         hints = draw_hints(self.hint_sampler, batch["normal"], batch["mask"], seed, self._error(batch))
         # The last samples of the batch get pins, because the first ones get distractor strokes.
-        first = len(hints) - round(self.pinned * len(hints))
-        if first == len(hints):
+        start = len(hints) - round(self.pinned * len(hints))
+        if start == len(hints):
             return hints
-        last = slice(first, None)
+        last = slice(start, None)
         with self._eval_mode():
             pinned = pin_in_turn(
                 lambda given: self(batch["sketch"][last], given).float(),
@@ -246,7 +246,7 @@ class NormalGAN(SavedSettings, Evaluation):
                 hints[last],
                 derive_seed("pins", seed),
             )
-        return torch.cat([hints[:first], pinned])
+        return torch.cat([hints[:start], pinned])
 
     def _step_discriminator(
         self, discriminator: Discriminator, condition: Tensor, batch: Batch, fake: Tensor
