@@ -20,7 +20,7 @@ RINGS = {
     "the method": (
         {"metrics", "models", "rendering"},
         {"hints", "losses", "animals"},
-        {"weights", "optimizers", "schedules"},
+        {"weights", "optimizers"},
         {"evaluation", "saved_settings"},
         {"gan"},
     ),

@@ -1,7 +1,9 @@
 """NormalGAN: the LightningModule of generator and discriminator, with manual optimisation."""
 
+import math
 import warnings
 from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Annotated, cast
 
 import torch
@@ -18,7 +20,7 @@ from normalgan.errors import InputError, brief
 from normalgan.evaluation import Evaluation
 from normalgan.hints import HintSampler
 from normalgan.hints.draw import draw_hints
-from normalgan.hints.noise import turn_hints
+from normalgan.hints.noise import perturb_hints
 from normalgan.hints.pins_in_turn import pin_in_turn
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths, check_line_widths
 from normalgan.losses import AdversarialObjective, L1AndHints, Reconstruction, Term
@@ -34,48 +36,14 @@ from normalgan.models.predictions import Predictions
 from normalgan.models.statistics import average_statistics
 from normalgan.ranges import Count, NonNegative, Positive, PositiveInt, Range, Share, check_ranges
 from normalgan.saved_settings import SavedSettings
-from normalgan.schedules import end_cosine_at
 from normalgan.seeds import derive_seed, seed_torch
 
 ADVERSARIAL_SHARE = "train/adversarial_share"
 """Ratio of the adversarial to the reconstruction gradient norm, at the generator's weights."""
 
 
-def _weighted(terms: dict[str, Term]) -> Tensor:
-    return torch.stack([term.weight * term.value for term in terms.values()]).sum()
-
-
 def _rmsprop(parameters: object) -> Optimizer:
     return RMSprop(cast("list[Tensor]", parameters), lr=5e-5, alpha=0.9)
-
-
-def _optimizer(make: OptimizerCallable, network: nn.Module, name: str) -> Optimizer:
-    try:
-        return make(network.parameters())
-    except ValueError as error:  # such as a negative learning rate, which is found only here
-        raise InputError(f"{name} cannot be used: {brief(error)}.") from error
-
-
-def _check_optimizer(name: str, optimizer: object) -> None:
-    if not callable(optimizer):
-        raise InputError(
-            f"{name} must make an optimiser of parameters, such as partial(torch.optim.Adam, lr=1e-4), "
-            f"not be {describe(optimizer)}."
-        )
-
-
-def _check_callbacks(callbacks: Iterable[object]) -> None:
-    """Refuse callbacks that work only if Lightning steps the optimisers.
-
-    Raises:
-        InputError: if there is such a callback.
-    """
-    for callback in callbacks:
-        if isinstance(callback, LearningRateFinder):
-            raise InputError(
-                "LearningRateFinder cannot be used, because NormalGAN steps its optimisers by hand; compare "
-                "rates with a sweep."
-            )
 
 
 class NormalGAN(SavedSettings, Evaluation):
@@ -205,13 +173,11 @@ class NormalGAN(SavedSettings, Evaluation):
         epochs = self.trainer.max_epochs
         for config in self.trainer.lr_scheduler_configs:
             if isinstance(config.scheduler, CosineAnnealingLR) and epochs is not None and epochs > 0:
-                end_cosine_at(config.scheduler, epochs)
+                _end_cosine_at(config.scheduler, epochs)
 
     def teardown(self, stage: str) -> None:
         """Drop the compiled function, which cannot be copied or pickled."""
         self._generate = None
-
-    # --- training -------------------------------------------------------------------------------------
 
     # torch.compile(model) would also compile Lightning's code between the networks, which it cannot trace.
     @torch.compiler.disable  # type: ignore[untyped-decorator]
@@ -223,26 +189,27 @@ class NormalGAN(SavedSettings, Evaluation):
         self._picture_size = int(batch["sketch"].shape[-1])  # which `SavedSettings` saves
         hints = self.training_hints(batch, seed)
         if self.hint_noise:
-            hints = turn_hints(hints, self.hint_noise, derive_seed("hint noise", seed))
+            hints = perturb_hints(hints, self.hint_noise, derive_seed("hint noise", seed))
         condition = make_condition(batch["sketch"], hints)
-        generates = self.discriminator is None or step % self.n_critic == 0  # step 0 trains both networks
-        distracts = generates and self.distractor_consistency > 0
-        # The first sketches of the batch again, with strokes that should not change their maps.
-        distracted = with_distractor_strokes(batch["sketch"], batch["mask"]) if distracts else None
-        with torch.set_grad_enabled(generates):
-            preds, of_distracted = self._predict_both(condition, distracted, hints)
-        fake: Tensor | None = None  # without a discriminator nothing needs whole maps
+        trains_generator = self.discriminator is None or step % self.n_critic == 0  # step 0 trains both
+        distracted: Tensor | None = None
+        if trains_generator and self.distractor_consistency > 0:
+            # The first sketches of the batch again, with strokes that should not change their maps.
+            distracted = with_distractor_strokes(batch["sketch"], batch["mask"])
+        with torch.set_grad_enabled(trains_generator):
+            preds, distracted_direction = self._predict_both(condition, distracted, hints)
+        fake: Tensor | None = None  # the predicted maps as a discriminator sees them
         if self.discriminator is not None:
             fake = paste_hints(preds.normal, hints).to(condition.dtype)
             self._step_discriminator(self.discriminator, condition, batch, fake.detach())
-        if generates:
+        if trains_generator:
             terms = self.reconstruction.terms(
                 preds, batch["normal"].float(), batch["mask"].float(), hints[:, 3:].float()
             )
             check_terms(self.reconstruction, terms, alone=self.discriminator is None)
-            if of_distracted is not None:
-                turned = distractor_inconsistency(preds.direction, of_distracted, batch["mask"].float())
-                terms = {**terms, "distractor_inconsistency": Term(turned, self.distractor_consistency)}
+            if distracted_direction is not None:
+                angle = distractor_inconsistency(preds.direction, distracted_direction, batch["mask"].float())
+                terms = {**terms, "distractor_inconsistency": Term(angle, self.distractor_consistency)}
             self._step_generator(condition, terms, preds.direction, fake, batch)
 
     def _predict_both(
@@ -267,10 +234,10 @@ class NormalGAN(SavedSettings, Evaluation):
             return batch["hints"]
         hints = draw_hints(self.hint_sampler, batch["normal"], batch["mask"], seed, self._error(batch))
         # The last samples of the batch get pins, because the first ones get distractor strokes.
-        first = len(hints) - round(self.pinned * len(hints))
-        if first == len(hints):
+        start = len(hints) - round(self.pinned * len(hints))
+        if start == len(hints):
             return hints
-        last = slice(first, None)
+        last = slice(start, None)
         with self._eval_mode():
             pinned = pin_in_turn(
                 lambda given: self(batch["sketch"][last], given).float(),
@@ -279,7 +246,7 @@ class NormalGAN(SavedSettings, Evaluation):
                 hints[last],
                 derive_seed("pins", seed),
             )
-        return torch.cat([hints[:first], pinned])
+        return torch.cat([hints[:start], pinned])
 
     def _step_discriminator(
         self, discriminator: Discriminator, condition: Tensor, batch: Batch, fake: Tensor
@@ -298,7 +265,7 @@ class NormalGAN(SavedSettings, Evaluation):
             )
             optimizer.zero_grad()
             self.manual_backward(loss + penalty)
-            values = check_finite(batch, *self._place())
+            values = check_finite(batch, *self._epoch_and_batch())
             optimizer.step()
             self.objective.after_discriminator_step(discriminator)
         if self._logs_losses(1):
@@ -321,14 +288,14 @@ class NormalGAN(SavedSettings, Evaluation):
             check_finite = start_finite_check(losses, self.trainer.world_size)
             optimizer.zero_grad()
             self.manual_backward(_weighted(terms))
-            values = check_finite(batch, *self._place())
+            values = check_finite(batch, *self._epoch_and_batch())
             optimizer.step()
         if self._logs_losses(1 if self.discriminator is None else self.n_critic):
             self.log_dict({f"train/{name}": value for name, value in values.items()})
             first = next(iter(values))
             self.log(first, values[first], prog_bar=True, logger=False)  # the bar shows it without "train/"
 
-    def _place(self) -> tuple[int, int]:
+    def _epoch_and_batch(self) -> tuple[int, int]:
         """Return the epoch and the index of the batch in it, for error messages."""
         return self.current_epoch, self.trainer.fit_loop.epoch_loop.batch_idx
 
@@ -363,7 +330,7 @@ class NormalGAN(SavedSettings, Evaluation):
 
     def _average_statistics(self) -> None:
         if self.trainer.world_size > 1:
-            average_statistics(self, self.trainer.strategy)
+            average_statistics(self, partial(self.trainer.strategy.reduce, reduce_op="mean"))
 
     def on_train_epoch_end(self) -> None:
         """Step the learning rate schedules, which Lightning does not do in manual optimisation."""
@@ -386,3 +353,53 @@ class NormalGAN(SavedSettings, Evaluation):
     def _optimizers(self) -> list[LightningOptimizer]:
         optimizers = self.optimizers()
         return cast(list[LightningOptimizer], optimizers if isinstance(optimizers, list) else [optimizers])
+
+
+def _check_optimizer(name: str, optimizer: object) -> None:
+    if not callable(optimizer):
+        raise InputError(
+            f"{name} must make an optimiser of parameters, such as partial(torch.optim.Adam, lr=1e-4), "
+            f"not be {describe(optimizer)}."
+        )
+
+
+def _check_callbacks(callbacks: Iterable[object]) -> None:
+    """Refuse callbacks that work only if Lightning steps the optimisers.
+
+    Raises:
+        InputError: if there is such a callback.
+    """
+    for callback in callbacks:
+        if isinstance(callback, LearningRateFinder):
+            raise InputError(
+                "LearningRateFinder cannot be used, because NormalGAN steps its optimisers by hand; compare "
+                "rates with a sweep."
+            )
+
+
+def _optimizer(make: OptimizerCallable, network: nn.Module, name: str) -> Optimizer:
+    try:
+        return make(network.parameters())
+    except ValueError as error:  # such as a negative learning rate, which is found only here
+        raise InputError(f"{name} cannot be used: {brief(error)}.") from error
+
+
+def _end_cosine_at(schedule: CosineAnnealingLR, epochs: int) -> None:
+    """Change the length of a cosine schedule, and update the learning rate of the current epoch.
+
+    PyTorch derives each rate from the previous one, so a schedule that has reached 0 would stay there.
+
+    Args:
+        schedule: schedule that is stepped once per epoch; unchanged if it already has this length.
+        epochs: number of epochs until the lowest rate.
+    """
+    if schedule.T_max == epochs:
+        return
+    schedule.T_max = epochs
+    share = (1 + math.cos(math.pi * schedule.last_epoch / epochs)) / 2
+    for group, rate in zip(schedule.optimizer.param_groups, schedule.base_lrs, strict=True):
+        group["lr"] = schedule.eta_min + (rate - schedule.eta_min) * share
+
+
+def _weighted(terms: dict[str, Term]) -> Tensor:
+    return torch.stack([term.weight * term.value for term in terms.values()]).sum()

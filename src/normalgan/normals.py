@@ -13,7 +13,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from normalgan.arrays import Floats
+from normalgan.arrays import BoolMask, Doubles, Floats
 from normalgan.errors import InputError, brief
 from normalgan.files.limits import read_bounded, refuse_pointer
 
@@ -61,7 +61,7 @@ def encode(normals: NDArray[np.floating], bits: Bits = 8) -> NDArray[np.uint8] |
     colours = np.empty(normals.shape, np.uint8 if bits == 8 else np.uint16)
     for strip in strips(normals.shape):
         # In single precision, one in a few hundred boundaries between levels would be off by the last bit.
-        levels: NDArray[np.float64] = np.multiply(normals[strip], top / 2, dtype=np.float64)
+        levels: Doubles = np.multiply(normals[strip], top / 2, dtype=np.float64)
         levels += top / 2
         colours[strip] = np.clip(np.rint(levels, out=levels), 0, top, out=levels)
     return colours
@@ -112,7 +112,7 @@ def flip_green(normals: Floats) -> Floats:
     return normals * np.array([1, -1, 1], dtype=np.float32)
 
 
-def paint_flat(normals: Floats, mask: NDArray[np.bool_]) -> Floats:
+def paint_flat(normals: Floats, mask: BoolMask) -> Floats:
     """Return the map (H, W, 3) with flat normals (0, 0, 1) outside the object, as game engines expect."""
     import cv2  # as below
 
@@ -122,7 +122,7 @@ def paint_flat(normals: Floats, mask: NDArray[np.bool_]) -> Floats:
     return np.asarray(cv2.copyTo(np.asarray(normals, np.float32), mask.astype(np.uint8), flat), np.float32)
 
 
-def pad_edge(pixels: NDArray[Any], there: NDArray[np.bool_], reach: int) -> None:
+def pad_edge(pixels: NDArray[Any], there: BoolMask, reach: int) -> None:
     """Fill the pixels around an object with the colour of the nearest object pixel, in place.
 
     Engines blend neighbouring pixels when they scale a texture, so the colours outside an object bleed

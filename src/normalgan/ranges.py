@@ -182,9 +182,9 @@ def _given(hint: Any, value: Any) -> list[tuple[Any, Range | OneOf]]:
         return [pair for item in value.values() for pair in _given(inner[-1], item)]
     if isinstance(value, list | tuple) and get_origin(hint) in (list, tuple):
         return [pair for item in value for pair in _given(inner[0], item)]
-    literals = [each for each in inner if get_origin(each) is Literal]
-    words = OneOf(tuple(word for each in literals for word in get_args(each)))
-    if value in words or (literals and literals == inner):
-        return [(value, words)]
-    inner = [each for each in inner if each not in literals]  # the value may match another type of the union
-    return [pair for each in inner for pair in _given(each, value)]
+    # A union: the value is one of the words of its literals, or belongs to one of its other types.
+    words = [word for each in inner if get_origin(each) is Literal for word in get_args(each)]
+    others = [each for each in inner if get_origin(each) is not Literal]
+    if words and (not others or value in OneOf(words)):
+        return [(value, OneOf(words))]
+    return [pair for each in others for pair in _given(each, value)]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from skimage.measure import marching_cubes
 
 from needs import SHARED_MESHES
+from normalgan.arrays import Doubles
 from normalgan.rendering.cameras import Camera, framed, look_at_origin
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.mesh_files import MeshFile
@@ -75,7 +76,7 @@ def camera_at(
     return framed(mesh.vertices, look_at_origin(azimuth, elevation, roll), field_of_view, 0.06)
 
 
-def angles(a: NDArray[np.floating], b: NDArray[np.floating]) -> NDArray[np.float64]:
+def angles(a: NDArray[np.floating], b: NDArray[np.floating]) -> Doubles:
     """Return the angles in degrees between vectors (..., 3)."""
     one, other = a.astype(np.float64), b.astype(np.float64)
     across = np.linalg.norm(np.cross(one, other), axis=-1)

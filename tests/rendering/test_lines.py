@@ -2,10 +2,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scenes import bumps, cube, ink, look, plane, sphere, still, view
 
-from normalgan.arrays import Floats
+from normalgan.arrays import BoolMask, Floats
 from normalgan.rendering.lines import LineDrawing, OccludingContours, SuggestiveContours
 from normalgan.rendering.maps import Maps
 
@@ -21,7 +20,7 @@ def inside_of_square(sketch: Floats, half: float) -> Floats:
     return sketch[edge:-edge, edge:-edge]
 
 
-def nothing(side: int = 512) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+def nothing(side: int = 512) -> tuple[Floats, Floats, BoolMask]:
     """Return the normal, depth and mask of an empty frame."""
     shape = (side, side)
     return np.zeros((*shape, 3), np.float32), np.full(shape, np.inf, np.float32), np.zeros(shape, bool)

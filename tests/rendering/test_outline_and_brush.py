@@ -3,10 +3,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from mesh_shapes import as_mesh, ellipsoid
-from numpy.typing import NDArray
 from scenes import ink, plane, sphere, view
 
-from normalgan.arrays import Doubles
+from normalgan.arrays import BoolMask, Doubles
 from normalgan.errors import InputError
 from normalgan.rendering.cameras import Views, framed, look_at_origin
 from normalgan.rendering.lines import LINE_DRAWINGS, Brush, LineDrawing, Mixture, Silhouette
@@ -26,10 +25,10 @@ def distances(stroke: Stroke, size: int = 128) -> Doubles:
     return away
 
 
-def ring_mask(side: int, outer: float, inner: float) -> NDArray[np.bool_]:
+def ring_mask(side: int, outer: float, inner: float) -> BoolMask:
     y, x = np.mgrid[:side, :side] + 0.5 - side / 2
     r = np.hypot(x, y)
-    mask: NDArray[np.bool_] = (r < outer) & (r > inner)
+    mask: BoolMask = (r < outer) & (r > inner)
     return mask
 
 

@@ -116,18 +116,9 @@ class Legs(Table):
         feet: list[Part] = []
         for sign in (1.0, -1.0):
             hip = body.place([x, y, sign * z])
-            foot = np.array([middle[0] * 0.5 + sign * side * stride, middle[1] - high, sign * z * 0.9])
+            ground = np.array([middle[0] * 0.5 + sign * side * stride, middle[1] - high, sign * z * 0.9])
+            foot, flat = _foot(pose, hip, ground, (thigh, shank), sign, lifted=sign == side)
             heading = 6.0 * sign
-            raised = pose == "one_leg" and sign == side
-            flat = pose not in {"soar", "land"} and not raised
-            if pose == "soar":
-                foot = hip + stretched * np.array([-0.82, -0.14, 0.0])
-            elif pose == "land":
-                foot = hip + stretched * np.array([0.38, -0.72, 0.06 * sign])
-            elif raised:
-                foot = by(hip, 0.55 * (shank - 0.4 * thigh), -0.55 * thigh, -0.03 * sign)
-            elif pose == "one_leg":
-                foot[2] *= 0.35
             heel = hinge(hip, foot, thigh, shank, (-1.0, -0.25, 0.0))
             knee = hip + 0.5 * (heel - hip) + np.array([0.12 * thigh, 0.0, 0.0])
             thigh_tube = tube([hip, knee, heel], [self.meat, 0.62 * self.meat, 1.15 * self.thick],
@@ -138,6 +129,33 @@ class Legs(Table):
             if self.web:
                 feet.append(fuse(_web(self, foot, heading, flat), blend=0.01))
         return [fuse(*meat, blend=0.07), *feet]
+
+
+def _foot(
+    pose: str, hip: Doubles, ground: Doubles, leg: tuple[float, float], sign: float, lifted: bool
+) -> tuple[Doubles, bool]:
+    """Return the position (3,) of a foot in a pose, and whether its toes lie flat.
+
+    Args:
+        pose: as for `Legs.grow`.
+        hip: (3,) position of the leg's hip.
+        ground: (3,) position of the foot if it stands.
+        leg: lengths of thigh and shank.
+        sign: 1 for the right leg, -1 for the left one.
+        lifted: whether a bird that stands on one leg lifts this one.
+    """
+    thigh, shank = leg
+    match pose:
+        case "soar":
+            return hip + (thigh + shank) * np.array([-0.82, -0.14, 0.0]), False
+        case "land":
+            return hip + (thigh + shank) * np.array([0.38, -0.72, 0.06 * sign]), False
+        case "one_leg" if lifted:
+            return by(hip, 0.55 * (shank - 0.4 * thigh), -0.55 * thigh, -0.03 * sign), False
+        case "one_leg":
+            return ground * [1.0, 1.0, 0.35], True  # near the middle, below the weight
+        case _:
+            return ground, True
 
 
 def _comb(rng: Rng) -> list[Part]:

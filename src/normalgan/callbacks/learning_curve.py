@@ -1,6 +1,5 @@
 """LearningCurve: validation metrics over the number of training images, as a file."""
 
-import json
 from pathlib import Path
 from time import monotonic
 from typing import Any
@@ -8,6 +7,7 @@ from typing import Any
 from lightning.pytorch import Callback, LightningModule, Trainer
 
 from normalgan.batch import Batch
+from normalgan.files.json_files import encode_json
 from normalgan.files.writing import write_bytes
 from normalgan.gan import ADVERSARIAL_SHARE, NormalGAN
 
@@ -53,8 +53,7 @@ class LearningCurve(Callback):
         now = {"images": self.images, "epoch": trainer.current_epoch, "seconds": round(self._spent(), 1)}
         self.records.append({**now, **figures})
         if trainer.is_global_zero:
-            text = json.dumps(self.records, indent=1) + "\n"
-            write_bytes(Path(trainer.default_root_dir) / "curve.json", text.encode())
+            write_bytes(Path(trainer.default_root_dir) / "curve.json", encode_json(self.records))
 
     def _spent(self) -> float:
         return self._seconds + (monotonic() - self._start if self._start is not None else 0.0)

@@ -70,9 +70,6 @@ class WallClockSchedule(_RateSchedule):
     Args:
         seconds: time budget in seconds.
         warmup: fraction of the budget in which the rates rise from 0.
-
-    Raises:
-        InputError: if ``seconds`` or ``warmup`` is out of range.
     """
 
     def __init__(self, seconds: Positive, warmup: Annotated[float, Range(0, 1, below=True)] = 0.03) -> None:
@@ -151,9 +148,6 @@ class StableSchedule(_RateSchedule):
         warmup: number of batches over which the rates rise from 0.
         cooldown: number of batches of a cool-down that begins with this run; None trains at a constant
             rate.
-
-    Raises:
-        InputError: if ``warmup`` is negative or ``cooldown`` is not positive.
     """
 
     def __init__(self, warmup: Count = 200, cooldown: PositiveInt | None = None) -> None:

@@ -17,6 +17,7 @@ from normalgan.commit import commit
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.data.loading.order import spread
 from normalgan.errors import printable
+from normalgan.files.json_files import encode_json
 from normalgan.files.writing import write_bytes
 from normalgan.gan import NormalGAN
 from normalgan.metrics import MapMetric, StageMetrics
@@ -160,4 +161,4 @@ def _json(measured: dict[str, Any], results: dict[str, dict[str, float]]) -> byt
         row: {name: None if isnan(value) else value for name, value in sorted(values.items())}
         for row, values in sorted(results.items())
     }
-    return (json.dumps({"run": measured, **figures}, indent=1) + "\n").encode()
+    return encode_json({"run": measured, **figures})

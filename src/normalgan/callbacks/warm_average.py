@@ -1,5 +1,6 @@
 """WarmAverage: an exponential moving average of the weights."""
 
+from functools import partial
 from typing import Annotated, Any
 
 import torch
@@ -25,9 +26,6 @@ class WarmAverage(WeightAveraging):
 
     Args:
         decay: final decay, in [0, 1).
-
-    Raises:
-        InputError: if the decay is not in [0, 1).
     """
 
     def __init__(self, decay: Annotated[float, Range(0, 1, below=True)] = 0.998) -> None:
@@ -80,7 +78,8 @@ class WarmAverage(WeightAveraging):
 
     def _share_statistics(self, trainer: Trainer) -> None:
         if self._average_model is not None and trainer.world_size > 1:
-            average_statistics(self._average_model.module, trainer.strategy)
+            mean = partial(trainer.strategy.reduce, reduce_op="mean")
+            average_statistics(self._average_model.module, mean)
 
     def _average(self) -> Any:
         if self._average_model is None:

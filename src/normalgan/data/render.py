@@ -20,11 +20,12 @@ from normalgan.data.jobs.tasks import (
 from normalgan.data.jobs.workers import Workers
 from normalgan.data.recipe import Loadable, SampleRecipe
 from normalgan.data.splits import none_usable, plural
-from normalgan.data.store.fsspec_storage import Storage
+from normalgan.data.store.fsspec_storage import ObjectFolder
 from normalgan.data.store.manifest import Manifest, dataset_key, fingerprints, views_by_split
 from normalgan.data.store.sample_layout import Layout, Shard
 from normalgan.data.store.shards import ShardedSamples
 from normalgan.errors import InputError, RunError
+from normalgan.files.json_files import encode_json
 from normalgan.progress import progress_bar
 from normalgan.rendering.samples import RENDERING_VERSION
 
@@ -188,7 +189,7 @@ def find_unusable(cache: str, sources: Sequence[Loadable], workers: int = 0) -> 
     prints = fingerprints({"": sources})[""]
     key = hashlib.sha256(json.dumps([RENDERING_VERSION, prints]).encode())
     path = f"{key.hexdigest()[:24]}.json"
-    folder = Storage(cache) / "meshes"
+    folder = ObjectFolder(cache) / "meshes"
     try:
         return dict(json.loads(folder.read(path) or b"")["left_out"])
     except (ValueError, TypeError, KeyError):  # not cached yet, or damaged
@@ -202,7 +203,7 @@ def find_unusable(cache: str, sources: Sequence[Loadable], workers: int = 0) -> 
                 if reason is not None:
                     reasons[task.source.name] = reason
     left_out = {source.name: reasons[source.name] for source in sources if source.name in reasons}
-    folder.write(path, (json.dumps({"left_out": left_out}, indent=1) + "\n").encode())
+    folder.write(path, encode_json({"left_out": left_out}))
     return left_out
 
 
@@ -230,7 +231,7 @@ def leave_out(
 
 def _locate(
     cache: str, sources: Sources, views_per_mesh: int | Mapping[str, int], recipe: SampleRecipe
-) -> tuple[Storage, dict[str, int], dict[str, MeshTask]]:
+) -> tuple[ObjectFolder, dict[str, int], dict[str, MeshTask]]:
     """Return the folder of the data set, the number of views by split, and the meshes by name.
 
     Raises:
@@ -238,7 +239,7 @@ def _locate(
     """
     views = views_by_split(views_per_mesh, sources, recipe.noun)
     prints = fingerprints({split: sources[split] for split in views})
-    folder = Storage(cache) / dataset_key(prints, views, recipe)
+    folder = ObjectFolder(cache) / dataset_key(prints, views, recipe)
     known = dict(pair for part in prints.values() for pair in part)
     return folder, views, {s.name: MeshTask(s, known[s.name]) for split in views for s in sources[split]}
 
@@ -288,7 +289,7 @@ def _pending_shards(pool: Pool, store: ShardedSamples, thorough: bool) -> list[S
         store: samples of a split.
         thorough: whether to check every byte of a remote store too, and to retry failed meshes.
     """
-    storage = Storage(store.url)
+    storage = ObjectFolder(store.url)
     missing = store.missing()
     if isinstance(pool, Cluster) and (storage.local or thorough):
         damaged = _check_side_by_side(pool, storage.address, store)

@@ -21,9 +21,6 @@ class MeshOptions:
         poses: number of poses that replace each rigged glTF file; 0 keeps all files in their rest pose.
         variants: number of random variants added for each training mesh or embedded animal; validation and
             test meshes are not changed.
-
-    Raises:
-        InputError: if a number is out of range.
     """
 
     orientation: str | None = None

@@ -87,8 +87,7 @@ def split_by_file(path: Path, names: Sequence[str], noun: str = "mesh") -> _Name
         raise InputError(
             f"{path} names {_few(unknown)}, but there is no such {noun} among the {len(names)} given."
         )
-    twice = [name for name, times in Counter(named).items() if times > 1]
-    if twice:
+    if twice := repeated(named):
         raise InputError(f"{path} names {_few(twice)} more than once; a {noun} belongs to one split only.")
     left_out = [name for name in names if name not in listed]
     if left_out:
@@ -129,6 +128,11 @@ def plural(noun: str) -> str:
     return f"{noun}{'es' if noun.endswith(('s', 'sh', 'ch', 'x')) else 's'}"
 
 
+def repeated(names: Sequence[str]) -> list[str]:
+    """Return the names that occur more than once, in the order of their first occurrence."""
+    return [name for name, times in Counter(names).items() if times > 1]
+
+
 def none_usable(count: int, noun: str, split: str, reason: str) -> InputError:
     """Return the error for a split where none of ``count`` meshes or pairs is usable.
 
@@ -141,8 +145,7 @@ def none_usable(count: int, noun: str, split: str, reason: str) -> InputError:
 
 
 def _refuse_twins(names: Sequence[str], noun: str) -> None:
-    twins = [name for name, times in Counter(names).items() if times > 1]
-    if twins:
+    if twins := repeated(names):
         raise InputError(f"two {plural(noun)} are named {_few(twins)}; each {noun} needs a unique name.")
 
 

@@ -1,4 +1,4 @@
-"""JSON files given by the user."""
+"""JSON files: reading those that users give, and the form of those that the package writes."""
 
 import json
 from pathlib import Path
@@ -25,3 +25,12 @@ def read_json(path: Path, kind: str = "", like: str = "") -> Any:
     except (ValueError, RecursionError) as error:
         name, end = f"{kind} {path}".strip(), f"; {like}" if like else "."
         raise InputError(f"{name} is not JSON ({brief(error)}){end}") from error
+
+
+def encode_json(value: Any) -> bytes:
+    r"""Return the content of a JSON file, indented so that people can read it.
+
+    >>> encode_json({"samples": 3})
+    b'{\n "samples": 3\n}\n'
+    """
+    return (json.dumps(value, indent=1) + "\n").encode()

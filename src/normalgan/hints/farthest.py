@@ -31,18 +31,18 @@ class FarthestPointHints(HintSampler):
 
     def sample(self, normal: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
         """Return the hint mask, (N, 1, H, W) of the normals' type; see `HintSampler.sample`."""
-        number, _, height, width = normal.shape
+        samples, _, height, width = normal.shape
         on_object = mask.flatten(1) > 0.5
-        first = torch.rand(on_object.shape, generator=rng, device=normal.device)
-        far = float(height**2 + width**2)
-        # Larger than any possible distance; the first point is random.
-        distance = torch.where(on_object, far * (1 + first), -torch.ones_like(first))
+        random = torch.rand(on_object.shape, generator=rng, device=normal.device)
+        farthest = float(height**2 + width**2)
+        # More than any distance everywhere on the object, so that the first point is random.
+        distance = torch.where(on_object, farthest * (1 + random), -torch.ones_like(random))
         pixels = torch.arange(height * width, device=normal.device)
         rows, columns = pixels // width, pixels % width
-        where = torch.zeros_like(first)
+        where = torch.zeros_like(random)
         for _ in range(min(self.count, height * width)):
             best, chosen = distance.max(1, keepdim=True)
             where = where.scatter(1, chosen, torch.where(best > 0, 1.0, where.gather(1, chosen)))
             away = (rows - rows[chosen]).square() + (columns - columns[chosen]).square()
             distance = torch.minimum(distance, away.to(distance.dtype))
-        return where.to(normal.dtype).view(number, 1, height, width)
+        return where.to(normal.dtype).view(samples, 1, height, width)

@@ -8,7 +8,7 @@ from torch import Tensor
 from normalgan.metrics import unit_vectors
 
 
-def turn_hints(hints: Tensor, degrees: float, seed: int) -> Tensor:
+def perturb_hints(hints: Tensor, degrees: float, seed: int) -> Tensor:
     """Return hints (N, 4, H, W) with each normal rotated at random, at the same positions.
 
     Each sample gets its own noise level, uniform between 0 and ``degrees``, so that a network learns both

@@ -34,21 +34,21 @@ class WorstErrorHints(ErrorHintSampler):
 
     def sample_by_error(self, error: Tensor, mask: Tensor, rng: torch.Generator) -> Tensor:
         """Return the hint mask, (N, 1, H, W) of the error's type; ``rng`` is not used."""
-        number, _, height, width = error.shape
-        on_object, flat = mask.flatten(1) > 0.5, error.flatten(1).float()  # float16 is too coarse for ranks
+        samples, _, height, width = error.shape
+        on_object = mask.flatten(1) > 0.5
+        errors = error.flatten(1).float().clamp(min=0)  # float16 is too coarse for ranks
         area_per_point = on_object.sum(1, keepdim=True) / max(self.count, 1)
         reach = self.spacing * area_per_point.sqrt()
-        # Order: errors of free pixels first, then of pixels near a chosen point, then chosen or outside
-        # pixels.
-        crowded = torch.where(on_object, flat.clamp(min=0) - _CROWDED, -math.inf)
-        ranks = torch.where(on_object, flat.clamp(min=0), -math.inf)
+        # Free pixels rank by their errors, above pixels near a chosen point; chosen or outside pixels last.
+        ranks = torch.where(on_object, errors, -math.inf)
+        crowded = torch.where(on_object, errors - _CROWDED, -math.inf)
         pixels = torch.arange(height * width, device=error.device)
         rows, columns = pixels // width, pixels % width
-        where = torch.zeros_like(flat)
+        where = torch.zeros_like(errors)
         for _ in range(min(self.count, height * width)):
             best, chosen = ranks.max(1, keepdim=True)
             where = where.scatter(1, chosen, torch.where(best.isfinite(), 1.0, where.gather(1, chosen)))
             away = (rows - rows[chosen]).square() + (columns - columns[chosen]).square()
             near = away.to(reach.dtype) < reach.square()
             ranks = torch.where(near, torch.minimum(ranks, crowded), ranks).scatter(1, chosen, -math.inf)
-        return where.to(error.dtype).view(number, 1, height, width)
+        return where.to(error.dtype).view(samples, 1, height, width)

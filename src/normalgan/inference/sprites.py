@@ -68,9 +68,6 @@ class Sprite:
         detail: strength of the details taken from the painting's shading, 0 to 1.
         pixel_art: whether each art pixel gets one of `DIRECTIONS`, and dark outlines the flat normal.
         form: form applied to the whole object; None leaves it as predicted.
-
-    Raises:
-        InputError: if ``detail`` is not from 0 to 1.
     """
 
     detail: Share = 0.0

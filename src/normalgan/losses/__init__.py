@@ -4,8 +4,7 @@ from normalgan.losses.adversarial import ADVERSARIAL_OBJECTIVES, AdversarialObje
 from normalgan.losses.angular_likelihood import AngularLikelihood
 from normalgan.losses.cosine import CosineAndL2
 from normalgan.losses.cross_entropy import CrossEntropy
-from normalgan.losses.l1_and_hints import L1AndHints
-from normalgan.losses.pixel_losses import hint_loss, l1_loss
+from normalgan.losses.l1_and_hints import L1AndHints, hint_loss, l1_loss
 from normalgan.losses.reconstruction import RECONSTRUCTIONS, Reconstruction, Term
 from normalgan.losses.wasserstein import Wasserstein, WassersteinGradientPenalty
 from normalgan.models.predictions import Predictions

@@ -53,8 +53,8 @@ def relief_error(direction: Tensor, target: Tensor, mask: Tensor) -> Tensor:
         mask: (N, 1, H, W), 1 on the object.
     """
     off = (direction[:, 2:] - target[:, 2:]) * mask
-    parts = F.adaptive_avg_pool2d(off, _GRID).abs().sum()
-    return parts / F.adaptive_avg_pool2d(mask, _GRID).sum().clamp(min=1e-6)
+    in_cells = F.adaptive_avg_pool2d(off, _GRID).abs().sum()
+    return in_cells / F.adaptive_avg_pool2d(mask, _GRID).sum().clamp(min=1e-6)
 
 
 @RECONSTRUCTIONS.register

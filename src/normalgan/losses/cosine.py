@@ -21,9 +21,6 @@ class CosineAndL2(Reconstruction):
     Args:
         cosine_weight: weight of one minus the cosine.
         l2_weight: weight of the squared distance, summed over coordinates and averaged over pixels.
-
-    Raises:
-        InputError: if a weight is negative.
     """
 
     cosine_weight: NonNegative = 1.0

@@ -7,7 +7,7 @@ from torch import Tensor
 
 from normalgan.losses.angular_likelihood import smooth_angle
 
-_SHARE_MARKED = 1 / 4
+_SHARE_DISTRACTED = 1 / 4
 """Fraction of a batch that is predicted a second time with distractor strokes."""
 
 
@@ -43,20 +43,20 @@ def add_distractor_strokes(sketch: Tensor, mask: Tensor, share: float) -> Tensor
 
 def with_distractor_strokes(sketch: Tensor, mask: Tensor) -> Tensor:
     """Return the first quarter of the sketches (N, 1, H, W), at least one, with distractor strokes added."""
-    count = max(round(len(sketch) * _SHARE_MARKED), 1)
+    count = max(round(len(sketch) * _SHARE_DISTRACTED), 1)
     return add_distractor_strokes(sketch[:count], mask[:count], 1.0)
 
 
-def distractor_inconsistency(direction: Tensor, marked: Tensor, mask: Tensor) -> Tensor:
+def distractor_inconsistency(direction: Tensor, distracted: Tensor, mask: Tensor) -> Tensor:
     """Return the mean angle in radians between predictions with and without distractor strokes, a scalar.
 
     Gradients flow into both maps. With the stroke-free map detached, small networks lost form.
 
     Args:
         direction: (N, 3, H, W) predicted unit normals.
-        marked: (M, 3, H, W) predictions for the first M sketches after distractor strokes were added.
+        distracted: (M, 3, H, W) predictions for the first M sketches after distractor strokes were added.
         mask: (N, 1, H, W), 1 on the object.
     """
-    count = len(marked)
+    count = len(distracted)
     some = mask[:count]
-    return (smooth_angle(marked, direction[:count]) * some).sum() / some.sum().clamp(min=1)
+    return (smooth_angle(distracted, direction[:count]) * some).sum() / some.sum().clamp(min=1)

@@ -24,6 +24,39 @@ class LossError(RunError):
         self.args = (f"{self} The weights from before this step are in {path}.",)
 
 
+def start_finite_check(
+    losses: Mapping[str, Tensor], processes: int
+) -> Callable[[Batch, int, int], dict[str, Tensor]]:
+    """Start copying losses to the CPU; return the check to call after the backward pass, before the step.
+
+    The copy runs during the backward pass. The check takes the batch, the epoch and the index of the batch,
+    and returns the losses on the CPU, so that logging them does not wait for the GPU.
+
+    Args:
+        losses: scalars by name.
+        processes: number of processes that train together. If one of them stopped alone, the others would
+            hang, so the sum over all processes is checked too.
+
+    Raises:
+        LossError: raised by the returned check, in every process, if a loss is not finite.
+    """
+    values = torch.stack([value.detach().float() for value in losses.values()])
+    if processes > 1:
+        total = values.clone()
+        torch.distributed.all_reduce(total)  # Lightning's own reduction first waits for all processes
+        values = torch.cat([values, total])
+    read = async_to_cpu(values)
+
+    def check(batch: Batch, epoch: int, batch_idx: int) -> dict[str, Tensor]:
+        numbers = read()
+        own = dict(zip(losses, numbers, strict=False))
+        if not_finite(dict(enumerate(numbers))):
+            raise loss_error(not_finite(own), batch.get("name", []), epoch, batch_idx)
+        return {name: torch.tensor(number) for name, number in own.items()}
+
+    return check
+
+
 def async_to_cpu(values: Tensor) -> Callable[[], list[float]]:
     """Start copying values (N,) to the CPU and return a function that waits for them.
 
@@ -78,36 +111,3 @@ def loss_error(bad: Sequence[str], names: Sequence[str], epoch: int, batch: int)
         f"the loss is not finite ({which}) in epoch {epoch + 1}, batch {batch + 1}, with the "
         f"samples {', '.join(names[:_FEW])}{more}; lower the learning rates, or look at these samples."
     )
-
-
-def start_finite_check(
-    losses: Mapping[str, Tensor], processes: int
-) -> Callable[[Batch, int, int], dict[str, Tensor]]:
-    """Start copying losses to the CPU; return the check to call after the backward pass, before the step.
-
-    The copy runs during the backward pass. The check takes the batch, the epoch and the index of the batch,
-    and returns the losses on the CPU, so that logging them does not wait for the GPU.
-
-    Args:
-        losses: scalars by name.
-        processes: number of processes that train together. If one of them stopped alone, the others would
-            hang, so the sum over all processes is checked too.
-
-    Raises:
-        LossError: raised by the returned check, in every process, if a loss is not finite.
-    """
-    values = torch.stack([value.detach().float() for value in losses.values()])
-    if processes > 1:
-        total = values.clone()
-        torch.distributed.all_reduce(total)  # Lightning's own reduction first waits for all processes
-        values = torch.cat([values, total])
-    read = async_to_cpu(values)
-
-    def check(batch: Batch, epoch: int, batch_idx: int) -> dict[str, Tensor]:
-        numbers = read()
-        own = dict(zip(losses, numbers, strict=False))
-        if not_finite(dict(enumerate(numbers))):
-            raise loss_error(not_finite(own), batch.get("name", []), epoch, batch_idx)
-        return {name: torch.tensor(number) for name, number in own.items()}
-
-    return check

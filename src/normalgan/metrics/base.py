@@ -129,16 +129,17 @@ class NormalMapMetric(MapMetric):
 
         self.count = self.count + inside.sum()
         self.invalid = self.invalid + (inside & ~finite).sum()
-        self.angle_sum = self.angle_sum + whole(_by_image(angle), FRACTION)
-        self.angle_square_sum = self.angle_square_sum + whole(_by_image(angle.square()), _SQUARE_FRACTION)
-        self.l1_sum = self.l1_sum + whole(_by_image(l1), FRACTION)
-        self.l2_sum = self.l2_sum + whole(_by_image(l2), FRACTION)
+        angles, squares = _by_image(angle), _by_image(angle.square())
+        self.angle_sum = self.angle_sum + fixed_point(angles, FRACTION)
+        self.angle_square_sum = self.angle_square_sum + fixed_point(squares, _SQUARE_FRACTION)
+        self.l1_sum = self.l1_sum + fixed_point(_by_image(l1), FRACTION)
+        self.l2_sum = self.l2_sum + fixed_point(_by_image(l2), FRACTION)
         bins = len(self.histogram)
         bin_of = (angle[valid] * BINS_PER_DEGREE).long().clamp(max=bins - 1)
         self.histogram = self.histogram + torch.bincount(bin_of, minlength=bins)
         pixels = inside.sum((1, 2, 3))
         self.image_count = self.image_count + (pixels > 0).sum()
-        self.image_angle_sum = self.image_angle_sum + whole(_by_image(angle) / pixels.clamp(min=1), FRACTION)
+        self.image_angle_sum = self.image_angle_sum + fixed_point(angles / pixels.clamp(min=1), FRACTION)
 
     def compute(self) -> Tensor:
         """Return the metric over all batches so far, a float32 scalar; nan as described for the class."""
@@ -167,6 +168,6 @@ def _by_image(errors: Tensor) -> Tensor:
     return errors.sum((1, 2, 3))
 
 
-def whole(sums: Tensor, fraction: float) -> Tensor:
+def fixed_point(sums: Tensor, fraction: float) -> Tensor:
     """Return the sum over images, (N, ...), in integer multiples of the fraction; each image is rounded."""
     return (sums / fraction).round().long().sum(0)

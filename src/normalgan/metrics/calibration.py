@@ -59,9 +59,9 @@ class Calibration:
     def curve(self) -> list[dict[str, float]]:
         """Return ``pixels`` and the mean ``predicted`` and ``observed`` degrees of each non-empty bin."""
         return [
-            {"pixels": int(count), "predicted": float(said / count), "observed": float(seen / count)}
-            for count, said, seen in self.sums
-            if count and math.isfinite(said + seen)
+            {"pixels": int(count), "predicted": float(predicted / count), "observed": float(observed / count)}
+            for count, predicted, observed in self.sums
+            if count and math.isfinite(predicted + observed)
         ]
 
     def error(self) -> float:
@@ -69,5 +69,5 @@ class Calibration:
 
         It is the mean over pixels of the |observed - predicted| of their bins.
         """
-        count, said, seen = self.sums.unbind(1)
-        return float((seen - said).abs().sum() / count.sum()) if count.sum() else math.nan
+        count, predicted, observed = self.sums.unbind(1)
+        return float((observed - predicted).abs().sum() / count.sum()) if count.sum() else math.nan

@@ -19,15 +19,11 @@ from normalgan.metrics.relief import RELIEF
 
 _THRESHOLDS = (5.0, 7.5, 11.25, 22.5, 30.0)
 """Usual thresholds in degrees: Bae and Davison, DSINE, CVPR 2024, and earlier Fouhey et al., ICCV 2013."""
-
-
 FIGURES = (
     *("angular_mean", "angular_median", "angular_rmse", "angular_mean_per_image"),
     *("below_5", "below_7_5", "below_11_25", "below_22_5", "below_30", "l1", "l2"),
 )
 """Names of the metrics that are always computed."""
-
-
 PRESENCE = ("mask_iou", "coverage")
 """Names of the metrics of the predicted object mask, which tests and benchmarks add."""
 
@@ -55,8 +51,8 @@ def normal_map_metrics(
 
     Args:
         prefix: prefix of each name, such as ``val/``.
-        own: additional groups of built-in metrics; the metrics of a group share one state.
         more: extra metrics, which are copied and named by their `figure`.
+        own: additional groups of built-in metrics; the metrics of a group share one state.
 
     Raises:
         InputError: if two metrics have the same name.

@@ -35,8 +35,8 @@ def angular_error(preds: Tensor, target: Tensor) -> Tensor:
     across = length(torch.linalg.cross(preds, target, dim=1))
     along = (preds * target).sum(1, keepdim=True)
     degrees = torch.rad2deg(torch.atan2(across, along))
-    silent = (preds == 0).all(1, keepdim=True) | (target == 0).all(1, keepdim=True)
-    return degrees.masked_fill(silent, 90.0)
+    undefined = (preds == 0).all(1, keepdim=True) | (target == 0).all(1, keepdim=True)
+    return degrees.masked_fill(undefined, 90.0)
 
 
 def l1_distance(preds: Tensor, target: Tensor) -> Tensor:

@@ -82,6 +82,25 @@ class Generator(Network):
         return Predictions(output[:, :3], confidence=output[:, 3:])
 
 
+class Discriminator(Network):
+    """Base class of discriminators, which distinguish predicted from true maps (critics in WGANs)."""
+
+    @abstractmethod
+    def forward(self, condition: Tensor, normal: Tensor) -> tuple[Tensor, ...]:
+        """Return a tuple of raw scores, one tensor of any shape (N, ...) per head; high scores mean true.
+
+        All heads have equal weight.
+
+        Args:
+            condition: (N, 4, H, W), input of the generator.
+            normal: (N, 3, H, W) true or predicted normals.
+        """
+
+
+GENERATORS: Registry[Generator] = Registry(Generator, "normalgan.generators")  # type: ignore[type-abstract]
+DISCRIMINATORS: Registry[Discriminator] = Registry(Discriminator, "normalgan.discriminators")  # type: ignore[type-abstract]
+
+
 def check_generated(generator: nn.Module, predicted: object, condition: Tensor) -> None:
     """Check that a generator returned normals of the size of the sketches, with or without confidence.
 
@@ -132,21 +151,6 @@ def check_predictions(generator: nn.Module, preds: object, condition: Tensor) ->
         )
 
 
-class Discriminator(Network):
-    """Base class of discriminators, which distinguish predicted from true maps (critics in WGANs)."""
-
-    @abstractmethod
-    def forward(self, condition: Tensor, normal: Tensor) -> tuple[Tensor, ...]:
-        """Return a tuple of raw scores, one tensor of any shape (N, ...) per head; high scores mean true.
-
-        All heads have equal weight.
-
-        Args:
-            condition: (N, 4, H, W), input of the generator.
-            normal: (N, 3, H, W) true or predicted normals.
-        """
-
-
 def check_scores(discriminator: nn.Module, scores: object, condition: Tensor) -> tuple[Tensor, ...]:
     """Return a discriminator's scores after checking them.
 
@@ -166,7 +170,3 @@ def check_scores(discriminator: nn.Module, scores: object, condition: Tensor) ->
         if not isinstance(each, Tensor) or each.ndim < 1 or len(each) != len(condition):
             raise refused(discriminator, scores, asked)
     return tuple(scores)
-
-
-GENERATORS: Registry[Generator] = Registry(Generator, "normalgan.generators")  # type: ignore[type-abstract]
-DISCRIMINATORS: Registry[Discriminator] = Registry(Discriminator, "normalgan.discriminators")  # type: ignore[type-abstract]

@@ -32,13 +32,14 @@ def grow(small: ResidualUNetGenerator, large: ResidualUNetGenerator) -> None:
     """
     _check(small, large)
     scale, patch = large.patch // small.patch, small.detail_patch
-    heard = torch.tensor([1 / scale**2, 1, 1, 1, 1]).view(1, 5, 1, 1, 1, 1)  # ink is a mean, a hint one pixel
-    _put(small.stem, large.stem, weight=_finer(small.stem.weight, small.patch, scale, heard))
+    # Ink is averaged over the new pixels, and a hint is one of them.
+    share = torch.tensor([1 / scale**2, 1, 1, 1, 1]).view(1, 5, 1, 1, 1, 1)
+    _put(small.stem, large.stem, weight=_finer(small.stem.weight, small.patch, scale, share))
     first, last = (cast(nn.Conv2d, small.detail[index]) for index in (0, 2))
-    coarse, given = first.weight.tensor_split(2, dim=1)
+    coarse, ink_and_hints = first.weight.tensor_split(2, dim=1)
     mean = torch.tensor(1 / scale**2)
-    listens = [_finer(coarse, patch, scale, mean), _finer(given, patch, scale, heard)]
-    _put(first, large.detail[0], weight=torch.cat(listens, dim=1))
+    weights = [_finer(coarse, patch, scale, mean), _finer(ink_and_hints, patch, scale, share)]
+    _put(first, large.detail[0], weight=torch.cat(weights, dim=1))
     for one, other in ((last, large.detail[2]), (small.heads, large.heads)):
         weight, bias = (_repeated(values, patch, scale) for values in (one.weight, _bias(one)))
         _put(one, other, weight=weight, bias=bias)

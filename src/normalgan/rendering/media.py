@@ -25,9 +25,6 @@ class Medium:
         tint: maximum darkness of the paper, where 1 is black.
         shadow: maximum difference in lightness between two sides of the paper.
         noise: maximum standard deviation of the scanner's noise.
-
-    Raises:
-        InputError: if a setting is not from 0 to 1, or the range of strengths is reversed.
     """
 
     strength: Annotated[tuple[float, float], Range(0, 1)] = (0.0, 1.0)

@@ -60,9 +60,6 @@ class Recipe:
         seed: seed of the views and of all other randomness.
         hand: model of a person's drawing hand; None draws exact lines.
         medium: pen, paper and scanner; None draws clean ink on white paper.
-
-    Raises:
-        InputError: if the size is not positive.
     """
 
     noun: ClassVar[str] = "mesh"

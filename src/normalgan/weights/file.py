@@ -6,7 +6,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import onnx
 import torch
+from onnx import numpy_helper
+from onnx.external_data_helper import uses_external_data
 from safetensors.torch import load, save
 from torch import Tensor
 
@@ -15,12 +18,14 @@ from normalgan.files.limits import read_named
 from normalgan.models import GENERATORS, Generator
 from normalgan.weights.metadata import ModelMetadata
 from normalgan.weights.network import build_generator, check_fit
-from normalgan.weights.onnx_tensors import parse_onnx
 
 _ONNX = ".onnx"
 SUFFIXES = (".safetensors", _ONNX)
 """Extensions of files that hold weights without training state."""
 _MOST_HEADER = 2**20  # names and shapes take a hundred bytes per tensor
+_NETWORK, _HALF = "generator.", ".half"
+_MEAN, _COUNT = "running_mean", "num_batches_tracked"
+"""Parts of the names of tensors in an ONNX file."""
 _SMALL = 64  # smaller tensors take little space and keep their precision
 
 
@@ -74,7 +79,7 @@ def parse_weights(content: bytes, name: str = "the file", is_onnx: bool = False)
         InputError: if the file is damaged or from another program, or its model cannot be built here.
     """
     try:
-        metadata, tensors = (parse_onnx if is_onnx else _parse_safetensors)(content)
+        metadata, tensors = (_parse_onnx if is_onnx else _parse_safetensors)(content)
     except Exception as error:  # each library raises errors of its own classes
         if wants_memory(error):
             raise RunError(f"there is too little memory to read {name}; close other programs.") from error
@@ -103,6 +108,28 @@ def read_weights(path: Path) -> Weights:
     if not path.is_file():
         raise InputError(f"there are no weights {path}; name a file that `normalgan export` wrote.")
     return parse_weights(read_named(path, "the weights"), str(path), path.suffix.lower() == _ONNX)
+
+
+def _parse_onnx(content: bytes) -> tuple[dict[str, str], dict[str, Tensor]]:
+    """Return the metadata of a file that `normalgan export` wrote, and the generator's tensors by name.
+
+    The batch counters of batch norm are not in the graph and are set to 0.
+
+    Raises:
+        ValueError: if tensors are in other files. For damaged files, the package onnx raises its own errors.
+    """
+    model = onnx.load_from_string(content)
+    tensors: dict[str, Tensor] = {}
+    for stored in model.graph.initializer:
+        if uses_external_data(stored):
+            raise ValueError("tensors in other files")
+        if not stored.name.startswith(_NETWORK):
+            continue  # constants of the graph
+        name = stored.name.removeprefix(_NETWORK).removesuffix(_HALF)
+        tensors[name] = torch.from_numpy(numpy_helper.to_array(stored).copy())
+        if name.endswith(_MEAN):
+            tensors[name.removesuffix(_MEAN) + _COUNT] = torch.zeros((), dtype=torch.int64)
+    return {each.key: each.value for each in model.metadata_props}, tensors
 
 
 def _parse_safetensors(content: bytes) -> tuple[dict[str, str], dict[str, Tensor]]:

@@ -14,7 +14,7 @@ from toys import Octahedron, assert_same, contents, recipe
 from normalgan.data.dataset import SampleDataset
 from normalgan.data.render import open_samples, render_samples
 from normalgan.data.store import fsspec_storage
-from normalgan.data.store.fsspec_storage import Storage, options
+from normalgan.data.store.fsspec_storage import ObjectFolder, options
 from normalgan.errors import InputError
 from s3_server import forget, fresh_bucket, s3_server
 
@@ -79,7 +79,7 @@ def test_a_cluster_renders_into_it(bucket: str, tmp_path: Path, monkeypatch: pyt
 def test_lost_and_damaged_objects_are_found(bucket: str) -> None:
     render(bucket)
     store = open_samples(bucket, SOURCES, VIEWS, recipe())["train"]
-    folder = Storage(store.url) / "samples.zarr"
+    folder = ObjectFolder(store.url) / "samples.zarr"
     path = "train/sketch/c/1/0/0"
     whole = folder.read(path) or b""
     folder.delete(path)
@@ -102,13 +102,13 @@ def test_an_object_that_vanishes_there_is_not_read_as_zeros(bucket: str) -> None
     render(bucket)
     store = open_samples(bucket, SOURCES, VIEWS, recipe())["train"]
     store.read(20)
-    Storage(store.url).delete("samples.zarr/train/normal/c/0/0/0/0")
+    ObjectFolder(store.url).delete("samples.zarr/train/normal/c/0/0/0/0")
     with pytest.raises(InputError, match=r"shard 0 of train in s3://.* is unfinished or damaged"):
         store.read(21)
 
 
 def test_a_writer_that_fails_leaves_the_old_object(bucket: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    folder = Storage(bucket)
+    folder = ObjectFolder(bucket)
     folder.write("a", b"old" * 1000)
     files = fsspec.filesystem("s3", **options(bucket))
     monkeypatch.setattr(type(files), "_call_s3", _broken)
@@ -126,10 +126,10 @@ async def _broken(*_: object, **__: object) -> None:
 @pytest.mark.slow
 def test_objects_above_the_size_of_a_part_appear_whole(bucket: str) -> None:
     content = bytes(range(256)) * 4096 * 52  # 52 MiB: s3fs uploads it in parts
-    Storage(bucket).write("deep/large", content)
-    assert Storage(bucket).size("deep/large") == len(content)
-    assert Storage(bucket).read("deep/large", -256) == bytes(range(256))
-    assert Storage(bucket).names("deep") == {"large"}
+    ObjectFolder(bucket).write("deep/large", content)
+    assert ObjectFolder(bucket).size("deep/large") == len(content)
+    assert ObjectFolder(bucket).read("deep/large", -256) == bytes(range(256))
+    assert ObjectFolder(bucket).names("deep") == {"large"}
 
 
 def test_an_unknown_bucket_is_named(bucket: str) -> None:

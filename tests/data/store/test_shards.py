@@ -8,7 +8,7 @@ import pytest
 import zarr
 from toys import assert_same, contents, samples
 
-from normalgan.data.store.fsspec_storage import Storage
+from normalgan.data.store.fsspec_storage import ObjectFolder
 from normalgan.data.store.sample_layout import Layout, chunk_path
 from normalgan.data.store.shards import ShardedSamples, write_shard
 from normalgan.errors import InputError
@@ -19,7 +19,7 @@ SAMPLES = samples(10)
 
 
 def write(store: ShardedSamples, shard: int, given: list[Sample]) -> None:
-    write_shard(Storage(store.url), store.layout.shard(store.split, shard), given)
+    write_shard(ObjectFolder(store.url), store.layout.shard(store.split, shard), given)
 
 
 def fill(url: str, shards: tuple[int, ...] = (0, 1, 2)) -> ShardedSamples:
@@ -116,7 +116,7 @@ def test_a_chunk_that_vanishes_after_its_shard_was_read_is_not_read_as_zeros(
     url = str(tmp_path) if scheme == "path" else f"memory://{uuid.uuid4()}"
     store = fill(url)
     assert_same(store.read(5), SAMPLES[5])
-    Storage(url).delete(f"samples.zarr/{chunk_path('train', name, 1)}")
+    ObjectFolder(url).delete(f"samples.zarr/{chunk_path('train', name, 1)}")
     for read in (lambda: store.read(6), lambda: store.read_shard(1)):
         with pytest.raises(InputError, match=r"^shard 1 of train in .* is unfinished or damaged; render"):
             read()
@@ -136,11 +136,11 @@ def test_a_shard_is_marked_only_after_all_of_it_is_written(
     store = fill(str(tmp_path))
     written: list[str] = []
 
-    def note(self: Storage, path: str, content: bytes) -> None:
+    def note(self: ObjectFolder, path: str, content: bytes) -> None:
         assert store.missing() == [0]  # also when it was finished before
         written.append(path)
 
-    monkeypatch.setattr(Storage, "write", note)
+    monkeypatch.setattr(ObjectFolder, "write", note)
     write(store, 0, SAMPLES[:4])
     assert written[-1] == "done/train/0.json"
     assert len(written) == 4
@@ -193,7 +193,7 @@ def test_an_unknown_scheme_is_said() -> None:
     with pytest.raises(
         InputError, match="no samples can be kept at nonsense://x: Protocol not known: nonsense"
     ):
-        Storage("nonsense://x")
+        ObjectFolder("nonsense://x")
 
 
 def test_old_leftovers_are_swept_away(tmp_path: Path) -> None:
@@ -202,6 +202,6 @@ def test_old_leftovers_are_swept_away(tmp_path: Path) -> None:
     old.touch()
     new.touch()
     os.utime(old, (0, 0))
-    Storage(str(tmp_path)).sweep()
+    ObjectFolder(str(tmp_path)).sweep()
     assert {*old.parent.iterdir()} == {new}
-    Storage(str(tmp_path / "none")).sweep()
+    ObjectFolder(str(tmp_path / "none")).sweep()

@@ -8,7 +8,7 @@ from normalgan.arrays import Doubles
 from normalgan.rendering.mesh import Mesh
 from normalgan.rendering.repair import weld
 from normalgan.rendering.variation import Variation, vary
-from normalgan.rendering.variation.joints import Joint, find_joints
+from normalgan.rendering.variation.joints import Joint, find_limb_joints
 
 BENT = Variation().times(0.0)
 
@@ -28,7 +28,7 @@ def limbs() -> Mesh:
 
 
 def joints(mesh: Mesh, seed: int = 0) -> list[Joint]:
-    return find_joints(mesh.vertices.astype(np.float64), mesh.faces, np.random.default_rng(seed))
+    return find_limb_joints(mesh.vertices.astype(np.float64), mesh.faces, np.random.default_rng(seed))
 
 
 def test_each_limb_has_joints_whose_direction_is_that_of_the_limb() -> None:

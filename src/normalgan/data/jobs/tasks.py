@@ -12,7 +12,7 @@ from typing import Any
 
 from normalgan.data.jobs.pool import Killed, Pool
 from normalgan.data.recipe import Loadable, SampleRecipe, fingerprint
-from normalgan.data.store.fsspec_storage import Storage
+from normalgan.data.store.fsspec_storage import ObjectFolder
 from normalgan.data.store.sample_layout import Shard, blank
 from normalgan.data.store.shards import ZARR, damaged, write_shard, write_traces
 from normalgan.errors import FOREIGN_ERRORS, InputError, RunError, brief, third_party_place
@@ -85,7 +85,7 @@ def render_shard(task: ShardTask) -> dict[str, str]:
             and meshes as the machine that sent the task.
     """
     samples, failed, traces = _render(task)
-    storage = Storage(task.url)
+    storage = ObjectFolder(task.url)
     if traces:
         where = write_traces(storage, task.shard, traces)
         failed |= {
@@ -142,7 +142,7 @@ def find_damage(task: tuple[str, str, Sequence[int]]) -> list[int]:
     """Return the damaged shards, given the URL of a data set, a split and shard indices."""
     url, split, numbers = task
     _see(url, split)
-    return damaged(Storage(url), split, numbers)
+    return damaged(ObjectFolder(url), split, numbers)
 
 
 _checked: set[str] = set()  # recipes that this process can run, cached because the check is slow
@@ -193,7 +193,7 @@ def _load(task: MeshTask) -> Any:
 
 @cache
 def _see(url: str, split: str) -> None:
-    if Storage(url).size(f"{ZARR}/{split}/zarr.json") is None:
+    if ObjectFolder(url).size(f"{ZARR}/{split}/zarr.json") is None:
         raise InputError(
             f"{socket.gethostname()} does not see {url}; the cache must be a folder that all machines share, "
             "or a URL."

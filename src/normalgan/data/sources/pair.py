@@ -76,9 +76,6 @@ class PairRecipe:
     Args:
         size: side of the pictures in pixels.
         hints: whether the samples include the hints of the pairs.
-
-    Raises:
-        InputError: if the size is not positive.
     """
 
     noun: ClassVar[str] = "pair"

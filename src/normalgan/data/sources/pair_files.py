@@ -45,6 +45,8 @@ _ZERO = 0.05
 _PARTNERS = tuple(f"_{kind}" for kind in _ENDS_IN)
 Direction = Literal["AtoB", "BtoA"]
 """As in pix2pix: the sketch is the first letter, of folders ``A`` and ``B`` or the left and right half."""
+Reason = str
+"""Why a file, or a line of a CSV, is left out; a sentence without its full stop."""
 LAYOUTS = (
     "a pair is a.png with a_normal.png beside it, or sketch/a.png with normal/a.png in the folder next to "
     "it, or A/a.png with B/a.png, or one picture of both, side by side, in AB; the last two also in train, "
@@ -142,30 +144,30 @@ class PairFiles:
             raise with_subject(subject, error) from error
 
 
-def find_pairs(entry: str, left_out: list[str], direction: Direction = "AtoB") -> Iterator[PairFiles]:
-    """Yield the pairs at a folder, a file or a glob; record files without a partner.
+def find_pairs(entry: str, direction: Direction = "AtoB") -> Iterator[PairFiles | Reason]:
+    """Yield the pairs at a folder, a file or a glob, and the reasons why other files are left out.
 
     Args:
         entry: folder, file or glob.
-        left_out: list that receives a sentence for each file that has no partner or cannot be halved.
         direction: position of the sketch in pix2pix folders.
 
     Raises:
         InputError: if there is no sketch, or a CSV is invalid.
     """
     path = Path(entry)
-    if path.is_dir() and (known := list(_pix2pix(path, left_out, direction))):
+    if path.is_dir():
+        known = list(_pix2pix(path, direction))
         yield from known
-        return
+        if any(isinstance(each, PairFiles) for each in known):
+            return
     if path.suffix.lower() == ".csv":
-        yield from _listed(path, left_out)
+        yield from (_listed(path.parent, where, row) for where, row in _rows(path))
         return
     if path.is_dir():
         inner = _subfolder(path, "sketch")
         within = [each for each in (inner or path).iterdir() if is_drawing(each)]
         sketches = sorted(each for each in within if inner or not _is_partner(each))
-        for orphan in _orphans(path, inner, sketches):
-            left_out.append(f"{orphan} has no sketch")
+        yield from (f"{orphan} has no sketch" for orphan in _orphans(path, inner, sketches))
         root = path
     elif path.is_file():
         sketches, root = [path], path.parent
@@ -183,13 +185,13 @@ def find_pairs(entry: str, left_out: list[str], direction: Direction = "AtoB") -
     for sketch in sketches:
         normal = _partner(sketch, "normal")
         if normal is None:
-            left_out.append(f"{sketch} has no normal map")
+            yield f"{sketch} has no normal map"
             continue
         name = _name(sketch, root)
         yield PairFiles(name, sketch, normal, _partner(sketch, "mask"), _partner(sketch, "hints"))
 
 
-def _pix2pix(root: Path, left_out: list[str], direction: Direction) -> Iterator[PairFiles]:
+def _pix2pix(root: Path, direction: Direction) -> Iterator[PairFiles | Reason]:
     """Yield the pairs of a pix2pix folder: ``A`` and ``B``, or side-by-side pictures in ``AB``.
 
     The subfolders ``train``, ``val`` and ``test`` are the splits. Without a folder ``AB``, if a picture in
@@ -203,25 +205,34 @@ def _pix2pix(root: Path, left_out: list[str], direction: Direction) -> Iterator[
     for part in (None, *SPLITS):
         below = part or "."
         if (sketches / below).is_dir() and (normals / below).is_dir():
-            of_stem = {path.stem: path for path in _pictures(normals / below)}
-            for sketch in sorted(filter(is_drawing, (sketches / below).iterdir())):
-                if (normal := of_stem.pop(sketch.stem, None)) is None:
-                    left_out.append(f"{sketch} has no normal map")
-                else:
-                    yield PairFiles(_in_part(part, sketch), sketch, normal, part=part)
-            left_out += [f"{normal} has no sketch" for normal in of_stem.values()]
+            yield from _same_stems(sketches / below, normals / below, part)
         elif not sketches.is_dir() and ((both / below).is_dir() or (part and bare)):
-            folder = both / below if both.is_dir() else root / below
-            for picture in _pictures(folder) if folder.is_dir() else []:
-                size = header_size(picture)
-                if size is not None and size[0] % 2:
-                    left_out.append(
-                        f"{picture} is {size[0]} pixels wide, which has no half; it must show sketch and "
-                        "normal map side by side"
-                    )
-                else:
-                    name = _in_part(part, picture)
-                    yield PairFiles(name, picture, picture, part=part, direction=direction)
+            yield from _side_by_side(both / below if both.is_dir() else root / below, part, direction)
+
+
+def _same_stems(sketches: Path, normals: Path, part: str | None) -> Iterator[PairFiles | Reason]:
+    """Yield the pairs of a folder of sketches and a folder of normal maps with the same names."""
+    of_stem = {path.stem: path for path in _pictures(normals)}
+    for sketch in sorted(filter(is_drawing, sketches.iterdir())):
+        normal = of_stem.pop(sketch.stem, None)
+        if normal is None:
+            yield f"{sketch} has no normal map"
+        else:
+            yield PairFiles(_in_part(part, sketch), sketch, normal, part=part)
+    yield from (f"{normal} has no sketch" for normal in of_stem.values())
+
+
+def _side_by_side(folder: Path, part: str | None, direction: Direction) -> Iterator[PairFiles | Reason]:
+    """Yield the pairs of a folder of pictures that show sketch and normal map side by side."""
+    for picture in _pictures(folder) if folder.is_dir() else []:
+        size = header_size(picture)
+        if size is not None and size[0] % 2:
+            yield (
+                f"{picture} is {size[0]} pixels wide, which has no half; it must show sketch and normal map "
+                "side by side"
+            )
+        else:
+            yield PairFiles(_in_part(part, picture), picture, picture, part=part, direction=direction)
 
 
 def _pictures(folder: Path) -> list[Path]:
@@ -298,8 +309,8 @@ def _is_partner(path: Path) -> bool:
     return path.stem.endswith(_PARTNERS) or path.parent.name.lower() in others
 
 
-def _listed(path: Path, left_out: list[str]) -> Iterator[PairFiles]:
-    """Yield the pairs in a CSV, with paths relative to its folder; record pairs that lack a file."""
+def _rows(path: Path) -> Iterator[tuple[str, dict[str, str]]]:
+    """Yield the rows of a CSV of pairs, each with its place for messages."""
     right = (
         f"its first line names columns, {', '.join(_COLUMNS[:2])} and optionally {', '.join(_COLUMNS[2:])}"
     )
@@ -326,22 +337,32 @@ def _listed(path: Path, left_out: list[str]) -> Iterator[PairFiles]:
         where = f"line {line} of {path}"
         if None in row or None in row.values():
             raise InputError(f"{where} does not have as many values as there are columns, {len(columns)}.")
-        files = {kind: path.parent / row[kind] if row.get(kind) else None for kind in _FOLDERS}
-        part = row.get("split") or None
-        if part is not None and part not in SPLITS:
-            raise InputError(f"{where} has the split {part!r}; it is {', '.join(SPLITS)}, or empty.")
-        sketch, normal = files["sketch"], files["normal"]
-        if sketch is None or normal is None:
-            raise InputError(f"{where} names no {'sketch' if sketch is None else 'normal'}; a pair has both.")
-        missing = [kind for kind, file in files.items() if file is not None and not file.is_file()]
-        if missing:
-            kind = missing[0]
-            left_out.append(f"{where} names {row[kind]} as {kind}, and there is no file {files[kind]}")
-            continue
-        name = row.get("name") or _name(Path(row["sketch"]), Path())
-        yield PairFiles(
-            name, sketch, normal, files["mask"], files["hints"], group=row.get("group", ""), part=part
-        )
+        yield where, row
+
+
+def _listed(folder: Path, where: str, row: dict[str, str]) -> PairFiles | Reason:
+    """Return the pair in a row of a CSV, or the reason why it is left out.
+
+    Args:
+        folder: folder of the CSV, to which its paths are relative.
+        where: place of the row for messages.
+        row: values by column.
+
+    Raises:
+        InputError: if a value is invalid.
+    """
+    part = row.get("split") or None
+    if part is not None and part not in SPLITS:
+        raise InputError(f"{where} has the split {part!r}; it is {', '.join(SPLITS)}, or empty.")
+    files = {kind: folder / row[kind] if row.get(kind) else None for kind in _FOLDERS}
+    sketch, normal, mask, hints = files.values()
+    if sketch is None or normal is None:
+        raise InputError(f"{where} names no {'sketch' if sketch is None else 'normal'}; a pair has both.")
+    for kind, file in files.items():
+        if file is not None and not file.is_file():
+            return f"{where} names {row[kind]} as {kind}, and there is no file {file}"
+    name = row.get("name") or _name(Path(row["sketch"]), Path())
+    return PairFiles(name, sketch, normal, mask, hints, group=row.get("group", ""), part=part)
 
 
 def _object(vectors: NDArray[np.floating], alpha: NDArray[np.floating] | None) -> BoolMask:

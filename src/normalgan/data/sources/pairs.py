@@ -59,8 +59,7 @@ class Pairs(PairSource):
         Raises:
             InputError: if a list or the split is invalid, or a split has no usable pair.
         """
-        left_out: list[str] = []
-        pairs = self._find(left_out)
+        pairs, left_out = self._find()
         parts = self._parts(pairs, settings)
         # After the split, so that a damaged file does not move other pairs to another split.
         flaws = _flaws([pair for pair in pairs if pair.name in parts])
@@ -99,19 +98,16 @@ class Pairs(PairSource):
         Raises:
             InputError: if there are no pairs, or two have the same name.
         """
-        left_out: list[str] = []
-        pairs = self._find(left_out)
+        pairs, left_out = self._find()
         _warn(left_out)
         return pairs
 
-    def _find(self, left_out: list[str]) -> list[PairFiles]:
-        """Return all pairs sorted by name, and record files without a partner. Raises as `found`."""
+    def _find(self) -> tuple[list[PairFiles], list[str]]:
+        """Return all pairs sorted by name, and why other files are left out. Raises as `found`."""
         entries = [self.files] if isinstance(self.files, str) else self.files
-        pairs = [
-            self._with_settings(pair)
-            for entry in entries
-            for pair in find_pairs(entry, left_out, self.direction)
-        ]
+        found = [each for entry in entries for each in find_pairs(entry, self.direction)]
+        pairs = [self._with_settings(each) for each in found if isinstance(each, PairFiles)]
+        left_out = [each for each in found if isinstance(each, str)]
         if left_out and not pairs:
             listed = all(Path(entry).suffix.lower() == ".csv" for entry in entries)
             raise InputError(f"{left_out[0]}{'' if listed else f'; {LAYOUTS}'}.")
@@ -132,7 +128,7 @@ class Pairs(PairSource):
                     f"the group {pair.group} is in {sides[pair.group]} and in {pair.part}; a group belongs "
                     "to one split."
                 )
-        return sorted(pairs, key=lambda pair: pair.name)
+        return sorted(pairs, key=lambda pair: pair.name), left_out
 
     def _with_settings(self, pair: PairFiles) -> PairFiles:
         folder = pair.name.rpartition("/")[0] or "."

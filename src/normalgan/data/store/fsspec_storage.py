@@ -1,4 +1,4 @@
-"""Storage: a folder for samples on a local disk or at any URL that fsspec supports."""
+"""ObjectFolder: a folder for samples on a local disk or at any URL that fsspec supports."""
 
 import contextlib
 import os
@@ -26,7 +26,7 @@ _SECONDS = 10
 """Timeout of a request in seconds without a byte."""
 
 
-class Storage:
+class ObjectFolder:
     """A folder of small objects, each written atomically.
 
     It keeps nothing open, so it is cheap to create and to send to another process.
@@ -42,8 +42,8 @@ class Storage:
         self.url = url
         self._files()
 
-    def __truediv__(self, name: str) -> "Storage":
-        return Storage(self.url + ("" if self.url.endswith("/") else "/") + name)
+    def __truediv__(self, name: str) -> "ObjectFolder":
+        return ObjectFolder(self.url + ("" if self.url.endswith("/") else "/") + name)
 
     @property
     def in_memory(self) -> bool:

@@ -2,17 +2,17 @@
 
 import hashlib
 import json
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
 from normalgan.data.recipe import Loadable, SampleRecipe, fingerprint
-from normalgan.data.splits import none_usable, plural
-from normalgan.data.store.fsspec_storage import Storage
+from normalgan.data.splits import none_usable, plural, repeated
+from normalgan.data.store.fsspec_storage import ObjectFolder
 from normalgan.data.store.sample_layout import Layout
 from normalgan.data.store.shards import ShardedSamples
 from normalgan.errors import InputError
+from normalgan.files.json_files import encode_json
 
 FORMAT_VERSION = 1
 """Version of the storage format. Increase it if the format changes, so that samples are created again."""
@@ -36,11 +36,11 @@ class Manifest:
     recipe: dict[str, Any]
     splits: dict[str, Layout]
 
-    def stores(self, folder: Storage) -> dict[str, ShardedSamples]:
+    def stores(self, folder: ObjectFolder) -> dict[str, ShardedSamples]:
         """Return the stores of the samples by split, for writing."""
         return {split: ShardedSamples(folder.url, split, layout) for split, layout in self.splits.items()}
 
-    def finished(self, folder: Storage, noun: str) -> tuple[dict[str, ShardedSamples], dict[str, str]]:
+    def finished(self, folder: ObjectFolder, noun: str) -> tuple[dict[str, ShardedSamples], dict[str, str]]:
         """Return the stores by split, for reading, and the reasons for failed meshes by name.
 
         Raises:
@@ -56,25 +56,25 @@ class Manifest:
             reasons.update(failed)
         return stores, reasons
 
-    def write(self, folder: Storage) -> None:
+    def write(self, folder: ObjectFolder) -> None:
         """Write the arrays' metadata, then the manifest."""
         self.describe(folder)
         counts = {split: len(layout) for split, layout in self.splits.items()}
         content = {"format": FORMAT_VERSION, "samples": counts, **asdict(self)}
-        folder.write(_NAME, (json.dumps(content | {_SUM: _digest(content)}, indent=1) + "\n").encode())
+        folder.write(_NAME, encode_json(content | {_SUM: _digest(content)}))
 
-    def describe(self, folder: Storage) -> None:
+    def describe(self, folder: ObjectFolder) -> None:
         """Write the arrays' metadata where it is missing or damaged."""
         for store in self.stores(folder).values():
             store.create()
 
     @staticmethod
-    def damaged(folder: Storage) -> bool:
+    def damaged(folder: ObjectFolder) -> bool:
         """Return whether there is a manifest that `read` rejects."""
         return folder.size(_NAME) is not None and Manifest.read(folder) is None
 
     @staticmethod
-    def read(folder: Storage) -> "Manifest | None":
+    def read(folder: ObjectFolder) -> "Manifest | None":
         """Return the manifest in a folder, or None if it is missing or damaged."""
         try:
             content = json.loads(folder.read(_NAME) or b"")
@@ -119,10 +119,9 @@ def views_by_split(
         InputError: if a number is not positive, or two meshes have the same name.
     """
     names = [source.name for part in sources.values() for source in part]
-    twins = sorted(name for name, count in Counter(names).items() if count > 1)
-    if twins:
+    if twins := repeated(names):
         raise InputError(
-            f"two {plural(noun)} are named {twins[0]}; each {noun} needs a unique name, in one split."
+            f"two {plural(noun)} are named {min(twins)}; each {noun} needs a unique name, in one split."
         )
     if not names:
         raise InputError(f"there are no {plural(noun)} to make samples of; give at least one.")

@@ -13,10 +13,11 @@ import zarr
 from numpy.typing import NDArray
 
 from normalgan.arrays import Indices
-from normalgan.data.store.fsspec_storage import Storage
+from normalgan.data.store.fsspec_storage import ObjectFolder
 from normalgan.data.store.sample_layout import Layout, Shard, array_names, blank, chunk_path, encode, metadata
 from normalgan.data.store.zarr_store import ObjectStore
 from normalgan.errors import InputError
+from normalgan.files.json_files import encode_json
 from normalgan.rendering.samples import Sample
 
 ZARR = "samples.zarr"
@@ -55,7 +56,7 @@ class ShardedSamples:
         self.url, self.split, self.layout = url, split, layout
         self.left_out = frozenset(left_out)
         self._make = make
-        self._storage = Storage(url)
+        self._storage = ObjectFolder(url)
         self._opened: tuple[int, dict[str, Any]] | None = None
         self._trusted: set[int] = set()
 
@@ -207,7 +208,7 @@ class ShardedSamples:
 
 
 def write_shard(
-    storage: Storage, shard: Shard, samples: Sequence[Sample], failed: Mapping[str, str] | None = None
+    storage: ObjectFolder, shard: Shard, samples: Sequence[Sample], failed: Mapping[str, str] | None = None
 ) -> None:
     """Write all samples of a shard, then mark it as finished; the same samples give the same bytes.
 
@@ -232,22 +233,24 @@ def write_shard(
         storage.write(f"{ZARR}/{path}", content)
     note = f"{_FAILED}/{shard.split}/{shard.number}"
     if failed:
-        storage.write(f"{note}.json", _json({mesh: failed[mesh] for mesh in shard.meshes if mesh in failed}))
+        storage.write(
+            f"{note}.json", encode_json({mesh: failed[mesh] for mesh in shard.meshes if mesh in failed})
+        )
     else:
         storage.delete(f"{note}.json")
         storage.delete(f"{note}.txt")
     sums = {path: [len(content), _digest(content)] for path, content in objects.items()}
-    storage.write(shard.marker, _json(sums))
+    storage.write(shard.marker, encode_json(sums))
 
 
-def write_traces(storage: Storage, shard: Shard, traces: Mapping[str, str]) -> str:
+def write_traces(storage: ObjectFolder, shard: Shard, traces: Mapping[str, str]) -> str:
     """Write the tracebacks of failed meshes, given by name, and return the path within the cache."""
     path = f"{_FAILED}/{shard.split}/{shard.number}.txt"
     storage.write(path, "\n".join(f"{name}:\n{trace}" for name, trace in traces.items()).encode())
     return f"{storage.url.rstrip('/').rpartition('/')[2]}/{path}"
 
 
-def _read_failures(storage: Storage, split: str) -> dict[int, dict[str, str] | None]:
+def _read_failures(storage: ObjectFolder, split: str) -> dict[int, dict[str, str] | None]:
     """Return the reasons for failed meshes of a split by shard and by name; None for a damaged file.
 
     Files of other programs, such as file managers, are ignored.
@@ -267,7 +270,7 @@ def _reasons(note: bytes) -> dict[str, str] | None:
     return found if whole else None
 
 
-def _read_sums(storage: Storage, split: str, number: int) -> dict[str, tuple[int, str]] | None:
+def _read_sums(storage: ObjectFolder, split: str, number: int) -> dict[str, tuple[int, str]] | None:
     """Return length and SHA-256 of a shard's objects by path, or None if the shard is unfinished."""
     try:
         found = json.loads(storage.read(f"done/{split}/{number}.json") or b"")
@@ -282,13 +285,13 @@ def _paths(split: str, number: int, hints: bool) -> set[str]:
     return {chunk_path(split, name, number) for name in array_names(hints)}
 
 
-def _same_bytes(storage: Storage, sums: Mapping[str, tuple[int, str]]) -> bool:
+def _same_bytes(storage: ObjectFolder, sums: Mapping[str, tuple[int, str]]) -> bool:
     """Return whether all objects of a shard match their recorded lengths and hashes."""
     found = {path: storage.read(f"{ZARR}/{path}") for path in sums}
     return all(c is not None and (len(c), _digest(c)) == sums[p] for p, c in found.items())
 
 
-def damaged(storage: Storage, split: str, numbers: Sequence[int]) -> list[int]:
+def damaged(storage: ObjectFolder, split: str, numbers: Sequence[int]) -> list[int]:
     """Return the indices of the given shards with changed bytes."""
     sums = {number: _read_sums(storage, split, number) for number in numbers}
     return [number for number, known in sums.items() if known is None or not _same_bytes(storage, known)]
@@ -296,10 +299,6 @@ def damaged(storage: Storage, split: str, numbers: Sequence[int]) -> list[int]:
 
 def _digest(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
-
-
-def _json(content: Mapping[str, object]) -> bytes:
-    return (json.dumps(content, indent=1) + "\n").encode()
 
 
 def _same_json(a: bytes, b: bytes) -> bool:

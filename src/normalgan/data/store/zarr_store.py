@@ -1,12 +1,13 @@
-"""ObjectStore: a read-only Zarr store for a `Storage` folder."""
+"""ObjectStore: a read-only Zarr store for an `ObjectFolder`."""
 
-from collections.abc import AsyncIterator, Iterable
+from collections.abc import Iterable
+from typing import Any, NoReturn
 
 from zarr.abc.store import ByteRequest, OffsetByteRequest, RangeByteRequest, Store, SuffixByteRequest
 from zarr.core.buffer import Buffer, BufferPrototype
 from zarr.core.buffer.core import default_buffer_prototype
 
-from normalgan.data.store.fsspec_storage import Storage
+from normalgan.data.store.fsspec_storage import ObjectFolder
 
 _METADATA = {"zarr.json", ".zarray", ".zattrs", ".zgroup", ".zmetadata"}  # Zarr checks which of them exist
 
@@ -22,7 +23,7 @@ class ObjectStore(Store):
     supports_deletes = False
     supports_listing = False
 
-    def __init__(self, storage: Storage) -> None:
+    def __init__(self, storage: ObjectFolder) -> None:
         super().__init__(read_only=True)
         self.storage = storage
 
@@ -52,25 +53,11 @@ class ObjectStore(Store):
         """Return whether an object exists."""
         return self.storage.size(key) is not None
 
-    async def set(self, key: str, value: Buffer) -> None:
-        """Refuse to write, because `Storage.write` writes whole shards."""
-        raise NotImplementedError("an ObjectStore is only read.")
+    def _refuse(self, *_: Any, **__: Any) -> NoReturn:
+        raise NotImplementedError("an ObjectStore only reads objects by their keys.")
 
-    async def delete(self, key: str) -> None:
-        """Refuse to delete, because the store is read-only."""
-        raise NotImplementedError("an ObjectStore is only read.")
-
-    def list(self) -> AsyncIterator[str]:
-        """Refuse to list, because reading samples does not need it."""
-        raise NotImplementedError("an ObjectStore is not listed.")
-
-    def list_prefix(self, prefix: str) -> AsyncIterator[str]:
-        """Refuse to list; see `list`."""
-        raise NotImplementedError("an ObjectStore is not listed.")
-
-    def list_dir(self, prefix: str) -> AsyncIterator[str]:
-        """Refuse to list; see `list`."""
-        raise NotImplementedError("an ObjectStore is not listed.")
+    # `ObjectFolder.write` writes whole shards, and reading samples does not need a list of the objects.
+    set = delete = list = list_prefix = list_dir = _refuse
 
 
 def _limits(byte_range: ByteRequest | None) -> tuple[int | None, int | None]:

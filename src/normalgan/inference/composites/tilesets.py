@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -118,10 +119,11 @@ class _Tiles:
             itself, hard_itself = _fit(cut, cut, axis)
             beside[last] = hard_beside[last] = False
             # A hard step may be a line along the edge or the end of the object. It is the end if the tile has
-            # another continuation.
-            goes_on = itself | beside, itself | np.roll(beside, 1, axis)
-            joins[axis] = beside | (hard_beside & ~goes_on[0] & ~np.roll(goes_on[1], -1, axis))
-            wraps[axis] = itself | (hard_itself & ~goes_on[0] & ~goes_on[1])
+            # another continuation beyond its last or before its first edge.
+            goes_on, comes_from = itself | beside, itself | np.roll(beside, 1, axis)
+            next_comes_from = np.roll(comes_from, -1, axis)
+            joins[axis] = beside | (hard_beside & ~goes_on & ~next_comes_from)
+            wraps[axis] = itself | (hard_itself & ~goes_on & ~comes_from)
         plain = np.ptp(cut, axis=(2, 3)).max(-1) == 0
         return cls(grid, (cut.shape[0], cut.shape[1]), cut[..., 4].max((2, 3)) > 0, plain, wraps, joins)
 
@@ -190,32 +192,42 @@ class _Tiles:
         sides = there.shape[1] * width, there.shape[0] * height
         return Cell(name, left * width, top * height, *sides, own=own, tile=repeat)
 
-    def _edges(self, axis: int) -> list[list[tuple[int, int, int]]]:
+    def _edges(self, axis: int) -> list[list[tuple[int, int, bool]]]:
         """Return groups of tile edges that may meet along an axis.
 
-        An edge is the tile's position along the axis, its position across it, and 0 for the first or 1 for
-        the second edge. Pairs of tiles that were predicted side by side and meet no other tile are left out.
+        An edge is the tile's position along the axis, its position across it, and whether it is the last edge
+        instead of the first. Pairs of edges that were predicted side by side and meet no other edge are left
+        out.
         """
+        repeats = {int(tile) for tile in np.flatnonzero(self.wraps[axis].ravel())}
+        pairs = [(a, b) for which, a, b in self._neighbours() if which == axis] + [(a, a) for a in repeats]
+        meet = [(_Edge(before, last=True), _Edge(behind, last=False)) for before, behind in pairs]
+        edges = sorted({edge for pair in meet for edge in pair})
+        index = {edge: i for i, edge in enumerate(edges)}
+        labels = connected(len(edges), [(index[last], index[first]) for last, first in meet])
+        groups: dict[int, list[_Edge]] = {}
+        for edge, label in zip(edges, labels, strict=True):
+            groups.setdefault(int(label), []).append(edge)
 
-        def place(edge: int) -> tuple[int, int, int]:
-            row, column = divmod(edge // 2, self.counts[1])
-            return (row, column, edge % 2) if axis == 0 else (column, row, edge % 2)
+        def side_by_side(tile: int) -> bool:
+            return tile not in repeats or self._repeated(tile) in {"both", _AXES[axis]}
 
-        meet = [(2 * a + 1, 2 * b) for which, a, b in self._neighbours() if which == axis]
-        repeats = [int(each) for each in np.flatnonzero(self.wraps[axis].ravel())]
-        meet += [(2 * each + 1, 2 * each) for each in repeats]
-        groups = connected(2 * self.drawn.size, meet)
-        sure = {2 * each for each in repeats if self._repeated(each) in {"both", _AXES[axis]}}
-        found: dict[int, list[int]] = {}
-        for edge in sorted({each for pair in meet for each in pair}):
-            found.setdefault(int(groups[edge]), []).append(edge)
-        own = set(repeats)
-        kept = [
-            group
-            for group in found.values()
-            if len(group) > 2 or (group[0] // 2 in own and group[0] not in sure)
+        def place(edge: _Edge) -> tuple[int, int, bool]:
+            row, column = divmod(edge.tile, self.counts[1])
+            return (row, column, edge.last) if axis == 0 else (column, row, edge.last)
+
+        return [
+            [place(edge) for edge in group]
+            for group in groups.values()
+            if len(group) > 2 or not side_by_side(group[0].tile)
         ]
-        return [[place(edge) for edge in group] for group in kept]
+
+
+class _Edge(NamedTuple):
+    """One of a tile's two edges across an axis."""
+
+    tile: int
+    last: bool
 
 
 def _drawn(picture: Picture, grid: TileGrid) -> tuple[BoolMask, Floats | None]:
@@ -271,7 +283,7 @@ def _fit(before: Floats, behind: Floats, axis: int) -> tuple[BoolMask, BoolMask]
 
 
 def _adjust(
-    normals: Floats, weights: Floats, edges: Sequence[tuple[int, int, int]], sides: tuple[int, int]
+    normals: Floats, weights: Floats, edges: Sequence[tuple[int, int, bool]], sides: tuple[int, int]
 ) -> None:
     """Replace the normals along edges with their mean, in place, and blend the change into the tiles.
 
@@ -285,10 +297,10 @@ def _adjust(
     reach = max(round(_REACH * length), 1)
     fade = (0.5 + 0.5 * np.cos(np.pi * np.arange(reach) / reach)).astype(np.float32)
     parts = []
-    for along, beside, behind in edges:
+    for along, beside, last in edges:
         across = np.s_[beside * width : (beside + 1) * width]
-        first = (along + 1) * length - 1 if behind else along * length
-        down = first + np.arange(reach) * (-1 if behind else 1)
+        start = (along + 1) * length - 1 if last else along * length
+        down = start + np.arange(reach) * (-1 if last else 1)
         parts.append((down, across))
     total = sum(weights[down[0], across, None] * normals[down[0], across] for down, across in parts)
     mean = unit(np.asarray(total, np.float32)[None], front=True)[0]

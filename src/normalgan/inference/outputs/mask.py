@@ -13,11 +13,7 @@ from normalgan.normals import encode_grey
 @OUTPUTS.register
 @dataclass(frozen=True)
 class Mask(Output):
-    """The mask of the object, white on black with a soft edge.
-
-    Args:
-        format: format of the picture.
-    """
+    """The mask of the object, white on black with a soft edge."""
 
     name: ClassVar[str] = "mask"
     label: ClassVar[str] = "Mask"

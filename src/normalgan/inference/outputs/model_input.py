@@ -11,11 +11,7 @@ from normalgan.normals import encode_grey
 @OUTPUTS.register
 @dataclass(frozen=True)
 class ModelInput(Output):
-    """The network's input, as dark lines on white.
-
-    Args:
-        format: format of the picture.
-    """
+    """The network's input, as dark lines on white."""
 
     name: ClassVar[str] = "input"
     label: ClassVar[str] = "What the model saw"

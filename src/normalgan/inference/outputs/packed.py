@@ -15,11 +15,7 @@ from normalgan.normals import encode_grey, pack_png
 @OUTPUTS.register
 @dataclass(frozen=True)
 class Roughness(Output):
-    """The roughness, one minus the specular map.
-
-    Args:
-        format: format of the picture.
-    """
+    """The roughness, one minus the specular map."""
 
     name: ClassVar[str] = "roughness"
     label: ClassVar[str] = "Roughness"
@@ -33,11 +29,7 @@ class Roughness(Output):
 @OUTPUTS.register
 @dataclass(frozen=True)
 class OcclusionRoughnessMetallic(Output):
-    """Occlusion, roughness and metallic in red, green and blue, as glTF, Unreal and Godot read them.
-
-    Args:
-        format: format of the picture.
-    """
+    """Occlusion, roughness and metallic in red, green and blue, as glTF, Unreal and Godot read them."""
 
     name: ClassVar[str] = "orm"
     label: ClassVar[str] = "Occlusion, roughness, metallic"

@@ -28,11 +28,7 @@ _BESIDE = 0.25
 @OUTPUTS.register
 @dataclass(frozen=True)
 class AmbientOcclusion(Output):
-    """The ambient occlusion map.
-
-    Args:
-        format: format of the picture.
-    """
+    """The ambient occlusion map."""
 
     name: ClassVar[str] = "ao"
     label: ClassVar[str] = "Ambient occlusion"
@@ -46,11 +42,7 @@ class AmbientOcclusion(Output):
 @OUTPUTS.register
 @dataclass(frozen=True)
 class Curvature(Output):
-    """The curvature map, with light ridges and dark hollows.
-
-    Args:
-        format: format of the picture.
-    """
+    """The curvature map, with light ridges and dark hollows."""
 
     name: ClassVar[str] = "curvature"
     label: ClassVar[str] = "Curvature"
@@ -64,11 +56,7 @@ class Curvature(Output):
 @OUTPUTS.register
 @dataclass(frozen=True)
 class Specular(Output):
-    """The specular map, with polished ridges and dull hollows.
-
-    Args:
-        format: format of the picture.
-    """
+    """The specular map, with polished ridges and dull hollows."""
 
     name: ClassVar[str] = "specular"
     label: ClassVar[str] = "Specular"

@@ -60,9 +60,6 @@ class Hand:
         taper: fraction by which the width decreases towards the end where the pen is lifted.
         slowness: fraction by which lines get wider in tight turns.
         pen: range of a random factor for all widths, from thin pens to thick markers.
-
-    Raises:
-        InputError: if a setting is out of range.
     """
 
     strength: Annotated[tuple[float, float], Range(0, 1)] = (0.0, 1.0)

@@ -42,9 +42,6 @@ class Brush(BufferedDrawing):
             fraction of the frame's side. Contours are always inked.
         shortest_contour: minimum extent of a contour, as a fraction of the frame's side.
         shortest: minimum extent of a patch of ink, as a fraction of the frame's side.
-
-    Raises:
-        InputError: if a setting is out of range.
     """
 
     line_width: Positive = 2.0

@@ -114,9 +114,6 @@ class BufferedDrawing(LineDrawing):
         line_width: width of a line in pixels of the sketch, at any sketch size.
         resolution: side of the maps in pixels, rounded up to a multiple of the sketch's side. Lines have
             subpixel positions.
-
-    Raises:
-        InputError: if a setting is out of range.
     """
 
     line_width: Positive = 1.25

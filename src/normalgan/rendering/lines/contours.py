@@ -29,9 +29,6 @@ class OccludingContours(BufferedDrawing):
             fraction of the frame's side. A contour continues as long as it reaches a third of this.
         crease: minimum angle in degrees between neighbouring normals at a crease; None draws no creases.
         shortest: minimum extent of a contour, as a fraction of the frame's side.
-
-    Raises:
-        InputError: if a setting is out of range.
     """
 
     gap: Positive = 0.01
@@ -58,9 +55,6 @@ class Silhouette(BufferedDrawing):
 
     Args:
         shortest: minimum extent of a part of the outline, as a fraction of the frame's side.
-
-    Raises:
-        InputError: if a setting is out of range.
     """
 
     shortest: NonNegative = 0.05

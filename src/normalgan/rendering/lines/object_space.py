@@ -26,9 +26,6 @@ class ObjectSpaceSuggestive(SurfaceDrawing):
         strength: minimum rate of change of the radial curvature at a stroke, for an object of radius 1. A
             stroke continues as long as it reaches a third of this.
         theta: minimum angle in degrees between normal and view vector at a stroke.
-
-    Raises:
-        InputError: if a setting is out of range.
     """
 
     strength: Positive = 35.0

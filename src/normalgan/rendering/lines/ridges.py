@@ -30,9 +30,6 @@ class RidgesAndValleys(SurfaceDrawing):
             object in the picture. A line continues as long as it reaches a third of this.
         sharpness: minimum peakedness of a ridge or valley, the negative second derivative of the curvature
             across it, in units of the curvature cubed. A limb is round, so its middle is not a ridge.
-
-    Raises:
-        InputError: if a setting is out of range.
     """
 
     smoothing: NonNegative = 0.03

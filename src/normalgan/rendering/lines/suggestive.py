@@ -33,9 +33,6 @@ class SuggestiveContours(OutlinedDrawing):
         strength: minimum sharpness t of a valley at a stroke, for a frame of side 1. A stroke continues as
             long as it reaches a third of this.
         theta: minimum angle in degrees between normal and view vector at a stroke.
-
-    Raises:
-        InputError: if a setting is out of range.
     """
 
     interior_width: NonNegative = 0.75

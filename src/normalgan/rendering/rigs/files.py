@@ -30,9 +30,6 @@ class RiggedFile:
         pose: number of the pose, from 0; the pose depends only on this and on the file's name.
         postures: fraction of the poses, from 0 to 1, that are postures such as sitting or lying, if the
             skeleton is known.
-
-    Raises:
-        InputError: if the number is negative.
     """
 
     file: MeshFile

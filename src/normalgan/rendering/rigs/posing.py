@@ -3,8 +3,11 @@
 Postures are sitting, lying, rearing and other poses of known skeletons that are rare in animations.
 """
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -99,197 +102,19 @@ class Posture:
     level: bool = False
 
 
-def _both(*limb: _Way) -> tuple[_Limb, _Limb]:
-    return limb, limb
+def _tuples(value: Any) -> Any:
+    """Return a value of JSON with its lists, also those within lists, as tuples."""
+    return tuple(map(_tuples, value)) if isinstance(value, list) else value
 
 
-_REST: tuple[_Limb, _Limb] = ((), ())
-_PAW_SIT = _both((72, 12), (-62, 6), (80, 2), (85, 0))
-_PAW_LIE = _both((62, 14), (-78, 8), (86, 4), (90, 0))
-_PAWS_AHEAD = _both((-45, 4), (84, 0), (88, 0))
-_STRAIGHT_PAWS = _both((-18, 0), (4, 2), None)
-
-_PAWS: Mapping[str, Posture] = {
-    "sit": Posture(_STRAIGHT_PAWS, _PAW_SIT, 40, neck=(-15, 0, 0), level=True, spread=5),
-    "lie": Posture(_PAWS_AHEAD, _PAW_LIE, level=True, spread=6),
-    "lie on the side": Posture(
-        (((-10, 2), (35, 0)), ((-25, 2), (15, 0))),
-        (((35, 2), (-25, 0), (15, 0)), ((15, 2), (-40, 0), (0, 0))),
-        whole=(0, 0, 88),
-        spread=14,
-        free=(12, 15, 8),
-    ),
-    "on the back": Posture(
-        _both((-20, 14), (95, 6), (20, 0)), _both((45, 28), (-45, 10), (35, 0)), whole=(0, 0, 180), spread=12
-    ),
-    "rear": Posture(_both((5, 4), (75, 2), (20, 0)), _both((35, 6), (-30, 2), (18, 0)), 58, spread=12),
-    "leap": Posture(_both((25, 2), (62, 0), (50, 0)), _both((-35, 4), (-62, 2), (-50, 0)), 8, spread=12),
-    "gather": Posture(
-        _both((-45, 2), (-10, 0), (-50, 0)), _both((60, 4), (-15, 2), (50, 0)), 0, (-20, 0, 0), spread=12
-    ),
-    "bow": Posture(
-        _both((10, 4), (78, 2), (85, 0)), _REST, level=True, spine=(8, 0, 0), neck=(30, 0, 0), tail=(30, 0, 0)
-    ),
-    "curl": Posture(
-        _PAWS_AHEAD,
-        _PAW_LIE,
-        0,
-        (-5, 65, 0),
-        (-15, 60, 0),
-        (-10, 20, 0),
-        (0, 80, 0),
-        free=(6, 12, 6),
-        spread=4,
-    ),
-    "look back": Posture(spine=(0, 18, 0), neck=(10, 75, 0), head=(0, 35, 0)),
-    "beg": Posture(_both((-5, 4), (75, 2), (10, 0)), _PAW_SIT, 68, neck=(-40, 0, 0)),
-    "give a paw": Posture((((25, 4), (75, 0), (60, 0)), ()), _REST, free=(20, 30, 8)),
-    "stalk": Posture(
-        (((-70, 2), (25, 0), None), ((-40, 2), (-5, 0), None)),
-        (((50, 4), (-65, 2), (25, 0), None), ((30, 4), (-70, 2), (10, 0), None)),
-        neck=(-20, 0, 0),
-        level=True,
-    ),
+POSTURES: Mapping[str, Mapping[str, Posture]] = {
+    kind: {
+        name: Posture(**{part: _tuples(angles) for part, angles in parts.items()})
+        for name, parts in postures.items()
+    }
+    for kind, postures in json.loads(Path(__file__).with_name("postures.json").read_bytes()).items()
 }
-
-_HOOF_LIE = _both((55, 12), (-84, 6), (86, 4), (90, 0))
-_KNEES_UNDER = _both((58, 4), (-95, -2), (-95, 0))
-
-_HOOVES: Mapping[str, Posture] = {
-    "sit": Posture(
-        _both((-6, 0), (-4, 0)),
-        _both((66, 14), (-60, 6), (75, 2), (80, 0)),
-        35,
-        neck=(-15, 0, 0),
-        level=True,
-        spread=5,
-    ),
-    "lie": Posture(_KNEES_UNDER, _HOOF_LIE, level=True, spread=6),
-    "lie on the side": Posture(
-        (((15, 2), (-20, 0)), ((0, 2), (-35, 0))),
-        (((20, 2), (-40, 0), (0, 0)), ((5, 2), (-50, 0), (-10, 0))),
-        whole=(0, 0, 88),
-        spread=14,
-        free=(10, 10, 6),
-    ),
-    "on the back": Posture(
-        _both((25, 10), (-70, 4), (-60, 0)),
-        _both((40, 20), (-50, 8), (30, 0)),
-        neck=(-45, 0, 0),
-        whole=(0, 0, 180),
-        spread=12,
-    ),
-    "rear": Posture(
-        (((65, 4), (-25, 0), (-30, 0)), ((45, 4), (-45, 0), (-50, 0))),
-        _both((30, 6), (-35, 2), (15, 0)),
-        52,
-        neck=(-15, 0, 0),
-        spread=12,
-    ),
-    "leap": Posture(_both((55, 2), (35, 0), (20, 0)), _both((-20, 4), (-62, 2), (-55, 0)), 10, spread=12),
-    "gather": Posture(_both((30, 2), (-80, 0), (-90, 0)), _both((55, 4), (-25, 2), (45, 0)), 12, spread=12),
-    "bow": Posture(_both((45, 4), (70, 2), (80, 0)), _REST, level=True, neck=(20, 0, 0)),
-    "kneel": Posture(
-        (((15, 2), (-85, 0), (-90, 0)), ((60, 2), (5, 0), None)), _REST, level=True, neck=(-20, 0, 0)
-    ),
-    "curl": Posture(
-        _KNEES_UNDER,
-        _HOOF_LIE,
-        0,
-        (-5, 40, 0),
-        (-30, 75, 0),
-        (-20, 25, 0),
-        (0, 60, 0),
-        free=(6, 12, 6),
-        spread=4,
-    ),
-    "look back": Posture(spine=(0, 15, 0), neck=(0, 80, 0), head=(-10, 30, 0)),
-    "kick": Posture(_REST, _both((10, 4), (-75, 0), (-60, 0)), -18, neck=(-10, 0, 0), spread=12),
-    "lift a foot": Posture((((40, 2), (-45, 0), (-60, 0)), ()), _REST),
-}
-
-_DOWN = _both((0, 12), (15, 6), None)
-_GUARD = _both((25, 10), (150, -25), (150, -20))
-_CHAIR = _both((84, 9), (2, 4))
-
-_PEOPLE: Mapping[str, Posture] = {
-    "arms down": Posture(_DOWN, _both((2, 5), (-4, 3)), spread=10),
-    "arms up": Posture(_both((165, 22), (172, 8)), _both((0, 8), (-5, 5)), spread=18),
-    "cheer": Posture(
-        _both((130, 55), (172, 15)), _both((0, 10), (-8, 5)), 5, (8, 0, 0), head=(15, 0, 0), spread=16
-    ),
-    "wave": Posture((((60, 60), (165, 25)), ((0, 12), (12, 5))), _both((0, 6), (-4, 3)), spread=12),
-    "point": Posture((((85, 5), (88, 0)), ((0, 15), (20, 0))), _both((0, 7), (-4, 4)), spread=14),
-    "hands on hips": Posture(_both((-15, 48), (20, -35)), _both((0, 9), (-3, 6)), spread=5),
-    "arms crossed": Posture((((22, 10), (80, -62)), ((15, 10), (75, -62))), _both((0, 6), (-3, 4)), spread=4),
-    "sit on a chair": Posture(_both((20, 10), (70, -8)), _CHAIR, 0, (-8, 0, 0), spread=8),
-    "lean back": Posture(_both((-30, 14), (-15, 8)), _both((92, 10), (25, 5)), 22, (-5, 0, 0), spread=8),
-    "sit on the ground": Posture(
-        _both((45, 10), (60, -6)), _both((115, 9), (-35, 3)), -4, (-28, 0, 0), spread=7
-    ),
-    "legs out": Posture(_both((-28, 14), (-12, 8)), _both((84, 10), (82, 4)), 12, (-8, 0, 0), spread=7),
-    "cross-legged": Posture(_both((25, 14), (55, -12)), _both((72, 52), (42, -70)), 0, (-14, 0, 0), spread=4),
-    "kneel": Posture(_both((15, 12), (45, -5)), _both((10, 7), (-86, 2)), 0, (-5, 0, 0), spread=7),
-    "sit on the heels": Posture(
-        _both((22, 8), (60, -14)), _both((76, 11), (-84, 3)), -2, (-8, 0, 0), spread=5
-    ),
-    "on one knee": Posture(
-        _both((25, 10), (65, -10)), (((88, 6), (4, 2)), ((0, 6), (-84, 2))), -3, (-10, 0, 0), spread=7
-    ),
-    "crouch": Posture(
-        _both((50, 10), (60, -8)), _both((95, 14), (-42, 6)), -22, (-30, 0, 0), head=(25, 0, 0), spread=8
-    ),
-    "guard": Posture(_GUARD, (((28, 10), (-12, 5)), ((-12, 10), (-28, 5))), -6, (-8, 15, 0), spread=10),
-    "punch": Posture(
-        (((88, 4), (90, -4)), _GUARD[1]),
-        (((40, 8), (-5, 4)), ((-25, 10), (-32, 5))),
-        -12,
-        (-6, 25, 0),
-        spread=9,
-    ),
-    "kick": Posture(
-        _both((35, 25), (110, -15)), (((88, 8), (75, 4)), ((-4, 5), (-10, 3))), 16, (-16, 0, 0), spread=10
-    ),
-    "lunge": Posture(
-        (((70, 10), (85, 0)), ((-30, 25), (0, 10))),
-        (((70, 6), (-8, 3)), ((-38, 8), (-45, 5))),
-        -10,
-        (-8, 0, 0),
-        spread=10,
-    ),
-    "run": Posture(
-        (((50, 8), (130, -10)), ((-50, 10), (40, 0))),
-        (((-30, 4), (-95, 2)), ((60, 4), (-35, 2))),
-        -14,
-        spread=10,
-    ),
-    "leap": Posture(_both((110, 40), (140, 20)), (((65, 8), (20, 3)), ((-40, 8), (-80, 3))), -4, spread=16),
-    "star": Posture(_both((95, 62), (100, 55)), _both((0, 34), (-5, 30)), spread=14),
-    "bow": Posture(_both((45, 10), (50, 0)), _both((4, 5), (-2, 3)), -35, (-35, 0, 0), spread=10),
-    "look behind": Posture(
-        _DOWN, (((12, 6), (0, 3)), ((-12, 6), (-18, 3))), 0, (0, 45, 0), (0, 30, 0), (0, 30, 0), spread=10
-    ),
-    "on all fours": Posture(
-        _both((5, 4), (8, 2)), _both((12, 4), (-82, 2)), -78, (-8, 0, 0), (35, 0, 0), (30, 0, 0), spread=6
-    ),
-    "lie on the back": Posture(
-        _both((10, 35), (20, 25)), _both((8, 8), (-4, 5)), whole=(90, 0, 0), spread=14
-    ),
-    "lie on the side": Posture(
-        (((45, 5), (80, 0)), ((60, 10), (100, 0))),
-        (((40, 4), (-30, 2)), ((60, 4), (-35, 2))),
-        0,
-        (-15, 0, 0),
-        whole=(0, 0, 88),
-        spread=14,
-    ),
-    "lie on the belly": Posture(
-        _both((140, 40), (150, -20)), _both((0, 8), (-6, 5)), whole=(-90, 0, 0), spread=12
-    ),
-}
-
-POSTURES: Mapping[str, Mapping[str, Posture]] = {"paws": _PAWS, "hooves": _HOOVES, "people": _PEOPLE}
-"""The postures of each kind of body, by name."""
+"""The postures of each kind of body, by name. Which one `draw_posture` draws depends on their order."""
 
 
 @dataclass(frozen=True)
@@ -470,6 +295,24 @@ def in_posture(rig: Rig, skeleton: Skeleton, posture: Posture) -> Doubles:
 
 def _placed(skeleton: Skeleton, posture: Posture) -> tuple[Doubles, Doubles]:
     """Return the rotations (N, 3, 3) of the nodes from the rest pose, and positions (N, 3), in body axes."""
+    bends, targets = _bends(skeleton, posture), _targets(skeleton, posture)
+    turns = np.tile(np.eye(3), (len(skeleton.parents), 1, 1))
+    places = skeleton.places.copy()
+    for node in _parents_first(skeleton.parents):
+        above = skeleton.parents[node]
+        if above >= 0:
+            turns[node] = turns[above]
+            places[node] = places[above] + turns[above] @ (skeleton.places[node] - skeleton.places[above])
+        if node in bends:
+            turns[node] = turns[node] @ bends[node]
+        elif node in targets:
+            rest, target = targets[node]
+            turns[node] = _swing(turns[node] @ rest, target) @ turns[node]
+    return turns, places
+
+
+def _bends(skeleton: Skeleton, posture: Posture) -> dict[int, Doubles]:
+    """Return the rotation (3, 3) of each bent node; the nodes of spine, neck and tail share their bend."""
     bends = {skeleton.trunk[0]: _turn((posture.pitch, 0.0, 0.0)), skeleton.head: _turn(posture.head)}
     pitch, yaw, roll = posture.tail
     for nodes, bend in (
@@ -478,37 +321,35 @@ def _placed(skeleton: Skeleton, posture: Posture) -> tuple[Doubles, Doubles]:
         (skeleton.tail, (-pitch, -yaw, roll)),
     ):
         bends |= {node: _turn(tuple(angle / len(nodes) for angle in bend)) for node in nodes}
-    ways: dict[int, tuple[Doubles, Doubles]] = {}
-    for limbs, held in ((skeleton.fore, posture.fore), (skeleton.hind, posture.hind)):
-        for nodes, limb, side in zip(limbs, held, (-1.0, 1.0), strict=True):
-            for number, (node, way) in enumerate(zip(nodes, limb, strict=False)):
-                if way is not None:
-                    end = (
-                        skeleton.places[nodes[number + 1]] if number + 1 < len(nodes) else skeleton.tips[node]
-                    )
-                    ways[node] = (end - skeleton.places[node], _direction(way, side))
-    turns = np.tile(np.eye(3), (len(skeleton.parents), 1, 1))
-    places = skeleton.places.copy()
-    done = set()
+    return bends
 
-    def place(node: int) -> None:
-        if node in done:
-            return
-        done.add(node)
-        above = skeleton.parents[node]
-        if above >= 0:
-            place(above)
-            turns[node] = turns[above]
-            places[node] = places[above] + turns[above] @ (skeleton.places[node] - skeleton.places[above])
-        if node in bends:
-            turns[node] = turns[node] @ bends[node]
-        elif node in ways:
-            rest, target = ways[node]
-            turns[node] = _swing(turns[node] @ rest, target) @ turns[node]
 
-    for node in range(len(skeleton.parents)):
-        place(node)
-    return turns, places
+def _targets(skeleton: Skeleton, posture: Posture) -> dict[int, tuple[Doubles, Doubles]]:
+    """Return the vector (3,) of each limb segment at rest, and the unit vector (3,) that it shall get."""
+    targets = {}
+    limbs = (*skeleton.fore, *skeleton.hind)
+    for nodes, limb, side in zip(limbs, (*posture.fore, *posture.hind), (-1.0, 1.0) * 2, strict=True):
+        ends = [*(skeleton.places[node] for node in nodes[1:]), skeleton.tips[nodes[-1]]]
+        for node, end, way in zip(nodes, ends, limb, strict=False):  # a limb may leave out its last segments
+            if way is not None:
+                targets[node] = (end - skeleton.places[node], _direction(way, side))
+    return targets
+
+
+def _parents_first(parents: Sequence[int]) -> list[int]:
+    """Return the nodes, each after its parent.
+
+    >>> _parents_first([2, 0, -1])
+    [2, 0, 1]
+    """
+    ordered: dict[int, None] = {}
+    for start in range(len(parents)):
+        line, node = [], start
+        while node >= 0 and node not in ordered and node not in line:  # `line` stops a cycle
+            line.append(node)
+            node = parents[node]
+        ordered |= dict.fromkeys(reversed(line))
+    return list(ordered)
 
 
 def _level(skeleton: Skeleton, posture: Posture) -> float:

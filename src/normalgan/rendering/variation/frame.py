@@ -17,7 +17,7 @@ _PROBES = 500
 
 
 @dataclass(frozen=True)
-class Frame:
+class ObjectFrame:
     """An object's own coordinate system; the third coordinate is 0 in the plane of symmetry.
 
     Args:
@@ -41,7 +41,7 @@ class Frame:
         return np.asarray(points @ self.axes + self.centre)
 
 
-def find_frame(mesh: Mesh) -> Frame:
+def find_frame(mesh: Mesh) -> ObjectFrame:
     """Return the frame of a mesh with +Y up.
 
     The plane of symmetry is the vertical plane through the centre for which the mirror image is closest to
@@ -70,7 +70,7 @@ def find_frame(mesh: Mesh) -> Frame:
     forward = np.cross(up, side)
     tall = np.ptp(offsets @ up) > np.ptp(offsets @ forward)
     axes = np.stack([up, forward, side] if tall else [forward, up, side])
-    return Frame(centre, axes, 0 if tall else 1, areas)
+    return ObjectFrame(centre, axes, 0 if tall else 1, areas)
 
 
 def _sideways(turn: float) -> Doubles:

@@ -75,7 +75,7 @@ class Joint:
         return moved + self.centre, rotation + speed[:, :, None] * self.outward
 
 
-def find_joints(points: Doubles, faces: NDArray[np.integer], rng: np.random.Generator) -> list[Joint]:
+def find_limb_joints(points: Doubles, faces: NDArray[np.integer], rng: np.random.Generator) -> list[Joint]:
     """Find the limbs of a surface, and return up to two joints per limb, where it is thin.
 
     The ends of limbs are points with maximum geodesic distance from each other. The middle of the object

@@ -30,7 +30,7 @@ from normalgan.rendering.variation.deformations import (
     twist,
 )
 from normalgan.rendering.variation.frame import find_frame
-from normalgan.rendering.variation.joints import find_joints
+from normalgan.rendering.variation.joints import find_limb_joints
 from normalgan.rendering.variation.variation import Variation
 from normalgan.seeds import rng_of
 
@@ -81,7 +81,7 @@ def vary(mesh: Mesh, variation: Variation, rng: np.random.Generator) -> Mesh:
 def _bend_limbs(mesh: Mesh, most: float, rng: np.random.Generator) -> Mesh:
     """Return the mesh with the joints of its limbs rotated by up to ``most`` radians about random axes."""
     points, normals = mesh.vertices.astype(np.float64), mesh.normals.astype(np.float64)
-    for joint in find_joints(points, mesh.faces, rng):
+    for joint in find_limb_joints(points, mesh.faces, rng):
         axis = np.cross(joint.outward, rng.standard_normal(3))
         axis /= np.linalg.norm(axis)
         angle = float(rng.uniform(-most, most))
@@ -253,9 +253,6 @@ class Varied:
         source: source of the original mesh.
         variation: strengths of the variation.
         number: number of the variant, from 0; the random draws depend only on this and on the mesh's name.
-
-    Raises:
-        InputError: if the number is negative.
     """
 
     source: MeshSource

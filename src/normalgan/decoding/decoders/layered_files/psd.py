@@ -3,7 +3,7 @@
 import io
 import struct
 from collections.abc import Iterator
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 from ..opening import RefusedError
@@ -86,45 +86,55 @@ def _layer(psd: Any, layer: Any, chain: tuple[Any, ...], opacity: int, notes: No
     """Return a layer of a PSD as composited by psd-tools, or None for an empty layer."""
     from psd_tools.constants import Tag
 
-    name, groups, kind = layer.name, tuple(each.name for each in chain), layer.kind
     effects = _drawn_effects(layer, notes)
-    fills = kind == "shape" or kind.endswith("fill")
+    fills = layer.kind == "shape" or layer.kind.endswith("fill")
     if not fills and not layer.has_pixels():
-        if kind in {"type", "smartobject"}:
-            noun = "text" if kind == "type" else "smart object"
-            notes.leave_out(name, f"{noun} without pixels left out; rasterize it", "no_pixels")
-        elif kind != "pixel":
-            notes.add(name, f"adjustment layer ({kind}) left out")
+        _note_left_out(layer, notes)
         return None
     if not effects:  # psd-tools applies the opacity to the layer but not to its effects
         opacity = opacity * layer.tagged_blocks.get_data(Tag.BLEND_FILL_OPACITY, 255) // 255
+    found = partial(Layer, layer.name, tuple(each.name for each in chain), opacity)
     masked = any(_has_mask(each) for each in (*chain, layer))
     if not (fills or effects or masked):
-        return Layer(name, groups, opacity, layer.left, layer.top, layer.topil().convert("RGBA"))
-    reach = _STROKE if "stroke" in effects else 0
-    box = (
-        (0, 0, psd.width, psd.height)
-        if fills and not layer.has_pixels()
-        else (
-            max(layer.left - reach, 0),
-            max(layer.top - reach, 0),
-            min(layer.right + reach, psd.width),
-            min(layer.bottom + reach, psd.height),
-        )
-    )
-    if box[2] <= box[0] or box[3] <= box[1]:
+        return found(layer.left, layer.top, layer.topil().convert("RGBA"))
+    left, top, right, bottom = _box(psd, layer, _STROKE if "stroke" in effects else 0)
+    if right <= left or bottom <= top:
         return None
     try:
-        return Layer(name, groups, opacity, box[0], box[1], _alone(psd, layer, chain, box))
+        return found(left, top, _alone(psd, layer, chain, (left, top, right, bottom)))
     except ImportError:  # psd-tools needs an additional library to draw the outline of a shape
-        notes.add(name, "outline of a shape left out; rasterize it")
+        notes.add(layer.name, "outline of a shape left out; rasterize it")
         image = layer.topil() if layer.has_pixels() else None
+        return None if image is None else found(layer.left, layer.top, image)
     except MemoryError:
         raise
     except Exception as error:  # a library may raise anything on damaged data
-        notes.leave_out(name, f"cannot be read: {error}; left out", "damaged")
+        notes.leave_out(layer.name, f"cannot be read: {error}; left out", "damaged")
         return None
-    return None if image is None else Layer(name, groups, opacity, layer.left, layer.top, image)
+
+
+def _note_left_out(layer: Any, notes: Notes) -> None:
+    """Add a note on a layer that has neither pixels nor a fill, unless it is merely empty."""
+    if layer.kind in {"type", "smartobject"}:
+        noun = "text" if layer.kind == "type" else "smart object"
+        notes.leave_out(layer.name, f"{noun} without pixels left out; rasterize it", "no_pixels")
+    elif layer.kind != "pixel":
+        notes.add(layer.name, f"adjustment layer ({layer.kind}) left out")
+
+
+def _box(psd: Any, layer: Any, reach: int) -> tuple[int, int, int, int]:
+    """Return the part of the picture that a layer covers: left, top, right and bottom in pixels.
+
+    A fill without pixels covers the whole picture, and effects up to ``reach`` pixels around the layer.
+    """
+    if not layer.has_pixels():
+        return 0, 0, psd.width, psd.height
+    return (
+        max(layer.left - reach, 0),
+        max(layer.top - reach, 0),
+        min(layer.right + reach, psd.width),
+        min(layer.bottom + reach, psd.height),
+    )
 
 
 def _alone(psd: Any, layer: Any, chain: tuple[Any, ...], box: tuple[int, int, int, int]) -> "Image":
