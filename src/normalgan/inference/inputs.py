@@ -34,7 +34,6 @@ def prepare_any(
     mask: AnyMask = None,
     size: int | None = None,
     line_widths: LineWidths = USUAL_WIDTHS,
-    holes: Sequence[tuple[float, float]] = (),
 ) -> Prepared:
     """Return a drawing in any form, prepared for the network.
 
@@ -50,13 +49,12 @@ def prepare_any(
             the drawing's opacity if it shows the object, otherwise the reader.
         size: longer side of the map in pixels, 8 to 8192; None keeps the drawing's size.
         line_widths: range of line widths, in pixels of the network, that are kept as drawn.
-        holes: x and y of points whose regions change from object to hole, or from hole to object.
 
     Raises:
         InputError: if an argument is invalid.
     """
     picture, where, points = check_any(image, hints, mask, size)
-    return prepare(picture, network_size, where, points, size, line_widths=line_widths, holes=holes)
+    return prepare(picture, network_size, where, points, size, line_widths=line_widths)
 
 
 def check_any(

@@ -18,7 +18,6 @@ class TorchBackend:
         generator: network with outputs (N, 3, S, S), or (N, 4, S, S) with the confidence as last channel. It
             is set to evaluation mode.
         size: side of the input and the output in pixels.
-        device: device on which the network runs.
         refined: whether the package's refiner was trained for this generator.
         line_widths: range of line widths, in pixels of the input, that are kept as drawn.
     """
@@ -27,7 +26,6 @@ class TorchBackend:
         self,
         generator: nn.Module,
         size: int,
-        device: str | torch.device = "cpu",
         *,
         refined: bool = False,
         line_widths: LineWidths = USUAL_WIDTHS,
@@ -35,8 +33,7 @@ class TorchBackend:
         self.size = size
         self.line_widths = line_widths
         self.upsample = upsampler(refined=refined, threads=torch.get_num_threads())
-        self._generator = generator.eval().to(device)
-        self._device = device
+        self._generator = generator.eval().cpu()
 
     def predict(self, sketch: Floats, hints: Floats | None = None) -> tuple[Floats, Floats | None]:
         """Return the normals (S, S, 3) predicted for a sketch, and the confidence (S, S) or None.
@@ -50,12 +47,12 @@ class TorchBackend:
         """
         if hints is None:
             hints = np.zeros((4, self.size, self.size), np.float32)
-        given = torch.from_numpy(sketch)[None, None].to(self._device)
+        given = torch.from_numpy(sketch)[None, None]
         with torch.no_grad():
-            condition = make_condition(given, torch.from_numpy(hints)[None].to(self._device))
+            condition = make_condition(given, torch.from_numpy(hints)[None])
             preds: Tensor = self._generator(condition)
         check_generated(self._generator, preds, condition)
-        return channels_last(preds[0, :3]), preds[0, 3].float().cpu().numpy() if preds.shape[1] > 3 else None
+        return channels_last(preds[0, :3]), preds[0, 3].float().numpy() if preds.shape[1] > 3 else None
 
 
 def channels_last(preds: Tensor) -> Floats:
