@@ -191,7 +191,7 @@ def pixels_of(
 
 
 def pack_png(pixels: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
-    """Return pixels (H, W, 3) or (H, W, 4) in BGR order as a PNG."""
+    """Return pixels (H, W), (H, W, 3) or (H, W, 4) in BGR order as a PNG."""
     return _encoded(".png", pixels)
 
 

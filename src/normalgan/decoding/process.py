@@ -27,6 +27,7 @@ from normalgan.decoding.results import (
     FileNotes,
     LayerNote,
 )
+from normalgan.decoding.time_limit import time_limit
 from normalgan.errors import InputError, RunError
 
 T = TypeVar("T")
@@ -197,33 +198,24 @@ class _Child:
 
     def ask(self, question: _Question[T]) -> T:
         """Return the answer; if any error except a refusal is raised, the process has ended."""
-        late = threading.Event()
-
-        def end() -> None:
-            late.set()
-            self._process.kill()
-
-        clock = threading.Timer(PATIENCE, end)
-        clock.daemon = True
-        clock.start()
-        try:
-            if not self._ready:
-                self._greet()
-            request = {"what": question.what, "sides": question.sides, **question.more}
-            self._connection.send_bytes(json.dumps(request).encode())
-            self._connection.send_bytes(question.content)
-            most = question.sides[1]
-            return question.read(self._answer(question.name, most), most)
-        except RunError:
-            self.close()
-            raise
-        except InputError:
-            raise
-        except _NONSENSE:
-            self.close()
-            raise InputError(f"{question.name} cannot be decoded: {self._reason(late.is_set())}.") from None
-        finally:
-            clock.cancel()
+        with time_limit(PATIENCE, self._process.kill) as late:
+            try:
+                if not self._ready:
+                    self._greet()
+                request = {"what": question.what, "sides": question.sides, **question.more}
+                self._connection.send_bytes(json.dumps(request).encode())
+                self._connection.send_bytes(question.content)
+                most = question.sides[1]
+                return question.read(self._answer(question.name, most), most)
+            except RunError:
+                self.close()
+                raise
+            except InputError:
+                raise
+            except _NONSENSE:
+                self.close()
+                reason = self._reason(late.is_set())
+                raise InputError(f"{question.name} cannot be decoded: {reason}.") from None
 
     def close(self) -> None:
         """End the process."""

@@ -3,6 +3,7 @@
 import os
 from contextlib import suppress
 from pathlib import Path
+from tempfile import TemporaryFile
 
 
 def write_bytes(
@@ -37,3 +38,12 @@ def write_bytes(
     finally:
         with suppress(OSError):  # on a read-only disk, this would mask the first error
             temporary.unlink(missing_ok=True)
+
+
+def probe(folder: Path) -> None:
+    """Raise `OSError` if no file can be written to a folder.
+
+    A file is written, because permissions do not show that a disk is full or read-only.
+    """
+    with TemporaryFile(dir=folder) as file:
+        file.write(b"0")

@@ -83,4 +83,4 @@ def reoriented(base: Floats, detail: Floats) -> Floats:
 def _map(normals: Floats, alpha: Floats | None) -> NormalMap:
     shape = normals.shape[:2]
     opacity = np.ones(shape, np.float32) if alpha is None else alpha
-    return NormalMap(normals, opacity > 0.5, opacity, np.zeros((8, 8), np.float32), None, ())
+    return NormalMap(normals, opacity > 0.5, opacity)

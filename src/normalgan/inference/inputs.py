@@ -15,10 +15,9 @@ from normalgan.errors import InputError, brief
 from normalgan.inference.mask.mask_files import SOURCES, MaskOrSource, load_mask, mask_of
 from normalgan.inference.preparation import Prepared, prepare
 from normalgan.inference.reading.drawings import LARGEST, SMALLEST
-from normalgan.inference.reading.hint_files import Hints, load_hints, parse_hints
+from normalgan.inference.reading.hint_files import Hints, first_fault, hints_at, load_hints, parse_hints
 from normalgan.inference.reading.picture import MOST_WORKED, Picture, read_picture, to_picture
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths
-from normalgan.normals import LEAST_Z, normalize
 
 AnyPicture = str | Path | Image.Image | NDArray[Any] | Picture
 AnyMask = str | Path | Image.Image | NDArray[Any] | None
@@ -35,7 +34,6 @@ def prepare_any(
     mask: AnyMask = None,
     size: int | None = None,
     line_widths: LineWidths = USUAL_WIDTHS,
-    holes: Sequence[tuple[float, float]] = (),
 ) -> Prepared:
     """Return a drawing in any form, prepared for the network.
 
@@ -51,13 +49,12 @@ def prepare_any(
             the drawing's opacity if it shows the object, otherwise the reader.
         size: longer side of the map in pixels, 8 to 8192; None keeps the drawing's size.
         line_widths: range of line widths, in pixels of the network, that are kept as drawn.
-        holes: x and y of points whose regions change from object to hole, or from hole to object.
 
     Raises:
         InputError: if an argument is invalid.
     """
     picture, where, points = check_any(image, hints, mask, size)
-    return prepare(picture, network_size, where, points, size, line_widths=line_widths, holes=holes)
+    return prepare(picture, network_size, where, points, size, line_widths=line_widths)
 
 
 def check_any(
@@ -179,23 +176,16 @@ def _hints_in(array: NDArray[Any], shape: tuple[int, int]) -> Hints:
         )
     rows, columns = np.nonzero(array[..., 3])
     normals = array[rows, columns, :3].astype(np.float32)
-    length = np.linalg.norm(normals, axis=1)
-    wrong = np.flatnonzero(~(np.abs(length - 1) <= 0.25))  # written so that NaN counts as wrong
-    if len(wrong):
-        first = wrong[0]
-        raise InputError(
-            f"the hint at x {columns[first]}, y {rows[first]} has length {length[first]:.3g}; "
-            "a normal has length 1."
-        )
-    away = np.flatnonzero(normals[:, 2] < LEAST_Z * length)
-    if len(away):
-        first = away[0]
-        raise InputError(
-            f"the hint at x {columns[first]}, y {rows[first]} has z {normals[first, 2]:.3g} and looks away "
-            "from the viewer; the z of a normal must be 0 or more."
-        )
-    points = np.stack([columns, rows], axis=1).astype(np.float32) + np.float32(0.5)
-    return Hints(points, normalize(normals))
+    if fault := first_fault(normals):
+        first, length = fault
+        hint = f"the hint at x {columns[first]}, y {rows[first]} has"
+        if length is None:
+            raise InputError(
+                f"{hint} z {normals[first, 2]:.3g} and looks away from the viewer; the z of a normal "
+                "must be 0 or more."
+            )
+        raise InputError(f"{hint} length {length:.3g}; a normal has length 1.")
+    return hints_at(rows, columns, normals)
 
 
 def _decoded(image: Image.Image) -> Picture:

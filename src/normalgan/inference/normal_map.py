@@ -1,6 +1,6 @@
 """NormalMap: the result of a prediction, with its normals, mask and confidence."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Literal, get_args
@@ -48,7 +48,7 @@ class NormalMap:
         mask: (H, W), the object.
         alpha: (H, W) in [0, 1], the drawing's opacity if the mask comes from it, otherwise the mask with a
             soft edge.
-        seen: (S, S), the network's input.
+        seen: (S, S), the network's input; blank for a map that no network predicted.
         confidence: (H, W), the network's confidence κ ≥ 0, or None.
         findings: findings about the map; `warning` returns them as text.
         tile: directions in which the map repeats; None if it does not.
@@ -60,9 +60,9 @@ class NormalMap:
     extended: Floats
     mask: NDArray[np.bool_]
     alpha: Floats
-    seen: Floats
-    confidence: Floats | None
-    findings: tuple[Finding, ...]
+    seen: Floats = field(default_factory=lambda: np.zeros((8, 8), np.float32))
+    confidence: Floats | None = None
+    findings: tuple[Finding, ...] = ()
     tile: Tile | None = None
     cells: tuple[Cell, ...] = ()
     partial: bool = False

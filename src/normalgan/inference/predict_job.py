@@ -1,6 +1,6 @@
 """JobPredictor: predict the drawings of a file of any kind and write their outputs."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
@@ -265,23 +265,13 @@ class JobPredictor:
         found, pages = drawing.frames, drawing.moving == PAGES
         members = [self._member(to_picture(each), job.files) for each in found.frames]
         shared = self.frame == "shared" if pages else self.frame != "own"
-        moves, part = _moves(self.writer.outputs) and not pages, "page" if pages else "frame"
+        predicted = predict_series(self.predictor, members, shared, shared and not pages, self.size)
+        outputs, problems = self.writer.outputs, _Problems("page" if pages else "frame")
+        moves = _moves(outputs) and not pages
         pixels: list[NDArray[np.uint8]] = []
-        problems = _Problems(part)
         held: list[Held] = []
-        outputs = self.writer.outputs
-        steady = shared and not pages
-        predicted = predict_series(self.predictor, members, shared, steady, self.size)
-        for number, (member, each) in enumerate(zip(members, predicted, strict=True), 1):
-            picture = member.picture
-            if isinstance(each, InputError):
-                preds = flat_map(picture.shape, self.size)
-                problems.fail(number, each, picture)
-            else:
-                preds = self.sprite(each, picture)
-                problems.warn(number, each.warning)
+        for number, preds in enumerate(self._maps(members, predicted, problems), 1):
             own = job.numbered(number, outputs.ending)
-            preds = preds.stronger(self.strength)
             # All frames share one scale; otherwise a body would rise and sink when an arm is raised.
             held += self.writer.write_others(own, preds, hold=not pages)
             if moves:
@@ -302,6 +292,19 @@ class JobPredictor:
         # Blank frames are deliberate and do not count as missing.
         partial = found.notes.partial or not all(map(_blank, problems.failed))
         return Done(target, warning, held, partial=partial)
+
+    def _maps(
+        self, members: Sequence[Member], predicted: Iterable[NormalMap | InputError], problems: "_Problems"
+    ) -> Iterator[NormalMap]:
+        """Yield the map of each frame or page, flat if it could not be predicted, and record the problems."""
+        for number, (member, each) in enumerate(zip(members, predicted, strict=True), 1):
+            if isinstance(each, InputError):
+                problems.fail(number, each, member.picture)
+                preds = flat_map(member.picture.shape, self.size)
+            else:
+                problems.warn(number, each.warning)
+                preds = self.sprite(each, member.picture)
+            yield preds.stronger(self.strength)
 
     def _member(self, picture: Picture, files: DrawingFiles) -> Member:
         return Member(picture, *_hints_and_mask(files, picture.shape))

@@ -13,7 +13,7 @@ from normalgan.inference.cleaning.ink import clean
 from normalgan.inference.cleaning.reader import Reading, read
 from normalgan.inference.findings import Finding
 from normalgan.inference.mask.decision import Decision, decide
-from normalgan.inference.mask.mask_files import MODEL, OUTLINE, MaskOrSource
+from normalgan.inference.mask.mask_files import MaskOrSource
 from normalgan.inference.network.framing import Frame
 from normalgan.inference.network.line_width import render_model_input
 from normalgan.inference.reading.hint_files import Hints
@@ -100,7 +100,6 @@ def prepare(
     """
     shape = fitted(picture.shape, longest)
     worked = fitted_within(shape, MOST_WORKED)
-    source = mask if isinstance(mask, str) else None
     reading = None if clean_strokes else read(picture)
     cleaned = clean(picture.resized(worked), reading)
     if painted is not None:
@@ -122,16 +121,15 @@ def prepare(
     if on_model_input is not None:
         on_model_input(prepared)
     scale = worked[1] / picture.shape[1]
-    if isinstance(mask, np.ndarray):
-        prepared = replace(prepared, mask=resize(mask.astype(np.float32), worked) > 0.5)
-    elif mask is None and cleaned.silhouette is not None:
-        prepared = replace(prepared, mask=cleaned.silhouette, alpha=picture.alpha)
-    elif source != MODEL:
-        if source == OUTLINE:
-            reading = None  # the lines alone decide
-        elif reading is None:
-            reading = read(picture)
-        prepared = _decided(prepared, walls, reading, holes, scale)
+    match mask:
+        case np.ndarray():
+            prepared = replace(prepared, mask=resize(mask.astype(np.float32), worked) > 0.5)
+        case None if cleaned.silhouette is not None:
+            prepared = replace(prepared, mask=cleaned.silhouette, alpha=picture.alpha)
+        case "outline":
+            prepared = _decided(prepared, walls, None, holes, scale)
+        case "reader" | None:
+            prepared = _decided(prepared, walls, reading or read(picture), holes, scale)
     if holes and prepared.decision is None:
         raise InputError("a hole needs a region between lines, but the mask does not come from the lines.")
     return prepared if hints is None else hinted(prepared, hints, picture.shape)

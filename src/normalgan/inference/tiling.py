@@ -75,37 +75,31 @@ def predict_tile(
         raise InputError(
             "the reader cannot find the mask of a repeating drawing; use a file, outline or model."
         )
-    page = picture.resized(worked, partial(resize_tile, tile=tile))
     room = (round(_BESIDE * max(worked)),) * 2
-    opacity = None if page.alpha is None else wrapped(page.alpha, tile, room)
-    beside = Picture(wrapped(page.colour, tile, room), opacity)
-    cleaned = clean(beside, read(beside), repeats=True)
-    ink = middle(cleaned.ink, tile, room)
-    silhouette = cleaned.silhouette if mask is None else None
-    found = _object(mask, ink, tile) if silhouette is None else middle(silhouette, tile, room)
-    shown = windows(ink, tile, backend.size)
+    page = picture.resized(worked, partial(resize_tile, tile=tile))
+    ink, found, alpha = _read(page, mask, tile, room)
     around = wrapped(ink, tile, room)
     origin = (around.shape[0] - ink.shape[0]) // 2, (around.shape[1] - ink.shape[1]) // 2
+    shown = windows(ink, tile, backend.size)
     frame = _frame_of(around, shown[0])
-    given = hints
-    if hints is not None:
-        hints = Hints(hints.points * np.float32(worked[1] / picture.shape[1]), hints.normals)
-    predicted, confidence = predict_windows(backend, shown, frame, tile, worked, origin, hints)
+    scale = np.float32(worked[1] / picture.shape[1])
+    own_hints = None if hints is None else Hints(hints.points * scale, hints.normals)
+    predicted, confidence = predict_windows(backend, shown, frame, tile, worked, origin, own_hints)
     own = _part(frame, origin, worked)
-    predicted = _levelled(predicted, predicted[own], tile)
-    before = -origin[0], -origin[1]
+    corner = -origin[0], -origin[1]
     prepared = Prepared(
         shape=(around.shape[0], around.shape[1]),
         ink=around,
         mask=None if found is None else wrapped(found, tile, room),
-        alpha=None if silhouette is None else opacity,
+        alpha=alpha,
         frame=frame,
         model_input=render_model_input(around, frame, backend.line_widths),
         hints=None,
-        map_hints=None if hints is None else repeated(hints, tile, worked, before, around.shape),
+        map_hints=None if own_hints is None else repeated(own_hints, tile, worked, corner, around.shape),
         line_widths=backend.line_widths,
     )
-    preds = finish(prepared, predicted, confidence, upsample or backend.upsample)
+    level = _levelled(predicted, predicted[own], tile)
+    preds = finish(prepared, level, confidence, upsample or backend.upsample)
     inner = partial(middle, tile=tile, beside=room)
     whole = replace(
         preds,
@@ -116,17 +110,28 @@ def predict_tile(
         confidence=None if preds.confidence is None else inner(preds.confidence),
         tile=tile,
     )
-    if given is not None and hints is not None:
-        off = hints_off(given.points, hints.points, whole.mask)
+    if hints is not None and own_hints is not None:
+        off = hints_off(hints.points, own_hints.points, whole.mask)
         whole = replace(whole, findings=whole.findings + off)
     return whole if worked == shape else _enlarged(whole, shape, tile)
 
 
-def _object(mask: MaskOrSource, ink: Floats, tile: Tile) -> BoolMask | None:
-    """Return the object of a drawing (H, W) without a silhouette; None uses the model's own segmentation."""
+def _read(
+    page: Picture, mask: MaskOrSource, tile: Tile, room: tuple[int, int]
+) -> tuple[Floats, BoolMask | None, Floats | None]:
+    """Return the lines (H, W) and the object (H, W) of a repeating drawing, and its opacity with repeats.
+
+    The object is None for the model's own segmentation, and the opacity unless it shows the object.
+    """
+    alpha = None if page.alpha is None else wrapped(page.alpha, tile, room)
+    beside = Picture(wrapped(page.colour, tile, room), alpha)
+    cleaned = clean(beside, read(beside), repeats=True)
+    ink = middle(cleaned.ink, tile, room)
     if isinstance(mask, np.ndarray):
-        return np.asarray(resize(mask.astype(np.float32), ink.shape) > 0.5)
-    return None if mask == MODEL else _outlined(ink, tile)
+        return ink, np.asarray(resize(mask.astype(np.float32), ink.shape) > 0.5), None
+    if mask is None and cleaned.silhouette is not None:
+        return ink, middle(cleaned.silhouette, tile, room), alpha
+    return ink, None if mask == MODEL else _outlined(ink, tile), None
 
 
 def _frame_of(around: Floats, window: Window) -> Frame:

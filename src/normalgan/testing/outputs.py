@@ -32,7 +32,7 @@ def _ball(radius: float = 16.0) -> NormalMap:
     normals = np.where(mask[..., None], np.dstack([x, y, z]), np.array([0, 0, 1], np.float32)).astype(
         np.float32
     )
-    return NormalMap(normals, mask, mask.astype(np.float32), np.zeros((8, 8), np.float32), None, ())
+    return NormalMap(normals, mask, mask.astype(np.float32))
 
 
 def _by_default(output: Output) -> None:

@@ -15,8 +15,6 @@ from PIL import Image
 
 from normalgan.__main__ import main
 from normalgan.decoding import DecodedLayer, DecodedLayers
-from normalgan.decoding.decoders.layered_files import KINDS as KINDS_SHOWN
-from normalgan.decoding.decoders.layered_files import TREATMENT
 from normalgan.errors import InputError
 from normalgan.inference.composites import layered_job
 from normalgan.inference.composites.layers import encode_layers, layered_kind, picture_of, read_layers
@@ -529,6 +527,31 @@ def test_an_animated_krita_file_says_what_of_it_is_used(
     assert generate(str(path)) == 0
     words = "it is animated in Krita, of which the picture that Krita merged when it was saved is used"
     assert words in capsys.readouterr().err
+
+
+KINDS_SHOWN = ("PSD", "KRA", "ORA", "Aseprite")
+_APPLIED, _NORMAL, _OUT, _NONE = "applied", "shown as normal, named", "left out, named", ""
+TREATMENT = {
+    "layer opacity": ("kept", "kept", "kept", "kept"),
+    "fill opacity": (_APPLIED, _NONE, _NONE, _NONE),
+    "layer mask": (_APPLIED, _APPLIED, _NONE, _NONE),
+    "group mask": (_APPLIED, _APPLIED, _NONE, _NONE),
+    "mask density": (_APPLIED, _NONE, _NONE, _NONE),
+    "vector mask": (_APPLIED, _NONE, _NONE, _NONE),
+    "clipping": ("applied and kept", _OUT, _OUT, _NONE),
+    "stroke and overlay effects": (_APPLIED, _NONE, _NONE, _NONE),
+    "shadow, glow, bevel and satin": (_OUT, _OUT, _NONE, _NONE),
+    "fill layer": (_APPLIED, _OUT, _NONE, _NONE),
+    "shape or vector layer": (_APPLIED, _OUT, _NONE, _NONE),
+    "text or smart object": ("its pixels; without them left out, named", _NONE, _NONE, _NONE),
+    "adjustment or filter layer": (_OUT, _OUT, _NONE, _NONE),
+    "filter, transform or colorize mask": (_NONE, _OUT, _NONE, _NONE),
+    "file or clone layer": (_NONE, _OUT, _NONE, _NONE),
+    "blend mode": (_NORMAL, _NORMAL, _NORMAL, _NORMAL),
+    "animation": (_NONE, "one frame, named", _NONE, "all frames"),
+    "tilemap": (_NONE, _NONE, _NONE, "applied; a tileset in another file is left out, named"),
+}
+"""Treatment of each layer feature in each of `KINDS_SHOWN`; the documentation has the same table."""
 
 
 def test_the_documentation_has_the_table_of_what_is_shown() -> None:

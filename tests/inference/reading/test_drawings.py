@@ -7,7 +7,7 @@ from PIL import Image
 from normalgan.errors import InputError
 from normalgan.inference.reading import drawings
 from normalgan.inference.reading.drawings import read_drawing, read_pixels
-from normalgan.inference.reading.hint_files import read_hints
+from normalgan.inference.reading.hint_files import load_hints
 
 
 def cross(size: int = 32) -> np.ndarray[tuple[int, ...], np.dtype[np.uint8]]:
@@ -102,7 +102,7 @@ def test_a_file_of_no_drawings_size_is_not_read(tmp_path: Path, monkeypatch: pyt
     with pytest.raises(InputError, match=r"sparse.png has more than 536870912 bytes; no file of its kind"):
         read_drawing(sparse)
     with pytest.raises(InputError, match=r"sparse.png has more than 536870912 bytes; no file of its kind"):
-        read_hints(sparse, (32, 32))
+        load_hints(sparse, (32, 32))
     monkeypatch.setattr(drawings, "MOST_BYTES", 1000)
     with pytest.raises(InputError, match="stdin has more than 1000 bytes; a drawing is smaller"):
         read_pixels(Path("stdin"), bytes(1001))

@@ -3,6 +3,7 @@
 import math
 import sys
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from jsonargparse import Namespace
@@ -52,10 +53,7 @@ def run(arguments: list[str]) -> int:
     content = (
         sys.stdin.buffer.read(MOST_BYTES + 1) if STDIN in settings.sketches and not settings.dry_run else None
     )
-
-    def find() -> Found:
-        return _find(settings, outputs, packing, content)
-
+    find = partial(_find, settings, outputs, packing, content)
     found = find()
     jobs, wrong = found.jobs, [*found.missing, *found.clashing]
     if wrong and not jobs:
@@ -76,8 +74,7 @@ def run(arguments: list[str]) -> int:
     if settings.skip_existing and piped is None:
         jobs = batch.without_existing(jobs)
     if settings.dry_run:
-        failed = batch.list_jobs(jobs) + len(wrong)
-        return 1 if failed else 0
+        return 1 if batch.list_jobs(jobs) + len(wrong) else 0
     _one_thread_each()
     predictor = Predictor(OnnxBackend(path, threads=1))
     batch.predict(predictor, jobs, alone=len(jobs) == 1 and not wrong and not settings.watch)

@@ -3,7 +3,7 @@
 import argparse
 import re
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from types import UnionType
 from typing import Any, Literal, NoReturn, Union, get_args, get_origin
@@ -17,8 +17,9 @@ from normalgan.registry import Registry
 
 
 class OwnDefaultsParser(ArgumentParser):
-    """A parser that does not carry the settings of a class over to a class that replaces it.
+    """A parser that reports errors in one sentence, with suggestions for typos.
 
+    It does not carry the settings of a class over to a class that replaces it.
     When another class is named, jsonargparse keeps every setting that both classes have, even if it was only
     a default of the first class (https://github.com/mauvilsa/jsonargparse/issues/460). A brush, for example,
     got the default line width of another style. Settings from options are kept if an option names the class.
@@ -30,11 +31,23 @@ class OwnDefaultsParser(ArgumentParser):
             how["action"] = _Overlay
         return super().add_argument(*names, **how)
 
-    @staticmethod
-    def suggestion(message: str, settings: Iterable[str]) -> str:
-        """Return a suggestion for an unknown setting of a class, as part of a longer message."""
+    def error(self, message: str, ex: Exception | None = None) -> NoReturn:
+        """Raise `InputError` instead of printing a usage page."""
+        settings = [action.dest for action in self._actions]
+        if self.exit_on_error:
+            sentence = explain(message, self._plugins(), settings, self._options(), self._choices())
+            raise InputError(sentence) from ex
+        # Part of a longer message about a class, which the parser of the whole command explains.
         unknown = re.fullmatch(r"Option '(.+)' is not accepted", message)
-        return did_you_mean(unknown[1], settings) if unknown else ""
+        super().error(message + (did_you_mean(unknown[1], settings) if unknown else ""), ex)
+
+    def _plugins(self) -> Mapping[str, Registry[Any]]:
+        """Return the registries of the settings that name plug-ins."""
+        return {}
+
+    def _options(self) -> Mapping[str, str]:
+        """Return the option of each setting, in commands without configurations."""
+        return {}
 
     def _choices(self) -> dict[str, str]:
         """Return the accepted values of options that only take certain values, as shown by ``--help``."""
@@ -67,7 +80,7 @@ class OwnDefaultsParser(ArgumentParser):
 
 
 class LightParser(OwnDefaultsParser):
-    """A parser that reports errors in one sentence, with suggestions for typos."""
+    """The parser of a command without configurations."""
 
     plugins: Mapping[str, Registry[Any]] = {}
     """Registries of the settings that name plug-ins."""
@@ -76,16 +89,10 @@ class LightParser(OwnDefaultsParser):
         # jsonargparse's own formatter would add the Python type of each option.
         super().__init__(*args, formatter_class=argparse.HelpFormatter, **settings)
 
-    def error(self, message: str, ex: Exception | None = None) -> NoReturn:
-        """Raise `InputError` instead of printing a usage page."""
-        settings = [action.dest for action in self._actions]
-        if self.exit_on_error:
-            raise InputError(
-                explain(message, self.plugins, settings, self._options(), self._choices())
-            ) from ex
-        super().error(message + self.suggestion(message, settings), ex)
+    def _plugins(self) -> Mapping[str, Registry[Any]]:
+        return self.plugins
 
-    def _options(self) -> dict[str, str]:
+    def _options(self) -> Mapping[str, str]:
         """Return the long option of each setting that has one."""
         long = {
             action.dest: [name for name in action.option_strings if name.startswith("--")]

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from tempfile import TemporaryFile
 
 import torch
 from lightning.pytorch import LightningModule, Trainer
@@ -12,6 +11,7 @@ from torch import Tensor
 from normalgan.batch import Sketches
 from normalgan.data.datamodule import MeshDataModule
 from normalgan.errors import InputError, RunError, printable, tell, unwritable, with_subject
+from normalgan.files.writing import probe
 from normalgan.gan import NormalGAN
 from normalgan.inference.jobs.plan import Job, plan
 from normalgan.inference.jobs.writing import Held, Writer
@@ -60,9 +60,7 @@ class NormalMapWriter(BasePredictionWriter):
         self._failed, self._total = 0, len(jobs) + len(drawings.unusable)
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
-            # Permissions do not show that a disk is full or read-only, so a file is written.
-            with TemporaryFile(dir=self.folder) as probe:
-                probe.write(b"0")
+            probe(self.folder)
         except OSError as error:
             raise unwritable(
                 f"the normal maps cannot be written to {self.folder}: {error.strerror}.", error

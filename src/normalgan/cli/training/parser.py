@@ -2,17 +2,16 @@
 
 import re
 from argparse import HelpFormatter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import Any, NoReturn
+from typing import Any
 
 from lightning.pytorch.cli import LightningArgumentParser
 
 from normalgan.cli.discovery import SETTINGS, described, namable
-from normalgan.cli.parsing.errors import explain
 from normalgan.cli.parsing.light_parser import OwnDefaultsParser
-from normalgan.errors import InputError
+from normalgan.registry import Registry
 
 _section: ContextVar[str | None] = ContextVar("_section", default=None)
 
@@ -32,13 +31,10 @@ _RANGED = re.compile(r"Annotated\[(\w+(?:\[[\w,\s]*\])?),(\s+[^\[\]]*)\]")
 
 
 class Parser(OwnDefaultsParser, LightningArgumentParser):
-    """A parser that reports errors in one sentence, with suggestions for typos."""
+    """The parser of a training command, whose errors and help list the plug-ins."""
 
-    def error(self, message: str, ex: Exception | None = None) -> NoReturn:
-        """Raise `InputError` instead of printing a usage page."""
-        if self.exit_on_error:
-            raise InputError(explain(message, namable(), self._settings(), choices=self._choices())) from ex
-        super().error(message + self.suggestion(message, self._settings()), ex)
+    def _plugins(self) -> Mapping[str, Registry[Any]]:
+        return namable()
 
     def dump(self, *given: Any, **how: Any) -> str:
         """Return settings as text without validating them again, which would take a tenth of parsing."""
@@ -48,12 +44,10 @@ class Parser(OwnDefaultsParser, LightningArgumentParser):
         return text
 
     def format_help(self, formatter: HelpFormatter | None = None) -> str:
-        """Return the help with the command directly after the program name in the usage line.
+        """Return the help, which ends with the plug-ins that the command's settings can name.
 
-        The help ends with the plug-ins that the command's settings can name. Within `help_of`, only one
-        section is shown.
+        Within `help_of`, only one section is shown.
         """
-        self.prog = self.prog.replace(" [options]", "")
         dests = {action.dest for action in self._actions}
         section, groups = _section.get(), self._action_groups
         if section is not None and any(dest.startswith(f"{section}.") for dest in dests):
@@ -71,7 +65,3 @@ class Parser(OwnDefaultsParser, LightningArgumentParser):
             return text
         plugins = described(section or "")
         return f"{text}\n{plugins}" if plugins else text
-
-    def _settings(self) -> list[str]:
-        commands = [c for a in self._actions if isinstance(a.choices, dict) for c in a.choices.values()]
-        return [action.dest for parser in (self, *commands) for action in parser._actions]

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
 
@@ -42,10 +42,10 @@ class LayeredJob:
 
     predictor: Predictor
     writer: Writer
-    size: int | None = None
-    shared: bool = True
-    strength: float = 1.0
-    sprite: Sprite = field(default_factory=Sprite)
+    size: int | None
+    shared: bool
+    strength: float
+    sprite: Sprite
 
     def __call__(self, job: Job, drawing: Drawing, target: Path) -> tuple[str, list[Held], bool]:
         """Predict and write the layers; return the warning, the held files, and whether a layer is missing.

@@ -106,7 +106,7 @@ def flat_map(shape: tuple[int, int], size: int | None = None) -> NormalMap:
     normals = np.zeros((*shape, 3), np.float32)
     normals[..., 2] = 1
     nothing = np.zeros(shape, np.float32)
-    return NormalMap(normals, nothing > 0, nothing, np.zeros((8, 8), np.float32), None, ())
+    return NormalMap(normals, nothing > 0, nothing)
 
 
 def prepare_member(predictor: Predictor, member: Member, size: int | None = None) -> Prepared:

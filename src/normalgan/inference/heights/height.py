@@ -8,7 +8,7 @@ from normalgan.arrays import Floats
 from normalgan.errors import InputError
 from normalgan.graphs import connected
 from normalgan.inference.heights.height_pyramid import double, halve
-from normalgan.inference.heights.multigrid import Relaxation
+from normalgan.inference.heights.multigrid import relax
 from normalgan.inference.heights.surface import Surface
 from normalgan.inference.network.tile import Tile, repeats, resize_tile
 from normalgan.inference.reading.picture import fitted, resize
@@ -132,5 +132,5 @@ def _solved(
         rounds = _REFINED
     surface = Surface(normals, mask, tile)
     if start is not None and len(start) > _LARGE:
-        return surface.solve(jumps, _SETTLED, 0, start, Relaxation())
+        return surface.solve(jumps, _SETTLED, 0, start, relax)
     return surface.solve(jumps, rounds, _TOLERANCE, start)

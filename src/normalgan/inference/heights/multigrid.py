@@ -54,20 +54,18 @@ class Solver:
         return np.asarray(solution)
 
 
-class Relaxation:
-    """A fixed number of conjugate gradient steps, preconditioned by the diagonal.
+def relax(matrix: sparse.csr_array, wanted: _Vector, start: _Vector) -> _Vector:
+    """Return an improved guess (n,) of the solution for a symmetric positive definite matrix (n, n).
 
-    They only reduce fine-scale errors. This is enough if the guess is right at large scales, and takes less
-    time and memory than `Solver`.
+    It takes a fixed number of conjugate gradient steps, preconditioned by the diagonal. They only reduce
+    fine-scale errors. This is enough if the guess is right at large scales, and takes less time and memory
+    than `Solver`.
 
     Example:
         >>> matrix = sparse.csr_array(np.array([[2.0, -1.0], [-1.0, 2.0]]))
-        >>> Relaxation().solve(matrix, np.array([0.0, 3.0]), np.zeros(2)).round(3).tolist()
+        >>> relax(matrix, np.array([0.0, 3.0]), np.zeros(2)).round(3).tolist()
         [1.0, 2.0]
     """
-
-    def solve(self, matrix: sparse.csr_array, wanted: _Vector, start: _Vector) -> _Vector:
-        """Return an improved guess (n,) of the solution for a symmetric positive definite matrix (n, n)."""
-        scale = sparse.diags_array(1 / matrix.diagonal())
-        solution, _ = cg(matrix, wanted, start, rtol=1e-4, maxiter=_STEPS, M=scale)
-        return np.asarray(solution)
+    scale = sparse.diags_array(1 / matrix.diagonal())
+    solution, _ = cg(matrix, wanted, start, rtol=1e-4, maxiter=_STEPS, M=scale)
+    return np.asarray(solution)

@@ -1,5 +1,6 @@
 """Surface: solve for the heights of a normal map by iteratively reweighted least squares."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -7,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from normalgan.inference.heights.multigrid import Relaxation, Solver
+from normalgan.inference.heights.multigrid import Solver
 from normalgan.inference.network.tile import Tile, repeats
 
 _STEEPEST = 0.05
@@ -139,7 +140,7 @@ class Surface:
         rounds: int,
         tolerance: float,
         start: _Vector | None = None,
-        solver: Solver | Relaxation | None = None,
+        solve: Callable[[sparse.csr_array, _Vector, _Vector], _Vector] | None = None,
     ) -> _Vector:
         """Return the heights (n,) of the pixels on the mask.
 
@@ -148,14 +149,14 @@ class Surface:
             rounds: maximum number of reweighting rounds.
             tolerance: relative change of the energy that ends the rounds.
             start: (n,), initial heights, which also give the initial weights; None starts from zero.
-            solver: solver for the equations of each round; None uses multigrid.
+            solve: solves the equations of each round from a guess; None uses multigrid.
         """
         height = np.zeros(self.count) if start is None else start
         even = np.full(len(self.links.tail), 0.5)
         weights = (even, even) if start is None or not jumps else self._weights(self._errors(height), jumps)
-        last, solver = np.inf, solver or Solver(_RESIDUE)
+        last, solve = np.inf, solve or Solver(_RESIDUE).solve
         for _ in range(rounds if jumps else 1):
-            height = solver.solve(*self._system(*weights), height)
+            height = solve(*self._system(*weights), height)
             errors = self._errors(height)
             energy = float((weights[0] * errors[0] ** 2 + weights[1] * errors[1] ** 2).sum())
             if last - energy <= tolerance * last < np.inf:

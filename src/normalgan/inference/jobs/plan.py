@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from tempfile import TemporaryFile
 from typing import Literal
 
 from normalgan.errors import InputError, unwritable
+from normalgan.files.writing import probe
 from normalgan.inference.jobs.folders import find_drawings, search
 from normalgan.inference.mask.mask_files import ENDINGS as MASK_ENDINGS
 from normalgan.inference.mask.mask_files import SOURCES, MaskSource
@@ -229,9 +229,7 @@ def check_writable(jobs: Sequence[Job]) -> None:
     for folder in {job.target.parent for job in jobs}:
         there = next(each for each in (folder, *folder.absolute().parents) if each.exists())
         try:
-            # Permissions do not show that a disk is full or read-only, so a file is written.
-            with TemporaryFile(dir=there) as probe:
-                probe.write(b"0")
+            probe(there)
         except OSError as error:
             raise unwritable(
                 f"the normal map cannot be written to {folder}: {error.strerror}.", error

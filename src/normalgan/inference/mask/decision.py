@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import cv2
 import numpy as np
@@ -110,33 +111,51 @@ def decide(ink: Floats, reading: Reading | None, holes: Sequence[tuple[float, fl
     inked = small_ink > INKED
     read = None if reading is None else reading.presence_at(size)
     presence = (enclosed_by(inked) & ~inked).astype(np.float32) if read is None else read
-    count, found, measured, _ = cv2.connectedComponentsWithStats((~inked).astype(np.uint8), connectivity=4)
-    regions, stats = np.asarray(found, np.int32), np.asarray(measured, np.int32)
-    sizes = np.maximum(stats[:, cv2.CC_STAT_AREA], 1)
-    summed = np.bincount(regions.ravel(), weights=presence.ravel(), minlength=count)
-    votes = (summed / sizes).astype(np.float32)
-    enclosed = _enclosed(stats, size)
-    filled = np.where(enclosed[regions], votes[regions] > 0.5, presence > 0.5) & ~inked
-    voted = filled | (inked & (presence > 0.5))
-    # A hole must be enclosed by lines, so other gaps in the object are filled.
-    voted |= enclosed_by(voted) & ~enclosed[regions] & ~inked
-    settled = np.zeros(count, bool)
+    regions = _regions_of(inked, presence)
+    voted = _voted(regions, inked, presence)
+    settled = np.zeros_like(regions.enclosed)
     for x, y in holes:
-        number = _region_at(x, y, shape, regions, enclosed)
-        voted[regions == number] ^= True
+        number = _region_at(x, y, shape, regions)
+        voted[regions.labels == number] ^= True
         settled[number] = True
     unsure: list[Finding] = []
     if read is not None:
-        total = int(np.count_nonzero(voted))
-        unsure += _unsure(regions, votes, sizes, enclosed & ~settled, total, shape)
+        unsure += _unsure(regions, ~settled, int(np.count_nonzero(voted)), shape)
         unsure += _open(voted, small_ink > INKED / 2, shape)
     enlarged: BoolMask = voted if size == shape else resize(voted.astype(np.float32), shape) > 0.5
     coverage = snap(enlarged, ink, max(_OFF * max(shape) / SIDE, _LEAST_OFF))
+    labels, _, votes, enclosed = regions
     mask = coverage > 0.5
-    return Decision(small_ink, read, regions, votes, enclosed, voted, mask, coverage, tuple(unsure))
+    return Decision(small_ink, read, labels, votes, enclosed, voted, mask, coverage, tuple(unsure))
 
 
-def _enclosed(stats: NDArray[np.int32], size: tuple[int, int]) -> BoolMask:
+class _Regions(NamedTuple):
+    """The regions between lines: (h, w) labels, and sizes in pixels, votes and enclosure (N,)."""
+
+    labels: NDArray[np.int32]
+    sizes: NDArray[np.int32]
+    votes: Floats
+    enclosed: BoolMask
+
+
+def _regions_of(inked: BoolMask, presence: Floats) -> _Regions:
+    count, found, measured, _ = cv2.connectedComponentsWithStats((~inked).astype(np.uint8), connectivity=4)
+    labels, stats = np.asarray(found, np.int32), np.asarray(measured, np.int32)
+    sizes = np.maximum(stats[:, cv2.CC_STAT_AREA], 1)
+    summed = np.bincount(labels.ravel(), weights=presence.ravel(), minlength=count)
+    return _Regions(labels, sizes, (summed / sizes).astype(np.float32), _enclosed(stats, inked.shape))
+
+
+def _voted(regions: _Regions, inked: BoolMask, presence: Floats) -> BoolMask:
+    """Return the object (h, w) before the user's holes."""
+    labels, _, votes, enclosed = regions
+    filled = np.where(enclosed[labels], votes[labels] > 0.5, presence > 0.5) & ~inked
+    voted = filled | (inked & (presence > 0.5))
+    # A hole must be enclosed by lines, so other gaps in the object are filled.
+    return np.asarray(voted | (enclosed_by(voted) & ~enclosed[labels] & ~inked))
+
+
+def _enclosed(stats: NDArray[np.int32], size: tuple[int, ...]) -> BoolMask:
     """Return which regions do not touch the picture's edge; index 0, the lines, is False."""
     left, top = stats[:, cv2.CC_STAT_LEFT], stats[:, cv2.CC_STAT_TOP]
     right, bottom = left + stats[:, cv2.CC_STAT_WIDTH], top + stats[:, cv2.CC_STAT_HEIGHT]
@@ -145,10 +164,9 @@ def _enclosed(stats: NDArray[np.int32], size: tuple[int, int]) -> BoolMask:
     return enclosed
 
 
-def _region_at(
-    x: float, y: float, shape: tuple[int, int], regions: NDArray[np.int32], enclosed: BoolMask
-) -> int:
+def _region_at(x: float, y: float, shape: tuple[int, int], found: _Regions) -> int:
     """Return the index of the enclosed region at a point of the drawing, or of the nearest one."""
+    regions, enclosed = found.labels, found.enclosed
     height, width = regions.shape
     column, row = x * width / shape[1], y * height / shape[0]
     inside = 0 <= row < height and 0 <= column < width
@@ -169,22 +187,15 @@ def _region_at(
     return int(part[rows[nearest], columns[nearest]])
 
 
-def _unsure(
-    regions: NDArray[np.int32],
-    votes: Floats,
-    sizes: NDArray[np.int32],
-    asked: BoolMask,
-    total: int,
-    shape: tuple[int, int],
-) -> list[Finding]:
+def _unsure(regions: _Regions, undecided: BoolMask, total: int, shape: tuple[int, int]) -> list[Finding]:
     """Return the finding about ambiguous regions, the largest first; empty if there are none."""
+    labels, sizes, votes, enclosed = regions
     ambiguous = (votes > UNSURE_LOW) & (votes < UNSURE_HIGH)
-    doubtful = asked & ambiguous & (sizes > UNSURE_SHARE * max(total, 1))
-    numbers = np.flatnonzero(doubtful)
+    numbers = np.flatnonzero(enclosed & undecided & ambiguous & (sizes > UNSURE_SHARE * max(total, 1)))
     if not len(numbers):
         return []
-    scale = shape[1] / regions.shape[1]
-    points = [_deepest(regions == number) for number in numbers[np.argsort(-sizes[numbers])]]
+    scale = shape[1] / labels.shape[1]
+    points = [_deepest(labels == number) for number in numbers[np.argsort(-sizes[numbers])]]
     return [Finding("regions", tuple((x * scale, y * scale) for x, y in points), len(numbers))]
 
 

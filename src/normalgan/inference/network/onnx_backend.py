@@ -1,6 +1,5 @@
 """OnnxBackend: run a generator in ONNX format with ONNX Runtime, without torch."""
 
-import threading
 from collections.abc import Iterable
 from functools import cache
 from itertools import islice
@@ -11,6 +10,7 @@ import numpy as np
 import onnxruntime
 
 from normalgan.arrays import Floats
+from normalgan.decoding.time_limit import time_limit
 from normalgan.errors import InputError, RunError, brief, wants_memory, with_subject
 from normalgan.files.limits import read_bounded
 from normalgan.inference.network.onnx_graph import check_graph
@@ -118,31 +118,25 @@ class OnnxBackend:
         """Return the named outputs; raise `InputError` if the run fails or exceeds a limit."""
         run = onnxruntime.RunOptions()
         run.log_severity_level = 4
-        late = threading.Event()
 
         def end() -> None:
-            late.set()
             run.terminate = True  # ONNX Runtime checks it between operators
 
-        clock = threading.Timer(PATIENCE, end)
-        clock.daemon = True
-        clock.start()
-        try:
-            return [np.asarray(output) for output in self._session.run(names, given, run)]
-        except Exception as error:  # no common base class, as above
-            if late.is_set():
-                why = f"takes more than {PATIENCE:.0f} seconds to predict"
-            elif wants_memory(error):
-                raise RunError(
-                    f"there is too little memory to run the model {self._path}; close other programs."
-                ) from error
-            elif "BFCArena" in str(error):
-                why = f"takes more than {MEMORY >> 30} GiB of memory to predict"
-            else:
-                why = f"cannot be run: {brief(error)[:200]}"
-            raise InputError(f"the model {self._path} {why}.") from error
-        finally:
-            clock.cancel()
+        with time_limit(PATIENCE, end) as late:
+            try:
+                return [np.asarray(output) for output in self._session.run(names, given, run)]
+            except Exception as error:  # no common base class, as above
+                if late.is_set():
+                    why = f"takes more than {PATIENCE:.0f} seconds to predict"
+                elif wants_memory(error):
+                    raise RunError(
+                        f"there is too little memory to run the model {self._path}; close other programs."
+                    ) from error
+                elif "BFCArena" in str(error):
+                    why = f"takes more than {MEMORY >> 30} GiB of memory to predict"
+                else:
+                    why = f"cannot be run: {brief(error)[:200]}"
+                raise InputError(f"the model {self._path} {why}.") from error
 
 
 @cache

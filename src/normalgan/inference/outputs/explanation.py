@@ -2,9 +2,7 @@
 
 from pathlib import Path
 
-import cv2
 import numpy as np
-from numpy.typing import NDArray
 
 from normalgan.errors import unwritable
 from normalgan.files.writing import write_bytes
@@ -12,6 +10,7 @@ from normalgan.inference.cleaning.reader import over_paper
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.preparation import Prepared
 from normalgan.inference.reading.picture import Picture
+from normalgan.normals import pack_png
 
 STAGES = ("input", "ink", "regions", "presence", "mask")
 """The stages in order; file names contain the number of the stage."""
@@ -45,12 +44,7 @@ def write_explanation(
         folder.mkdir(parents=True, exist_ok=True)
         for number, stage in enumerate(STAGES, 1):
             if stage in stages:
-                write_bytes(folder / f"{stem}_{number}_{stage}.png", _png(stages[stage]))
+                pixels = stages[stage] if stages[stage].ndim == 2 else stages[stage][..., ::-1]
+                write_bytes(folder / f"{stem}_{number}_{stage}.png", pack_png(pixels))
     except OSError as error:
         raise unwritable(f"the explanation cannot be written to {folder}: {error.strerror}.", error) from None
-
-
-def _png(pixels: NDArray[np.uint8]) -> bytes:
-    fine, content = cv2.imencode(".png", pixels if pixels.ndim == 2 else pixels[..., ::-1])
-    assert fine
-    return content.tobytes()

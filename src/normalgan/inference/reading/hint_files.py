@@ -21,6 +21,9 @@ ENDINGS = ("_hints.png", "_hints.json", ".json", ".png")
 _MOST_LISTED = 2**24
 """Maximum size of a list of hints in bytes; each hint takes about 50."""
 
+_OFF = 0.25
+"""Maximum difference of a normal's length from 1."""
+
 _Listed = tuple[float, float, tuple[float, float, float]]
 """x, y and the normal of a hint."""
 
@@ -48,22 +51,11 @@ def load_hints(path: Path, shape: tuple[int, int]) -> Hints:
         return parse_hints(_parsed(path), path, shape)
     if path.suffix and path.suffix.lower() not in SUFFIXES:
         raise InputError(f"the hints {path} are neither a list (.json) nor painted on a transparent PNG.")
-    normals, where = read_hints(path, shape)
-    rows, columns = np.nonzero(where)
-    points = np.stack([columns, rows], axis=1).astype(np.float32) + np.float32(0.5)
-    return Hints(points, normals[rows, columns])
+    return _painted_hints(path, shape)
 
 
-def read_hints(path: str | Path, shape: tuple[int, int]) -> tuple[Floats, NDArray[np.bool_]]:
-    """Read hints from a transparent PNG of the drawing's size, painted in normal-map colours.
-
-    Returns:
-        Unit normals (H, W, 3), zero where there is no hint, and the mask of the hints (H, W).
-
-    Raises:
-        InputError: if the picture is missing, opaque or of a different size, or a colour is not a normal.
-    """
-    path = Path(path)
+def _painted_hints(path: Path, shape: tuple[int, int]) -> Hints:
+    """Return the hints that are painted in normal-map colours in a transparent PNG of the drawing's size."""
     pixels = read_pixels(path, exact=True).pixels
     if pixels.shape[:2] != shape:
         raise InputError(
@@ -72,28 +64,36 @@ def read_hints(path: str | Path, shape: tuple[int, int]) -> tuple[Floats, NDArra
         )
     if pixels.ndim == 2 or pixels.shape[2] < 4:
         raise InputError(f"the hints {path} have no transparency; paint them on a transparent PNG.")
-    where = to_unit(pixels[..., 3]) > 0.5
-    rows, columns = np.nonzero(where)
+    rows, columns = np.nonzero(to_unit(pixels[..., 3]) > 0.5)
     colours = pixels[rows, columns, :3]
-    given = vectors(colours)
-    length = np.linalg.norm(given, axis=-1)
-    wrong = np.flatnonzero(~(np.abs(length - 1) <= 0.25))  # written so that NaN counts as wrong
+    normals = vectors(colours)
+    if fault := first_fault(normals):
+        first, length = fault
+        colour = f"the colour {colours[first].tolist()} at x {columns[first]}, y {rows[first]} of {path} is "
+        if length is None:
+            raise InputError(
+                f"{colour}a normal that looks away from the viewer: its z is {normals[first, 2]:.2f}, and "
+                "must be 0 or more."
+            )
+        half = {"uint8": 127.5, "uint16": 32767.5}.get(colours.dtype.name, 0.5)
+        raise InputError(f"{colour}not a normal: (colour / {half} - 1) must have length 1, not {length:.2f}.")
+    return hints_at(rows, columns, normals)
+
+
+def first_fault(normals: Floats) -> tuple[int, float | None] | None:
+    """Return the first vector (K, 3) that is not of length 1 and its length, or the first that faces away."""
+    length = np.linalg.norm(normals, axis=1)
+    wrong = np.flatnonzero(~(np.abs(length - 1) <= _OFF))  # written so that NaN counts as wrong
     if len(wrong):
-        first, half = wrong[0], {"uint8": 127.5, "uint16": 32767.5}.get(colours.dtype.name, 0.5)
-        raise InputError(
-            f"the colour {colours[first].tolist()} at x {columns[first]}, y {rows[first]} of {path} is not "
-            f"a normal: (colour / {half} - 1) must have length 1, not {length[first]:.2f}."
-        )
-    away = np.flatnonzero(given[:, 2] < LEAST_Z * length)
-    if len(away):
-        first = away[0]
-        raise InputError(
-            f"the colour {colours[first].tolist()} at x {columns[first]}, y {rows[first]} of {path} is a "
-            f"normal that looks away from the viewer: its z is {given[first, 2]:.2f}, and must be 0 or more."
-        )
-    normals = np.zeros((*shape, 3), np.float32)
-    normals[rows, columns] = normalize(given)
-    return normals, where
+        return int(wrong[0]), float(length[wrong[0]])
+    away = np.flatnonzero(normals[:, 2] < LEAST_Z * length)
+    return (int(away[0]), None) if len(away) else None
+
+
+def hints_at(rows: NDArray[np.intp], columns: NDArray[np.intp], normals: Floats) -> Hints:
+    """Return hints at the centres of pixels."""
+    points = np.stack([columns, rows], axis=1).astype(np.float32) + np.float32(0.5)
+    return Hints(points, normalize(normals))
 
 
 def parse_hints(entries: Any, path: Path | str, shape: tuple[int, int]) -> Hints:
@@ -145,7 +145,7 @@ def check_hints(listed: Iterable[_Listed], path: Path | str, shape: tuple[int, i
                 f"{shape[1]} × {shape[0]} pixels."
             )
         length = math.hypot(nx, ny, nz)
-        if abs(length - 1) > 0.25:
+        if abs(length - 1) > _OFF:
             raise InputError(
                 f"the normal [{nx:g}, {ny:g}, {nz:g}] of hint {number} of {path}, at x {x:g}, y {y:g}, "
                 f"has length {length:.3g}; a normal has length 1."

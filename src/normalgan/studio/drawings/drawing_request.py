@@ -2,12 +2,11 @@
 
 import hashlib
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import groupby
 from pathlib import Path
-from types import MappingProxyType
 from typing import Self
 
 import cv2
@@ -29,7 +28,7 @@ from normalgan.inference.edits import (
     stroke,
     tilt,
 )
-from normalgan.inference.forms import Form, feather, give_form
+from normalgan.inference.forms import feather, give_form
 from normalgan.inference.mask.mask_files import MaskOrSource, MaskSource, mask_of
 from normalgan.inference.reading.hint_files import Hints, check_hints
 from normalgan.inference.reading.picture import Picture, read_picture
@@ -37,7 +36,7 @@ from normalgan.inference.regions import INKED
 from normalgan.inference.structures import Tile, impress, read_tile
 from normalgan.inference.unrolling import unroll
 from normalgan.studio.drawings.limits import LEAST_SIDE, MOST_SIDE, MOST_STRUCTURES, TILE_SIDE
-from normalgan.studio.drawings.schemas import Area, DrawingFields, HintFields, MaskStrokeFields, Structure
+from normalgan.studio.drawings.schemas import Area, DrawingFields, HintFields, Structure
 
 _PNG = b"\x89PNG\r\n\x1a\n"
 
@@ -49,20 +48,12 @@ class DrawingRequest:
     Args:
         picture: a PNG, or pixels (H, W, 1), grey, or (H, W, 4), with opacity.
         mask: a PNG, white on the object; or a mask source, as in `normalgan.inference.preparation.prepare`.
-        hints: pinned normals.
-        areas: edited areas and strokes, in chronological order.
-        mask_strokes: strokes of the mask brush, in chronological order.
-        form: form of the whole drawing; None leaves it as predicted.
-        structures: height pictures (PNG, white is high) of the user's structures, by the names used in areas.
+        fields: the user's hints and edits; the picture and the mask in them are not read.
     """
 
     picture: bytes | NDArray[np.uint8]
     mask: bytes | MaskSource | None = None
-    hints: Sequence[HintFields] = ()
-    areas: Sequence[Area] = ()
-    mask_strokes: Sequence[MaskStrokeFields] = ()
-    form: Form | None = None
-    structures: Mapping[str, bytes] = field(default_factory=lambda: MappingProxyType({}))
+    fields: DrawingFields = field(default_factory=DrawingFields)
 
     @classmethod
     def of(
@@ -81,10 +72,7 @@ class DrawingRequest:
         picture = fields.picture if pixels is None else pixels
         if picture is None:
             raise InputError("picture is missing.")
-        mask = (source or fields.source) if fields.mask is None else fields.mask
-        return cls(
-            picture, mask, fields.hints, fields.areas, fields.mask_strokes, fields.form, fields.structures
-        )
+        return cls(picture, (source or fields.source) if fields.mask is None else fields.mask, fields)
 
     @property
     def shape(self) -> tuple[int, ...] | None:
@@ -98,8 +86,8 @@ class DrawingRequest:
 
     def digest(self) -> bytes:
         """Return a hash of the drawing."""
-        by_hand = to_json([self.hints, self.areas, self.form])
-        own = b"".join(name.encode() + content for name, content in self.structures.items())
+        by_hand = to_json([self.fields.hints, self.fields.areas, self.fields.form])
+        own = b"".join(name.encode() + content for name, content in self.fields.structures.items())
         return hashlib.sha256(self.lines_digest() + hashlib.sha256(by_hand).digest() + own).digest()
 
     def lines_digest(self) -> bytes:
@@ -110,7 +98,7 @@ class DrawingRequest:
         else:
             parts = (str(self.picture.shape).encode(), np.ascontiguousarray(self.picture).data.cast("B"))
         given = (self.mask, b"") if isinstance(self.mask, bytes) else (b"", str(self.mask).encode())
-        by_hand = to_json(self.mask_strokes)
+        by_hand = to_json(self.fields.mask_strokes)
         for part in (*parts, *given, by_hand):
             whole.update(len(part).to_bytes(8, "little"))
             whole.update(part)
@@ -135,11 +123,11 @@ class DrawingRequest:
         Args:
             picture: the drawing.
         """
-        if not self.mask_strokes:
+        if not self.fields.mask_strokes:
             return None
         dark = 1 - picture.colour.min(-1)
         inked = (dark if picture.alpha is None else dark * picture.alpha) > INKED
-        return paint_mask(inked, (each.stroke for each in self.mask_strokes))
+        return paint_mask(inked, (each.stroke for each in self.fields.mask_strokes))
 
     def edit(self, normals: Floats, mask: BoolMask, shape: tuple[int, int]) -> Floats:
         """Return a predicted map with the form, then the areas in order, then the exact pins applied.
@@ -152,17 +140,18 @@ class DrawingRequest:
         Raises:
             InputError: if a hint or an area is invalid.
         """
-        free = all(each.reach is None for each in self.hints)
-        if not self.areas and self.form is None and free:
+        given = self.fields
+        free = all(each.reach is None for each in given.hints)
+        if not given.areas and given.form is None and free:
             return normals  # the prediction has these pins already
-        if self.form is not None:
-            normals = give_form(normals, mask, mask.astype(np.float32), self.form)
+        if given.form is not None:
+            normals = give_form(normals, mask, mask.astype(np.float32), given.form)
         scale = normals.shape[1] / shape[1]
-        if any(area.carves for area in self.areas):
+        if any(area.carves for area in given.areas):
             normals = normals.copy()  # lines are carved in place, because there may be thousands
         unrolled: Floats | None = None
         # Consecutive strokes of the same structure are merged, so that they do not add up where they cross.
-        for structure, group in groupby(self.areas, key=lambda area: area.structure):
+        for structure, group in groupby(given.areas, key=lambda area: area.structure):
             if structure is None:
                 for area in group:
                     normals = _edit_area(normals, mask, area, scale)
@@ -174,18 +163,18 @@ class DrawingRequest:
                     unrolled = unroll(normals, mask)
                 placement = structure.scaled(scale)
                 normals = impress(normals, mask, cover, self._tile(structure), placement, unrolled)
-        if not self.hints:
+        if not given.hints:
             return normals
-        hints = to_hints(self.hints, shape)
+        hints = to_hints(given.hints, shape)
         usual = REACH * max(shape)
-        reaches = np.array([usual if each.reach is None else each.reach for each in self.hints], np.float32)
+        reaches = np.array([usual if each.reach is None else each.reach for each in given.hints], np.float32)
         return enforce_pins(
             normals, hints.points * np.float32(scale), hints.normals, reaches * np.float32(scale)
         )
 
     def _tile(self, structure: Structure) -> Tile:
         if structure.picture is not None:
-            return _tile_of(self.structures[structure.picture])
+            return _tile_of(self.fields.structures[structure.picture])
         assert structure.kind != "own"  # "own" implies a picture
         return read_tile(structure.kind)
 
@@ -197,8 +186,8 @@ class DrawingRequest:
         Raises:
             InputError: if a hint is invalid.
         """
-        checked = to_hints(self.hints, shape)
-        free = [each.reach is None for each in self.hints]
+        checked = to_hints(self.fields.hints, shape)
+        free = [each.reach is None for each in self.fields.hints]
         return Hints(checked.points[free], checked.normals[free]) if any(free) else None
 
 
@@ -239,12 +228,9 @@ def _cover(area: Area, mask: BoolMask, scale: float) -> Floats:
 @lru_cache(maxsize=2 * MOST_STRUCTURES)
 def _tile_of(content: bytes) -> Tile:
     """Return the structure of a PNG in which white is high."""
-    if content[:8] == _PNG and len(content) >= 33:
-        sides = struct.unpack(">II", content[16:24])
-        if sides != (TILE_SIDE, TILE_SIDE):
-            raise InputError(
-                f"a structure is {sides[0]} × {sides[1]} pixels; it must have {TILE_SIDE} a side."
-            )
+    sides = _png_sides(content)
+    if sides is not None and sides != (TILE_SIDE, TILE_SIDE):
+        raise InputError(f"a structure is {sides[0]} × {sides[1]} pixels; it must have {TILE_SIDE} a side.")
     heights = read_png("structure", content).colour.mean(-1)
     # Smoothed, because 256 levels would give visible steps.
     wide = np.pad(heights, 2, mode="wrap")
@@ -266,13 +252,22 @@ def read_png(name: str, content: bytes) -> Picture:
     Raises:
         InputError: if it is not a PNG, or its size, which is checked before decoding, is out of range.
     """
-    if content[:8] != _PNG or content[12:16] != b"IHDR" or len(content) < 33:
+    sides = _png_sides(content)
+    if sides is None:
         raise InputError(f"the {name} is not a PNG.")
-    width, height = struct.unpack(">II", content[16:24])
+    width, height = sides
     check_sides(name, height, width)
     picture = read_picture(Path(f"the {name}"), content)
     check_sides(name, *picture.shape)  # a damaged file may have a second header
     return picture
+
+
+def _png_sides(content: bytes) -> tuple[int, int] | None:
+    """Return the width and height in the header of a PNG; None if it is not a PNG."""
+    if content[:8] != _PNG or content[12:16] != b"IHDR" or len(content) < 33:
+        return None
+    width, height = struct.unpack(">II", content[16:24])
+    return width, height
 
 
 def check_sides(name: str, height: int, width: int) -> None:

@@ -18,7 +18,7 @@ CONTENT_TYPE: Final = "application/x-normalgan-drawing"
 _MOST = 256
 """Default maximum number of layers whose pixels are kept."""
 _BYTES = 2**28
-"""Default maximum number of bytes kept for all layers, enough for the largest possible drawing."""
+"""Maximum number of bytes kept for all layers, enough for the largest possible drawing."""
 
 
 def split_body(body: bytes) -> tuple[bytes, memoryview]:
@@ -38,11 +38,10 @@ class KeptPlanes:
 
     Args:
         most: maximum number of layers to keep.
-        largest: maximum number of bytes to keep.
     """
 
-    def __init__(self, most: int = _MOST, largest: int = _BYTES) -> None:
-        self._most, self._largest = most, largest
+    def __init__(self, most: int = _MOST) -> None:
+        self._most = most
         self._kept: OrderedDict[str, tuple[int, Pixels]] = OrderedDict()
 
     def take(
@@ -76,7 +75,7 @@ class KeptPlanes:
         if keep:
             self._kept[tab] = number, ink
             self._kept.move_to_end(tab)
-            while len(self._kept) > 1 and (len(self._kept) > self._most or self._size() > self._largest):
+            while len(self._kept) > 1 and (len(self._kept) > self._most or self._size() > _BYTES):
                 self._kept.popitem(last=False)
         return ink
 

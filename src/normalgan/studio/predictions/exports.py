@@ -3,9 +3,8 @@
 import io
 import json
 import zipfile
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from functools import lru_cache, partial
 from html import escape
 from pathlib import Path
 from typing import Final, Literal
@@ -141,51 +140,45 @@ class ExportRequest:
     @property
     def names(self) -> tuple[str, ...]:
         """The names of the files."""
-        return tuple(name for name, _ in self._files())
+        return tuple(name for name, _ in self._files(None))
 
     def encode(self, preds: NormalMap) -> tuple[str, bytes]:
         """Return the name and content of the file; several files are zipped."""
-        once = replace(preds)  # a temporary copy, which caches the heights for all outputs
-        files = [(name, encode(once)) for name, encode in self._files()]
+        files = list(
+            self._files(replace(preds))
+        )  # a temporary copy, which caches the heights for all outputs
         if self.output is not None and len(files) == 1:
             return files[0]
         kind = self.preset if self.output is None else self.output.name
         return f"{self.name}_{kind}.zip", _zipped(files)
 
-    def _files(self) -> Iterator[tuple[str, Callable[[NormalMap], bytes]]]:
-        """Yield the name of each file and a function that encodes it."""
+    def _files(self, preds: NormalMap | None) -> Iterator[tuple[str, bytes]]:
+        """Yield the name and content of each file; without a map, only the names are meaningful."""
+
+        def encoded(output: Output) -> Iterable[tuple[str, bytes]]:
+            files = dict.fromkeys(output.endings, b"") if preds is None else output.encode(preds)
+            return files.items()
+
         if self.output is not None:
-            encode = lru_cache(maxsize=1)(self.output.encode)  # called once for all files
-            for ending in self.output.endings:
-                yield self.name + ending, partial(_encoded, encode, ending)
+            for ending, content in encoded(self.output):
+                yield self.name + ending, content
             return
         preset = _PRESETS.get(self.preset, _PLAIN)
         own, normal = preset.prefix + self.name, preset.normal
-        encode = lru_cache(maxsize=1)(normal.encode)
-        for ending in normal.endings:
-            yield own + ending, partial(_encoded, encode, ending)
+        for ending, content in encoded(normal):
+            yield own + ending, content
             if (beside := normal.sidecar(Path(own + ending))) is not None:
-                yield beside[0].name, partial(_fixed, beside[1])
+                yield beside[0].name, beside[1]
         for kind in _zipped_kinds():
             form = None if preset.engine is None else kind.engine_formats.get(preset.engine)
-            output = kind() if form is None else kind(format=form)
-            encode = lru_cache(maxsize=1)(output.encode)
-            for ending in output.endings:
+            for ending, content in encoded(kind() if form is None else kind(format=form)):
                 suffix = kind.zip_suffix(preset.engine) + ending.removeprefix(f"_{kind.name}")
-                yield own + suffix, partial(_encoded, encode, ending)
-        preview = f"{own}{Preview.zip_suffix(preset.engine)}.png"
-        yield preview, _preview if self.lit is None else partial(_fixed, self.lit)
+                yield own + suffix, content
+        lit = _preview(preds) if self.lit is None and preds is not None else self.lit
+        yield f"{own}{Preview.zip_suffix(preset.engine)}.png", lit or b""
         if self.line_art is not None:
-            yield f"{own}{preset.line_art}.png", partial(_fixed, self.line_art)
-        yield "README.txt", partial(_fixed, preset.readme.encode())
-
-
-def _encoded(encode: Callable[[NormalMap], Mapping[str, bytes]], ending: str, preds: NormalMap) -> bytes:
-    return encode(preds)[ending]
-
-
-def _fixed(content: bytes, _: NormalMap) -> bytes:
-    return content
+            yield f"{own}{preset.line_art}.png", self.line_art
+        yield "README.txt", preset.readme.encode()
 
 
 def _zipped(files: Iterable[tuple[str, bytes]]) -> bytes:

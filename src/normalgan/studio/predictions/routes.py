@@ -157,7 +157,7 @@ class PredictionRoutes:
 
     def _points(self, layers: Sequence[Layer], count: int) -> list[dict[str, object]]:
         predicted = self._predict(layers)
-        given = [hint for layer in layers for hint in layer.drawing.hints]
+        given = [hint for layer in layers for hint in layer.drawing.fields.hints]
         hints = to_hints(given, (predicted.mask.shape[0], predicted.mask.shape[1]))
         mask = predicted.mask
         lines = _lines(layers, mask)

@@ -4,7 +4,7 @@ import asyncio
 
 from starlette.requests import Request
 
-from normalgan.studio.server.refusals import TooLargeError, TooSlowError, WrongTypeError
+from normalgan.studio.server.refusals import RefusedError
 
 MOST_BYTES = 20 * 2**20
 """Maximum size of a request body in bytes."""
@@ -16,8 +16,7 @@ async def read_body(request: Request, most: int = MOST_BYTES) -> bytes:
     """Return the body of a request.
 
     Raises:
-        TooLargeError: if it is, or is declared to be, longer than ``most`` bytes.
-        TooSlowError: if it arrives too slowly.
+        RefusedError: if it arrives too slowly, or is, or is declared to be, longer than ``most`` bytes.
     """
     said = request.headers.get("content-length", "")
     if said.isdecimal() and int(said[:20]) > most:
@@ -30,30 +29,29 @@ async def read_body(request: Request, most: int = MOST_BYTES) -> bytes:
                 if len(body) > most:
                     raise _too_large(most)
     except TimeoutError:
-        raise TooSlowError("the request arrived too slowly; send it again.") from None
+        raise RefusedError("the request arrived too slowly; send it again.", 408) from None
     return bytes(body)
 
 
-def _too_large(most: int) -> TooLargeError:
-    return TooLargeError(f"it is larger than {most // 2**20} MB; make it smaller.")
+def _too_large(most: int) -> RefusedError:
+    return RefusedError(f"it is larger than {most // 2**20} MB; make it smaller.", 413)
 
 
 async def read_json(request: Request) -> bytes:
     """Return the body of a JSON request; other pages cannot send this type without a preflight.
 
     Raises:
-        WrongTypeError: if the type is not JSON.
-        TooLargeError: if it is too long.
+        RefusedError: if the type is not JSON, or it is too long or too slow.
     """
     check_type(request, "application/json")
     return await read_body(request)
 
 
 def check_type(request: Request, *prefixes: str) -> None:
-    """Raise `WrongTypeError` if the content type of a request has none of these prefixes."""
+    """Raise `RefusedError` if the content type of a request has none of these prefixes."""
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if not kind.startswith(prefixes):
-        raise WrongTypeError(f"the body is {kind or 'of no type'}; it must be {' or '.join(prefixes)}.")
+        raise RefusedError(f"the body is {kind or 'of no type'}; it must be {' or '.join(prefixes)}.", 415)
 
 
 async def wait_disconnect(request: Request) -> None:

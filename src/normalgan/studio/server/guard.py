@@ -3,7 +3,7 @@
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from normalgan.studio.server.refusals import ForeignError, RefusedError
+from normalgan.studio.server.refusals import RefusedError
 from normalgan.studio.server.responses import refused
 
 
@@ -38,9 +38,9 @@ class Guard:
     def _refusal(self, headers: Headers, api: bool) -> RefusedError | None:
         host, origin = headers.get("host", ""), headers.get("origin")
         if host not in self._hosts:
-            return ForeignError(f"the studio is at {' or '.join(sorted(self._hosts))}, not at {host[:80]!r}.")
-        if origin is not None and origin != f"http://{host}":
-            return ForeignError("the request comes from another page; the studio only answers its own.")
-        if api and headers.get("sec-fetch-site", "none") not in {"same-origin", "none"}:
-            return ForeignError("the request comes from another page; the studio only answers its own.")
+            known = " or ".join(sorted(self._hosts))
+            return RefusedError(f"the studio is at {known}, not at {host[:80]!r}.", 403)
+        elsewhere = origin is not None and origin != f"http://{host}"
+        if elsewhere or (api and headers.get("sec-fetch-site", "none") not in {"same-origin", "none"}):
+            return RefusedError("the request comes from another page; the studio only answers its own.", 403)
         return None

@@ -4,48 +4,34 @@ from normalgan.errors import InputError
 
 
 class RefusedError(InputError):
-    """A refused request; its message is one sentence for the user."""
+    """A refused request.
 
-    status = 400
+    Args:
+        sentence: message for the user.
+        status: HTTP status code of the response.
+    """
 
-
-class ForeignError(RefusedError):
-    """The request comes from another page or names another host."""
-
-    status = 403
+    def __init__(self, sentence: str, status: int = 400) -> None:
+        super().__init__(sentence)
+        self.status = status
 
 
 class MissingError(RefusedError):
     """The document does not exist."""
 
-    status = 404
-
-
-class TooSlowError(RefusedError):
-    """The body arrived too slowly."""
-
-    status = 408
+    def __init__(self, sentence: str) -> None:
+        super().__init__(sentence, 404)
 
 
 class BehindError(RefusedError):
     """The request changes pixels that the server does not have."""
 
-    status = 409
+    def __init__(self, sentence: str) -> None:
+        super().__init__(sentence, 409)
 
 
 class ChangedError(RefusedError):
     """The document has changed since it was read."""
 
-    status = 412
-
-
-class TooLargeError(RefusedError):
-    """The body exceeds the size limit."""
-
-    status = 413
-
-
-class WrongTypeError(RefusedError):
-    """The body has a type that is not accepted."""
-
-    status = 415
+    def __init__(self, sentence: str) -> None:
+        super().__init__(sentence, 412)

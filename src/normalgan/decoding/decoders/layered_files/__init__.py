@@ -10,31 +10,7 @@ from .openraster import OpenRasterFile
 from .psd import PsdFile
 from .zips import MERGED, open_zip
 
-__all__ = ["KINDS", "TREATMENT", "Layer", "LayeredFile", "Notes", "foreign", "open_layered"]
-
-KINDS = ("PSD", "KRA", "ORA", "Aseprite")
-_APPLIED, _NORMAL, _OUT, _NONE = "applied", "shown as normal, named", "left out, named", ""
-TREATMENT = {
-    "layer opacity": ("kept", "kept", "kept", "kept"),
-    "fill opacity": (_APPLIED, _NONE, _NONE, _NONE),
-    "layer mask": (_APPLIED, _APPLIED, _NONE, _NONE),
-    "group mask": (_APPLIED, _APPLIED, _NONE, _NONE),
-    "mask density": (_APPLIED, _NONE, _NONE, _NONE),
-    "vector mask": (_APPLIED, _NONE, _NONE, _NONE),
-    "clipping": ("applied and kept", _OUT, _OUT, _NONE),
-    "stroke and overlay effects": (_APPLIED, _NONE, _NONE, _NONE),
-    "shadow, glow, bevel and satin": (_OUT, _OUT, _NONE, _NONE),
-    "fill layer": (_APPLIED, _OUT, _NONE, _NONE),
-    "shape or vector layer": (_APPLIED, _OUT, _NONE, _NONE),
-    "text or smart object": ("its pixels; without them left out, named", _NONE, _NONE, _NONE),
-    "adjustment or filter layer": (_OUT, _OUT, _NONE, _NONE),
-    "filter, transform or colorize mask": (_NONE, _OUT, _NONE, _NONE),
-    "file or clone layer": (_NONE, _OUT, _NONE, _NONE),
-    "blend mode": (_NORMAL, _NORMAL, _NORMAL, _NORMAL),
-    "animation": (_NONE, "one frame, named", _NONE, "all frames"),
-    "tilemap": (_NONE, _NONE, _NONE, "applied; a tileset in another file is left out, named"),
-}
-"""Treatment of each layer feature in each of `KINDS`; the documentation has the same table."""
+__all__ = ["Layer", "LayeredFile", "Notes", "foreign", "open_layered"]
 
 _FOREIGN = {
     b"CSFCHUNK": ("a Clip Studio Paint file", "save it as PSD: File > Save Duplicate > .psd"),
