@@ -191,7 +191,7 @@ class JobPredictor:
         prepared = self._prepared(member, self.size)
         cells = [] if self.single or files.mask not in {None, READER} else self._figures(drawing, prepared)
         if cells:
-            preds = self._page(job, drawing, member, cells)
+            preds = self._page(job, drawing, replace(member, reading=prepared.reading), cells)
         else:
             preds = predict(self.predictor.backend, prepared, self.predictor.upsample)
         if self.explain is not None:
@@ -225,8 +225,10 @@ class JobPredictor:
             holes = [(x * scale, y * scale) for x, y in holes]
             sheet = to_pixels(picture.resized(shape))
         if self.explain is not None:
-            self._explain_figures(job, drawings_in(sheet, cells, hints, page.mask, holes))
-        return predict_sheet(self.predictor, sheet, cells, hints, page.mask, False, holes)
+            self._explain_figures(job, drawings_in(sheet, cells, hints, page.mask, holes, page.reading))
+        return predict_sheet(
+            self.predictor, sheet, cells, hints, page.mask, False, holes, reading=page.reading
+        )
 
     def _explain_figures(self, job: Job, figures: Sequence[tuple[Cell, Member]]) -> None:
         """Write the explanation of the mask of each figure of a page."""

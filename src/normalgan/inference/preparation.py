@@ -73,6 +73,7 @@ def prepare(
     line_widths: LineWidths = USUAL_WIDTHS,
     holes: Sequence[tuple[float, float]] = (),
     clean_strokes: bool = False,
+    reading: Reading | None = None,
     on_model_input: Callable[["Prepared"], object] | None = None,
 ) -> Prepared:
     """Clean a drawing, find its mask and frame it.
@@ -91,6 +92,7 @@ def prepare(
         holes: x and y of points in pixels of the drawing; the enclosed region at each point changes from
             object to hole, or from hole to object.
         clean_strokes: whether the picture consists of dark strokes on white, which are used as ink unchanged.
+        reading: the reader's output for the picture, if it is known; None reads the picture.
         on_model_input: called with the drawing, still without mask and hints, as soon as the model's input is
             known, so that the model can run while the mask is found.
 
@@ -100,7 +102,8 @@ def prepare(
     """
     shape = fitted(picture.shape, longest)
     worked = fitted_within(shape, MOST_WORKED)
-    reading = None if clean_strokes else read(picture)
+    if reading is None and not clean_strokes:
+        reading = read(picture)
     cleaned = clean(picture.resized(worked), reading)
     if painted is not None:
         by_hand = cv2.resize(painted, worked[::-1], interpolation=cv2.INTER_NEAREST)

@@ -53,6 +53,16 @@ class Reading:
         """Return the presence resized to (H, W) pixels."""
         return _enlarged(self.presence, shape)
 
+    def part(self, box: tuple[slice, slice], shape: tuple[int, int]) -> "Reading":
+        """Return the reading of the rows and columns in a box of a picture (H, W)."""
+        scale = np.array(self.ink.shape) / shape
+        start = np.floor([each.start for each in box] * scale).astype(int)
+        end = np.maximum(np.rint([each.stop for each in box] * scale).astype(int), start + 1)
+        rows, columns = slice(start[0], end[0]), slice(start[1], end[1])
+        sides, first = np.array(self.ink.shape)[::-1], start[::-1]
+        middle = (self.middle[:, rows, columns].T * sides - first) / (end - start)[::-1]
+        return Reading(self.ink[rows, columns], self.presence[rows, columns], middle.T.astype(np.float32))
+
     def ink_at(self, picture: Picture) -> Floats:
         """Return the ink (H, W) in [0, 1] at the picture's own size.
 
@@ -106,14 +116,14 @@ def _around_drawing(page: Reading, shape: tuple[int, int]) -> tuple[slice, slice
     scale = np.array(shape) / page.ink.shape
     low, high = np.array([rows.min(), columns.min()]) * scale, np.array([rows.max(), columns.max()]) * scale
     side = max(float((high - low).max()) * (1 + 2 * PAPER), max(shape) / NEARER[1])
-    if _shown_share(side) < NEARER[0] * _shown_share(max(shape)):
+    if shown_share(side) < NEARER[0] * shown_share(max(shape)):
         return None
     start = np.clip((low + high - side) / 2, 0, np.maximum(np.array(shape) - side, 0)).astype(int)
     end = np.minimum(start + round(side), shape)
     return slice(start[0], end[0]), slice(start[1], end[1])
 
 
-def _shown_share(side: float) -> float:
+def shown_share(side: float) -> float:
     """Return the scale at which the network sees a picture with this longer side in pixels; at most 1."""
     return min(SIDES[1] / side, 1.0)
 

@@ -70,6 +70,20 @@ class Cell:
         ]
         return [self._upright_point(x, y) for x, y in inside]
 
+    def in_sheet(self, points: Sequence[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+        """Return points (x, y) in upright pixels of the cell in pixels of the sheet.
+
+        >>> Cell("", 10, 20, 4, 8, turned=1).in_sheet([(2, 1)])
+        ((13, 22),)
+        """
+        found = []
+        for x, y in points:
+            height = self.width if self.turned % 2 else self.height
+            for _ in range(self.turned):
+                x, y, height = height - y, x, self.width + self.height - height
+            found.append((self.left + x, self.top + y))
+        return tuple(found)
+
     def _upright_point(self, x: P, y: P) -> tuple[P, P]:
         """Convert x and y from pixels of the cell's box to upright pixels of the cell."""
         width, height = self.width, self.height

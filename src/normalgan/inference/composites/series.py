@@ -7,6 +7,7 @@ import numpy as np
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
+from normalgan.inference.cleaning.reader import Reading
 from normalgan.inference.composites.steadying import steadied
 from normalgan.inference.mask.mask_files import MaskOrSource
 from normalgan.inference.network.framing import bounds_of
@@ -29,12 +30,14 @@ class Member:
         hints: hints in pixels of the drawing, or None.
         mask: the object or the source of the mask, as in `prepare`.
         holes: x and y of points whose regions are flipped, as in `prepare`.
+        reading: the reader's output, if it is known; or None.
     """
 
     picture: Picture
     hints: Hints | None = None
     mask: MaskOrSource = None
     holes: Sequence[tuple[float, float]] = ()
+    reading: Reading | None = None
 
 
 def predict_series(
@@ -113,7 +116,7 @@ def prepare_member(predictor: Predictor, member: Member, size: int | None = None
     """Return a drawing of a series, cleaned and framed separately, without hints."""
     widths = predictor.backend.line_widths
     given = member.picture, predictor.size, member.mask, None, size
-    return prepare(*given, line_widths=widths, holes=member.holes)
+    return prepare(*given, line_widths=widths, holes=member.holes, reading=member.reading)
 
 
 def _of_one_size(boxes: Sequence[Bounds]) -> bool:

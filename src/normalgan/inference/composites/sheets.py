@@ -13,8 +13,9 @@ from normalgan.decoding import Decoded, Pixels
 from normalgan.errors import InputError
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.composites.composition import tiled
+from normalgan.inference.cleaning.reader import Reading, shown_share
 from normalgan.inference.composites.series import Member, flat_map, left_flat, predict_series
-from normalgan.inference.findings import Finding
+from normalgan.inference.findings import Finding, join
 from normalgan.inference.mask.mask_files import MaskOrSource
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.parallel import result_of, stream
@@ -80,6 +81,7 @@ def predict_sheet(
     shared: bool = False,
     holes: Sequence[tuple[float, float]] = (),
     said: Sequence[str] = (),
+    reading: Reading | None = None,
 ) -> NormalMap:
     """Return the map of a sheet, predicting each cell as if it were a file of its own.
 
@@ -92,11 +94,13 @@ def predict_sheet(
         shared: whether all cells are framed by one square; they must then have the same size.
         holes: x and y of points whose regions are flipped, in pixels of the sheet.
         said: other warnings about the sheet, each part of a sentence.
+        reading: the reader's output for the sheet, which cells share if they would not be read in more detail
+            by themselves; or None.
 
     Raises:
         InputError: if no cell can be predicted, or cells that share a frame differ in size.
     """
-    drawn = drawings_in(sheet, cells, hints, mask, holes)
+    drawn = drawings_in(sheet, cells, hints, mask, holes, reading)
     if not drawn:
         raise InputError("none of its cells holds a drawing; give other columns and rows, or another atlas.")
     large = [(cell, member) for cell, member in drawn if min(cell.width, cell.height) >= SMALLEST]
@@ -119,10 +123,26 @@ def drawings_in(
     hints: Hints | None,
     mask: MaskOrSource,
     holes: Sequence[tuple[float, float]],
+    reading: Reading | None = None,
 ) -> list[tuple[Cell, Member]]:
     """Return the non-empty cells of a sheet with their drawings; arguments as in `predict_sheet`."""
     members = [(cell, _member(cell, sheet.pixels, hints, mask, holes)) for cell in cells]
-    return [(cell, member) for cell, member in members if member is not None]
+    return [
+        (cell, member if reading is None else replace(member, reading=_shared(reading, cell, sheet.shape)))
+        for cell, member in members
+        if member is not None
+    ]
+
+
+def _shared(reading: Reading, cell: Cell, shape: tuple[int, int]) -> Reading | None:
+    """Return the part of a sheet's reading in a cell; None if the cell by itself is read in more detail."""
+    if shown_share(max(cell.width, cell.height)) > reading.ink.shape[1] / shape[1] or cell.turned:
+        return None
+    part = reading.part(cell.box, shape)
+    if cell.own is None:
+        return part
+    own = cv2.resize(cell.own.astype(np.uint8), part.ink.shape[::-1], interpolation=cv2.INTER_NEAREST)
+    return replace(part, ink=part.ink * own, presence=part.presence * own)
 
 
 def _repeated(
@@ -187,11 +207,18 @@ def _assembled(
     return replace(whole, seen=seen, confidence=confidence, findings=findings, cells=cells)
 
 
+def _words(cell: Cell, preds: NormalMap) -> str:
+    """Return the texts of the findings about a cell, with places in pixels of the sheet."""
+    return join(replace(each, places=cell.in_sheet(each.places)) for each in preds.findings)
+
+
 def _findings(
     done: Sequence[tuple[Cell, NormalMap | InputError]], others: Sequence[str]
 ) -> tuple[Finding, ...]:
     """Return the findings about the cells."""
-    said = [(cell, left_flat(each) if isinstance(each, InputError) else each.warning) for cell, each in done]
+    said = [
+        (cell, left_flat(each) if isinstance(each, InputError) else _words(cell, each)) for cell, each in done
+    ]
     named = [*others, *(f"{cell.name}: {words}" for cell, words in said if words)]
     more = f"; and so on, {len(named)} in all" if len(named) > _NAMED else ""
     return (Finding("note", words="; ".join(named[:_NAMED]) + more),) if named else ()
