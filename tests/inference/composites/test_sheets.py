@@ -1,6 +1,7 @@
 """Sheets: a map of a sheet is what its cells' maps are, cut out by hand; on real files."""
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -336,6 +337,37 @@ def test_a_sheet_of_sprites_that_nobody_says_is_one_is_split(
     assert overlap(found[..., 3] > 127, sheet_of(small, columns)[..., 3] > 127) > 0.97
     assert generate("sheet.png", "--split", "auto", "--alpha", "-o", "split") == 0
     assert np.array_equal(found, pixels("split/sheet_normal.png"))
+
+
+@pytest.mark.parametrize("side", [48, 64, 96])
+def test_small_figures_on_white_are_found_as_on_their_page(here: Path, side: int) -> None:
+    ghost, solid = np.full((4 * side, 4 * side), 255, np.uint8), np.zeros((4 * side, 4 * side), np.uint8)
+    dome = [(2 + np.cos(a) * 1.5, 1.9 - np.sin(a) * 1.5) for a in np.linspace(0, np.pi, 40)]
+    hem = [(0.5 + 0.375 * i, 3.6 - 0.3 * (i % 2)) for i in range(9)]
+    path = np.rint(np.array([*dome, *hem]) * side).astype(np.int32)
+    cv2.fillPoly(solid, [path], 255)
+    cv2.polylines(solid, [path], True, 255, 8)
+    cv2.polylines(ghost, [path], True, 30, 8, cv2.LINE_AA)
+    for x in (1.5, 2.5):
+        cv2.circle(ghost, (round(x * side), round(1.7 * side)), side // 5, 30, -1, cv2.LINE_AA)
+    small, wanted = (cv2.resize(e, (side, side), interpolation=cv2.INTER_AREA) for e in (ghost, solid))
+    Image.fromarray(np.hstack([small, small])).save("pair.png")
+    assert generate("pair.png", "--alpha", "--pad", "0") == 0
+    assert overlap(pixels("normals/pair_normal.png")[..., 3] > 127, np.hstack([wanted, wanted]) > 127) > 0.96
+
+
+def test_a_warning_about_a_figure_says_where_it_is_on_the_page(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    page = np.full((240, 520), 255, np.uint8)
+    for x in (120, 400):
+        cv2.circle(page, (x, 120), 80, 0, 3, cv2.LINE_AA)
+    page[165:, 370:430] = 255
+    Image.fromarray(page).save("page.png")
+    assert generate("page.png") == 0
+    place = re.search(r"figure 2: no line bounds the object near x (\d+), y (\d+)", capsys.readouterr().err)
+    assert place
+    assert 320 < int(place[1]) < 480
 
 
 def test_dashes_on_nothing_are_no_sprites() -> None:

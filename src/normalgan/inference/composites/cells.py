@@ -76,13 +76,14 @@ class Cell:
         >>> Cell("", 10, 20, 4, 8, turned=1).in_sheet([(2, 1)])
         ((13, 22),)
         """
-        found = []
-        for x, y in points:
-            height = self.width if self.turned % 2 else self.height
-            for _ in range(self.turned):
-                x, y, height = height - y, x, self.width + self.height - height
-            found.append((self.left + x, self.top + y))
-        return tuple(found)
+        return tuple(self._sheet_point(x, y) for x, y in points)
+
+    def _sheet_point(self, x: float, y: float) -> tuple[float, float]:
+        """Convert x and y from upright pixels of the cell to pixels of the sheet."""
+        height = self.width if self.turned % 2 else self.height
+        for _ in range(self.turned):
+            x, y, height = height - y, x, self.width + self.height - height
+        return self.left + x, self.top + y
 
     def _upright_point(self, x: P, y: P) -> tuple[P, P]:
         """Convert x and y from pixels of the cell's box to upright pixels of the cell."""

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from normalgan.arrays import BoolMask
 from normalgan.decoding import Decoded, Pixels
 from normalgan.errors import InputError
+from normalgan.inference.cleaning.reader import Reading, shown_share
 from normalgan.inference.composites.cells import Cell
 from normalgan.inference.composites.composition import tiled
-from normalgan.inference.cleaning.reader import Reading, shown_share
 from normalgan.inference.composites.series import Member, flat_map, left_flat, predict_series
 from normalgan.inference.findings import Finding, join
 from normalgan.inference.mask.mask_files import MaskOrSource
