@@ -6,6 +6,7 @@ import numpy as np
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
+from normalgan.inference.drawing import Drawing
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.reading.drawings import read_normals, read_pixels, to_unit
 from normalgan.inference.vectors import unit
@@ -20,8 +21,10 @@ def read_map(path: str | Path, green: Green = "up") -> NormalMap:
         green: direction of y in the green channel.
 
     Raises:
-        InputError: if the file cannot be read or is not a normal map.
+        InputError: if the file cannot be read, is not a normal map, or holds several pictures.
     """
+    if Drawing(Path(path)).moving is not None:
+        raise InputError(f"{path} has several pictures; give one, such as a frame in a file of its own.")
     found, alpha = read_normals(path, green)
     return _map(unit(np.ascontiguousarray(found), front=True), alpha)
 

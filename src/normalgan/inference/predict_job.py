@@ -51,14 +51,14 @@ class Done:
     """The result of a job.
 
     Args:
-        target: path of the map.
+        maps: paths of the maps, one for each frame or layer that is written to its own file.
         warning: warning as part of a sentence; empty if there is none.
         held: files that are held back for other drawings of the command.
         note: remark for the user as part of a sentence; empty if there is none.
         partial: whether something in the drawing could not be predicted; the warning says what.
     """
 
-    target: Path
+    maps: list[Path]
     warning: str = ""
     held: list[Held] = field(default_factory=list)
     note: str = ""
@@ -111,8 +111,8 @@ class JobPredictor:
             shared = self.frame != "own"
             layered = LayeredJob(self.predictor, self.writer, self.size, shared, self.strength, self.sprite)
             target = layered_target(job, drawing, self.writer.outputs)
-            warning, held, partial = layered(job, drawing, target)
-            return Done(target, warning, held, partial=partial)
+            maps, warning, held, partial = layered(job, drawing, target)
+            return Done(maps, warning, held, partial=partial)
         if self.packing.tileset == OWN:
             return self._written(job, self._tileset(files, *drawing.tileset))
         # A multi-page file counts as moving, because its pages are decoded and predicted like frames.
@@ -162,7 +162,7 @@ class JobPredictor:
 
     def _written(self, job: Job, preds: NormalMap) -> Done:
         held = self.writer.write(job, preds.stronger(self.strength))
-        return Done(job.target, preds.warning, held, partial=preds.partial)
+        return Done([job.target], preds.warning, held, partial=preds.partial)
 
     def _check_moving(self, drawing: Drawing) -> None:
         """Raise `InputError` if an option is set that only works for a single still picture."""
@@ -269,9 +269,10 @@ class JobPredictor:
         shared = self.frame == "shared" if pages else self.frame != "own"
         predicted = predict_series(self.predictor, members, shared, shared and not pages, self.size)
         outputs, problems = self.writer.outputs, _Problems("page" if pages else "frame")
-        moves = _moves(outputs) and not pages
+        moves = outputs.normal.plain and not pages
         pixels: list[NDArray[np.uint8]] = []
         held: list[Held] = []
+        maps: list[Path] = []
         for number, preds in enumerate(self._maps(members, predicted, problems), 1):
             own = job.numbered(number, outputs.ending)
             # All frames share one scale; otherwise a body would rise and sink when an arm is raised.
@@ -280,6 +281,7 @@ class JobPredictor:
                 pixels.append(preds.pixels(outputs.normal.y, outputs.normal.alpha))
             else:
                 self.writer.write_map(own, preds)
+                maps.append(own.target)
         if len(problems.errors) == len(members):
             raise problems.errors[0]
         target = _moving_target(job, drawing, outputs)
@@ -287,13 +289,13 @@ class JobPredictor:
             self.writer.write_held(held)
             held = []
         if moves:
-            self.writer.write_sidecar(target)
+            maps = [target]
             moving = encode_animation(kind_of(target), pixels, found.durations, found.loop)
             self.writer.sink(target, moving)
         warning = "; ".join(filter(None, [found.notes.text, problems.summary(len(members))]))
         # Blank frames are deliberate and do not count as missing.
         partial = found.notes.partial or not all(map(_blank, problems.failed))
-        return Done(target, warning, held, partial=partial)
+        return Done(maps, warning, held, partial=partial)
 
     def _maps(
         self, members: Sequence[Member], predicted: Iterable[NormalMap | InputError], problems: "_Problems"
@@ -369,7 +371,7 @@ def _moving_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
     kind = drawing.moving
     if kind is None:
         return job.target
-    if kind == PAGES or not _moves(outputs):
+    if kind == PAGES or not outputs.normal.plain:
         return job.numbered(1, outputs.ending).target
     target = job.target if job.exact else job.target.with_suffix(f".{kind}")
     if target.resolve() == job.files.drawing.resolve():
@@ -388,11 +390,6 @@ def written_for(job: Job, outputs: Outputs, packing: Packing, layers: bool) -> I
     if not layers:
         first = job.numbered(1, outputs.ending) if moves else job
         yield from (first.path_with(ending) for ending in outputs.other_endings)
-
-
-def _moves(outputs: Outputs) -> bool:
-    """Return whether the maps of an animation are written as an animation, which needs 8-bit maps."""
-    return outputs.normal.plain
 
 
 def _for_sheet(files: DrawingFiles, sheet: Decoded) -> tuple[Hints | None, MaskOrSource]:

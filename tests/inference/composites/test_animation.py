@@ -14,6 +14,7 @@ from normalgan.decoding import decode_frames
 from normalgan.errors import InputError
 from normalgan.inference.composites.animation import Kind, encode_animation, moving_kind
 from normalgan.inference.composites.steadying import steadied
+from normalgan.inference.outputs.engines import CONVENTIONS, Engine
 from normalgan.normals import read_png
 from pens import blob, outline
 
@@ -66,7 +67,8 @@ def test_each_page_of_a_tiff_gets_a_map_of_its_own(here: Path, capsys: pytest.Ca
             file.newFrame()
     Path("three.tiff").write_bytes(content.getvalue())
     assert generate("three.tiff", "--preview", "png") == 0
-    assert capsys.readouterr().out.splitlines() == ["normals/three_0001_normal.png"]
+    maps = [f"normals/three_{number:04d}_normal.png" for number in (1, 2, 3)]
+    assert capsys.readouterr().out.splitlines() == maps
     names = [f"three_{number:04d}_{kind}.png" for number in (1, 2, 3) for kind in ("normal", "preview")]
     assert sorted(path.name for path in Path("normals").iterdir()) == names
     assert np.asarray(Image.open("normals/three_0002_normal.png")).shape[1::-1] == wide.size
@@ -114,6 +116,20 @@ def test_what_does_not_fit_in_an_animation_is_written_frame_by_frame(here: Path)
     assert generate("walk.gif", "--bits", "16", "--show-input") == 0
     expected = {f"walk_{n:04d}_{what}.png" for n in (1, 2, 3, 4) for what in ("normal", "input")}
     assert {path.name for path in Path("normals").iterdir()} == expected
+
+
+@pytest.mark.parametrize("engine", ["unity", "unreal", "godot"])
+def test_frames_for_an_engine_are_pictures_that_it_imports(
+    here: Path, capsys: pytest.CaptureFixture[str], engine: Engine
+) -> None:
+    animate("walk.webp", [pen(each) for each in FRAMES[:2]])
+    assert generate("walk.webp", "--engine", engine, "--preview", "png") == 0
+    maps = sorted(Path("normals").glob(f"walk_000[12]{CONVENTIONS[engine].suffix}.png"))
+    assert [str(each) for each in maps] == capsys.readouterr().out.splitlines()
+    assert len(maps) == 2
+    for each in maps:
+        assert each.with_name(each.name + CONVENTIONS[engine].sidecar).is_file()
+    assert not list(Path("normals").glob("*.webp"))
 
 
 def test_a_frame_for_all_keeps_what_stands_still(here: Path) -> None:

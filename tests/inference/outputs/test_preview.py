@@ -8,8 +8,9 @@ from PIL.GifImagePlugin import GifImageFile
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
+from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.lighting import Clay, lamp_direction, shade
-from normalgan.inference.outputs.preview import lit, preview_gif, preview_png, sheet, turn
+from normalgan.inference.outputs.preview import Preview, lit, preview_gif, preview_png, sheet, turn
 
 
 def ball(size: int = 64) -> tuple[Floats, NDArray[np.bool_]]:
@@ -105,6 +106,14 @@ def test_the_sheet_holds_the_turn() -> None:
     assert whole.shape == (2 * 64 + 2, 4 * 64 + 3 * 2, 3)
     assert (whole[66:, 66:130] == pictures[5]).all()
     assert (whole == sheet(pictures)).all()
+
+
+def test_the_preview_of_a_large_map_is_reduced() -> None:
+    normals, mask = np.tile(np.array([0, 0, 1], np.float32), (1100, 2200, 1)), np.ones((1100, 2200), np.bool_)
+    preds = NormalMap(normals, mask, mask.astype(np.float32))
+    (content,) = Preview("gif").encode(preds).values()
+    with Image.open(BytesIO(content)) as gif:
+        assert gif.size == (1024, 512)
 
 
 def test_tiny_pictures_have_no_room_for_the_ball() -> None:

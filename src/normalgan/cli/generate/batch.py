@@ -133,7 +133,8 @@ class DrawingBatch:
                 if outcome.note:
                     tell(f"{job.files.drawing}: {outcome.note}.")
                 if settings.output != STDOUT:
-                    print(printable(outcome.target), flush=self._settings.watch)
+                    for each in outcome.maps:
+                        print(printable(each), flush=self._settings.watch)
 
     def watch(self, predictor: Predictor, watcher: Watcher, find: Callable[[], Found], found: Found) -> None:
         """Predict drawings whenever they are saved, until Ctrl-C; drawings that share a frame all at once.

@@ -47,8 +47,8 @@ class LayeredJob:
     strength: float
     sprite: Sprite
 
-    def __call__(self, job: Job, drawing: Drawing, target: Path) -> tuple[str, list[Held], bool]:
-        """Predict and write the layers; return the warning, the held files, and whether a layer is missing.
+    def __call__(self, job: Job, drawing: Drawing, target: Path) -> tuple[list[Path], str, list[Held], bool]:
+        """Predict and write the layers; return maps, warning, held files, and whether a layer is missing.
 
         Args:
             job: the job of the layered file.
@@ -70,6 +70,7 @@ class LayeredJob:
         said = [found.notes.text] if found.notes.text else []
         held: list[Held] = []
         failed: list[InputError] = []
+        written: list[Path] = []
         context = self._context(job, found, drawn)
         for number, got in stream(numbers, lambda number: self._predict(job, found, number, context)):
             name = next(layer.name for layer in drawn if layer.number == number)
@@ -77,17 +78,19 @@ class LayeredJob:
                 failed.append(got)
                 said.append(f"layer {name!r}: it is left out, because {str(got).rstrip('.')}")
                 continue
-            layers, warning, waiting = result_of(got)
+            layers, warning, waiting, maps = result_of(got)
             predicted += layers
             said += [f"layer {name!r}: {warning}"] if warning else []
             held += waiting
+            written += maps
         if len(failed) == len(numbers):
             raise failed[0] if failed else InputError("none of its layers holds a drawing.")
-        if drawing.layered is not None and _goes_in_one(self.writer.outputs):
+        if drawing.layered is not None and self.writer.outputs.normal.plain:
             shape = fitted(found.shape, self.size)
             predicted.sort(key=lambda layer: (layer.frame, layer.number))
             self.writer.sink(target, encode_layers(drawing.layered, shape, predicted, found.durations))
-        return "; ".join(said), held, found.notes.partial or bool(failed)
+            written = [target]
+        return written, "; ".join(said), held, found.notes.partial or bool(failed)
 
     def _context(self, job: Job, found: DecodedLayers, drawn: list[DecodedLayer]) -> Context | None:
         """Return the context of all layers; None for a single layer and for animations."""
@@ -104,8 +107,8 @@ class LayeredJob:
 
     def _predict(
         self, job: Job, found: DecodedLayers, number: int, context: Context | None
-    ) -> tuple[list[DecodedLayer], str, list[Held]]:
-        """Return a layer's predictions frame by frame, the warning, and the held files."""
+    ) -> tuple[list[DecodedLayer], str, list[Held], list[Path]]:
+        """Return a layer's predictions frame by frame, the warning, the held files and the written maps."""
         outputs = self.writer.outputs
         own = [layer for layer in found.layers if layer.number == number]
         members = [_member(job, layer, found.shape) for layer in own]
@@ -114,6 +117,7 @@ class LayeredJob:
         said: list[str] = []
         held: list[Held] = []
         failed: list[InputError] = []
+        written: list[Path] = []
         series: Iterable[NormalMap | InputError]
         if context is None:
             series = predict_series(self.predictor, members, several, several, self.size)
@@ -127,14 +131,15 @@ class LayeredJob:
             stronger = self.sprite(preds, member.picture).stronger(self.strength)
             each = _job_of(job, layer, outputs.ending, len(found.durations))
             held += self.writer.write_others(each, stronger)
-            if not _goes_in_one(outputs):
+            if not outputs.normal.plain:
                 self.writer.write_map(each, stronger)
+                written.append(each.target)
                 continue
             inside = cut(layer, stronger.pixels(outputs.normal.y, alpha=True))
             predicted += [] if inside is None else [inside]
         if len(failed) == len(own):
             raise failed[0]
-        return predicted, said[0] if said else "", held
+        return predicted, said[0] if said else "", held, written
 
     def _among(self, member: Member, context: Context) -> NormalMap | InputError:
         """Return the map of a layer predicted alone or among the others, or the error."""
@@ -152,11 +157,6 @@ def _member(job: Job, layer: DecodedLayer, shape: tuple[int, int]) -> Member:
     return Member(picture_of(layer, shape), None, where)
 
 
-def _goes_in_one(outputs: Outputs) -> bool:
-    """Return whether predicted layers go into one layered file, which is 8-bit and for no engine."""
-    return outputs.normal.plain and outputs.normal.engine is None
-
-
 def layered_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
     """Return the path of the layered file, or of the first layer's file if each layer is written separately.
 
@@ -165,7 +165,7 @@ def layered_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
     """
     if job.exact:
         raise InputError(f"{job.target} holds one map; --layers needs a folder (-o).")
-    if not _goes_in_one(outputs):
+    if not outputs.normal.plain:
         found = drawing.layers
         first = next((each for each in found.layers if not is_plain(each, found.shape)), found.layers[0])
         return _job_of(job, first, outputs.ending, len(found.durations)).target

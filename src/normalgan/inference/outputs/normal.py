@@ -79,8 +79,12 @@ class Normal(Output):
 
     @property
     def plain(self) -> bool:
-        """Whether the map is a plain 8-bit picture, which animations and layered files need."""
-        return self.format == "png" and self.bits == 8 and self.pack is None and not self.pad
+        """Whether the map is a plain 8-bit picture for no engine, as animations and layered files hold.
+
+        Engines import pictures, and most of them only the first frame of an animation.
+        """
+        plain = self.format == "png" and self.bits == 8 and self.pack is None
+        return plain and not self.pad and self.engine is None
 
     def sidecar(self, target: Path) -> tuple[Path, bytes] | None:
         """Return the path and content of the engine's import file; None without an engine."""

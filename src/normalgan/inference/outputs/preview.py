@@ -9,12 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from normalgan.arrays import Floats
+from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
 from normalgan.inference.normal_map import NormalMap, as_it_lies
 from normalgan.inference.outputs.base import OUTPUTS, Output
 from normalgan.inference.outputs.engines import Engine
 from normalgan.inference.outputs.lighting import lamp_direction, shade, to_srgb
+from normalgan.inference.reading.picture import fitted_within, resize
 from normalgan.normals import normalize
 
 Pixels = NDArray[np.uint8]
@@ -22,13 +23,14 @@ Opacity = NDArray[np.bool_] | Floats
 
 _PAPER = (0.020, 0.022, 0.026)  # linear; darker than shadows on the clay
 _GAP = 2  # pixels between the pictures of a sheet
+_SIDE = 1024  # longest side of a picture in pixels; 36 pictures of the largest maps would fill the memory
 _FINE = 4  # supersampling factor of the ball, for a smooth edge
 
 
 @OUTPUTS.register
 @dataclass(frozen=True)
 class Preview(Output):
-    """The map, lit by a lamp that circles it.
+    """The map, lit by a lamp that circles it, at up to 1024 pixels.
 
     Args:
         format: png shows eight directions of light side by side, gif is an animation.
@@ -44,7 +46,15 @@ class Preview(Output):
     def encode(self, preds: NormalMap) -> dict[str, bytes]:
         """Return the content of the file."""
         turning = preview_png if self.format == "png" else preview_gif
-        return {self.endings[0]: turning(as_it_lies(preds), preds.mask)}
+        return {self.endings[0]: turning(*_reduced(as_it_lies(preds), preds.mask))}
+
+
+def _reduced(normals: Floats, mask: BoolMask) -> tuple[Floats, Opacity]:
+    """Return a map and its mask, reduced if they are large."""
+    size = fitted_within(mask.shape, _SIDE)
+    if size == mask.shape:
+        return normals, mask
+    return resize(normals, size), resize(mask.astype(np.float32), size)
 
 
 def lit(normals: Floats, opacity: Opacity, azimuth: float, elevation: float = 25.0) -> Pixels:
