@@ -214,7 +214,7 @@ def test_the_options_reach_the_map(here: Path, capsys: pytest.CaptureFixture[str
         (["--detail", "1.5"], "detail"),
         (["--detail", "much"], "detail"),
         (["--form", "square"], "form is 'square'; give round, flat or hollow"),
-        (["--form", "flat", "--tile", "both"], "--form needs an object with an edge"),
+        (["--form", "flat", "--tileset", "16x16"], "--form needs an object with an edge"),
         (["--form", "flat", "--hints", "h.json"], "--form overrides hints; use only one of the two"),
         (
             ["--pixel-art", "--size", "64"],

@@ -9,11 +9,14 @@ import pytest
 
 from normalgan.arrays import Floats
 from normalgan.errors import InputError
+from normalgan.inference.forms import Form
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.network.tile import Tile
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.shading import curvature_of, occlusion_of
 from normalgan.inference.predictor import Predictor
+from normalgan.inference.reading.picture import Picture
+from normalgan.inference.sprites import Sprite
 from normalgan.inference.tiling import MOST_TILED
 from normalgan.normals import angles
 from normalgan.weights.shipped import find_model
@@ -181,6 +184,27 @@ def test_a_hint_at_an_edge_counts_on_both_sides(model: Path) -> None:
     assert angles(predicted.extended[64, 127], wanted) < 12
     without = predictor(stones(), None, everywhere, tile="both")
     assert angles(without.extended[64, 127], wanted) > 20
+
+
+@pytest.mark.parametrize(("down", "right"), [(0, 0), (17, 50)])
+def test_each_brick_of_a_wall_gets_a_form_also_across_an_edge(
+    predictor: Predictor, down: int, right: int
+) -> None:
+    wall = np.full((128, 128), 255, np.uint8)
+    wall[::32] = wall[1::32] = wall[2::32] = 0
+    for row in range(4):
+        for column in (0, 64):
+            wall[32 * row : 32 * row + 32, column + 32 * (row % 2) :][:, :3] = 0
+    colour = np.repeat(rolled(wall, down, right)[..., None] / np.float32(255), 3, axis=-1)
+    picture = Picture(colour.astype(np.float32), None)
+    preds = predictor(picture, tile="both")
+    formed = back(Sprite(form=Form("flat", 0.3, 1))(preds, picture), down, right)
+    middle, upper, left = formed[19, 32], formed[5, 32], formed[19, 5]
+    assert middle[2] > 0.99
+    assert upper[1] > 0.5
+    assert left[0] < -0.5
+    assert formed[96 + 19, 64][2] > 0.99
+    assert formed[96 + 19, 37][0] < -0.5
 
 
 def test_the_way_has_to_be_one_that_there_is(model: Path) -> None:

@@ -14,6 +14,7 @@ from normalgan.inference.network.tile import Tile, middle, wrapped
 from normalgan.inference.normal_map import NormalMap, part_of
 from normalgan.inference.reading.picture import Picture
 from normalgan.inference.regions import extent_of
+from normalgan.inference.tiling import give_forms
 from normalgan.inference.vectors import unit
 from normalgan.ranges import Share, check_ranges
 
@@ -67,7 +68,8 @@ class Sprite:
     Args:
         detail: strength of the details taken from the painting's shading, 0 to 1.
         pixel_art: whether each art pixel gets one of `DIRECTIONS`, and dark outlines the flat normal.
-        form: form applied to the whole object; None leaves it as predicted.
+        form: form of the object, or of each area between the lines of a repeating drawing; None leaves it
+            as predicted.
     """
 
     detail: Share = 0.0
@@ -91,6 +93,8 @@ class Sprite:
         """
         if not self.changes:
             return preds
+        if self.form is not None and preds.tile is not None:
+            preds = give_forms(preds, picture, self.form)
         colour = picture.resized(preds.mask.shape).colour
         side = art_pixel(picture) if self.pixel_art else 1
         own_alpha = picture.alpha is not None
@@ -109,7 +113,7 @@ class Sprite:
         """Return the adapted map of a single drawing with colours (H, W, 3)."""
         if not preds.mask.any():
             return preds
-        if self.form is not None:
+        if self.form is not None and preds.tile is None:
             whole = np.ones(preds.mask.shape, np.float32)
             preds = replace(preds, extended=give_form(preds.extended, preds.mask, whole, self.form))
         if not (self.detail or self.pixel_art):

@@ -4,12 +4,14 @@ from dataclasses import replace
 from functools import partial
 from math import ceil
 
+import cv2
 import numpy as np
 
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
 from normalgan.inference.cleaning.ink import clean
 from normalgan.inference.cleaning.reader import read
+from normalgan.inference.forms import Form, give_form
 from normalgan.inference.mask.decision import decide
 from normalgan.inference.mask.mask_files import MODEL, READER, MaskOrSource
 from normalgan.inference.network.backend import Backend
@@ -23,6 +25,7 @@ from normalgan.inference.pipeline import finish, hints_off
 from normalgan.inference.preparation import Prepared
 from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, fitted_within, resize
+from normalgan.inference.regions import INKED
 from normalgan.inference.vectors import lengths, unit
 
 _BESIDE = 0.25
@@ -114,6 +117,35 @@ def predict_tile(
         off = hints_off(hints.points, own_hints.points, whole.mask)
         whole = replace(whole, findings=whole.findings + off)
     return whole if worked == shape else _enlarged(whole, shape, tile)
+
+
+def give_forms(preds: NormalMap, picture: Picture, form: Form) -> NormalMap:
+    """Return a repeating map with a form applied to each area that lines enclose, such as each brick.
+
+    Args:
+        preds: map from `predict_tile`.
+        picture: the drawing.
+        form: form of each area.
+    """
+    shape, tile = preds.mask.shape, preds.tile
+    assert tile is not None
+    page = picture.resized(fitted_within(shape, MOST_TILED), partial(resize_tile, tile=tile))
+    room = (round(_BESIDE * max(page.size)),) * 2
+    ink = resize_tile(_read(page, None, tile, room)[0], shape, tile)
+    # A whole repeat on each side, so that each area is complete somewhere.
+    normals, lines, mask = (wrapped(each, tile, shape) for each in (preds.extended, ink, preds.mask))
+    free = (lines <= INKED).astype(np.uint8)
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(free, connectivity=4)
+    top, left = (side if there else 0 for side, there in zip(shape, repeats(tile), strict=True))
+    for number in range(1, count):
+        x, y, width, height = stats[number, :4]
+        complete = x > 0 and y > 0 and x + width < lines.shape[1] and y + height < lines.shape[0]
+        shown = x < left + shape[1] and x + width > left and y < top + shape[0] and y + height > top
+        if complete and shown:
+            box = slice(y - 1, y + height + 1), slice(x - 1, x + width + 1)
+            area = (labels[box] == number).astype(np.float32)
+            normals[box] = give_form(normals[box], mask[box], area, form)
+    return replace(preds, extended=middle(normals, tile, shape))
 
 
 def _read(

@@ -522,10 +522,10 @@ def test_an_animated_krita_file_says_what_of_it_is_used(
 ) -> None:
     path = FILES / "two_frames.kra"
     found = read_layers(path)
-    assert "it is animated in Krita, of which the frame 5, at which it was saved, is used" in found.notes.text
+    assert "it is animated in Krita; the frame 5, at which it was saved, is used" in found.notes.text
     assert (found.layers[0].left, found.layers[0].top) == (27, 27)
     assert generate(str(path)) == 0
-    words = "it is animated in Krita, of which the picture that Krita merged when it was saved is used"
+    words = "it is animated in Krita; the picture that Krita merged when it was saved is used"
     assert words in capsys.readouterr().err
 
 

@@ -100,8 +100,8 @@ def _packing(settings: Namespace) -> Packing:
         raise InputError("--tileset shows the model each tile with its neighbours; omit --frame shared.")
     if settings.tile and settings.frame == "shared":
         raise InputError("--tile shows the model each drawing with its repeats; omit --frame shared.")
-    if settings.form and (settings.tile or settings.tileset):
-        raise InputError("--form needs an object with an edge, so it does not work with --tile or --tileset.")
+    if settings.form and settings.tileset:
+        raise InputError("--form needs an object with an edge, so it does not work with --tileset.")
     if settings.form and settings.hints:
         raise InputError("--form overrides hints; use only one of the two.")
     if settings.pixel_art and settings.size is not None:

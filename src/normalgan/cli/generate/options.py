@@ -104,9 +104,9 @@ def _add_drawing(parser: LightParser) -> None:
         "--form",
         type=str | None,
         metavar="KIND",
-        help="form of each whole object: round, flat (a face with a bevelled edge) or hollow; optionally "
-        "with bevel (width of the edge) and strength, such as flat,bevel=0.1,strength=1; the default bevel "
-        "is 0.2 (1 for round and hollow) and the strength 0.7",
+        help="form of each object, or of each area between the lines with --tile: round, flat (a face with a "
+        "bevelled edge) or hollow; optionally with bevel (width of the edge) and strength, such as "
+        "flat,bevel=0.1,strength=1; the default bevel is 0.2 (1 for round and hollow) and the strength 0.7",
     )
     group.add_argument(
         "--detail",

@@ -23,7 +23,7 @@ _LAYERS = {
 }
 """Krita layers without pixels of their own, by their type in the file."""
 _MASKS = {"filtermask": "filter mask", "transformmask": "transform mask", "colorizemask": "colorize mask"}
-_ANIMATED = "it is animated in Krita, of which"
+_ANIMATED = "it is animated in Krita;"
 _WAY_OUT = "is used; render the animation as GIF, WebP or PNG files for all frames"
 
 
