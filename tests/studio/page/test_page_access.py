@@ -64,7 +64,6 @@ def test_keys_alone_draw_pin_turn_and_undo(opened: "Browser", server: Server) ->
         with studio.answering("new-dialog"):
             press("Enter")
         page.locator("#board").focus()
-        press("Enter")  # brings the cursor
         for key, times in (("ArrowLeft", 3), ("ArrowUp", 3)):
             for _ in range(times):
                 press(f"Shift+{key}")
@@ -100,6 +99,15 @@ def test_keys_alone_draw_pin_turn_and_undo(opened: "Browser", server: Server) ->
         assert page.locator("#chips .chip").count() == 0
         press("Control+z")
         assert page.locator("#chips .chip").count() == 1
+
+
+def test_the_first_enter_on_the_drawing_puts_the_pen_down(studio: Studio) -> None:
+    page, press = studio.page, studio.page.keyboard.press
+    page.locator("#board").focus()
+    for key in ("Enter", *["Shift+ArrowRight"] * 3, "Enter"):
+        press(key)
+    assert studio.status() == "Pen up."
+    assert studio.inked(SIDE / 2 + 30, SIDE / 2)
 
 
 def test_every_control_has_a_name_and_room_for_a_finger(opened: "Browser", server: Server) -> None:

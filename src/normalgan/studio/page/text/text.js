@@ -438,6 +438,7 @@ export const text = {
   restore: "Restore",
   later: "Later",
   undoIt: "Undo",
+  heldElsewhere: "Another tab has this work open.",
   notNow: "Not now",
   restoredOne: "Restored “{name}” of {when}, which was not saved.",
   keptForLater: "It is kept: find it under Open, or when the studio starts.",

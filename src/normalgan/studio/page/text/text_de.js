@@ -412,6 +412,7 @@ export const words = {
   restore: "Wiederherstellen",
   later: "Später",
   undoIt: "Rückgängig",
+  heldElsewhere: "Diese Arbeit ist in einem anderen Tab geöffnet.",
   notNow: "Nicht jetzt",
   restoredOne: "„{name}“ von {when} wiederhergestellt; es war nicht gespeichert.",
   keptForLater: "Sie bleibt erhalten: unter Öffnen oder beim nächsten Start des Studios.",

@@ -412,6 +412,7 @@ export const words = {
   restore: "Restaurar",
   later: "Más tarde",
   undoIt: "Deshacer",
+  heldElsewhere: "Este trabajo está abierto en otra pestaña.",
   notNow: "Ahora no",
   restoredOne: "Restaurado «{name}» de {when}, que no estaba guardado.",
   keptForLater: "Se conserva: está en Abrir, o al iniciar el estudio.",

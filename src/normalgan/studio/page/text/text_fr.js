@@ -412,6 +412,7 @@ export const words = {
   restore: "Restaurer",
   later: "Plus tard",
   undoIt: "Annuler",
+  heldElsewhere: "Ce travail est ouvert dans un autre onglet.",
   notNow: "Pas maintenant",
   restoredOne: "« {name} » du {when}, non enregistré, est restauré.",
   keptForLater: "Il est conservé : sous Ouvrir, ou au prochain démarrage du studio.",

@@ -412,6 +412,7 @@ export const words = {
   restore: "復元",
   later: "後で",
   undoIt: "元に戻す",
+  heldElsewhere: "この作業は別のタブで開かれています。",
   notNow: "今はしない",
   restoredOne: "未保存だった{when}の「{name}」を復元しました。",
   keptForLater: "保管しています。「開く」または次の起動時に見つかります。",

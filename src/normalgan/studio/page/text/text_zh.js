@@ -412,6 +412,7 @@ export const words = {
   restore: "恢复",
   later: "稍后",
   undoIt: "撤销",
+  heldElsewhere: "此作品已在另一个标签页中打开。",
   notNow: "暂不",
   restoredOne: "已恢复 {when} 未保存的“{name}”。",
   keptForLater: "已保留：可在“打开”中或工作室启动时找到。",
