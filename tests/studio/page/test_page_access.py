@@ -228,6 +228,20 @@ def test_on_a_phone_all_of_two_lights_and_of_suggested_points_is_seen(
         assert hidden("light-options") == 0
 
 
+@pytest.mark.parametrize("width", [1024, 1280, 1680])
+def test_beside_the_result_all_of_a_regions_form_is_seen(
+    opened: "Browser", server: Server, width: int
+) -> None:
+    with open_studio(opened, server.url, width=width, height=800) as studio:
+        studio.new()
+        studio.page.keyboard.press("r")
+        studio.circle()
+        for _ in range(2):  # flat, whose name is the longest
+            studio.page.keyboard.press("g")
+        studio.wait_for_frame()
+        assert studio.page.locator("#region-options").evaluate("(e) => e.scrollWidth <= e.clientWidth")
+
+
 @pytest.mark.parametrize(("width", "height"), [(390, 780), (820, 1100)])
 def test_narrow_windows_stack_the_panes(opened: "Browser", server: Server, width: int, height: int) -> None:
     with open_studio(opened, server.url, width=width, height=height) as studio:
