@@ -116,11 +116,16 @@ def decide(ink: Floats, reading: Reading | None, holes: Sequence[tuple[float, fl
     summed = np.bincount(regions.ravel(), weights=presence.ravel(), minlength=count)
     votes = (summed / sizes).astype(np.float32)
     enclosed = _enclosed(stats, size)
-    filled = np.where(enclosed[regions], votes[regions] > 0.5, presence > 0.5) & ~inked
+    solid, settled = votes > 0.5, np.zeros(count, bool)
+    if read is not None:
+        elsewhere = int(np.count_nonzero((presence > 0.5) & ~inked & ~enclosed[regions]))
+        lone = _lone(votes, sizes, enclosed, elsewhere)
+        solid |= lone
+        settled |= lone
+    filled = np.where(enclosed[regions], solid[regions], presence > 0.5) & ~inked
     voted = filled | (inked & (presence > 0.5))
     # A hole must be enclosed by lines, so other gaps in the object are filled.
     voted |= enclosed_by(voted) & ~enclosed[regions] & ~inked
-    settled = np.zeros(count, bool)
     for x, y in holes:
         number = _region_at(x, y, shape, regions, enclosed)
         voted[regions == number] ^= True
@@ -143,6 +148,26 @@ def _enclosed(stats: NDArray[np.int32], size: tuple[int, int]) -> BoolMask:
     enclosed: BoolMask = (left > 0) & (top > 0) & (right < size[1]) & (bottom < size[0])
     enclosed[0] = False
     return enclosed
+
+
+def _lone(votes: Floats, sizes: NDArray[np.int32], enclosed: BoolMask, elsewhere: int) -> BoolMask:
+    """Return which region (N,) is the object although the reader is unsure of it, such as a small circle.
+
+    It is the only one that lines enclose, and no object is seen off the lines: if it were a hole, nothing
+    would be left but its outline.
+
+    Args:
+        votes: (N,), as in `Decision`.
+        sizes: (N,), area of each region in pixels.
+        enclosed: (N,), as in `Decision`.
+        elsewhere: number of pixels outside the enclosed regions in which the reader sees an object.
+    """
+    least = UNSURE_SHARE * sizes[enclosed].max(initial=0)
+    # Specks between lines are not regions that anybody drew.
+    large: BoolMask = enclosed & (sizes > least)
+    if np.count_nonzero(large) != 1 or elsewhere > least:
+        return np.zeros_like(large)
+    return large & (votes > UNSURE_LOW) & (votes < UNSURE_HIGH)
 
 
 def _region_at(
