@@ -185,7 +185,7 @@ export const text = {
   showPlace: "Show where",
   foundEdge: "No line bounds the object here, so its edge is a guess. Close it if it is wrong.",
   foundEmptyMask: "Nothing is left of the object. Add to it with the mask brush.",
-  foundFigures: "This shows {count} separate figures, predicted as one object. Put each on its own layer: draw around it with the lasso (Q), then press J.",
+  foundFigures: "This shows {count} separate figures, predicted as one object. Circle each with the lasso (Q) and move it to a new layer (J).",
   foundGuessed: "No object was found among the lines, so its edge is a guess. Close the outline.",
   foundPoint: "A point is off the object. Drag it back.",
   foundPoints: "{count} of {total} points are off the object. Drag them back.",

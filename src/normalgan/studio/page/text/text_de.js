@@ -177,7 +177,7 @@ export const words = {
   showPlace: "Stelle zeigen",
   foundEdge: "Hier begrenzt keine Linie das Objekt, der Rand ist geschätzt. Schließe ihn, wenn er nicht stimmt.",
   foundEmptyMask: "Vom Objekt ist nichts übrig. Füge mit dem Maskenpinsel etwas hinzu.",
-  foundFigures: "Das zeigt {count} getrennte Figuren, berechnet als ein Objekt. Leg jede auf eine eigene Ebene: Umfahre sie mit dem Lasso (Q) und drücke J.",
+  foundFigures: "Das zeigt {count} getrennte Figuren, berechnet als ein Objekt. Umkreise jede mit dem Lasso (Q) und verschieb sie auf eine neue Ebene (J).",
   foundGuessed: "Zwischen den Linien ist kein Objekt zu erkennen, darum ist sein Rand geschätzt. Schließe den Umriss.",
   foundPoint: "Ein Punkt liegt neben dem Objekt. Zieh ihn zurück.",
   foundPoints: "{count} von {total} Punkten liegen neben dem Objekt. Zieh sie zurück.",

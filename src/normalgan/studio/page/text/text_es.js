@@ -177,7 +177,7 @@ export const words = {
   showPlace: "Mostrar dónde",
   foundEdge: "Aquí ninguna línea delimita el objeto y su borde es una suposición. Ciérralo si no es correcto.",
   foundEmptyMask: "No queda nada del objeto. Añade algo con el pincel de máscara.",
-  foundFigures: "Esto muestra {count} figuras separadas, calculadas como un solo objeto. Pon cada una en su propia capa: rodéala con el lazo (Q) y pulsa J.",
+  foundFigures: "Esto muestra {count} figuras separadas, calculadas como un solo objeto. Rodea cada una con el lazo (Q) y muévela a una capa nueva (J).",
   foundGuessed: "No se reconoce ningún objeto entre las líneas, así que su borde es una suposición. Cierra el contorno.",
   foundPoint: "Un punto está fuera del objeto. Arrástralo de vuelta.",
   foundPoints: "{count} de {total} puntos están fuera del objeto. Arrástralos de vuelta.",

@@ -177,7 +177,7 @@ export const words = {
   showPlace: "Montrer où",
   foundEdge: "Aucune ligne ne borde l'objet ici ; son bord est une supposition. Fermez-le s'il est faux.",
   foundEmptyMask: "Il ne reste rien de l'objet. Ajoutez-y avec le pinceau de masque.",
-  foundFigures: "Ceci montre {count} figures séparées, calculées comme un seul objet. Mettez chacune sur son propre calque : entourez-la au lasso (Q), puis appuyez sur J.",
+  foundFigures: "Ceci montre {count} figures séparées, calculées comme un seul objet. Entourez chacune au lasso (Q) et déplacez-la vers un nouveau calque (J).",
   foundGuessed: "Aucun objet n'est reconnu entre les lignes, son bord est donc une supposition. Fermez le contour.",
   foundPoint: "Un point est hors de l'objet. Ramenez-le.",
   foundPoints: "{count} points sur {total} sont hors de l'objet. Ramenez-les.",

@@ -177,7 +177,7 @@ export const words = {
   showPlace: "显示位置",
   foundEdge: "这里没有线条界定物体，边缘是推测的。如果不对，请闭合它。",
   foundEmptyMask: "物体已经没有剩余。请用遮罩画笔添加。",
-  foundFigures: "这里有 {count} 个独立的图形，被当作一个物体计算。请把每个放到单独的图层：用套索（Q）圈住它，再按 J。",
+  foundFigures: "这里有 {count} 个独立的图形，被当作一个物体计算。请用套索（Q）圈住每一个，再移到新图层（J）。",
   foundGuessed: "线条之间看不出物体，因此边缘是推测的。请闭合轮廓。",
   foundPoint: "有一个点在物体之外。请把它拖回来。",
   foundPoints: "{total} 个点中有 {count} 个在物体之外。请把它们拖回来。",
