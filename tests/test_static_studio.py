@@ -183,6 +183,18 @@ def test_an_edge_without_a_line_is_told_as_in_python(studio: "Page") -> None:
     np.testing.assert_allclose(said["places"], wanted.places, atol=3)
 
 
+def test_a_lone_small_circle_is_the_object_as_in_python(studio: "Page") -> None:
+    grey = np.full((512, 512), 255, np.uint8)
+    cv2.circle(grey, (350, 330), 40, (0,), 6, cv2.LINE_AA)
+    wanted = python()(grey)
+    found = studio.evaluate(ASK, [*encoded(grey), {}])
+    codes = [each.code for each in wanted.findings]
+    assert [each["code"] for each in found["findings"]] == codes
+    assert "regions" not in codes
+    assert wanted.mask[330, 350]
+    assert decoded(found, grey.shape)[330, 350, 3] == 255
+
+
 def test_a_hole_that_was_filled_meets_the_object_at_its_line(studio: "Page") -> None:
     click = {"points": [206, 155], "size": 1, "adds": True, "fills": True}
     answer = studio.evaluate(ASK, [*encoded(mug()), {"mask_strokes": [click]}])

@@ -26,6 +26,8 @@ export function decide(ink, width, height, reading) {
   const { labels, boxes } = components(opposite(inked), wide, high, 4);
   const enclosed = boxes.map((box, k) => k > 0 && box.left > 0 && box.top > 0 && box.right < wide && box.bottom < high);
   const votes = votesOf(labels, boxes, presence);
+  const lone = reading ? loneOf(labels, boxes, enclosed, votes, presence) : -1;
+  if (lone >= 0) votes[lone] = 1;
   const solid = new Uint8Array(inked.length);
   for (let i = 0; i < solid.length; i++) if (!inked[i]) solid[i] = Number((enclosed[labels[i]] ? votes[labels[i]] : presence[i]) > 0.5);
   const mask = solid.slice();
@@ -55,6 +57,20 @@ function votesOf(labels, boxes, presence) {
   const sum = new Float64Array(boxes.length);
   for (let i = 0; i < labels.length; i++) sum[labels[i]] += presence[i];
   return boxes.map(({ area }, k) => sum[k] / Math.max(area, 1));
+}
+
+/**
+ * Returns the only region that lines enclose if the reader is unsure of it and sees no object off the lines; otherwise -1.
+ * If it were a hole, nothing would be left but its outline.
+ * @param {Int32Array} labels @param {{area: number}[]} boxes @param {boolean[]} enclosed @param {number[]} votes @param {Float32Array} presence
+ */
+function loneOf(labels, boxes, enclosed, votes, presence) {
+  const least = UNSURE_SHARE * boxes.reduce((most, { area }, k) => (enclosed[k] ? Math.max(most, area) : most), 0);
+  const large = boxes.map((_, k) => k).filter((k) => enclosed[k] && boxes[k].area > least);
+  if (large.length !== 1 || votes[large[0]] <= UNSURE_LOW || votes[large[0]] >= UNSURE_HIGH) return -1;
+  let elsewhere = 0;
+  for (let i = 0; i < labels.length; i++) if (labels[i] > 0 && !enclosed[labels[i]] && presence[i] > 0.5) elsewhere++;
+  return elsewhere > least ? -1 : large[0];
 }
 
 /**

@@ -6,7 +6,9 @@ from typing import Literal
 
 from normalgan.errors import InputError
 
-Code = Literal["edge", "empty_mask", "guessed", "hints", "no_lines", "no_object", "note", "regions", "unseen"]
+Code = Literal[
+    "edge", "empty_mask", "figures", "guessed", "hints", "no_lines", "no_object", "note", "regions", "unseen"
+]
 _FEW = 3
 """Maximum number of places that a message lists."""
 
@@ -90,6 +92,10 @@ def _places(finding: Finding) -> str:
 _WORDS: dict[Code, Callable[[Finding], str]] = {
     "edge": lambda finding: (
         f"no line bounds the object near {_places(finding)}, so its edge is a guess; close it if it is wrong"
+    ),
+    "figures": lambda finding: (
+        f"it shows {finding.count} separate figures, at {_places(finding)}, predicted as one object; "
+        "put each on its own layer"
     ),
     "guessed": lambda _: (
         "no object was found among its lines, so the network guessed the mask; "

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,8 +13,7 @@ from normalgan.decoding.decoders.svg import is_svg
 from normalgan.errors import InputError
 from normalgan.inference.composites.animation import PAGES, encode_animation, kind_of
 from normalgan.inference.composites.cells import Cell
-from normalgan.inference.composites.figures import alike, find_figures
-from normalgan.inference.composites.islands import find_islands
+from normalgan.inference.composites.figures import figures_of
 from normalgan.inference.composites.layered_job import LayeredJob, layered_target
 from normalgan.inference.composites.packing import OWN, Packing
 from normalgan.inference.composites.series import Member, flat_map, left_flat, predict_series, prepare_member
@@ -189,7 +187,8 @@ class JobPredictor:
             return self._adapted(tiled, picture)
         member = replace(self._member(picture, files), holes=self.holes)
         prepared = self._prepared(member, self.size)
-        cells = [] if self.single or files.mask not in {None, READER} else self._figures(drawing, prepared)
+        split = not self.single and files.mask in {None, READER}
+        cells = figures_of(prepared, drawing.pixels if self.size is None else None) if split else []
         if cells:
             preds = self._page(job, drawing, replace(member, reading=prepared.reading), cells)
         else:
@@ -200,18 +199,6 @@ class JobPredictor:
 
     def _prepared(self, member: Member, size: int | None = None) -> Prepared:
         return hinted(prepare_member(self.predictor, member, size), member.hints, member.picture.shape)
-
-    def _figures(self, drawing: Drawing, prepared: Prepared) -> list[Cell]:
-        """Return the cells of a page's figures in pixels of the map; empty for a single object."""
-        if prepared.alpha is not None and prepared.mask is not None:
-            # Islands are found in pixels of the drawing, which are the map's only at the drawing's own size.
-            if self.size is not None or cv2.connectedComponents(prepared.mask.view(np.uint8))[0] < 3:
-                return []
-            islands = find_islands(drawing.pixels())
-            return islands if alike(islands) else []
-        if prepared.decision is None or prepared.reading is None:
-            return []
-        return find_figures(prepared.decision, prepared.reading, prepared.shape)
 
     def _page(self, job: Job, drawing: Drawing, page: Member, cells: Sequence[Cell]) -> NormalMap:
         """Return the map of a page whose figures are predicted separately."""

@@ -77,6 +77,22 @@ def test_a_large_region_of_which_the_reader_is_unsure_is_told_until_it_is_flippe
     assert not decide(ink, reading(presence)).unsure
 
 
+@pytest.mark.parametrize(("vote", "elsewhere", "solid"), [(0.4, False, 1), (0.1, False, 0), (0.4, True, 0)])
+def test_a_lone_circle_of_which_the_reader_is_unsure_is_the_object(
+    vote: float, elsewhere: bool, solid: int
+) -> None:
+    ink, inside = np.zeros((2, SIDE, SIDE), np.float32)
+    cv2.circle(ink, (170, 160), 30, 1, 3)
+    cv2.circle(inside, (170, 160), 32, 1, -1)
+    presence = np.where(inside > 0, vote, 0.02).astype(np.float32)
+    if elsewhere:  # a body with an open outline, of which this may be the handle
+        presence[60:200, 20:120] = 0.9
+    found = decide(ink, reading(presence))
+    assert found.mask[160, 170] == solid
+    assert any(each.code == "regions" for each in found.unsure) == elsewhere
+    assert decide(ink, reading(presence), [(170, 160)]).mask[160, 170] != solid
+
+
 @pytest.mark.parametrize(("gap", "told"), [(60, True), (20, False)])
 def test_an_edge_without_a_line_is_told_with_its_place(gap: int, told: bool) -> None:
     ink, disc, _ = ring()

@@ -16,8 +16,13 @@ from studio_client import circle, png, serving
 
 from normalgan.decoding import DecodedLayer
 from normalgan.inference.composites.layers import LayeredKind, encode_layers
+from normalgan.inference.preparation import prepare
+from normalgan.inference.reading.picture import read_picture
+from normalgan.studio.drawings.drawing_request import to_picture
+from normalgan.studio.drawings.imports import import_picture
 
 SHAPE = (120, 160)
+FOX = Path(__file__).parents[3] / "examples" / "sketches" / "fox.png"
 KRITA = Path(__file__).parents[2] / "inference" / "composites" / "layered"
 PAPER = DecodedLayer("paper", (), 255, 0, 0, 0, 0, np.full((*SHAPE, 4), 255, np.uint8))
 
@@ -173,3 +178,9 @@ def test_another_way_to_import_is_refused(model: Path, tmp_path: Path) -> None:
         answer = asked(client, png(circle()), "frames")
     assert answer.status_code == 400
     assert "as is \"frames\"; it should be 'drawing' or 'layers'" in answer.json()["error"]
+
+
+def test_an_imported_drawing_is_prepared_as_its_file_is() -> None:
+    pixels = np.asarray(Image.open(io.BytesIO(base64.b64decode(import_picture(FOX.read_bytes())["picture"]))))
+    own, page = (prepare(each, 256).ink for each in (read_picture(FOX), to_picture(pixels)))
+    assert (own == page).all()  # to the last bit

@@ -64,7 +64,6 @@ def test_keys_alone_draw_pin_turn_and_undo(opened: "Browser", server: Server) ->
         with studio.answering("new-dialog"):
             press("Enter")
         page.locator("#board").focus()
-        press("Enter")  # brings the cursor
         for key, times in (("ArrowLeft", 3), ("ArrowUp", 3)):
             for _ in range(times):
                 press(f"Shift+{key}")
@@ -100,6 +99,15 @@ def test_keys_alone_draw_pin_turn_and_undo(opened: "Browser", server: Server) ->
         assert page.locator("#chips .chip").count() == 0
         press("Control+z")
         assert page.locator("#chips .chip").count() == 1
+
+
+def test_the_first_enter_on_the_drawing_puts_the_pen_down(studio: Studio) -> None:
+    page, press = studio.page, studio.page.keyboard.press
+    page.locator("#board").focus()
+    for key in ("Enter", *["Shift+ArrowRight"] * 3, "Enter"):
+        press(key)
+    assert studio.status() == "Pen up."
+    assert studio.inked(SIDE / 2 + 30, SIDE / 2)
 
 
 def test_every_control_has_a_name_and_room_for_a_finger(opened: "Browser", server: Server) -> None:
@@ -218,6 +226,20 @@ def test_on_a_phone_all_of_two_lights_and_of_suggested_points_is_seen(
         page.locator("#light-both").check()
         page.locator("#light-moves-2").wait_for()
         assert hidden("light-options") == 0
+
+
+@pytest.mark.parametrize("width", [1024, 1280, 1680])
+def test_beside_the_result_all_of_a_regions_form_is_seen(
+    opened: "Browser", server: Server, width: int
+) -> None:
+    with open_studio(opened, server.url, width=width, height=800) as studio:
+        studio.new()
+        studio.page.keyboard.press("r")
+        studio.circle()
+        for _ in range(2):  # flat, whose name is the longest
+            studio.page.keyboard.press("g")
+        studio.wait_for_frame()
+        assert studio.page.locator("#region-options").evaluate("(e) => e.scrollWidth <= e.clientWidth")
 
 
 @pytest.mark.parametrize(("width", "height"), [(390, 780), (820, 1100)])

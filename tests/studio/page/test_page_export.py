@@ -10,6 +10,12 @@ from PIL import Image
 from studio_page import SIDE, Studio
 
 pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
+LOOK = """() => {
+  const copy = document.createElement("canvas").getContext("2d");
+  copy.drawImage(document.getElementById("export-picture"), 0, 0);
+  return [...copy.getImageData(120, 60, 1, 1).data];
+}"""
+"""The colour of a pixel of the dialog's picture, high up on the ball."""
 
 
 def export(studio: Studio, path: Path, **fields: str) -> str:
@@ -103,14 +109,20 @@ def test_the_map_is_copied_to_the_clipboard(ball: Studio) -> None:
     )
     assert size == [SIDE, SIDE]
     page.locator("#export").click()
-    look = """() => {
-      const copy = document.createElement("canvas").getContext("2d");
-      copy.drawImage(document.getElementById("export-picture"), 0, 0);
-      return [...copy.getImageData(120, 60, 1, 1).data];
-    }"""
-    up = page.evaluate(look)
+    up = page.evaluate(LOOK)
     page.locator("#export-y").select_option("down")
-    down = page.evaluate(look)
+    down = page.evaluate(LOOK)
     assert [down[0], down[1], down[3]] == [up[0], 255 - up[1], up[3]]  # the picture is what will be written
     page.locator("#export-what").select_option("relief")
     assert page.locator("#export-copy").is_disabled()  # a mesh is no picture
+
+
+def test_the_picture_of_a_relief_is_the_surface_in_the_light(ball: Studio) -> None:
+    page = ball.page
+    page.locator("#export").click()
+    page.locator("#export-engines input[value='']").check()
+    seen = {}
+    for what in ("map", "lit", "relief"):
+        page.locator("#export-what").select_option(what)
+        seen[what] = page.evaluate(LOOK)
+    assert seen["relief"] == seen["lit"] != seen["map"]

@@ -81,3 +81,21 @@ def test_a_point_off_the_object_is_told_in_the_pages_language_and_shown(
             page.keyboard.press("Control+z")
         assert page.locator("#warning").is_hidden()
         assert not ringed(studio, OFF)
+
+
+def test_separate_figures_are_told_until_each_has_its_own_layer(opened: "Browser", server: Server) -> None:
+    with open_page(opened, width=1200, height=700) as page, sending_nothing_late(page):
+        studio = Studio(page, server.url)
+        studio.new()
+        studio.circle(70, 128, 45)
+        with studio.repainting():
+            studio.circle(190, 128, 45)
+        said = page.locator("#warning button", has_text="This shows 2 separate figures")
+        assert said.is_visible()
+        said.hover()
+        studio.until(lambda: ringed(studio, (190, 128)))
+        page.keyboard.press("q")
+        studio.line((135, 60), (245, 60), (245, 196), (135, 196), (135, 60))
+        with studio.repainting():
+            page.keyboard.press("j")
+        assert said.count() == 0

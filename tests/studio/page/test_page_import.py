@@ -17,7 +17,7 @@ from onnx_models import write_model
 from pens import blob, outline
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser
+    from playwright.sync_api import Browser, Request
 
 pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
 SHAPE = (200, 300)
@@ -236,6 +236,31 @@ def test_a_file_that_the_command_line_names_asks_for_its_page(opened: "Browser",
             studio.page.locator("#choose input[type=number]").fill("2")
             studio.page.locator("#choose button[value=drawing]").click()
         assert studio.page.locator("#pixels").inner_text() == "80 × 48"
+
+
+def test_a_small_picture_is_predicted_as_it_is_and_not_enlarged(studio: Studio, tmp_path: Path) -> None:
+    pixels = np.random.default_rng(0).integers(0, 256, (48, 64, 3), np.uint8)
+    pixels[:16] = 255  # most of it is light
+    pixels[32:] = 255
+    Image.fromarray(pixels).save(tmp_path / "fine.png")
+    sent: list[bytes] = []
+
+    def note(request: "Request") -> None:
+        if request.url.endswith("/api/predict"):
+            sent.append(request.post_data_buffer or b"")
+
+    studio.page.on("request", note)
+    with studio.repainting():
+        give(studio, tmp_path / "fine.png", "drawing")
+    seen = np.frombuffer(sent[0], np.uint8)[-48 * 64 * 4 :].reshape(48, 64, 4)
+    assert (seen[..., :3] == pixels).all()
+    studio.size = 64, 48
+    with studio.repainting():  # what is drawn on it then is seen too
+        studio.line((10, 8), (54, 8))
+    black = np.array([0, 0, 0, 255], np.uint8).tobytes() * 8
+    assert not any(black in each for each in sent[:1])
+    assert any(black in each for each in sent)
+    studio.page.remove_listener("request", note)
 
 
 def test_layers_of_more_than_a_request_takes_go_ahead_one_by_one(studio: Studio, tmp_path: Path) -> None:

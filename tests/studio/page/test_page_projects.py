@@ -459,6 +459,30 @@ def test_restored_work_that_is_drawn_on_is_kept_once(opened: "Browser", server: 
             assert studio.inked(100, 60)
 
 
+def test_restored_work_is_not_offered_to_a_second_tab(opened: "Browser", server: Server) -> None:
+    with storage(opened, width=1200, height=700) as context:
+        with begun(context, server) as studio:
+            studio.new()
+            studio.line((20, 60), (200, 60))
+            wait_for_kept(studio, 1, 1)
+        with begun(context, server) as studio:
+            studio.restored()
+            with begun(context, server) as second:
+                assert second.page.locator("#empty-board").is_visible()
+                assert second.page.locator("#restore").is_hidden()
+                second.page.locator("#open").click()
+                assert second.page.locator("#open-unsaved").is_hidden()
+        with begun(context, server) as studio:  # its tab is closed
+            put_back(studio)
+            with begun(context, server) as second:  # and now it is free
+                second.restored()
+                studio.page.locator("#open").click()
+                studio.page.locator("#open-unsaved").click()
+                with studio.saying("Another tab has this work open."):
+                    studio.page.locator("#restore-list .project").click()
+                assert studio.page.locator("#empty-board").is_visible()
+
+
 def test_each_stroke_is_written_once(opened: "Browser", server: Server) -> None:
     with open_studio(opened, server.url) as studio:
         studio.new()

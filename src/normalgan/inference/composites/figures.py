@@ -1,15 +1,19 @@
 """Figures: find the separate objects of a page."""
 
+from collections.abc import Callable
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask, Floats
+from normalgan.decoding import Decoded
 from normalgan.graphs import connected
 from normalgan.inference.cleaning.reader import Reading
 from normalgan.inference.composites.cells import Cell
-from normalgan.inference.composites.islands import in_rows
+from normalgan.inference.composites.islands import find_islands, in_rows
 from normalgan.inference.mask.decision import Decision
+from normalgan.inference.preparation import Prepared
 from normalgan.inference.reading.drawings import SMALLEST
 from normalgan.inference.regions import INKED
 
@@ -21,6 +25,24 @@ _ROOM = 0.04
 """Margin around a figure, as a fraction of its span."""
 _LEAST = 0.4
 """Minimum mean presence of a figure."""
+
+
+def figures_of(prepared: Prepared, pixels: Callable[[], Decoded] | None) -> list[Cell]:
+    """Return the cells of a page's figures in pixels of the map; empty for a single object.
+
+    Args:
+        prepared: the page, from `prepare`.
+        pixels: returns its pixels; None if the map has another size, because islands are found in pixels of
+            the drawing.
+    """
+    if prepared.alpha is not None and prepared.mask is not None:
+        if pixels is None or cv2.connectedComponents(prepared.mask.view(np.uint8))[0] < 3:
+            return []
+        islands = find_islands(pixels())
+        return islands if alike(islands) else []
+    if prepared.decision is None or prepared.reading is None:
+        return []
+    return find_figures(prepared.decision, prepared.reading, prepared.shape)
 
 
 def find_figures(decision: Decision, reading: Reading, shape: tuple[int, int]) -> list[Cell]:

@@ -112,8 +112,8 @@ def decide(ink: Floats, reading: Reading | None, holes: Sequence[tuple[float, fl
     read = None if reading is None else reading.presence_at(size)
     presence = (enclosed_by(inked) & ~inked).astype(np.float32) if read is None else read
     regions = _regions_of(inked, presence)
-    voted = _voted(regions, inked, presence)
-    settled = np.zeros_like(regions.enclosed)
+    settled = np.zeros_like(regions.enclosed) if read is None else _lone(regions, inked, presence)
+    voted = _voted(regions, inked, presence, settled)
     for x, y in holes:
         number = _region_at(x, y, shape, regions)
         voted[regions.labels == number] ^= True
@@ -146,10 +146,10 @@ def _regions_of(inked: BoolMask, presence: Floats) -> _Regions:
     return _Regions(labels, sizes, (summed / sizes).astype(np.float32), _enclosed(stats, inked.shape))
 
 
-def _voted(regions: _Regions, inked: BoolMask, presence: Floats) -> BoolMask:
-    """Return the object (h, w) before the user's holes."""
+def _voted(regions: _Regions, inked: BoolMask, presence: Floats, solid: BoolMask) -> BoolMask:
+    """Return the object (h, w) before the user's holes; ``solid`` regions (N,) belong to it by any vote."""
     labels, _, votes, enclosed = regions
-    filled = np.where(enclosed[labels], votes[labels] > 0.5, presence > 0.5) & ~inked
+    filled = np.where(enclosed[labels], ((votes > 0.5) | solid)[labels], presence > 0.5) & ~inked
     voted = filled | (inked & (presence > 0.5))
     # A hole must be enclosed by lines, so other gaps in the object are filled.
     return np.asarray(voted | (enclosed_by(voted) & ~enclosed[labels] & ~inked))
@@ -162,6 +162,22 @@ def _enclosed(stats: NDArray[np.int32], size: tuple[int, ...]) -> BoolMask:
     enclosed: BoolMask = (left > 0) & (top > 0) & (right < size[1]) & (bottom < size[0])
     enclosed[0] = False
     return enclosed
+
+
+def _lone(regions: _Regions, inked: BoolMask, presence: Floats) -> BoolMask:
+    """Return which region (N,) is the object although the reader is unsure of it, such as a small circle.
+
+    It is the only one that lines enclose, and no object is seen off the lines: if it were a hole, nothing
+    would be left but its outline.
+    """
+    labels, sizes, votes, enclosed = regions
+    elsewhere = int(np.count_nonzero((presence > 0.5) & ~inked & ~enclosed[labels]))
+    least = UNSURE_SHARE * sizes[enclosed].max(initial=0)
+    # Specks between lines are not regions that anybody drew.
+    large: BoolMask = enclosed & (sizes > least)
+    if np.count_nonzero(large) != 1 or elsewhere > least:
+        return np.zeros_like(large)
+    return large & (votes > UNSURE_LOW) & (votes < UNSURE_HIGH)
 
 
 def _region_at(x: float, y: float, shape: tuple[int, int], found: _Regions) -> int:

@@ -242,8 +242,10 @@ def to_picture(pixels: NDArray[np.uint8]) -> Picture:
     values = np.multiply(pixels, np.float32(1 / 255), dtype=np.float32)
     if pixels.shape[-1] == 1:
         return Picture(np.asarray(cv2.merge([values[..., 0]] * 3), np.float32), None)
-    alpha = values[..., 3]
-    return Picture(values[..., :3], alpha if pixels[..., 3].min() < 255 else None)
+    if pixels[..., 3].min() < 255:
+        return Picture(values[..., :3], values[..., 3])
+    # Sums over strided colours differ in the last bit from those over the colours of a file without alpha.
+    return Picture(np.ascontiguousarray(values[..., :3]), None)
 
 
 def read_png(name: str, content: bytes) -> Picture:

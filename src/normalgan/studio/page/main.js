@@ -72,8 +72,8 @@ const projects = new Projects(editor, autosave, status);
 const importing = new Importing(editor, view, status, projects);
 const folder = new Folder(importing, projects, predictor, (map) => result.viewer.shaded(map, null));
 importing.onSeveral = (/** @type {DataTransfer} */ dropped) => folder.take(dropped);
-const exporting = new Exporting(editor, predictor, status, (map) =>
-  result.viewer.shaded(map, materials.colours(Math.max(map.width, map.height))));
+const exporting = new Exporting(editor, predictor, status, (map, clay = false) =>
+  result.viewer.shaded(map, clay ? null : materials.colours(Math.max(map.width, map.height))));
 /** @type {import("./elements/status.js").Announce} */
 const announce = (words, kind) => status.say(words, kind);
 const lines = new LineTool(editor, inks, announce);

@@ -14,13 +14,16 @@ import numpy as np
 from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError, RunError
 from normalgan.inference.cleaning.reader import read
+from normalgan.inference.composites.figures import figures_of
 from normalgan.inference.composites.layer_context import Context, Inferred, context_of, surest, ways_to_see
+from normalgan.inference.findings import Finding
+from normalgan.inference.mask.mask_files import READER
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.network.upsampling import Coarse
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.pipeline import finish
 from normalgan.inference.preparation import Prepared, hinted, prepare
-from normalgan.inference.reading.picture import Picture
+from normalgan.inference.reading.picture import Picture, to_pixels
 from normalgan.studio.drawings.drawing_request import DrawingRequest
 
 K = TypeVar("K")
@@ -37,6 +40,8 @@ _VERSIONS = 4
 """Cached maps per layer: at half and full size, before and after the last stroke."""
 _Key = tuple[bytes, int | None]
 """Digest of the drawing, and the map's longer side."""
+_Found = tuple[Prepared, tuple[int, int], tuple[Finding, ...]]
+"""A prepared drawing, its (H, W), and the finding about separate figures."""
 _CONTEXTS = 16
 """Maximum number of cached contexts, and of the network's predictions for them."""
 
@@ -61,7 +66,7 @@ class DrawingPredictor:
         """Whether the model predicts a confidence."""
         self._lock = Lock()
         self._predicted: OrderedDict[tuple[_Key, bytes], NormalMap] = OrderedDict()
-        self._prepared: OrderedDict[_Key, tuple[Prepared, tuple[int, int]]] = OrderedDict()
+        self._prepared: OrderedDict[_Key, _Found] = OrderedDict()
         self._network = ThreadPoolExecutor(1, "network")
         self._inferred: OrderedDict[bytes, Future[Inferred]] = OrderedDict()
         self._contexts: OrderedDict[tuple[_Key, ...], Context] = OrderedDict()
@@ -106,7 +111,7 @@ class DrawingPredictor:
 
             check()
             layers = max(len(parts), 1)
-            prepared, shape = self._prepare(drawing, longest, check, layers)
+            prepared, shape, several = self._prepare(drawing, longest, check, layers)
             check()
             ways = ways_to_see(prepared, context)
             hints = drawing.read_hints(shape)
@@ -114,7 +119,10 @@ class DrawingPredictor:
                 [hinted(each, hints, shape) for each in ways], lambda way: self._infer(way).result()
             )
             predicted = finish(seen, preds, confidence, upsample)
-            predicted = replace(predicted, extended=drawing.edit(predicted.extended, predicted.mask, shape))
+            # Among other layers it is a part of something, and may be in pieces.
+            findings = predicted.findings if parts else (*predicted.findings, *several)
+            edited = drawing.edit(predicted.extended, predicted.mask, shape)
+            predicted = replace(predicted, extended=edited, findings=findings)
             self._remember(self._predicted, (key, around), predicted, _VERSIONS * layers, _size_of_map)
         return predicted
 
@@ -155,8 +163,10 @@ class DrawingPredictor:
 
     def _prepare(
         self, drawing: DrawingRequest, longest: int | None, check: Callable[[], None], layers: int
-    ) -> tuple[Prepared, tuple[int, int]]:
-        """Return a layer prepared without hints, and its (H, W); ``layers`` is the number of layers.
+    ) -> _Found:
+        """Return a layer prepared without hints, its (H, W), and the finding if it shows separate figures.
+
+        ``layers`` is the number of layers.
 
         The network already runs while the mask is found.
         """
@@ -177,8 +187,9 @@ class DrawingPredictor:
                 clean_strokes=drawing.drawn,
                 on_model_input=infer_ahead,
             )
+            several = _several(prepared, picture) if drawing.mask in {None, READER} else ()
             # The decision takes more memory than everything else and is not needed again.
-            found = replace(prepared, decision=None, reading=None), picture.shape
+            found = replace(prepared, decision=None, reading=None), picture.shape, several
             self._remember(self._prepared, key, found, _VERSIONS * layers, _size_of_prepared)
         return found
 
@@ -203,5 +214,18 @@ def _size_of_map(predicted: NormalMap) -> int:
     return predicted.mask.size
 
 
-def _size_of_prepared(found: tuple[Prepared, tuple[int, int]]) -> int:
+def _size_of_prepared(found: _Found) -> int:
     return max(found[0].ink.size, found[0].shape[0] * found[0].shape[1])
+
+
+def _several(prepared: Prepared, picture: Picture) -> tuple[Finding, ...]:
+    """Return the finding about separate figures, which `normalgan generate` would predict separately."""
+    own = prepared.shape == picture.shape
+    try:
+        cells = figures_of(prepared, (lambda: to_pixels(picture)) if own else None)
+    except InputError:  # too many islands; as one object it can still be predicted
+        return ()
+    scale = picture.shape[1] / prepared.shape[1]
+    centres = ((each.left + each.width / 2, each.top + each.height / 2) for each in cells)
+    places = tuple((scale * x, scale * y) for x, y in centres)
+    return (Finding("figures", places, len(places)),) if places else ()

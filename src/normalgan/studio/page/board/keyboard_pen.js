@@ -46,25 +46,29 @@ export class KeyboardPen {
     event.preventDefault();
   }
 
-  /** Moves the cursor, which starts at the centre. @param {[number, number]} way @param {number} step */
-  #move([dx, dy], step) {
+  /** Returns the cursor, which starts at the centre. @returns {import("./board.js").Point} */
+  #place() {
     const { board } = this;
     const { width, height } = board.editor.doc;
     board.cursor ??= { x: width / 2, y: height / 2 };
-    board.cursor.x = Math.max(0, Math.min(width - 0.01, board.cursor.x + dx * step));
-    board.cursor.y = Math.max(0, Math.min(height - 0.01, board.cursor.y + dy * step));
-    this.#active?.move(this.#touch());
     board.redraw();
-    this.status.say(say("at", { x: Math.round(board.cursor.x), y: Math.round(board.cursor.y) }));
+    return board.cursor;
+  }
+
+  /** @param {[number, number]} way @param {number} step */
+  #move([dx, dy], step) {
+    const cursor = this.#place();
+    const { width, height } = this.board.editor.doc;
+    cursor.x = Math.max(0, Math.min(width - 0.01, cursor.x + dx * step));
+    cursor.y = Math.max(0, Math.min(height - 0.01, cursor.y + dy * step));
+    this.#active?.move(this.#touch());
+    this.status.say(say("at", { x: Math.round(cursor.x), y: Math.round(cursor.y) }));
   }
 
   /** Puts the pen down, or lifts it up. */
   #press() {
-    const { board: { cursor, editor }, status } = this;
-    if (!cursor) {
-      this.#move([0, 0], 0);
-      return;
-    }
+    this.#place(); // seen even where the tool leaves no mark
+    const { board: { editor }, status } = this;
     const chosen = this.tool();
     if (this.#active) {
       this.#active.up();
@@ -88,7 +92,7 @@ export class KeyboardPen {
   }
 
   #touch() {
-    const { camera: { scale }, cursor } = this.board;
-    return { x: 0, y: 0, ...cursor, pressure: 0.5, reach: 14 / scale, scale };
+    const { scale } = this.board.camera;
+    return { ...this.#place(), pressure: 0.5, reach: 14 / scale, scale };
   }
 }

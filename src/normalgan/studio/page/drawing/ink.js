@@ -100,6 +100,11 @@ export class Ink {
   constructor(scale = 0) {
     this.canvas = document.createElement("canvas");
     this.context = context2d(this.canvas, { willReadFrequently: true });
+    /**
+     * The same ink at the drawing's own size, if it has pictures: enlarged and averaged, they would not be what they were.
+     * @type {CanvasRenderingContext2D | null}
+     */
+    this.plain = null;
     this.fixed = scale;
     this.width = this.height = this.scale = 0;
     /** @type {import("./document.js").Stroke[]} */
@@ -120,9 +125,10 @@ export class Ink {
       this.drawn = [...this.drawn, this.live];
       this.live = null;
     }
-    if (!begun || !sized || this.live) this.#clear(doc);
+    const pictured = this.plain !== null || !doc.strokes.some(({ kind }) => kind === "picture");
+    if (!begun || !sized || !pictured || this.live) this.#clear(doc);
     for (const stroke of doc.strokes.slice(this.drawn.length)) {
-      drawStroke(this.context, stroke, decoded);
+      for (const context of this.#contexts()) drawStroke(context, stroke, decoded);
       this.stale = united(this.stale, stroke.kind === "picture" ? ALL : boxOf(stroke, 0));
     }
     this.drawn = doc.strokes;
@@ -136,14 +142,15 @@ export class Ink {
    */
   draw(line, ended) {
     if (this.live !== line) [this.live, this.pieces] = [line, 0];
-    prepare(this.context, line.kind, line.colour);
     const count = line.points.length / 3;
     const box = boxOf(line, Math.max(0, this.pieces - 1));
     const sides = sidesOf(line, Math.max(0, this.pieces - 1));
-    for (; this.pieces < count - 1; this.pieces++) {
-      for (const side of sides) drawPiece(this.context, side, this.pieces, false);
+    for (const context of this.#contexts()) {
+      prepare(context, line.kind, line.colour);
+      for (let i = this.pieces; i < count - 1; i++) for (const side of sides) drawPiece(context, side, i, false);
+      if (ended) for (const side of sides) drawPiece(context, side, count - 1, true);
     }
-    if (ended) for (const side of sides) drawPiece(this.context, side, count - 1, true);
+    this.pieces = Math.max(this.pieces, count - 1);
     this.stale = united(this.stale, box);
     return box;
   }
@@ -164,7 +171,11 @@ export class Ink {
       clamp(Math.floor(left), this.width), clamp(Math.floor(top), this.height),
       clamp(Math.ceil(right), this.width), clamp(Math.ceil(bottom), this.height),
     ]);
-    return { channels, box, bytes: averaged(this.context, box, this.scale, channels, onPaper) };
+    return { channels, box, bytes: averaged(this.plain ?? this.context, box, this.plain ? 1 : this.scale, channels, onPaper) };
+  }
+
+  #contexts() {
+    return this.plain ? [this.context, this.plain] : [this.context];
   }
 
   /** Returns whether there is no ink, or all of it was erased. */
@@ -186,6 +197,12 @@ export class Ink {
     [this.canvas.width, this.canvas.height] = [doc.width * this.scale, doc.height * this.scale];
     this.context.scale(this.scale, this.scale);
     this.context.imageSmoothingQuality = "high";
+    this.plain = null;
+    if (!doc.strokes.some(({ kind }) => kind === "picture")) return;
+    const canvas = document.createElement("canvas");
+    [canvas.width, canvas.height] = [doc.width, doc.height];
+    this.plain = context2d(canvas, { willReadFrequently: true });
+    this.plain.imageSmoothingQuality = "high";
   }
 }
 

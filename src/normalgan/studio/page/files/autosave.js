@@ -31,6 +31,8 @@ export class Autosave extends EventTarget {
     this.clean = editor.doc;
     /** @type {Left | null} work of another tab that this tab shows; it is kept until new work has been saved */
     this.borrowed = null;
+    /** Lets other tabs have the borrowed work. */
+    this.release = () => {};
     this.stale = false;
     /** Number of changes of the document, which shows which copy is newer independently of the clock. */
     this.revision = 0;
@@ -65,17 +67,26 @@ export class Autosave extends EventTarget {
     return this.dirty || this.borrowed !== null;
   }
 
-  /** Marks the current document as work left by another tab. @param {Left} left */
-  borrow(left) {
+  /** Marks the current document as work left by another tab. @param {Left} left @param {() => void} release lets other tabs have it */
+  borrow(left, release) {
     this.borrowed = left;
+    this.release = release;
     this.clean = this.editor.history.state;
+  }
+
+  /** Leaves the borrowed work as it was. */
+  putBack() {
+    this.borrowed = null;
+    this.release();
   }
 
   /** Deletes work left by another tab, which has been saved, backed up by this tab, or discarded. */
   async #return() {
-    const { borrowed } = this;
+    const { borrowed, release } = this;
     this.borrowed = null;
-    if (borrowed) await this.drop(borrowed);
+    if (!borrowed) return;
+    await this.drop(borrowed);
+    release();
   }
 
   /** Marks the document as saved or new, and deletes its backup. */

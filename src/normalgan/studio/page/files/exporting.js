@@ -38,7 +38,8 @@ export class Exporting {
    * @param {import("../drawing/editor.js").Editor} editor
    * @param {import("../result/predictor.js").Predictor} predictor
    * @param {import("../elements/status.js").Status} status
-   * @param {(map: import("../result/predictor.js").Painted) => Uint8ClampedArray<ArrayBuffer>} shaded RGBA of a map as the result shows it
+   * @param {(map: import("../result/predictor.js").Painted, clay?: boolean) => Uint8ClampedArray<ArrayBuffer>} shaded RGBA of a map
+   *   as the result shows it; clay: without the colours of the drawing
    */
   constructor(editor, predictor, status, shaded) {
     this.shaded = shaded;
@@ -244,7 +245,8 @@ export class Exporting {
     /** @type {HTMLCanvasElement | ImageBitmap | null} */
     let picture = null;
     if (what === "lines") picture = linesAt(this.editor.doc, LOOK);
-    else if (["map", "all", "relief"].includes(what) || !this.offered[what]?.includes("png")) picture = painted && canvasOf(painted, painted.rgba, what !== "relief" && down);
+    else if (what === "relief") picture = painted && canvasOf(painted, this.shaded(painted, true), false); // the mesh has no colours
+    else if (["map", "all"].includes(what) || !this.offered[what]?.includes("png")) picture = painted && canvasOf(painted, painted.rgba, down);
     else if (what === "lit") picture = painted && canvasOf(painted, this.shaded(painted), false);
     else {
       const { blob } = await this.predictor.askAt(LOOK, exported, { name: "look", what, format: "png" });

@@ -12,7 +12,7 @@ import { named, namedFile } from "../server/api.js";
 import { say, text } from "../text/text.js";
 import { unsaved } from "./autosave.js";
 import { drawFitted } from "./gallery.js";
-import { openTabs } from "./tab.js";
+import { hold, openTabs } from "./tab.js";
 
 /** @typedef {{projects: import("./projects.js").Projects, importing: import("./importing.js").Importing,
  *   autosave: import("./autosave.js").Autosave, status: import("../elements/status.js").Status}} Parts */
@@ -124,16 +124,18 @@ function fits({ doc, etag }, { projects, autosave }) {
  * @param {Left} left @param {Found} read @param {{name: string, when: string}} about @param {Parts} parts
  */
 async function restoreAtOnce(left, read, { name, when }, { projects, autosave, status }) {
+  const release = await hold(left.tab);
+  if (!release) return; // a tab that opened at the same time has it
   const { editor } = projects;
   const before = { doc: editor.history.state, etag: projects.etag, past: { states: [...editor.history.states], at: editor.history.at } };
-  if (!(await projects.load(read.doc, read.etag, true, read.past))) return;
-  autosave.borrow(left);
+  if (!(await projects.load(read.doc, read.etag, true, read.past))) return release();
+  autosave.borrow(left, release);
   offered = [];
   noteCount();
   const back = async () => {
     // Changes since then belong to this tab, and the user is asked about them.
     if (autosave.borrowed === left) {
-      autosave.borrowed = null;
+      autosave.putBack();
       offered = [left];
       noteCount();
     }
@@ -151,8 +153,22 @@ function actsOf(parts) {
   /** @param {Left} left */
   const restore = async (left) => {
     if (!(await projects.mayLeave())) return;
-    const { doc, etag, past, missing } = await left.read();
-    if (!(await projects.load(doc, etag, false, past))) return;
+    const release = await hold(left.tab);
+    if (!release) {
+      await offer(offered.filter((each) => each !== left), parts, false);
+      status.say(text.heldElsewhere, "warning");
+      return;
+    }
+    /** @type {Found | null} */
+    let found = null;
+    try {
+      const read = await left.read();
+      if (await projects.load(read.doc, read.etag, false, read.past)) found = read;
+    } finally {
+      if (!found || found.missing) release();
+    }
+    if (!found) return;
+    const { missing } = found;
     // The work now belongs to this tab. The old backup is deleted once this tab has its own, unless part of it could not be read.
     if ((await autosave.secure()) && !missing) await autosave.drop(left);
     offered = offered.filter((each) => each !== left || missing);

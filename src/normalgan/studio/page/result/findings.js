@@ -16,6 +16,7 @@ const percent = (share) => ({ share: Math.round(100 * (share ?? 0)) });
 const WORDS = {
   edge: () => text.foundEdge,
   empty_mask: () => text.foundEmptyMask,
+  figures: ({ count = 2 }) => say("foundFigures", { count }),
   guessed: () => text.foundGuessed,
   hints: ({ count = 1, total = 1 }) => (count === 1 ? text.foundPoint : say("foundPoints", { count, total })),
   no_lines: () => text.foundNoLines,
