@@ -195,6 +195,16 @@ def test_a_lone_small_circle_is_the_object_as_in_python(studio: "Page") -> None:
     assert decoded(found, grey.shape)[330, 350, 3] == 255
 
 
+@pytest.mark.parametrize("shape", [(64, 640), (640, 100)])
+def test_a_banner_is_the_object_as_in_python(studio: "Page", shape: tuple[int, int]) -> None:
+    grey = np.full(shape, 255, np.uint8)
+    cv2.rectangle(grey, (8, 8), (shape[1] - 9, shape[0] - 9), (0,), 3)
+    wanted = python()(grey).mask
+    assert wanted[shape[0] // 2, shape[1] // 2]
+    found = decoded(studio.evaluate(ASK, [*encoded(as_rgba(grey)), {}]), grey.shape)[..., 3] > 127
+    assert np.count_nonzero(found != wanted) < 20
+
+
 def test_a_hole_that_was_filled_meets_the_object_at_its_line(studio: "Page") -> None:
     click = {"points": [206, 155], "size": 1, "adds": True, "fills": True}
     answer = studio.evaluate(ASK, [*encoded(mug()), {"mask_strokes": [click]}])

@@ -1,5 +1,5 @@
 -- Script for Aseprite: puts the normal maps of all frames of the sprite on a layer above the others.
--- `normalgan generate --engine godot` (green up, 8 bits) predicts the visible part of every frame. One call handles
+-- `normalgan generate` (green up, 8 bits) predicts the visible part of every frame. One call handles
 -- all frames, so that they share one crop and do not flicker.
 
 local LAYER = "Normal map"

@@ -75,7 +75,6 @@ def test_a_detail_is_repeated_and_stands_on_the_surface(hill: Path, tmp_path: Pa
         (["-o", "x.png", "--scale", "4"], "--scale applies to a height map; add --from height"),
         (["-o", "x.png", "--detail-y", "down"], "--detail-y applies to the details; add --detail."),
         (["-o", "hill.png"], "hill.png is an input and would be overwritten"),
-        (["-o", "x.png", "--detail", "moves.webp"], "moves.webp has several pictures; give one"),
         (["-o", "x.png", "--detail", "gone.png"], "there is no file gone.png"),
     ],
 )
@@ -87,8 +86,25 @@ def test_inputs_that_cannot_be_converted_are_one_sentence(
     sentence: str,
 ) -> None:
     monkeypatch.chdir(hill.parent)
-    with Image.open("hill.png") as first:
-        first.save("moves.webp", save_all=True, append_images=[first.rotate(90)], lossless=True)
     assert main(["convert", "hill.png", *more]) == 2
     assert sentence in capsys.readouterr().err
-    assert sorted(path.name for path in hill.parent.iterdir()) == ["hill.png", "moves.webp"]
+    assert [path.name for path in hill.parent.iterdir()] == ["hill.png"]
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        ["moves.webp"],
+        ["moves.webp", "--from", "height", "--scale", "9"],
+        ["hill.png", "--detail", "moves.webp"],
+    ],
+)
+def test_a_map_of_several_pictures_is_refused(
+    hill: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], more: list[str]
+) -> None:
+    monkeypatch.chdir(hill.parent)
+    with Image.open("hill.png") as first:
+        first.save("moves.webp", save_all=True, append_images=[first.rotate(90)], lossless=True)
+    assert main(["convert", *more, "-o", "x.png"]) == 2
+    assert "moves.webp has several pictures; give one" in capsys.readouterr().err
+    assert not Path("x.png").exists()

@@ -126,8 +126,9 @@ class Tools:
             tile: directions in which the drawing repeats.
             detail: strength of the details taken from a sprite's own shading, 0 to 1.
             pixel_art: whether each art pixel of a sprite gets one of 25 normals; outlines are flat.
-            form: form of the whole object: "round", "flat" (a face with a bevelled edge) or "hollow",
-                optionally with parameters, as in "flat,bevel=0.1,strength=1"; by default as predicted.
+            form: form of the object, or with tile of each area between the lines: "round", "flat" (a face
+                with a bevelled edge) or "hollow", optionally with parameters, as in
+                "flat,bevel=0.1,strength=1"; by default as predicted.
         """
         from normalgan.inference.forms import parse_form
         from normalgan.inference.inputs import as_picture
@@ -154,15 +155,14 @@ class Tools:
         from mcp.server.mcpserver import Image
         from PIL import Image as Pictures
 
-        from normalgan.inference.normal_map import as_it_lies
-        from normalgan.inference.outputs.preview import preview_png
+        from normalgan.inference.outputs.preview import Preview
 
         with _tool_errors():
             target = None if output is None else self._target(output, drawing)
             if target is not None and target.suffix.lower() != ".png":
                 raise InputError(f"the preview {output} must end in .png.")
             preds = self._load()(self._inside(drawing))
-            content = preview_png(as_it_lies(preds), preds.mask)
+            (content,) = Preview().encode(preds).values()
             if target is not None:
                 write_bytes(target, content)
         with Pictures.open(BytesIO(content)) as picture:

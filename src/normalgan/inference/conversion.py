@@ -23,8 +23,7 @@ def read_map(path: str | Path, green: Green = "up") -> NormalMap:
     Raises:
         InputError: if the file cannot be read, is not a normal map, or holds several pictures.
     """
-    if Drawing(Path(path)).moving is not None:
-        raise InputError(f"{path} has several pictures; give one, such as a frame in a file of its own.")
+    _check_single(path)
     found, alpha = read_normals(path, green)
     return _map(unit(np.ascontiguousarray(found), front=True), alpha)
 
@@ -37,10 +36,11 @@ def map_of_heights(path: str | Path, scale: float) -> NormalMap:
         scale: height difference between black and white in pixels; for a float TIFF, pixels per unit.
 
     Raises:
-        InputError: if the file cannot be read or is not grey.
+        InputError: if the file cannot be read, is not grey, or holds several pictures.
     """
     if not scale > 0:
         raise InputError(f"scale is {scale}; give the number of pixels from black to white, more than 0.")
+    _check_single(path)
     pixels = read_pixels(Path(path), exact=True).pixels
     alpha = to_unit(pixels[..., 3]) if pixels.ndim == 3 and pixels.shape[2] == 4 else None
     if pixels.ndim == 3:
@@ -51,6 +51,11 @@ def map_of_heights(path: str | Path, scale: float) -> NormalMap:
     down, right = np.gradient(heights.astype(np.float32) * np.float32(scale))
     slopes = np.stack([-right, down, np.ones_like(right)], axis=-1)
     return _map(unit(np.ascontiguousarray(slopes, np.float32), front=True), alpha)
+
+
+def _check_single(path: str | Path) -> None:
+    if Drawing(Path(path)).moving is not None:
+        raise InputError(f"{path} has several pictures; give one, such as a frame in a file of its own.")
 
 
 def with_detail(base: NormalMap, detail: NormalMap) -> NormalMap:

@@ -94,7 +94,7 @@ _WORDS: dict[Code, Callable[[Finding], str]] = {
         f"no line bounds the object near {_places(finding)}, so its edge is a guess; close it if it is wrong"
     ),
     "figures": lambda finding: (
-        f"it shows {finding.count} separate figures, at {_places(finding)}, predicted as one object; "
+        f"it shows {finding.count} separate figures, such as at {_places(finding)}, predicted as one object; "
         "put each on its own layer"
     ),
     "guessed": lambda _: (

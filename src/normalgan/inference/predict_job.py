@@ -214,7 +214,14 @@ class JobPredictor:
         if self.explain is not None:
             self._explain_figures(job, drawings_in(sheet, cells, hints, page.mask, holes, page.reading))
         return predict_sheet(
-            self.predictor, sheet, cells, hints, page.mask, False, holes, reading=page.reading
+            self.predictor,
+            sheet,
+            cells,
+            hints,
+            page.mask,
+            holes=holes,
+            reading=page.reading,
+            scale=sheet.shape[1] / picture.shape[1],
         )
 
     def _explain_figures(self, job: Job, figures: Sequence[tuple[Cell, Member]]) -> None:
@@ -353,12 +360,18 @@ def _moving_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:
     """Return the path of an animation's map, of the first of several maps, or of a still picture's map.
 
     Raises:
-        InputError: if the file is a broken animation or would be overwritten.
+        InputError: if the file is a broken animation or would be overwritten, or if one file is named for
+            several maps.
     """
     kind = drawing.moving
     if kind is None:
         return job.target
     if kind == PAGES or not outputs.normal.plain:
+        if job.exact:
+            raise InputError(
+                f"{job.target} holds one map, but {job.files.drawing} has several pictures; "
+                "give a folder (-o)."
+            )
         return job.numbered(1, outputs.ending).target
     target = job.target if job.exact else job.target.with_suffix(f".{kind}")
     if target.resolve() == job.files.drawing.resolve():

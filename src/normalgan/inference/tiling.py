@@ -11,6 +11,7 @@ from normalgan.arrays import BoolMask, Floats
 from normalgan.errors import InputError
 from normalgan.inference.cleaning.ink import clean
 from normalgan.inference.cleaning.reader import read
+from normalgan.inference.findings import Finding
 from normalgan.inference.forms import Form, give_form
 from normalgan.inference.mask.decision import decide
 from normalgan.inference.mask.mask_files import MODEL, READER, MaskOrSource
@@ -129,23 +130,31 @@ def give_forms(preds: NormalMap, picture: Picture, form: Form) -> NormalMap:
     """
     shape, tile = preds.mask.shape, preds.tile
     assert tile is not None
-    page = picture.resized(fitted_within(shape, MOST_TILED), partial(resize_tile, tile=tile))
-    room = (round(_BESIDE * max(page.size)),) * 2
-    ink = resize_tile(_read(page, None, tile, room)[0], shape, tile)
+    worked = fitted_within(shape, MOST_TILED)
+    room = (round(_BESIDE * max(worked)),) * 2
+    ink, _, _ = _read(picture.resized(worked, partial(resize_tile, tile=tile)), None, tile, room)
+    small = preds if worked == shape else _enlarged(preds, worked, tile)
     # A whole repeat on each side, so that each area is complete somewhere.
-    normals, lines, mask = (wrapped(each, tile, shape) for each in (preds.extended, ink, preds.mask))
+    normals, lines, mask = (wrapped(each, tile, worked) for each in (small.extended, ink, small.mask))
     free = (lines <= INKED).astype(np.uint8)
     count, labels, stats, _ = cv2.connectedComponentsWithStats(free, connectivity=4)
-    top, left = (side if there else 0 for side, there in zip(shape, repeats(tile), strict=True))
+    top, left = (side if there else 0 for side, there in zip(worked, repeats(tile), strict=True))
+    formed = 0
     for number in range(1, count):
         x, y, width, height = stats[number, :4]
         complete = x > 0 and y > 0 and x + width < lines.shape[1] and y + height < lines.shape[0]
-        shown = x < left + shape[1] and x + width > left and y < top + shape[0] and y + height > top
+        shown = x < left + worked[1] and x + width > left and y < top + worked[0] and y + height > top
         if complete and shown:
             box = slice(y - 1, y + height + 1), slice(x - 1, x + width + 1)
             area = (labels[box] == number).astype(np.float32)
             normals[box] = give_form(normals[box], mask[box], area, form)
-    return replace(preds, extended=middle(normals, tile, shape))
+            formed += 1
+    if not formed:
+        none = Finding("note", words="its lines enclose no area, so none got a form")
+        return replace(preds, findings=(*preds.findings, none))
+    small = replace(small, extended=middle(normals, tile, worked))
+    larger = small if worked == shape else _enlarged(small, shape, tile)
+    return replace(preds, extended=larger.extended)
 
 
 def _read(

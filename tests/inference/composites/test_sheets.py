@@ -364,10 +364,12 @@ def test_a_warning_about_a_figure_says_where_it_is_on_the_page(
         cv2.circle(page, (x, 120), 80, 0, 3, cv2.LINE_AA)
     page[165:, 370:430] = 255
     Image.fromarray(page).save("page.png")
-    assert generate("page.png") == 0
-    place = re.search(r"figure 2: no line bounds the object near x (\d+), y (\d+)", capsys.readouterr().err)
-    assert place
-    assert 320 < int(place[1]) < 480
+    for size in ((), ("--size", "1040")):
+        assert generate("page.png", *size) == 0
+        said = capsys.readouterr().err
+        place = re.search(r"figure 2: no line bounds the object near x (\d+), y (\d+)", said)
+        assert place
+        assert 320 < int(place[1]) < 480
 
 
 def test_dashes_on_nothing_are_no_sprites() -> None:

@@ -71,7 +71,7 @@ func _import(
 		return ERR_FILE_NOT_FOUND
 	var drawing_path := ProjectSettings.globalize_path(source_file)
 	var map_path := ProjectSettings.globalize_path(save_path + ".normal.png")
-	var arguments := ["generate", "--engine", "godot", "--alpha", "--strength", str(options["strength"])]
+	var arguments := ["generate", "--alpha", "--strength", str(options["strength"])]
 	arguments += ["-o", map_path, "--", drawing_path]
 	var said := []
 	var code := OS.execute(command, arguments, said, true)
@@ -83,9 +83,8 @@ func _import(
 		push_warning(words)
 	var drawing := Image.load_from_file(drawing_path)
 	var map := Image.load_from_file(map_path)
-	for left: String in [map_path, map_path + ".import"]:
-		if FileAccess.file_exists(left):
-			DirAccess.remove_absolute(left)
+	if FileAccess.file_exists(map_path):
+		DirAccess.remove_absolute(map_path)
 	if drawing == null or map == null:
 		return ERR_FILE_CANT_READ
 	drawing.convert(Image.FORMAT_RGBA8)

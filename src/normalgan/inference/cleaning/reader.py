@@ -23,8 +23,8 @@ PAPER = 0.15
 STRIDE = 32
 """The sides of the network's input are multiples of this number of pixels."""
 NARROWEST = 0.3
-"""Minimum ratio of the sides of the network's input. In narrower pictures, such as banners, it finds no
-object, so they get margins of paper."""
+"""Minimum ratio, before rounding, of the sides of the network's input. In narrower pictures, such as banners,
+it finds no object, so they get margins of paper."""
 GREY = np.array([0.299, 0.587, 0.114], np.float32)
 """Weights of red, green and blue in the luminance."""
 ONE_TONE = 0.08

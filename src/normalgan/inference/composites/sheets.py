@@ -82,6 +82,7 @@ def predict_sheet(
     holes: Sequence[tuple[float, float]] = (),
     said: Sequence[str] = (),
     reading: Reading | None = None,
+    scale: float = 1.0,
 ) -> NormalMap:
     """Return the map of a sheet, predicting each cell as if it were a file of its own.
 
@@ -94,8 +95,9 @@ def predict_sheet(
         shared: whether all cells are framed by one square; they must then have the same size.
         holes: x and y of points whose regions are flipped, in pixels of the sheet.
         said: other warnings about the sheet, each part of a sentence.
-        reading: the reader's output for the sheet, which cells share if they would not be read in more detail
-            by themselves; or None.
+        reading: the reader's output for the sheet; cells use it that would show the reader no more of their
+            pixels by themselves. None reads each cell.
+        scale: pixels of the sheet per pixel of the drawing, in which warnings give places.
 
     Raises:
         InputError: if no cell can be predicted, or cells that share a frame differ in size.
@@ -114,7 +116,7 @@ def predict_sheet(
         cell, error = done[0]
         others = f"none of its {len(done)} drawings can be predicted; " if len(done) > 1 else ""
         raise InputError(f"{others}{cell.name}: {error}")
-    return replace(_assembled(sheet.shape, fine, _findings(done, said)), partial=len(fine) < len(done))
+    return replace(_assembled(sheet.shape, fine, _findings(done, said, scale)), partial=len(fine) < len(done))
 
 
 def drawings_in(
@@ -135,8 +137,9 @@ def drawings_in(
 
 
 def _shared(reading: Reading, cell: Cell, shape: tuple[int, int]) -> Reading | None:
-    """Return the part of a sheet's reading in a cell; None if the cell by itself is read in more detail."""
-    if shown_share(max(cell.width, cell.height)) > reading.ink.shape[1] / shape[1] or cell.turned:
+    """Return the part of a sheet's reading in a cell; None if the reader sees more of the cell by itself."""
+    # The sides of a reading are rounded, by less than a tenth.
+    if shown_share(max(cell.width, cell.height)) > 1.1 * reading.ink.shape[1] / shape[1] or cell.turned:
         return None
     part = reading.part(cell.box, shape)
     if cell.own is None:
@@ -207,17 +210,21 @@ def _assembled(
     return replace(whole, seen=seen, confidence=confidence, findings=findings, cells=cells)
 
 
-def _words(cell: Cell, preds: NormalMap) -> str:
-    """Return the texts of the findings about a cell, with places in pixels of the sheet."""
-    return join(replace(each, places=cell.in_sheet(each.places)) for each in preds.findings)
+def _words(cell: Cell, preds: NormalMap, scale: float) -> str:
+    """Return the texts of the findings about a cell, with places in pixels of the whole drawing."""
+    whole = ((each, cell.in_sheet(each.places)) for each in preds.findings)
+    return join(
+        replace(each, places=tuple((x / scale, y / scale) for x, y in places)) for each, places in whole
+    )
 
 
 def _findings(
-    done: Sequence[tuple[Cell, NormalMap | InputError]], others: Sequence[str]
+    done: Sequence[tuple[Cell, NormalMap | InputError]], others: Sequence[str], scale: float
 ) -> tuple[Finding, ...]:
     """Return the findings about the cells."""
     said = [
-        (cell, left_flat(each) if isinstance(each, InputError) else _words(cell, each)) for cell, each in done
+        (cell, left_flat(each) if isinstance(each, InputError) else _words(cell, each, scale))
+        for cell, each in done
     ]
     named = [*others, *(f"{cell.name}: {words}" for cell, words in said if words)]
     more = f"; and so on, {len(named)} in all" if len(named) > _NAMED else ""

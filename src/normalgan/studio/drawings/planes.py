@@ -16,7 +16,7 @@ Pixels = NDArray[np.uint8]
 CONTENT_TYPE: Final = "application/x-normalgan-drawing"
 """Type of a body made up of the length of a JSON text (4 bytes, little-endian), the text, and pixels."""
 _MOST = 256
-"""Default maximum number of layers whose pixels are kept."""
+"""Maximum number of layers whose pixels are kept."""
 _BYTES = 2**28
 """Maximum number of bytes kept for all layers, enough for the largest possible drawing."""
 

@@ -125,10 +125,20 @@ function fits({ doc, etag }, { projects, autosave }) {
  */
 async function restoreAtOnce(left, read, { name, when }, { projects, autosave, status }) {
   const release = await hold(left.tab);
-  if (!release) return; // a tab that opened at the same time has it
+  if (!release) { // a tab that opened at the same time has it
+    offered = [];
+    noteCount();
+    return;
+  }
   const { editor } = projects;
   const before = { doc: editor.history.state, etag: projects.etag, past: { states: [...editor.history.states], at: editor.history.at } };
-  if (!(await projects.load(read.doc, read.etag, true, read.past))) return release();
+  let loaded = false;
+  try {
+    loaded = await projects.load(read.doc, read.etag, true, read.past);
+  } finally {
+    if (!loaded) release();
+  }
+  if (!loaded) return;
   autosave.borrow(left, release);
   offered = [];
   noteCount();
@@ -185,7 +195,13 @@ function actsOf(parts) {
     const before = offered;
     await offer(offered.filter((left) => !dropped.includes(left)), parts, false);
     const undo = () => { said(() => offer(before, parts, false)); };
-    const gone = () => { said(async () => { for (const left of dropped) await autosave.drop(left); }); };
+    const gone = () => { said(async () => {
+      for (const left of dropped) {
+        const release = await hold(left.tab);
+        if (!release) continue; // another tab shows it
+        await autosave.drop(left).finally(release);
+      }
+    }); };
     toast(one ? say("discarded", { name }) : say("discardedAll", { count: dropped.length }), [{ text: text.undoIt, act: undo }], gone);
   };
   return { restore, discard, said };

@@ -20,7 +20,7 @@ export function hold(id) {
     navigator.locks.request(LOCK + id, { ifAvailable: true }, (lock) => {
       if (lock) return new Promise((release) => resolve(() => release(undefined)));
       return resolve(null);
-    }).catch(() => resolve(() => {})); // the browser has no locks
+    }).catch(() => resolve(() => {})); // the browser refuses locks
   });
 }
 
