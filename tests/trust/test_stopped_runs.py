@@ -55,6 +55,22 @@ def test_ctrl_c_says_how_to_resume(bench: Bench, tmp_path: Path) -> None:
     assert load(last)["epoch"] == 0
 
 
+@pytest.mark.slow  # trains in a process
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_a_ctrl_c_that_python_drops_stops_the_run_too(bench: Bench, tmp_path: Path) -> None:
+    stop = (
+        "--trainer.callbacks",
+        "killer.KillInDestructorAt",
+        "--trainer.callbacks.number",
+        int(signal.SIGINT),
+    )
+    when = ("--trainer.callbacks.epoch", 1, "--trainer.callbacks.batch", 1)
+    outcome = bench.run("fit", tmp_path / "run", *MORE, *stop, *when)
+    last = tmp_path / "run" / "checkpoints" / "last.ckpt"
+    outcome.refused(f"stopped; resume with --ckpt_path {last}.", code=130)
+    assert load(last)["epoch"] == 0
+
+
 def test_a_loss_that_is_no_number_stops_the_run(bench: Bench, tmp_path: Path) -> None:
     spoil = ("--trainer.callbacks", "stoppers.SpoilAt", "--trainer.callbacks.epoch", 1)
     batch = ("--trainer.callbacks.batch", 2, "--trainer.callbacks.value", ".inf")

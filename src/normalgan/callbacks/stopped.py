@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 from threading import current_thread, main_thread
+from types import FrameType
 from typing import Any
 
 from lightning.fabric.plugins.environments.slurm import SLURMEnvironment
@@ -29,20 +30,28 @@ class StoppedCheckpoint(Callback):
     the processes check it together before each batch.
 
     Under SLURM, SIGUSR1 (``sbatch --signal=SIGUSR1@120``) does the same and requeues the job.
+
+    Ctrl-C is remembered, because Python drops a KeyboardInterrupt that is raised within a destructor.
     """
 
     def __init__(self) -> None:
-        self._asked = False
+        self._asked = self._interrupted = False
         self._requeue = False
 
     def on_train_start(self, trainer: Trainer, pl_module: LightningModule) -> None:
-        """Replace Lightning's signal handler; Lightning restores the original handler when training ends."""
+        """Replace the signal handlers; Lightning restores the original ones when training ends."""
         if current_thread() is not main_thread():
             return
+        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+            signal.signal(signal.SIGINT, self._interrupt)
         if trainer.world_size > 1:
             signal.signal(signal.SIGTERM, self._note)
         if SLURMEnvironment.detect() and hasattr(signal, "SIGUSR1"):  # Windows has no SIGUSR1
             signal.signal(signal.SIGUSR1, self._note)
+
+    def _interrupt(self, number: int, frame: FrameType | None) -> None:
+        self._interrupted = True
+        signal.default_int_handler(number, frame)
 
     def _note(self, number: int, *_: object) -> None:
         self._asked = True
@@ -67,6 +76,8 @@ class StoppedCheckpoint(Callback):
             self._agree(trainer)
 
     def _agree(self, trainer: Trainer) -> None:
+        if self._interrupted:
+            raise KeyboardInterrupt
         asked = self._asked
         if trainer.world_size > 1:
             asked = trainer.strategy.reduce_boolean_decision(asked, all=False)
