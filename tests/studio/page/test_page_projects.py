@@ -13,7 +13,7 @@ from normalgan.normals import flip_green, read_png
 from onnx_models import write_model
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser
+    from playwright.sync_api import Browser, BrowserContext
 
 pytestmark = pytest.mark.slow  # a server and a browser, which take seconds to start
 MIDDLE = SIDE / 2
@@ -415,10 +415,7 @@ def put_back(studio: Studio) -> None:
 
 def test_what_was_restored_is_put_back_for_later_and_comes_again(opened: "Browser", server: Server) -> None:
     with storage(opened, width=1200, height=700) as context:
-        with begun(context, server) as studio:
-            studio.new()
-            studio.line((20, 60), (200, 60))
-            wait_for_kept(studio, 1, 1)
+        leave_line(context, server)
         with begun(context, server) as studio:
             put_back(studio)
         with begun(context, server) as studio:
@@ -442,10 +439,7 @@ def test_what_was_restored_is_put_back_for_later_and_comes_again(opened: "Browse
 
 def test_restored_work_that_is_drawn_on_is_kept_once(opened: "Browser", server: Server) -> None:
     with storage(opened, width=1200, height=700) as context:
-        with begun(context, server) as studio:
-            studio.new()
-            studio.line((20, 60), (200, 60))
-            wait_for_kept(studio, 1, 1)
+        leave_line(context, server)
         with begun(context, server) as studio:
             studio.restored()
             studio.line((20, 90), (200, 90))
@@ -461,10 +455,7 @@ def test_restored_work_that_is_drawn_on_is_kept_once(opened: "Browser", server: 
 
 def test_restored_work_is_not_offered_to_a_second_tab(opened: "Browser", server: Server) -> None:
     with storage(opened, width=1200, height=700) as context:
-        with begun(context, server) as studio:
-            studio.new()
-            studio.line((20, 60), (200, 60))
-            wait_for_kept(studio, 1, 1)
+        leave_line(context, server)
         with begun(context, server) as studio:
             studio.restored()
             with begun(context, server) as second:
@@ -532,6 +523,14 @@ KEPT = """async () => {
   return [here, there.length];
 }"""
 """How much unsaved work the browser's own store and the server hold."""
+
+
+def leave_line(context: "BrowserContext", server: Server) -> None:
+    """Draw a line in a tab that is closed once the line is kept as unsaved work."""
+    with begun(context, server) as studio:
+        studio.new()
+        studio.line((20, 60), (200, 60))
+        wait_for_kept(studio, 1, 1)
 
 
 def wait_for_kept(studio: Studio, here: int, there: int) -> None:

@@ -158,7 +158,10 @@ def _run_network(colour: Floats) -> Reading:
     top, left = (page[0] - height) // 2, (page[1] - width) // 2
     if page != (height, width):
         border = np.concatenate([colour[0], colour[-1], colour[:, 0], colour[:, -1]])
-        shown = _with_margins(shown, page, (top, left), np.median(border, axis=0))
+        bottom, right = page[0] - height - top, page[1] - width - left
+        paper = np.median(border, axis=0).tolist()
+        page_shown = cv2.copyMakeBorder(shown, top, bottom, left, right, cv2.BORDER_CONSTANT, value=paper)
+        shown = np.asarray(page_shown, np.float32)
     blob = np.ascontiguousarray(shown[..., ::-1].transpose(2, 0, 1)[None], np.float32)
     found = np.asarray(_session().run(["read"], {"picture": blob})[0][0], np.float32)
     ink, presence = 1 / (1 + np.exp(-np.clip(found[:2], -30, 30)))
@@ -167,13 +170,6 @@ def _run_network(colour: Floats) -> Reading:
     x = (np.arange(width, dtype=np.float32) + middle[0]) / width
     y = (np.arange(height, dtype=np.float32)[:, None] + middle[1]) / height
     return Reading(_by_tone(ink, shown @ GREY)[within], presence[within], np.stack([x, y]))
-
-
-def _with_margins(shown: Floats, page: tuple[int, int], at: tuple[int, int], paper: Floats) -> Floats:
-    """Return a page (H, W, 3) of one colour with a picture on it."""
-    whole = np.broadcast_to(paper.astype(np.float32), (*page, 3)).copy()
-    whole[at[0] : at[0] + shown.shape[0], at[1] : at[1] + shown.shape[1]] = shown
-    return whole
 
 
 def _by_tone(ink: Floats, grey: Floats) -> Floats:

@@ -144,9 +144,8 @@ class ExportRequest:
 
     def encode(self, preds: NormalMap) -> tuple[str, bytes]:
         """Return the name and content of the file; several files are zipped."""
-        files = list(
-            self._files(replace(preds))
-        )  # a temporary copy, which caches the heights for all outputs
+        # A temporary copy, which caches the heights for all outputs.
+        files = list(self._files(replace(preds)))
         if self.output is not None and len(files) == 1:
             return files[0]
         kind = self.preset if self.output is None else self.output.name

@@ -219,7 +219,10 @@ def _size_of_prepared(found: _Found) -> int:
 
 
 def _several(prepared: Prepared, picture: Picture) -> tuple[Finding, ...]:
-    """Return the finding about separate figures, which `normalgan generate` would predict separately."""
+    """Return the finding about separate figures, which `normalgan generate` would predict separately.
+
+    A picture with opacity needs its own pixels for that, so a map of another size has no such finding.
+    """
     own = prepared.shape == picture.shape
     try:
         cells = figures_of(prepared, (lambda: to_pixels(picture)) if own else None)

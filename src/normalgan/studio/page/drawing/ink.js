@@ -101,7 +101,7 @@ export class Ink {
     this.canvas = document.createElement("canvas");
     this.context = context2d(this.canvas, { willReadFrequently: true });
     /**
-     * The same ink at the drawing's own size, if it has pictures: enlarged and averaged, they would not be what they were.
+     * The same ink at the drawing's own size, if it has pictures and the canvas is larger: enlarged and averaged, they would not be what they were.
      * @type {CanvasRenderingContext2D | null}
      */
     this.plain = null;
@@ -125,7 +125,7 @@ export class Ink {
       this.drawn = [...this.drawn, this.live];
       this.live = null;
     }
-    const pictured = this.plain !== null || !doc.strokes.some(({ kind }) => kind === "picture");
+    const pictured = this.plain !== null || this.scale === 1 || !doc.strokes.some(({ kind }) => kind === "picture");
     if (!begun || !sized || !pictured || this.live) this.#clear(doc);
     for (const stroke of doc.strokes.slice(this.drawn.length)) {
       for (const context of this.#contexts()) drawStroke(context, stroke, decoded);
@@ -198,7 +198,7 @@ export class Ink {
     this.context.scale(this.scale, this.scale);
     this.context.imageSmoothingQuality = "high";
     this.plain = null;
-    if (!doc.strokes.some(({ kind }) => kind === "picture")) return;
+    if (this.scale === 1 || !doc.strokes.some(({ kind }) => kind === "picture")) return;
     const canvas = document.createElement("canvas");
     [canvas.width, canvas.height] = [doc.width, doc.height];
     this.plain = context2d(canvas, { willReadFrequently: true });
