@@ -2,7 +2,6 @@
 
 import os
 import signal
-from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -18,11 +17,8 @@ MODULE = cast(LightningModule, None)
 
 
 @pytest.fixture(autouse=True)
-def same_handler() -> Iterator[None]:
-    """Survive the signal, and leave the handler as it was."""
-    before = signal.signal(signal.SIGTERM, lambda *_: None)
-    yield
-    signal.signal(signal.SIGTERM, before)
+def survives_the_signal(signal_handlers_end_with_the_test: None) -> None:
+    signal.signal(signal.SIGTERM, lambda *_: None)
 
 
 def process(asked: list[bool], processes: int = 2) -> Trainer:

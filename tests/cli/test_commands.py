@@ -215,11 +215,9 @@ def test_ctrl_c_ends_with_its_own_code(bench: Bench, tmp_path: Path, monkeypatch
 
     monkeypatch.setattr("normalgan.gan.NormalGAN.training_step", interrupt)
     handler = signal.getsignal(signal.SIGINT)
-    try:
-        outcome = bench.run("fit", tmp_path)
-    finally:
-        signal.signal(signal.SIGINT, handler)  # Lightning leaves it switched off
+    outcome = bench.run("fit", tmp_path)
     outcome.refused("stopped.", code=130)
+    assert signal.getsignal(signal.SIGINT) == handler
 
 
 def test_a_name_with_a_line_end_or_a_terminal_command_is_printed_as_one_line(

@@ -68,15 +68,12 @@ def test_sigusr1_stops_between_batches_and_requeues_the_job(
         save_checkpoint=saved.append,
     )
     module: Any = None
-    callback, before = StoppedCheckpoint(), signal.getsignal(signal.SIGUSR1)
-    try:
-        callback.on_train_start(trainer, module)
-        callback.on_train_batch_start(trainer, module, None, 0)
-        os.kill(os.getpid(), signal.SIGUSR1)
-        with pytest.raises(SIGTERMException) as stop:
-            callback.on_train_batch_start(trainer, module, None, 1)
-    finally:
-        signal.signal(signal.SIGUSR1, before)
+    callback = StoppedCheckpoint()
+    callback.on_train_start(trainer, module)
+    callback.on_train_batch_start(trainer, module, None, 0)
+    os.kill(os.getpid(), signal.SIGUSR1)
+    with pytest.raises(SIGTERMException) as stop:
+        callback.on_train_batch_start(trainer, module, None, 1)
     callback.on_exception(trainer, module, stop.value)
     assert saved == [tmp_path / "checkpoints" / "stopped.ckpt"]
     assert (tmp_path / "said").read_text() == "requeue 7\n"
@@ -97,12 +94,12 @@ def test_a_job_is_requeued_before_training_starts_too(
         os.kill(os.getpid(), signal.SIGUSR1)
 
     monkeypatch.setattr(MeshDataModule, "prepare_data", warned)
-    before = signal.getsignal(signal.SIGUSR1)
+    before = {each: signal.getsignal(each) for each in (signal.SIGUSR1, signal.SIGINT)}
     outcome = bench.run("fit", tmp_path / "run")
     assert outcome.code == 130
     assert (tmp_path / "said").read_text() == "requeue 7\n"
     assert "job 7 is requeued." in outcome.err
-    assert signal.getsignal(signal.SIGUSR1) == before
+    assert {each: signal.getsignal(each) for each in before} == before
     monkeypatch.setenv("SLURM_PROCID", "1")
     monkeypatch.setenv("SLURM_LOCALID", "1")
     with requeued_on_signal(), pytest.raises(KeyboardInterrupt):

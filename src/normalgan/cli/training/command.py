@@ -314,6 +314,7 @@ def run(arguments: list[str]) -> int:
     arguments = [
         with_environment(each) for each in arguments
     ]  # a shell does not expand variables in single quotes
+    ctrl_c = signal.getsignal(signal.SIGINT)
     with _reading_settings(safe) as held:
         held.enter_context(help_of(section if section in SECTIONS else None))
         held.enter_context(requeued_on_signal())
@@ -328,7 +329,9 @@ def run(arguments: list[str]) -> int:
         except CommandExit as stop:
             return int(stop.code or 0)
         except SystemExit as stop:
-            if isinstance(stop.__context__, KeyboardInterrupt):  # Lightning turns it into exit(1)
+            if isinstance(stop.__context__, KeyboardInterrupt):
+                # Lightning turns it into exit(1), and may leave Ctrl-C ignored in this process.
+                signal.signal(signal.SIGINT, ctrl_c)
                 raise KeyboardInterrupt(command.stopped if command else "") from None
             raise
     sys.stdout.flush()
