@@ -78,7 +78,8 @@ class JobPredictor:
         layers: whether each visible layer of a layered file is predicted separately.
         tile: directions in which each drawing repeats; None if it does not.
         single: whether a page is predicted as one object instead of separate figures.
-        holes: x and y of points whose regions are flipped, in pixels of the drawing; see `prepare`.
+        holes: x and y of points whose regions are flipped, in pixels of the drawing or of the sheet; see
+            `prepare`.
         explain: folder for pictures of how each mask was found; None writes none.
         sprite: adapts each map to a sprite.
     """
@@ -247,7 +248,9 @@ class JobPredictor:
         hints, mask = _for_sheet(files, sheet)
         found = self.packing.cells(sheet, files.drawing, files.below, units)
         shared = self.frame == "shared"
-        preds = predict_sheet(self.predictor, sheet, found.cells, hints, mask, shared, said=found.warnings)
+        preds = predict_sheet(
+            self.predictor, sheet, found.cells, hints, mask, shared, self.holes, said=found.warnings
+        )
         return self._adapted(preds, to_picture(sheet))
 
     def _tileset(self, files: DrawingFiles, sheet: Decoded, own: tuple[int, int] | None = None) -> NormalMap:

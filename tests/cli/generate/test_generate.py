@@ -401,7 +401,7 @@ def test_a_hole_is_cut_where_a_point_says(here: Path, capfd: pytest.CaptureFixtu
 @pytest.mark.parametrize(
     ("option", "others"),
     [
-        (("--hole", "1,1"), ("--split", "auto")),
+        (("--hole", "1,1"), ("--tile", "both")),
         (("--explain", "why"), ("--layers",)),
         (("--single",), ("--tile", "both")),
     ],

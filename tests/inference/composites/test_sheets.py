@@ -52,6 +52,19 @@ def pixels(path: str) -> Pixels:
     return np.asarray(Image.open(path))
 
 
+def test_a_hole_is_cut_in_the_drawing_of_a_sheet_where_a_point_says(
+    here: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    Image.fromarray(sheet_of([pen(each) for each in SPRITES])).save("sheet.png")
+    for way in (("--sheet", "3x2"), ("--split", "auto")):
+        assert generate("sheet.png", "--alpha", "--hole", "146,52", *way) == 0
+        mask = pixels("normals/sheet_normal.png")[..., 3]
+        assert mask[52, [50, 146, 242]].tolist() == [255, 0, 255]
+    capfd.readouterr()
+    assert generate("sheet.png", "--hole", "2,2", "--split", "auto") == 2
+    assert "no drawing of the sheet lies at x 2, y 2; give a point" in capfd.readouterr().err
+
+
 @pytest.mark.parametrize("kind", ["lines", "sprites"])
 def test_a_sheet_is_painted_as_its_cells_cut_by_hand(here: Path, kind: str) -> None:
     cells = [pen(each) if kind == "lines" else sprite(each, i) for i, each in enumerate(SPRITES)]

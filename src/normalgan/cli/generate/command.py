@@ -115,16 +115,15 @@ def _packing(settings: Namespace) -> Packing:
 
 def _check_explained(settings: Namespace, packing: Packing) -> None:
     """Raise `InputError` if options about the mask contradict other options."""
-    given = [
-        option
-        for option, value in (
-            ("--hole", settings.hole),
-            ("--explain", settings.explain),
-            ("--single", settings.single),
+    whole = settings.layers or settings.tile or settings.frame == "shared"
+    if settings.hole and (packing.tileset or whole):
+        raise InputError(
+            "--hole is about the mask of a single drawing; omit --tileset, --layers, --tile and --frame shared."
         )
-        if value
+    given = [
+        option for option, value in (("--explain", settings.explain), ("--single", settings.single)) if value
     ]
-    if given and (packing.given or settings.layers or settings.tile or settings.frame == "shared"):
+    if given and (packing.given or whole):
         raise InputError(
             f"{given[0]} is about the mask of a single drawing; omit --sheet, --split, --atlas, --tileset, "
             "--layers, --tile and --frame shared."

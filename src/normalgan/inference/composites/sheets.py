@@ -93,15 +93,22 @@ def predict_sheet(
         hints: hints in pixels of the sheet.
         mask: (H, W), the objects; or the source of the masks, as in `prepare`.
         shared: whether all cells are framed by one square; they must then have the same size.
-        holes: x and y of points whose regions are flipped, in pixels of the sheet.
+        holes: x and y of points whose regions are flipped, in pixels of the sheet; see `prepare`.
         said: other warnings about the sheet, each part of a sentence.
         reading: the reader's output for the sheet; cells use it that would show the reader no more of their
             pixels by themselves. None reads each cell.
         scale: pixels of the sheet per pixel of the drawing, in which warnings give places.
 
     Raises:
-        InputError: if no cell can be predicted, or cells that share a frame differ in size.
+        InputError: if no cell can be predicted, cells that share a frame differ in size, or a hole lies in no
+            cell.
     """
+    for x, y in holes:
+        if not any(cell.points([(x, y)]) for cell in cells):
+            raise InputError(
+                f"no drawing of the sheet lies at x {x / scale:g}, y {y / scale:g}; give a point inside closed "
+                "lines."
+            )
     drawn = drawings_in(sheet, cells, hints, mask, holes, reading)
     if not drawn:
         raise InputError("none of its cells holds a drawing; give other columns and rows, or another atlas.")
