@@ -118,7 +118,8 @@ def _check_explained(settings: Namespace, packing: Packing) -> None:
     whole = settings.layers or settings.tile or settings.frame == "shared"
     if settings.hole and (packing.tileset or whole):
         raise InputError(
-            "--hole is about the mask of a single drawing; omit --tileset, --layers, --tile and --frame shared."
+            "--hole is about the mask of a single drawing; omit --tileset, --layers, --tile and "
+            "--frame shared."
         )
     given = [
         option for option, value in (("--explain", settings.explain), ("--single", settings.single)) if value
