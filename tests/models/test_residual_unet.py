@@ -2,11 +2,12 @@ from typing import Literal
 
 import pytest
 import torch
+import torch.nn.functional as F
 
 from normalgan.errors import InputError
 from normalgan.models.blocks import ResidualBlock, residual_blocks
 from normalgan.models.condition import make_condition
-from normalgan.models.residual_unet import ResidualUNetGenerator, hint_pyramid
+from normalgan.models.residual_unet import ResidualUNetGenerator, convolve_patches, hint_pyramid
 
 Norm = Literal["batch", "none"]
 
@@ -142,6 +143,12 @@ def test_settings_out_of_range_are_refused(
 ) -> None:
     with pytest.raises(InputError, match=message):
         ResidualUNetGenerator(*settings)
+
+
+def test_a_strided_convolution_is_one_of_unshuffled_patches() -> None:
+    pixels, weight, bias = torch.randn(2, 5, 16, 24), torch.randn(7, 5 * 16, 3, 3), torch.randn(7)
+    expected = F.conv2d(F.pixel_unshuffle(pixels, 4), weight, bias, padding=1)
+    torch.testing.assert_close(convolve_patches(pixels, weight, bias, 4), expected, atol=1e-4, rtol=1e-4)
 
 
 def test_detail_layers_may_see_folded_squares() -> None:

@@ -67,7 +67,7 @@ def write_onnx(model: Deployed, notes: Mapping[str, str]) -> bytes:
         )
     if program is None:
         raise RuntimeError("torch.onnx.export returned nothing")
-    return finish(fold_constants(program.model_proto), notes)
+    return finish(fold_constants(program.model_proto, model.state_dict()), notes)
 
 
 def read_onnx(content: bytes) -> Run:

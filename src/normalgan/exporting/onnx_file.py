@@ -1,6 +1,6 @@
 """ONNX files: metadata, half-precision weights and opset conversion."""
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 
 import numpy as np
 import onnx
@@ -13,11 +13,19 @@ _SMALL = 64
 """Smaller tensors, such as shapes and scales, keep their type because they take little space."""
 
 
-def fold_constants(model: ModelProto) -> ModelProto:
-    """Return a model with constant subexpressions folded; weight names are kept."""
+def fold_constants(model: ModelProto, weights: Container[str]) -> ModelProto:
+    """Return a model with constant subexpressions folded, but none of the named weights.
+
+    A folded weight could not be read back from the file.
+    """
     done = ModelProto()
     done.CopyFrom(model)
-    optimizer.fold_constants(done)
+    optimizer.fold_constants(
+        done,
+        should_fold=lambda node: (
+            False if any(each is not None and each.name in weights for each in node.inputs) else None
+        ),
+    )
     optimizer.remove_unused_nodes(done)
     return done
 
