@@ -209,7 +209,7 @@ _FACES: Mapping[str, Callable[[Rng], list[Part]]] = {
     "brow": _brow, "comb": _comb, "plume": _plume, "tufts": _tufts,
 }  # fmt: skip
 _POSES = ("stand", "walk", "feed", "perch", "one_leg", "swim", "spread", "soar", "land")
-_YOUNG_SHARE = 0.15
+_YOUNG_PROBABILITY = 0.15
 _RANGES: Mapping[str, Span] = {
     "girth": (0.88, 1.15), "neck": (0.9, 1.12), "head": (0.92, 1.12), "beak": (0.85, 1.18),
     "tail": (0.8, 1.2), "legs": (0.88, 1.12), "wing": (0.9, 1.12),
@@ -273,7 +273,7 @@ class Bird(PosedPlan):
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
         """Return the parts of a random individual in a pose."""
-        young = self.chick and pose in {"stand", "walk", "swim"} and bool(rng.uniform() < _YOUNG_SHARE)
+        young = self.chick and pose in {"stand", "walk", "swim"} and bool(rng.uniform() < _YOUNG_PROBABILITY)
         build = proportions(_RANGES, self.ranges, rng, _CHICK if young else None)
         tilt = rng.uniform(*self.pitch)
         tilt = {"soar": 4.0, "swim": 0.6 * tilt, "feed": 0.35 * tilt - 8.0}.get(pose, tilt)

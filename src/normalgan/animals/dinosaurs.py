@@ -26,7 +26,7 @@ _RANGES: Mapping[str, Span] = {
     "arm": (0.85, 1.2), "legs": (0.9, 1.08), "sail": (0.75, 1.2),
 }  # fmt: skip
 _YOUNG: Mapping[str, float] = {"head": 1.3, "neck": 0.85, "tail": 0.85, "girth": 0.95, "legs": 1.08}
-_YOUNG_SHARE = 0.12
+_YOUNG_PROBABILITY = 0.12
 _POSES = ("stand", "walk", "run", "roar")
 
 
@@ -88,7 +88,7 @@ class Theropod(PosedPlan):
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
         """Return the parts of a random individual in a pose."""
-        young = _YOUNG if rng.uniform() < _YOUNG_SHARE else None
+        young = _YOUNG if rng.uniform() < _YOUNG_PROBABILITY else None
         build = proportions(_RANGES, self.ranges, rng, young)
         tilt = rng.uniform(*self.pitch) + {"run": -5.0, "roar": 14.0}.get(pose, 0.0)
         whole = about((0, 0, 0), pitch(tilt))

@@ -21,7 +21,7 @@ _KINDS = {
 }
 """Plain words for Python types."""
 _OF_A_CLASS = ("class_path", "init_args")
-_FEW = 16
+_LONGEST_LIST = 16
 """Longer lists of names are left out of the message about an unknown name."""
 
 
@@ -194,7 +194,7 @@ def _known(registry: Registry[Any] | None) -> str:
 
 
 def _unknown(registry: Registry[Any], name: str) -> str:
-    if len(registry.names()) <= _FEW:
+    if len(registry.names()) <= _LONGEST_LIST:
         return registry.explain_unknown(name)
     return f"no {registry.base.__name__} named {name!r}.{did_you_mean(name, registry.names())}"
 

@@ -18,7 +18,7 @@ from normalgan.rendering.strokes.curves import SPACING, lengths_along, resample,
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
-_DEEPER = 0.004  # in mesh units; rounding and facets put points behind the depth buffer
+_DEPTH_TOLERANCE = 0.004  # in mesh units; rounding and facets put points behind the depth buffer
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ def _seen(view: View, buffers: Buffers, points: Doubles) -> tuple[Doubles, BoolM
     column, row = np.floor(place * buffers.scale - buffers.corner).astype(np.int64).T
     height, width = deepest.shape
     deep = deepest[row.clip(0, height - 1), column.clip(0, width - 1)]
-    return place, depth <= deep + _DEEPER
+    return place, depth <= deep + _DEPTH_TOLERANCE
 
 
 def _paths(surface: Surface, marks: EdgeMarks, place: Doubles) -> list[Indices]:
@@ -81,8 +81,8 @@ def _paths(surface: Surface, marks: EdgeMarks, place: Doubles) -> list[Indices]:
     return chain(place, np.unique(links, axis=0)) if len(links) else []
 
 
-_FINE = 0.25  # spacing while smoothing, in units of `SPACING`
-_FAINTEST = 0.4  # relative width of a stroke where it is weakest
+_FINE_SPACING = 0.25  # spacing while smoothing, in units of `SPACING`
+_WEAKEST_WIDTH = 0.4  # relative width of a stroke where it is weakest
 
 
 @dataclass(frozen=True)
@@ -151,12 +151,12 @@ class SurfaceDrawing(OutlinedDrawing):
 
     def _stroke(self, points: Doubles, strength: Doubles, size: int) -> Stroke:
         along = lengths_along(points)
-        fine = resample(points, _FINE)
-        path = resample(smooth(fine, self._rounding * size / _FINE), SPACING)
+        fine = resample(points, _FINE_SPACING)
+        path = resample(smooth(fine, self._rounding * size / _FINE_SPACING), SPACING)
         share = np.clip(strength / self.strength, 0, 1)
         here = np.interp(np.linspace(0, along[-1], len(path)), along, share)
         pressure = smooth(np.stack([here, here], axis=1), 3.0)[:, 0]
-        width = self.interior_width * (_FAINTEST + (1 - _FAINTEST) * np.clip(pressure, 0, 1))
+        width = self.interior_width * (_WEAKEST_WIDTH + (1 - _WEAKEST_WIDTH) * np.clip(pressure, 0, 1))
         return Stroke(path, width, np.ones(len(path)))
 
 

@@ -168,11 +168,11 @@ def _bernstein(share: Doubles) -> Deformed:
     return _CHOOSE * t**k * rest ** (_DEGREE - k), slopes
 
 
-_BELLY_SHARE = 0.4
+_BELLY_FRACTION = 0.4
 """Fraction of the largest cross section's area at which the legs end, going upwards."""
 _BLEND = 0.08
 """Half of the transition height for lengthening legs, in radii of the object."""
-_REACH = 3.0
+_CUTOFF = 3.0
 """Cutoff of the Gaussian for middles, in standard deviations."""
 
 
@@ -192,7 +192,7 @@ def belly(points: Doubles, faces: NDArray[np.integer], up: int) -> float:
     height = (a + b + c)[:, up] / 3
     order = np.argsort(-height)
     section = np.cumsum(rising[order])[::-1]
-    wide = section >= _BELLY_SHARE * section.max()
+    wide = section >= _BELLY_FRACTION * section.max()
     return float(height[order][::-1][np.argmax(wide)])
 
 
@@ -251,7 +251,7 @@ class Middle:
         from scipy.spatial import cKDTree  # takes half a second to import, only needed to vary meshes
 
         near = cKDTree(points).sparse_distance_matrix(
-            cKDTree(self.places), _REACH * self.width, output_type="coo_matrix"
+            cKDTree(self.places), _CUTOFF * self.width, output_type="coo_matrix"
         )
         row, column = np.asarray(near.row), np.asarray(near.col)
         weight = self.areas[column] * np.exp(-((np.asarray(near.data) / self.width) ** 2) / 2)

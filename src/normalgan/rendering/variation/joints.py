@@ -13,23 +13,23 @@ from normalgan.rendering.variation.deformations import Deformed
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-_TIPS = 8
+_MOST_TIPS = 8
 """Maximum number of limb ends; a person has five, a dog with a tail six."""
 _SHORTEST_LIMB = 0.35
 """Minimum length of a limb, as a fraction of the longest limb."""
-_JOINTS = 2
+_MOST_JOINTS = 2
 """Maximum number of joints of a limb, such as knee and hip or elbow and shoulder."""
 _PLACES = np.linspace(0.25, 0.8, 12)
 """Range of possible positions of a joint, from the limb's tip (0) to the middle of the object (1)."""
-_THICKEST = 0.35
+_THICKEST_LIMB = 0.35
 """Maximum ratio of a limb's radius at a joint to its length beyond it; thicker parts are not limbs."""
 _BAND = 1.5
 """Half of a joint's length, in radii of the limb; a shorter joint would crease at 70 degrees."""
 _TORN = 0.1
 """Maximum remaining fraction of a rotation at the ends of a joint."""
-_FEWEST = 3
+_FEWEST_VERTICES = 3
 """Minimum number of vertices on either side of a joint, for estimating the limb's direction."""
-_CLOTH = 0.02
+_CLOTH_DISTANCE = 0.02
 """Distance within which separate parts such as body and clothes move together, in radii of the object."""
 
 
@@ -100,7 +100,7 @@ def find_limb_joints(points: Doubles, faces: NDArray[np.integer], rng: np.random
 
     nearest = distances(int(np.argmax(whole)))
     reached: list[Doubles] = []
-    for _ in range(_TIPS):
+    for _ in range(_MOST_TIPS):
         tip = int(np.argmax(np.where(whole, nearest, -1.0)))
         reached.append(distances(tip))
         nearest = np.minimum.reduce(reached)
@@ -116,7 +116,7 @@ def find_limb_joints(points: Doubles, faces: NDArray[np.integer], rng: np.random
         chosen: list[Joint] = []
         for index in rng.permutation(len(thin)):
             joint = thin[index]
-            if len(chosen) < _JOINTS and not any((joint.near & other.near).any() for other in chosen):
+            if len(chosen) < _MOST_JOINTS and not any((joint.near & other.near).any() for other in chosen):
                 chosen.append(joint)
         joints += [replace(one, beyond=one.beyond[place_of], near=one.near[place_of]) for one in chosen]
     return sorted(joints, key=lambda joint: int(joint.beyond.sum()))
@@ -126,7 +126,7 @@ def _joint(places: Doubles, distance: Doubles, length: float) -> Joint | None:
     """Return the joint of a limb at a distance from its tip, or None if the limb is too thick there."""
     ring = np.abs(distance - length) < length / 8
     outer = ring & (distance < length)
-    if min(outer.sum(), (ring & ~outer).sum()) < _FEWEST:
+    if min(outer.sum(), (ring & ~outer).sum()) < _FEWEST_VERTICES:
         return None
     centre = places[ring].mean(axis=0)
     outward = places[outer].mean(axis=0) - places[ring & ~outer].mean(axis=0)
@@ -135,7 +135,7 @@ def _joint(places: Doubles, distance: Doubles, length: float) -> Joint | None:
     across = offset - np.outer(offset @ outward, outward)
     radius = float(np.quantile(np.linalg.norm(across, axis=1), 0.9))
     band = _BAND * radius
-    if radius > _THICKEST * length or band > length / 1.5:
+    if radius > _THICKEST_LIMB * length or band > length / 1.5:
         return None
     near = np.abs(distance - length) < 1.5 * band
     joint = Joint(centre, outward, band, distance < length + 1.5 * band, near)
@@ -154,7 +154,7 @@ def _graph(places: Doubles, faces: NDArray[np.integer]) -> tuple["csr_array", Bo
 
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     part = connected(len(places), edges)
-    pairs = cKDTree(places).query_pairs(_CLOTH, output_type="ndarray")
+    pairs = cKDTree(places).query_pairs(_CLOTH_DISTANCE, output_type="ndarray")
     links = pairs[part[pairs[:, 0]] != part[pairs[:, 1]]]
     edges = np.unique(np.sort(np.concatenate([edges, links]), axis=1), axis=0)
     lengths = np.linalg.norm(places[edges[:, 0]] - places[edges[:, 1]], axis=1)
