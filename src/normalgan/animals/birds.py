@@ -308,9 +308,9 @@ class Bird(PosedPlan):
 
 
 def _neck(kind: Bird, pose: str, build: Mapping[str, float], body: Frame, rng: Rng) -> tuple[Part, Frame]:
-    share = rng.uniform(0.85, 1.0) if pose == "feed" else rng.uniform(0.0, 0.22)
+    fraction = rng.uniform(0.85, 1.0) if pose == "feed" else rng.uniform(0.0, 0.22)
     up, low = kind.neck, kind.low
-    points = up.points + share * (low.points - up.points)
+    points = up.points + fraction * (low.points - up.points)
     if pose == "soar":  # stretched forward, or retracted like a heron's
         points[:, 1] *= 0.25
         points[:, 0] += 0.5 * np.abs(up.y)
@@ -318,9 +318,9 @@ def _neck(kind: Bird, pose: str, build: Mapping[str, float], body: Frame, rng: R
     points += body.place([0.86, 0.02, 0.0])
     aside = float(np.clip(rng.normal(0, 0.35), -1, 1)) * kind.turn
     bent, _ = bend(points, 0.0, 0.4 * aside)
-    radii = up.radius + share * (low.radius - up.radius)
+    radii = up.radius + fraction * (low.radius - up.radius)
     sweep = tube(bent, radii * np.linspace(1.0, build["head"], len(bent)))
-    nod = rng.uniform(-8, 10) - (38.0 * share if pose == "feed" else 0.0)
+    nod = rng.uniform(-8, 10) - (38.0 * fraction if pose == "feed" else 0.0)
     return fuse(sweep, blend=0.14), Frame(bent[-1], yaw(aside) @ pitch(nod))
 
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from .formats import NO_PAGE, SUBFILE, format_of
+from .formats import NO_PAGE, SUBFILE, detect_format
 from .levels import exact_levels, is_tiff, viewed
 from .limits import limit_time
 from .opening import (
@@ -292,7 +292,7 @@ def _layered(content: bytes, least: int, most: int) -> Any:
     Raises:
         RefusedError: if the file cannot be read, or the picture is too small or too large.
     """
-    found = format_of(content[:64])
+    found = detect_format(content[:64])
     if found is None or not found.layered:
         return None
     from .layered_files import open_layered  # only few files need it

@@ -202,7 +202,7 @@ def _sort_out(maps: Maps, x: Floats, y: Floats, left: Indices, top: Indices) -> 
     nearest = np.take_along_axis(np.stack(corners), weight.argmax(axis=0)[None], axis=0)[0]
     own = normals[nearest]
     total = np.zeros_like(own)
-    for index, share in zip(corners, weight, strict=True):
+    for index, fraction in zip(corners, weight, strict=True):
         normal = normals[index]
-        total += (share * (np.abs(normal - own) <= _SAME_SURFACE).all(axis=1))[:, None] * normal
+        total += (fraction * (np.abs(normal - own) <= _SAME_SURFACE).all(axis=1))[:, None] * normal
     return total, depths[nearest]

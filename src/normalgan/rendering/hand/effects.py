@@ -178,8 +178,8 @@ def skip_parts(stroke: Stroke, parts: float, rng: np.random.Generator) -> list[S
     count = len(stroke.points)
     missing = rng.poisson(parts * (count - 1) * STEP)
     drawn = np.ones(count, bool)
-    for middle, share in zip(rng.random(missing), rng.exponential(_MEAN_GAP, missing), strict=True):
-        half = min(share / STEP, 0.3 * count) / 2
+    for middle, length in zip(rng.random(missing), rng.exponential(_MEAN_GAP, missing), strict=True):
+        half = min(length / STEP, 0.3 * count) / 2
         drawn[max(0, round(middle * count - half)) : round(middle * count + half)] = False
     if drawn.all():
         return [stroke]

@@ -196,8 +196,8 @@ def _gaps_along(axis: int, depth: Floats, floor: Floats, maps: Maps, sight: Sigh
     # A strong edge is a contour, even close to the end of the part behind it.
     weak = gap[seen] < _MUCH_LARGER * floor.ravel()[nearer[seen]]
     kept = seen[~(weak & _outdone(np.where(second, -strength, strength), first, depth.shape, axis))]
-    second, share = front[kept] > back[kept], np.full(len(kept), 0.5)
-    return rows[kept], columns[kept], share, gap[kept] / size[kept], second
+    second, fraction = front[kept] > back[kept], np.full(len(kept), 0.5)
+    return rows[kept], columns[kept], fraction, gap[kept] / size[kept], second
 
 
 def _moved(rows: Indices, columns: Indices, by: int, axis: int, shape: tuple[int, ...]) -> Indices:
@@ -250,8 +250,8 @@ def _creases(maps: Maps, angle: float) -> Crossings:
         cosine[~(maps.mask[one] & maps.mask[two])] = 1
         sharpest = (cosine < limit) & _lowest(cosine, 1 - axis)
         rows, columns = np.nonzero(sharpest)
-        share, second = np.full(len(rows), 0.5), np.zeros(len(rows), bool)
-        pairs.append((rows, columns, share, 1 - cosine[sharpest], second))
+        fraction, second = np.full(len(rows), 0.5), np.zeros(len(rows), bool)
+        pairs.append((rows, columns, fraction, 1 - cosine[sharpest], second))
     return crossings((pairs[0], pairs[1]), maps.mask.shape[1])
 
 

@@ -215,8 +215,8 @@ def _tilt(vectors: Doubles, old: Doubles, new: Doubles) -> Doubles:
     """Return tangent vectors (F, 3) after the minimal rotation from the old to the new normal."""
     cosine = (old * new).sum(1)
     # On a fold, normals are opposite, and any rotation axis will do.
-    share = (vectors * new).sum(1) / np.maximum(1 + cosine, 1e-6)
-    tilted: Doubles = vectors - (old + new) * share[:, None]
+    factor = (vectors * new).sum(1) / np.maximum(1 + cosine, 1e-6)
+    tilted: Doubles = vectors - (old + new) * factor[:, None]
     return tilted
 
 

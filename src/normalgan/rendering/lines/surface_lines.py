@@ -27,22 +27,22 @@ class EdgeMarks:
 
     Args:
         edges: (N,) edge indices without duplicates.
-        share: (N,) positions along the edges, from 0 at the first vertex to 1 at the second.
+        fraction: (N,) positions along the edges, from 0 at the first vertex to 1 at the second.
     """
 
     edges: Indices
-    share: Doubles
+    fraction: Doubles
 
     def take(self, surface: Surface, values: Doubles) -> Doubles:
         """Interpolate values (V, …) at the vertices to the marks, (N, …)."""
         one, other = values[surface.edges[self.edges].T]
-        share = self.share.reshape(-1, *(1,) * (values.ndim - 1))
-        between: Doubles = one + share * (other - one)
+        fraction = self.fraction.reshape(-1, *(1,) * (values.ndim - 1))
+        between: Doubles = one + fraction * (other - one)
         return between
 
     def only(self, kept: BoolMask) -> "EdgeMarks":
         """Return the marks for which ``kept`` (N,) is true."""
-        return EdgeMarks(self.edges[kept], self.share[kept])
+        return EdgeMarks(self.edges[kept], self.fraction[kept])
 
 
 def zero_marks(surface: Surface, field: Doubles, usable: BoolMask) -> EdgeMarks:
@@ -153,8 +153,8 @@ class SurfaceDrawing(OutlinedDrawing):
         along = lengths_along(points)
         fine = resample(points, _FINE_SPACING)
         path = resample(smooth(fine, self._rounding * size / _FINE_SPACING), SPACING)
-        share = np.clip(strength / self.strength, 0, 1)
-        here = np.interp(np.linspace(0, along[-1], len(path)), along, share)
+        fraction = np.clip(strength / self.strength, 0, 1)
+        here = np.interp(np.linspace(0, along[-1], len(path)), along, fraction)
         pressure = smooth(np.stack([here, here], axis=1), 3.0)[:, 0]
         width = self.interior_width * (_WEAKEST_WIDTH + (1 - _WEAKEST_WIDTH) * np.clip(pressure, 0, 1))
         return Stroke(path, width, np.ones(len(path)))

@@ -146,11 +146,11 @@ def _covered(depth: Floats, slant: Doubles) -> Floats:
     wide, narrow = np.sort(np.maximum(slant, 0.02), axis=1).astype(np.float32).T[::-1, :, None, None]
     outer, inner = np.float32(0.5) * (wide + narrow), np.float32(0.5) * (wide - narrow)
     depth = np.clip(depth, -outer, outer)
-    share: Floats = np.square(depth + outer)
-    share -= np.square(np.maximum(depth + inner, 0))
-    share -= np.square(np.maximum(depth - inner, 0))
-    share /= 2 * wide * narrow
-    return share
+    fraction: Floats = np.square(depth + outer)
+    fraction -= np.square(np.maximum(depth + inner, 0))
+    fraction -= np.square(np.maximum(depth - inner, 0))
+    fraction /= 2 * wide * narrow
+    return fraction
 
 
 def _lay(owner: Indices, row: Indices, column: Indices, ink: Floats, paper: Floats) -> None:

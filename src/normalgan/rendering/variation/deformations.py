@@ -102,9 +102,9 @@ def bump(points: Doubles, centre: Doubles, width: float, shift: Doubles) -> Defo
         shift: (3,) displacement of the centre.
     """
     offset = points - centre
-    share = _gaussian(offset, width)
-    slope = -share[:, None] * offset / width**2
-    return points + share[:, None] * shift, np.eye(3) + shift[:, None] * slope[:, None, :]
+    fraction = _gaussian(offset, width)
+    slope = -fraction[:, None] * offset / width**2
+    return points + fraction[:, None] * shift, np.eye(3) + shift[:, None] * slope[:, None, :]
 
 
 def swell(points: Doubles, centre: Doubles, width: float, growth: float) -> Deformed:
@@ -117,9 +117,9 @@ def swell(points: Doubles, centre: Doubles, width: float, growth: float) -> Defo
         growth: relative increase of lengths at the centre; negative to shrink.
     """
     offset = points - centre
-    share = growth * _gaussian(offset, width)
+    factor = growth * _gaussian(offset, width)
     outer = offset[:, :, None] * offset[:, None, :] / width**2
-    return points + share[:, None] * offset, np.eye(3) + share[:, None, None] * (np.eye(3) - outer)
+    return points + factor[:, None] * offset, np.eye(3) + factor[:, None, None] * (np.eye(3) - outer)
 
 
 def _gaussian(offset: Doubles, width: float) -> Doubles:
@@ -156,10 +156,10 @@ def free_form(points: Doubles, low: Doubles, high: Doubles, pulls: Doubles) -> D
     return points + blend(*weights), jacobian + np.eye(3)
 
 
-def _bernstein(share: Doubles) -> Deformed:
+def _bernstein(fraction: Doubles) -> Deformed:
     """Return values and derivatives (V, 4) of the cubic Bernstein polynomials at positions along an axis."""
     k = np.arange(_DEGREE + 1)
-    t, rest = share[:, None], 1 - share[:, None]
+    t, rest = fraction[:, None], 1 - fraction[:, None]
     # 0 ** 0 is 1, and terms with an exponent of -1 have a factor of 0.
     slopes = _CHOOSE * (
         k * t ** np.maximum(k - 1, 0) * rest ** (_DEGREE - k)

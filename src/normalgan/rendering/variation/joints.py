@@ -51,11 +51,11 @@ class Joint:
     beyond: BoolMask
     near: BoolMask
 
-    def share(self, points: Doubles) -> tuple[Doubles, Doubles]:
+    def fraction(self, points: Doubles) -> tuple[Doubles, Doubles]:
         """Return the fractions (V,) of the rotation at points (V, 3), and their outward derivatives."""
         along = np.clip(((points - self.centre) @ self.outward) / (2 * self.band) + 0.5, 0.0, 1.0)
-        share = np.where(self.near, along**2 * (3 - 2 * along), self.beyond)
-        return share, np.where(self.near, 6 * along * (1 - along) / (2 * self.band), 0.0)
+        fraction = np.where(self.near, along**2 * (3 - 2 * along), self.beyond)
+        return fraction, np.where(self.near, 6 * along * (1 - along) / (2 * self.band), 0.0)
 
     def bend(self, points: Doubles, axis: Doubles, angle: float) -> Deformed:
         """Rotate the vertices beyond the joint.
@@ -67,8 +67,8 @@ class Joint:
         """
         from scipy.spatial.transform import Rotation  # takes half a second to import
 
-        share, slope = self.share(points)
-        rotation = Rotation.from_rotvec(np.outer(angle * share, axis)).as_matrix()
+        fraction, slope = self.fraction(points)
+        rotation = Rotation.from_rotvec(np.outer(angle * fraction, axis)).as_matrix()
         moved = (rotation @ (points - self.centre)[:, :, None])[:, :, 0]
         # The outward increase of the rotation.
         speed = angle * slope[:, None] * np.cross(axis, moved)
@@ -140,9 +140,9 @@ def _joint(places: Doubles, distance: Doubles, length: float) -> Joint | None:
     near = np.abs(distance - length) < 1.5 * band
     joint = Joint(centre, outward, band, distance < length + 1.5 * band, near)
     # If another limb is in between, the surface continues beyond the joint and would tear.
-    share, _ = joint.share(places)
-    torn = (share[near & (distance > length + band)] > _TORN).any() or (
-        share[near & (distance < length - band)] < 1 - _TORN
+    fraction, _ = joint.fraction(places)
+    torn = (fraction[near & (distance > length + band)] > _TORN).any() or (
+        fraction[near & (distance < length - band)] < 1 - _TORN
     ).any()
     return None if torn else joint
 
