@@ -140,8 +140,8 @@ def comparison() -> list[str]:
         "processor"
     ]
     lines += [
-        f"({later['machine']['processor']}; `tools/benchmark_runs.sh deepnormals_64`). There, the rows without "
-        "training (`--rows constant,mean,inflation`) give the same figures, to 0.001°."
+        f"({later['machine']['processor']}; `tools/benchmark_runs.sh deepnormals_64`). There, the rows "
+        "without training (`--rows constant,mean,inflation`) give the same figures, to 0.001°."
     ]
     return lines + table(labelled(rows), {**FIGURES, **less_the_paper(rows)}, "method")
 
