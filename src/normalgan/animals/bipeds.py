@@ -1,4 +1,4 @@
-"""The body plan of bipeds: measures, poses as joint angles, bones, and flesh or metal around them."""
+"""The body plan of bipeds: proportions, poses as joint angles, bones, and flesh or metal around them."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -216,7 +216,7 @@ STANCES: Mapping[str, Callable[[Rng], Stance]] = {
 
 
 def _vary(measures: Measures, spread: float, rng: Rng) -> Measures:
-    """Return randomly varied measures, with one factor per length and a common factor for all radii."""
+    """Return randomly varied proportions, with one factor per length and a common factor for all radii."""
     lengths = ("leg", "torso", "neck", "head", "arm", "hand", "foot", "shoulders", "stoop")
     usual = (getattr(measures, name) for name in lengths)
     long = dict(zip(lengths, around(rng, spread, *usual), strict=True))

@@ -1,4 +1,4 @@
-"""Birds: measures of a kind with its wings, tail and legs, in body lengths.
+"""Birds: proportions of a species with its wings, tail and legs, in body lengths.
 
 Feathers are flat sweeps that overlap like roof tiles. A leg has a feathered thigh, a thin shank, three
 toes in front and one behind, optionally webbed.

@@ -239,7 +239,7 @@ class Mane(Table):
 
 @dataclass(frozen=True)
 class Quadruped(Table):
-    """A kind of quadruped, given standing: head towards +x, ground at y = 0, withers about 1 high.
+    """A kind of quadruped in a standing pose: head towards +x, ground at y = 0, withers about 1 high.
 
     Args:
         habits: poses of the species; a pose listed twice is drawn twice as often.

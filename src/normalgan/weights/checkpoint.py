@@ -274,7 +274,7 @@ def _part(name: str, value: Any) -> ClassSpec:
 
 
 def _unchecked_part(name: str, value: Any) -> ClassSpec | None:
-    """Return a component that inference does not use, so that its class may be unknown here.
+    """Return a component that inference does not use, and whose class may be unknown here.
 
     It returns None if the object was made in Python from values that are not plain.
     """
@@ -330,7 +330,7 @@ def _check_named(name: str, value: Any) -> None:
 
 
 def _has_form(found: Any, form: Any) -> bool:
-    """Return whether a value has the same structure as another, with numbers of 0 or more.
+    """Return whether a value has the same structure as another, with non-negative numbers.
 
     >>> [_has_form(found, {"ready": 0}) for found in ({"ready": 3}, {"ready": -1}, {})]
     [True, False, False]

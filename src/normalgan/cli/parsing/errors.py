@@ -105,7 +105,7 @@ def _spelled(key: str, options: Mapping[str, str] | None) -> str:
 
 
 def _bad_name(message: str, settings: Sequence[str], options: Mapping[str, str] | None) -> str:
-    """Return the explanation of an unknown name, or of a group as a setting; empty for other errors."""
+    """Return the explanation of an unknown name, or of a value for a group; empty for other errors."""
     if found := re.search(r'Parser key "([^"]+)": Unable to load config "([^"]*)"$', message):
         inside = next((f", such as {name}," for name in settings if name.startswith(f"{found[1]}.")), "")
         return f"{found[1]} is a group of settings{inside} and {found[2]} is not a file of them."

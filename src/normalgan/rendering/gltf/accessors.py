@@ -14,7 +14,7 @@ _Array = NDArray[Any]
 
 
 def read_accessor(container: Container, index: Any, kind: str) -> _Array:
-    """Return the (count, width) numbers of an accessor of a kind such as VEC3 (glTF 2.0, section 3.6.2).
+    """Return the (count, width) numbers of an accessor of a type such as VEC3 (glTF 2.0, section 3.6.2).
 
     Normalised integers are returned as float64 in [0, 1] or [-1, 1], and others as stored. Matrices are in
     column-major order, as stored.

@@ -103,7 +103,7 @@ class Posture:
 
 
 def _tuples(value: Any) -> Any:
-    """Return a value of JSON with its lists, also those within lists, as tuples."""
+    """Return a JSON value with all lists, including nested ones, as tuples."""
     return tuple(map(_tuples, value)) if isinstance(value, list) else value
 
 
@@ -325,7 +325,7 @@ def _bends(skeleton: Skeleton, posture: Posture) -> dict[int, Doubles]:
 
 
 def _targets(skeleton: Skeleton, posture: Posture) -> dict[int, tuple[Doubles, Doubles]]:
-    """Return the vector (3,) of each limb segment at rest, and the unit vector (3,) that it shall get."""
+    """Return the vector (3,) of each limb segment at rest, and the unit vector (3,) that it should have."""
     targets = {}
     limbs = (*skeleton.fore, *skeleton.hind)
     for nodes, limb, side in zip(limbs, (*posture.fore, *posture.hind), (-1.0, 1.0) * 2, strict=True):
