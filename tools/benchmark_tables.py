@@ -136,7 +136,7 @@ def comparison() -> list[str]:
     rows = ours_last(methods(read("benchmark_64")) | methods(later))
     lines = section("All methods", "benchmark_64", PUBLISHED)
     lines += [
-        "The DeepNormals-like network was trained later, on the same number of the same samples, on another "
+        "The DeepNormals-like network was trained later, on as many of the same samples, on another "
         "processor"
     ]
     lines += [
