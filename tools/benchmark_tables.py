@@ -136,8 +136,7 @@ def comparison() -> list[str]:
     rows = ours_last(methods(read("benchmark_64")) | methods(later))
     lines = section("All methods", "benchmark_64", PUBLISHED)
     lines += [
-        "The DeepNormals-like network was trained later, on as many of the same samples, on another "
-        "processor"
+        "The DeepNormals-like network was trained later, on as many of the same samples, on another processor"
     ]
     lines += [
         f"({later['machine']['processor']}; `tools/benchmark_runs.sh deepnormals_64`). There, the rows "
