@@ -38,6 +38,7 @@ MEMORY = 2**31
 WALL_SECONDS = 60.0
 """Limit of wall-clock time per picture in seconds, longer to allow for a busy machine."""
 _MOST_WORDS = 4096
+"""Maximum number of characters of a text from a child, which sends at most `_MOST_NOTES` about a picture."""
 _MOST_HEADER = 2**20
 """Maximum size of a message without pixels, in bytes."""
 _CHILD_ERRORS = (EOFError, OSError, ValueError, KeyError, TypeError)

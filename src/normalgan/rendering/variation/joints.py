@@ -1,5 +1,6 @@
 """Joints without a skeleton: limbs are found on the surface and bent where they are thin."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, cast
 
@@ -78,7 +79,7 @@ class Joint:
 def find_limb_joints(points: Doubles, faces: NDArray[np.integer], rng: np.random.Generator) -> list[Joint]:
     """Find the limbs of a surface, and return up to two joints per limb, where it is thin.
 
-    The ends of limbs are points with maximum geodesic distance from each other. The middle of the object
+    The tips of limbs are points with maximum geodesic distance from each other. The middle of the object
     is the point with the smallest maximum distance from them.
 
     Args:
@@ -89,11 +90,24 @@ def find_limb_joints(points: Doubles, faces: NDArray[np.integer], rng: np.random
     Returns:
         The joints, outer joints before inner ones.
     """
-    from scipy.sparse.csgraph import dijkstra  # takes half a second to import
-
     places, place_of = np.unique(points.round(6), axis=0, return_inverse=True)
     place_of = place_of.ravel()
-    graph, whole = _graph(places, place_of[faces])
+    joints: list[Joint] = []
+    for distance, length in _limbs(*_graph(places, place_of[faces])):
+        found = [_joint(places, distance, place * length) for place in _PLACES]
+        thin = [joint for joint in found if joint is not None]
+        chosen: list[Joint] = []
+        for index in rng.permutation(len(thin)):
+            joint = thin[index]
+            if len(chosen) < _MOST_JOINTS and not any((joint.near & other.near).any() for other in chosen):
+                chosen.append(joint)
+        joints += [replace(one, beyond=one.beyond[place_of], near=one.near[place_of]) for one in chosen]
+    return sorted(joints, key=lambda joint: int(joint.beyond.sum()))
+
+
+def _limbs(graph: "csr_array", whole: BoolMask) -> Iterator[tuple[Doubles, float]]:
+    """Yield, for each limb, the distances (P,) of all places from its tip, and its length."""
+    from scipy.sparse.csgraph import dijkstra  # takes half a second to import
 
     def distances(start: int) -> Doubles:
         return np.asarray(cast("Any", dijkstra)(graph, indices=start))  # some type stubs lack csr_array
@@ -106,20 +120,9 @@ def find_limb_joints(points: Doubles, faces: NDArray[np.integer], rng: np.random
         nearest = np.minimum.reduce(reached)
     middle = int(np.argmin(np.where(whole, np.maximum.reduce(reached), np.inf)))
     longest = max(distance[middle] for distance in reached)
-    joints: list[Joint] = []
     for distance in reached:
-        length = distance[middle]
-        if length < _SHORTEST_LIMB * longest:
-            continue
-        found = [_joint(places, distance, place * length) for place in _PLACES]
-        thin = [joint for joint in found if joint is not None]
-        chosen: list[Joint] = []
-        for index in rng.permutation(len(thin)):
-            joint = thin[index]
-            if len(chosen) < _MOST_JOINTS and not any((joint.near & other.near).any() for other in chosen):
-                chosen.append(joint)
-        joints += [replace(one, beyond=one.beyond[place_of], near=one.near[place_of]) for one in chosen]
-    return sorted(joints, key=lambda joint: int(joint.beyond.sum()))
+        if distance[middle] >= _SHORTEST_LIMB * longest:
+            yield distance, distance[middle]
 
 
 def _joint(places: Doubles, distance: Doubles, length: float) -> Joint | None:
