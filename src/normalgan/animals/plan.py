@@ -67,7 +67,7 @@ class PosedPlan(Table, ABC):
 
 
 @dataclass(frozen=True)
-class Form(PosedPlan):
+class FunctionPlan(PosedPlan):
     """A species defined by a function of the pose and a random generator.
 
     Args:

@@ -12,7 +12,7 @@ from normalgan.ranges import NonNegative, Positive
 from normalgan.rendering.cameras import project, towards_eye
 from normalgan.rendering.lines.buffers import Buffers
 from normalgan.rendering.lines.contours import OutlinedDrawing
-from normalgan.rendering.lines.surface import Shape, Surface, shape_of
+from normalgan.rendering.lines.surface import MeshSurface, SurfaceShape, shape_of
 from normalgan.rendering.strokes.chain import chain
 from normalgan.rendering.strokes.curves import SPACING, lengths_along, resample, smooth
 from normalgan.rendering.strokes.stroke import Stroke
@@ -33,7 +33,7 @@ class EdgeMarks:
     edges: Indices
     fraction: Doubles
 
-    def take(self, surface: Surface, values: Doubles) -> Doubles:
+    def take(self, surface: MeshSurface, values: Doubles) -> Doubles:
         """Interpolate values (V, …) at the vertices to the marks, (N, …)."""
         one, other = values[surface.edges[self.edges].T]
         fraction = self.fraction.reshape(-1, *(1,) * (values.ndim - 1))
@@ -45,7 +45,7 @@ class EdgeMarks:
         return EdgeMarks(self.edges[kept], self.fraction[kept])
 
 
-def zero_marks(surface: Surface, field: Doubles, usable: BoolMask) -> EdgeMarks:
+def zero_marks(surface: MeshSurface, field: Doubles, usable: BoolMask) -> EdgeMarks:
     """Return the sign changes of ``field`` (V,) along edges with both ends ``usable`` (V,)."""
     one, other = field[surface.edges.T]
     crossed = np.flatnonzero(((one < 0) != (other < 0)) & usable[surface.edges].all(axis=1))
@@ -68,7 +68,7 @@ def _seen(view: View, buffers: Buffers, points: Doubles) -> tuple[Doubles, BoolM
     return place, depth <= deep + _DEPTH_TOLERANCE
 
 
-def _paths(surface: Surface, marks: EdgeMarks, place: Doubles) -> list[Indices]:
+def _paths(surface: MeshSurface, marks: EdgeMarks, place: Doubles) -> list[Indices]:
     """Return the indices of the marks along each line, in order; marks on the same face are connected.
 
     ``place`` holds the positions (N, 2) of the marks in the picture.
@@ -105,7 +105,7 @@ class SurfaceDrawing(OutlinedDrawing):
     """Standard deviation for smoothing strokes, which are jagged on a mesh, as a fraction of the side."""
 
     @abstractmethod
-    def _find(self, shape: Shape, eye: Doubles) -> list[tuple[EdgeMarks, Doubles]]:
+    def _find(self, shape: SurfaceShape, eye: Doubles) -> list[tuple[EdgeMarks, Doubles]]:
         """Return the points where lines cross edges of the mesh, and the lines' strengths there, (N,).
 
         Args:
@@ -125,7 +125,7 @@ class SurfaceDrawing(OutlinedDrawing):
 
     def _along(
         self,
-        surface: Surface,
+        surface: MeshSurface,
         marks: EdgeMarks,
         strength: Doubles,
         view: View,
