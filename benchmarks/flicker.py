@@ -36,7 +36,7 @@ from normalgan.rendering.view import View
 from normalgan.weights.shipped import find_model
 
 SIDE, AZIMUTH, ELEVATION, STILL = 256, 60.0, 10.0, 1.0
-WIDEST = 1080
+WIDEST_SHEET = 1080
 """The largest width of the picture in pixels."""
 MARGIN = 6
 """Margin in pixels above and below the visible part of the frames."""
@@ -111,7 +111,7 @@ def main() -> None:
             figures[f"{file.name} {clip}"] = found
     if asked.sheet:
         sheet = Image.fromarray(np.vstack(strips))
-        size = min(sheet.width, WIDEST), round(sheet.height * min(WIDEST / sheet.width, 1))
+        size = min(sheet.width, WIDEST_SHEET), round(sheet.height * min(WIDEST_SHEET / sheet.width, 1))
         sheet.resize(size, Image.Resampling.LANCZOS).save(asked.sheet, optimize=True)
     print(json.dumps({"clips": figures, "machine": describe("numpy", "onnxruntime")}, indent=1))
 

@@ -31,7 +31,7 @@ from normalgan.weights.shipped import SHIPPED
 
 SIDE, OVERLAP = 512, 6
 PARTS, WHOLES = (0.08, 0.15, 0.25, 0.4), (0.15, 0.25, 0.4, 0.6)
-LEAST = 300
+LEAST_PIXELS = 300
 """The smallest part that is measured, in pixels."""
 Layer = tuple[Floats, BoolMask]
 """Lines (H, W), and the object's pixels (H, W)."""
@@ -64,7 +64,7 @@ def parts_of(seen: View) -> Iterator[list[Layer]]:
         reach = along[seen.mask]
         at = reach.min() + share * np.ptp(reach)
         part, rest = seen.mask & (along < at), seen.mask & (along >= at - OVERLAP)
-        if np.count_nonzero(part) >= LEAST:
+        if np.count_nonzero(part) >= LEAST_PIXELS:
             yield [_cut(seen.ink, rest, along - at + OVERLAP), _cut(seen.ink, part, along - at)]
 
 

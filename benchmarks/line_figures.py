@@ -12,9 +12,11 @@ from normalgan.arrays import BoolMask, Doubles
 
 _AROUND = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]])
 _INK = 0.4  # from this darkness on, a pixel counts as ink
-_FINER = 3  # factor of the enlargement
-_SMOOTH = 2.0 * _FINER  # pixels: a chain of pixels turns in steps of 45°, but the line itself does not
-_SHORTEST = 8 * _FINER  # pixels: a shorter chain has no meaningful curvature
+_ENLARGEMENT = 3  # factor of the enlargement
+_CHAIN_SMOOTHING = (
+    2.0 * _ENLARGEMENT
+)  # pixels: a chain of pixels turns in steps of 45°, but the line itself does not
+_SHORTEST_CHAIN = 8 * _ENLARGEMENT  # pixels: a shorter chain has no meaningful curvature
 
 
 @dataclass(frozen=True)
@@ -56,8 +58,8 @@ def measure(ink: NDArray[np.floating]) -> Figures:
     if not len(rows):
         raise ValueError("a drawing without ink has no figures")
     window = np.pad(ink.astype(np.float32), 2)[rows.min() : rows.max() + 5, columns.min() : columns.max() + 5]
-    part = cv2.resize(window, None, fx=_FINER, fy=_FINER, interpolation=cv2.INTER_CUBIC) > _INK
-    height, width = (side - 4 * _FINER for side in part.shape)
+    part = cv2.resize(window, None, fx=_ENLARGEMENT, fy=_ENLARGEMENT, interpolation=cv2.INTER_CUBIC) > _INK
+    height, width = (side - 4 * _ENLARGEMENT for side in part.shape)
     unit = max(height, width)
     distance = cv2.distanceTransform(part.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE).astype(
         np.float32
@@ -65,11 +67,11 @@ def measure(ink: NDArray[np.floating]) -> Figures:
     bones = without_spurs(thinned(part), distance)
     widths = 2 * distance[bones]
     low, median, high = np.percentile(widths, [25, 50, 75])
-    paths = [path for path in chains(bones) if len(path) >= _SHORTEST]
+    paths = [path for path in chains(bones) if len(path) >= _SHORTEST_CHAIN]
     length = bone_length(bones) / unit
     turns, run, corners = 0.0, 0.0, 0
     for path in paths:
-        smooth = gaussian_filter1d(path.astype(np.float64), _SMOOTH, axis=0, mode="nearest")
+        smooth = gaussian_filter1d(path.astype(np.float64), _CHAIN_SMOOTHING, axis=0, mode="nearest")
         turns += float(np.abs(_angles(smooth, 1)).sum())
         run += float(np.hypot(*np.diff(smooth, axis=0).T).sum()) / unit
         corners += _peaks(np.abs(_angles(smooth, max(2, unit // 30))))
@@ -77,8 +79,8 @@ def measure(ink: NDArray[np.floating]) -> Figures:
     near = cv2.dilate(_junctions(bones).astype(np.uint8), np.ones((1 + 2 * round(median),) * 2, np.uint8))
     ends, junctions = _ends(bones).sum(), label(near)[1]
     return Figures(
-        density=float(window.sum() * _FINER**2 / (height * width)),
-        width=float(1000 * window.sum() * _FINER**2 / bone_length(bones) / unit),
+        density=float(window.sum() * _ENLARGEMENT**2 / (height * width)),
+        width=float(1000 * window.sum() * _ENLARGEMENT**2 / bone_length(bones) / unit),
         width_spread=float((high - low) / median),
         turning=turns / max(run, 1e-9),
         corners=corners / max(run, 1e-9),

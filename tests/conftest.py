@@ -19,6 +19,7 @@ pytest_plugins = [
     "fixtures_of_commands",
     "plugin_packages",
     "pytester",
+    "s3_server",
     "studio_page",
     "studio_process",
 ]

@@ -1,5 +1,6 @@
 """Data, networks and trainers that take next to no time: five simple meshes at 32 pixels."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -7,6 +8,7 @@ import torch
 from lightning.pytorch import Trainer
 
 from normalgan.data.datamodule import MeshDataModule
+from normalgan.data.recipe import Loadable
 from normalgan.data.settings import Split, Storage
 from normalgan.gan import NormalGAN
 from normalgan.hints import UniformHints
@@ -37,6 +39,11 @@ def data(meshes: Path, cache: Path, **settings: Any) -> MeshDataModule:
         "batch_size": 2,
     }
     return MeshDataModule(str(meshes), cache=str(cache), **(defaults | settings))
+
+
+def names(sources: Sequence[Loadable]) -> list[str]:
+    """Return the names of the sources of a split."""
+    return [source.name for source in sources]
 
 
 def gan(**settings: Any) -> NormalGAN:

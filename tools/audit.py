@@ -22,7 +22,7 @@ TEXTS = ("Permission is hereby granted, free of charge", "Redistribution and use
 """Beginnings of the MIT and BSD licences, for packages that give a text instead of a name."""
 CUDA = ("cuda-", "nvidia-")
 """Packages under NVIDIA's licence, which only PyTorch's build for NVIDIA's GPUs needs."""
-SECONDS = 300
+TIMEOUT = 300
 
 
 def dependencies(name: str, extras: tuple[str, ...] = EXTRAS) -> dict[str, Distribution]:
@@ -71,11 +71,11 @@ def advisories() -> tuple[bool, str]:
             [*command, "--vulnerability-service", "osv"],
             capture_output=True,
             text=True,
-            timeout=SECONDS,
+            timeout=TIMEOUT,
             check=False,
         )
     except subprocess.TimeoutExpired:
-        return True, f"advisories: not checked; no answer within {SECONDS} seconds."
+        return True, f"advisories: not checked; no answer within {TIMEOUT} seconds."
     if "No module named pip_audit" in done.stderr:
         return True, "advisories: not checked; pip-audit is not installed."
     if done.returncode == 0:

@@ -20,19 +20,21 @@ from normalgan.inference.outputs.lighting import lamp_direction, shade, to_srgb
 SIDE, TIMES, GAP = 256, 3, 6
 SHOWN = 300
 """Side in pixels of the visible part of the tiles."""
-FINE = 4
+SUPERSAMPLING = 4  # pixels drawn per pixel along each side, so that lines have soft edges
 Points = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
 
 
 def drawn(lines: Iterable[Points], width: float = 2.5) -> Pixels:
     """Return lines (n, 2) in units of the tile as a drawing (SIDE, SIDE) that repeats."""
-    canvas = np.zeros((SIDE * FINE, SIDE * FINE), np.uint8)
+    canvas = np.zeros((SIDE * SUPERSAMPLING, SIDE * SUPERSAMPLING), np.uint8)
     shifts = [np.array([x, y]) for x in (-1, 0, 1) for y in (-1, 0, 1)]
     placed = [
-        np.rint((line + shift) * SIDE * FINE * 16).astype(np.int32) for line in lines for shift in shifts
+        np.rint((line + shift) * SIDE * SUPERSAMPLING * 16).astype(np.int32)
+        for line in lines
+        for shift in shifts
     ]
-    cv2.polylines(canvas, placed, False, 255, round(width * FINE), cv2.LINE_AA, 4)
+    cv2.polylines(canvas, placed, False, 255, round(width * SUPERSAMPLING), cv2.LINE_AA, 4)
     return np.asarray(255 - cv2.resize(canvas, (SIDE, SIDE), interpolation=cv2.INTER_AREA), np.uint8)
 
 

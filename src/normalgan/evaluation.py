@@ -1,4 +1,4 @@
-"""Evaluation: prediction, validation and testing of a generator."""
+"""EvaluationSteps: prediction, validation and testing of a generator."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,7 +16,7 @@ from normalgan.models.base import check_generated
 from normalgan.models.condition import make_condition
 
 
-class Evaluation(LightningModule):
+class EvaluationSteps(LightningModule):
     """LightningModule that predicts with a generator and measures it; subclasses add the training.
 
     Attributes:

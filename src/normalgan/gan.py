@@ -17,7 +17,7 @@ from torch.optim.lr_scheduler import CosineAnnealingLR, LRScheduler
 from normalgan.batch import Batch
 from normalgan.contracts import check_kinds, describe
 from normalgan.errors import InputError, brief
-from normalgan.evaluation import Evaluation
+from normalgan.evaluation import EvaluationSteps
 from normalgan.hints import HintSampler
 from normalgan.hints.draw import draw_hints
 from normalgan.hints.noise import perturb_hints
@@ -46,7 +46,7 @@ def _rmsprop(parameters: object) -> Optimizer:
     return RMSprop(cast("list[Tensor]", parameters), lr=5e-5, alpha=0.9)
 
 
-class NormalGAN(SavedSettings, Evaluation):
+class NormalGAN(SavedSettings, EvaluationSteps):
     """Predicts a normal map from a sketch and hints, and trains against a discriminator.
 
     Each training step seeds all of its randomness (dropout, hints, gradient penalty) with its own number, so

@@ -276,27 +276,12 @@ def read_exr(path: str | Path, most: int = 8192) -> Floats:
     Raises:
         InputError: if the file is missing, too large, or not such an EXR.
     """
-    import OpenEXR
-
     path = Path(path)
     if not path.is_file():
         raise InputError(f"there is no file {path}.")
     with path.open("rb") as start:
         refuse_pointer(path, start.read(64))
-    try:
-        with OpenEXR.File(str(path), header_only=True) as file:
-            low, high = file.header()["dataWindow"]
-            width, height = int(high[0] - low[0]) + 1, int(high[1] - low[1]) + 1
-            if not 0 < max(height, width) <= most:
-                raise InputError(
-                    f"{path} is {width} × {height} pixels; a normal map has at most {most} a side."
-                )
-        with OpenEXR.File(str(path), separate_channels=True) as file:
-            channels = {name: channel.pixels for name, channel in file.channels().items()}
-    except InputError:
-        raise
-    except Exception as error:  # the library raises bare RuntimeErrors, or errors of its bindings
-        raise InputError(f"{path} is not an EXR that can be read: {brief(error)}.") from None
+    channels = _exr_channels(path, most)
     layers: dict[str, dict[str, Any]] = {}
     for name, pixels in channels.items():
         layer, _, letter = name.rpartition(".")
@@ -310,3 +295,23 @@ def read_exr(path: str | Path, most: int = 8192) -> Floats:
     raise InputError(
         f"{path} has the channels {', '.join(sorted(channels))[:80]}; a normal map has R, G, B or X, Y, Z."
     )
+
+
+def _exr_channels(path: Path, most: int) -> dict[str, Any]:
+    """Return the pixels of each channel of an EXR by name, after checking its size."""
+    import OpenEXR
+
+    try:
+        with OpenEXR.File(str(path), header_only=True) as file:
+            low, high = file.header()["dataWindow"]
+            width, height = int(high[0] - low[0]) + 1, int(high[1] - low[1]) + 1
+            if not 0 < max(height, width) <= most:
+                raise InputError(
+                    f"{path} is {width} × {height} pixels; a normal map has at most {most} a side."
+                )
+        with OpenEXR.File(str(path), separate_channels=True) as file:
+            return {name: channel.pixels for name, channel in file.channels().items()}
+    except InputError:
+        raise
+    except Exception as error:  # the library raises bare RuntimeErrors, or errors of its bindings
+        raise InputError(f"{path} is not an EXR that can be read: {brief(error)}.") from None

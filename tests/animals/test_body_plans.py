@@ -1,6 +1,6 @@
 import numpy as np
 
-from normalgan.animals.plan import Form, around, drawn_pose, proportions
+from normalgan.animals.plan import FunctionPlan, around, drawn_pose, proportions
 
 
 def test_asking_for_a_pose_shifts_no_other_draw() -> None:
@@ -11,7 +11,7 @@ def test_asking_for_a_pose_shifts_no_other_draw() -> None:
 
 
 def test_a_habit_named_twice_is_one_pose() -> None:
-    assert Form(("fly", "fly", "stand"), lambda pose, rng: []).poses == ("fly", "stand")
+    assert FunctionPlan(("fly", "fly", "stand"), lambda pose, rng: []).poses == ("fly", "stand")
 
 
 def test_proportions_are_drawn_from_their_ranges_and_the_young_are_otherwise() -> None:

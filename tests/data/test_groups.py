@@ -1,20 +1,14 @@
-from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
 
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.data.recipe import Loadable
 from normalgan.data.settings import EmbeddedAnimals, Split
 from normalgan.data.sources import MeshGroup
 from normalgan.errors import InputError
 from normalgan.rendering import MeshFile
 from normalgan.rendering.variation import Varied
-from small import data
-
-
-def names(sources: Sequence[Loadable]) -> list[str]:
-    return [source.name for source in sources]
+from small import data, names
 
 
 @pytest.fixture(name="things")

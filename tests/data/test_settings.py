@@ -1,7 +1,6 @@
 import contextlib
 import io
 import json
-from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -10,7 +9,6 @@ import yaml
 from normalgan.__main__ import main
 from normalgan.animals import GROUPS, Animal
 from normalgan.data.datamodule import MeshDataModule
-from normalgan.data.recipe import Loadable
 from normalgan.data.settings import EmbeddedAnimals, MeshReading, Split
 from normalgan.data.sources import MeshGroup
 from normalgan.errors import InputError
@@ -20,13 +18,9 @@ from normalgan.rendering.media import Medium
 from normalgan.rendering.rigs import RiggedFile
 from normalgan.rendering.samples import Recipe
 from normalgan.rendering.variation import Variation, Varied
-from small import data
+from small import data, names
 
 CONF = Path(__file__).parents[1] / "conf"
-
-
-def names(sources: Sequence[Loadable]) -> list[str]:
-    return [source.name for source in sources]
 
 
 def write_rig(path: Path) -> None:

@@ -28,7 +28,7 @@ SIDES = (8, 8192)
 @pytest.fixture
 def pool(monkeypatch: pytest.MonkeyPatch) -> Iterator[process._Pool]:
     """Give a pool of children of its own, which have a second for each picture."""
-    monkeypatch.setattr(process, "SECONDS", 1)
+    monkeypatch.setattr(process, "CPU_SECONDS", 1)
     monkeypatch.setattr(process, "_pool", process._Pool(2))
     yield process._pool
     process._pool.close()
@@ -50,7 +50,7 @@ def test_hostile_pictures_are_refused_in_one_sentence(
     tmp_path: Path, pool: process._Pool, monkeypatch: pytest.MonkeyPatch, endless: bool
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(process, "PATIENCE", 240.0)
+    monkeypatch.setattr(process, "WALL_SECONDS", 240.0)
     for name, (content, sentence) in hostile(secret_picture(tmp_path / "secret.png")).items():
         if (sentence == SLOW) != endless:
             continue
@@ -88,7 +88,7 @@ def test_the_clock_ends_what_takes_no_processor_time(
     pool: process._Pool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     read_pixels(Path("a.png"), grey(1))
-    monkeypatch.setattr(process, "PATIENCE", 0.5)
+    monkeypatch.setattr(process, "WALL_SECONDS", 0.5)
     psutil.Process(pool._idle[0]._process.pid).suspend()
     with pytest.raises(InputError, match=r"b\.png cannot be decoded: it takes more than 0 seconds"):
         read_pixels(Path("b.png"), grey(2))

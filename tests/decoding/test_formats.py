@@ -1,7 +1,7 @@
 import re
 from pathlib import Path
 
-from normalgan.decoding.decoders.formats import ENDINGS, FORMATS, format_of
+from normalgan.decoding.decoders.formats import ENDINGS, FORMATS, detect_format
 from normalgan.inference.reading.drawings import SUFFIXES
 from normalgan.studio.drawings.limits import with_limits
 from normalgan.studio.page_files import PAGE
@@ -12,14 +12,14 @@ ROOT = Path(__file__).parents[2]
 def test_a_format_is_told_by_its_first_bytes() -> None:
     for each in FORMATS:
         for start in each.starts:
-            found = format_of(start.ljust(64, b"\0"))
+            found = detect_format(start.ljust(64, b"\0"))
             assert found is not None
             assert found.starts == each.starts
     box = b"\0\0\0\x1cftyp%b\0\0\0\0mif1miaf%b"
     for brand, name in ((b"avif", "AVIF"), (b"heic", "HEIC"), (b"mp42", None)):
-        found = format_of(box.replace(b"mif1miaf", b"isomiso2") % (brand, brand))
+        found = detect_format(box.replace(b"mif1miaf", b"isomiso2") % (brand, brand))
         assert (found.name if found else None) == name
-    assert format_of(b"") is None
+    assert detect_format(b"") is None
 
 
 def test_endings_are_written_once() -> None:

@@ -136,8 +136,8 @@ def test_an_answer_that_is_cut_off_is_told_as_such(server: str, tmp_path: Path, 
 def test_a_server_that_drips_does_not_hold_us(
     server: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, where: str, said: str
 ) -> None:
-    monkeypatch.setattr("normalgan.files.addresses._WAIT", 1)
-    monkeypatch.setattr("normalgan.files.addresses._SLOWEST", 20)
+    monkeypatch.setattr("normalgan.files.addresses._TIMEOUT", 1)
+    monkeypatch.setattr("normalgan.files.addresses._LOWEST_SPEED", 20)
     with pytest.raises(InputError, match=said):
         normalgan.load(f"{server}/slow/{where}/model.onnx#sha256={SHA}")
     assert not (tmp_path / "kept").exists()

@@ -50,6 +50,11 @@ def beast(size: int) -> tuple[Tensor, Tensor]:
     )
 
 
+def seeded(seed: int = 0) -> torch.Generator:
+    """Return a generator for a sampler."""
+    return torch.Generator().manual_seed(seed)
+
+
 def _grid(size: int) -> tuple[Points, Points]:
     """Return x to the right and y up at the pixel centres of the frame [-1, 1]²."""
     centres = (np.arange(size) + 0.5) / size * 2 - 1

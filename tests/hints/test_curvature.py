@@ -3,7 +3,7 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
-from hint_scenes import beast, sphere
+from hint_scenes import beast, seeded, sphere
 from scipy import ndimage
 from torch import Tensor
 
@@ -11,10 +11,6 @@ from normalgan.errors import InputError
 from normalgan.hints import CurvatureHints
 
 Scene = tuple[Tensor, Tensor]
-
-
-def seeded(seed: int = 0) -> torch.Generator:
-    return torch.Generator().manual_seed(seed)
 
 
 @pytest.fixture(scope="module", name="quadruped")

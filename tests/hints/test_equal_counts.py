@@ -5,15 +5,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import torch
+from hint_scenes import seeded
 from torch import Tensor
 
 from normalgan.hints import CurvatureHints, FarthestPointHints, HintSampler, UniformHints, WorstErrorHints
 
 SIZE = 48
-
-
-def seeded(seed: int = 0) -> torch.Generator:
-    return torch.Generator().manual_seed(seed)
 
 
 def scene() -> tuple[Tensor, Tensor]:

@@ -1,13 +1,9 @@
 import pytest
 import torch
-from hint_scenes import sphere
+from hint_scenes import seeded, sphere
 
 from normalgan.errors import InputError
 from normalgan.hints import NoHints, UniformHints, hints_at
-
-
-def seeded(seed: int = 0) -> torch.Generator:
-    return torch.Generator().manual_seed(seed)
 
 
 def test_every_count_between_the_bounds_comes_up_and_no_other() -> None:

@@ -10,7 +10,7 @@ from normalgan.rendering.cameras import framed, look_at_origin, towards_eye
 from normalgan.rendering.lines import LineDrawing, ObjectSpaceSuggestive, OccludingContours, RidgesAndValleys
 from normalgan.rendering.lines.object_space import radial_curvature
 from normalgan.rendering.lines.ridges import apparent_curvature, extremes
-from normalgan.rendering.lines.surface import Surface, shape_of
+from normalgan.rendering.lines.surface import MeshSurface, shape_of
 from normalgan.rendering.renderers import EmbreeRenderer
 from normalgan.rendering.strokes import Stroke
 from normalgan.rendering.view import View
@@ -117,7 +117,7 @@ def test_apparent_curvature_of_a_cylinder_is_foreshortened_along_its_round_side(
 
 
 def test_extremes_are_found_whatever_the_sign_of_the_directions() -> None:
-    surface = Surface.of(height_field(lambda x, y: 0 * x * y, points=60))
+    surface = MeshSurface.of(height_field(lambda x, y: 0 * x * y, points=60))
     x = surface.vertices[:, 0]
     signs = np.where(np.random.default_rng(3).random(len(x)) < 0.5, -1.0, 1.0)
     along = np.stack([signs, 0 * x, 0 * x], axis=1)

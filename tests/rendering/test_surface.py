@@ -3,7 +3,7 @@ import pytest
 from mesh_shapes import as_mesh, ellipsoid
 
 from normalgan.arrays import Doubles
-from normalgan.rendering.lines.surface import Surface, shape_operators, smooth_normals
+from normalgan.rendering.lines.surface import MeshSurface, shape_operators, smooth_normals
 from normalgan.rendering.mesh import Mesh
 
 AXES = np.array([1.0, 0.7, 0.5])
@@ -25,7 +25,7 @@ def relative_errors(found: Doubles, true: Doubles) -> Doubles:
 
 
 def operators_of(mesh: Mesh, smoothing: float = 0.0) -> Doubles:
-    surface = Surface.of(mesh)
+    surface = MeshSurface.of(mesh)
     return shape_operators(surface, smooth_normals(surface, smoothing), smoothing)
 
 
@@ -74,7 +74,7 @@ def test_a_flat_sheet_and_a_face_without_area_have_no_curvature() -> None:
 
 def test_slope_of_a_linear_field_is_its_tangent_part() -> None:
     mesh = ellipsoid(*AXES, subdivisions=5)
-    surface = Surface.of(mesh)
+    surface = MeshSurface.of(mesh)
     direction = np.array([1.0, 2.0, 3.0])
     normal = surface.normals
     tangent = direction - normal * (normal @ direction)[:, None]
@@ -82,7 +82,7 @@ def test_slope_of_a_linear_field_is_its_tangent_part() -> None:
 
 
 def test_every_edge_is_there_once_and_faces_know_theirs() -> None:
-    surface = Surface.of(ellipsoid(*AXES, subdivisions=2))
+    surface = MeshSurface.of(ellipsoid(*AXES, subdivisions=2))
     assert len(surface.vertices) - len(surface.edges) + len(surface.faces) == 2  # Euler
     for corner in range(3):
         ends = np.sort(np.delete(surface.faces, corner, axis=1), axis=1)
@@ -92,7 +92,7 @@ def test_every_edge_is_there_once_and_faces_know_theirs() -> None:
 @pytest.mark.parametrize("subdivisions", [4, 5])
 def test_smoothing_spreads_as_far_as_it_says_whatever_the_mesh(subdivisions: int) -> None:
     mesh = ellipsoid(1, 1, 1, subdivisions=subdivisions)
-    surface = Surface.of(mesh)
+    surface = MeshSurface.of(mesh)
     peak = np.zeros(len(surface.vertices))
     peak[0] = 1
     spread = surface.smooth(peak, 0.15)

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin
 from jsonargparse import ArgumentParser, Namespace
 
 HIDDEN = {"help", "config", "print_config"}
-LONG = 330
+LONGEST_HELP = 330
 """Length from which only the beginning of a sentence is shown."""
 HEAD = "| setting | takes | default | |\n| --- | --- | --- | --- |\n"
 
@@ -103,7 +103,7 @@ def _default(action: Action, parser: ArgumentParser) -> str:
 
 def _sentence(action: Action) -> str:
     text = " ".join((action.help or "").split()).replace("``", "`").removesuffix(" (required)")
-    if len(text) > LONG:  # a library's text, which its own pages show in full
+    if len(text) > LONGEST_HELP:  # a library's text, which its own pages show in full
         sentences = re.split(r"(?<=\.)\s|\s(?=\.\. )|\s(?=- )", text)
         text = next(sentence for sentence in sentences if not sentence.startswith("Defaults to"))
     text = re.sub(r"`?\bNone\b`?", "`null`", text)

@@ -93,11 +93,11 @@ def make_animals(
     return [Animal(name, number, _posture(name, number, postures)) for name, number in numbered]
 
 
-def _posture(species: str, seed: int, share: float) -> str | None:
-    """Return the posture of an animal, or None for a fraction 1 - ``share`` of the animals."""
+def _posture(species: str, seed: int, probability: float) -> str | None:
+    """Return the posture of an animal, or None for a fraction 1 - ``probability`` of the animals."""
     known = [pose for pose in SPECIES[species].poses if pose == "sit" or pose in POSTURES]
     rng = rng_of(f"posture of {species}", seed)
-    return str(rng.choice(known)) if known and rng.random() < share else None
+    return str(rng.choice(known)) if known and rng.random() < probability else None
 
 
 def _members(names: Sequence[str]) -> list[str]:

@@ -1,4 +1,4 @@
-"""The body plan of bipeds: measures, poses as joint angles, bones, and flesh or metal around them."""
+"""The body plan of bipeds: proportions, poses as joint angles, bones, and flesh or metal around them."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -95,7 +95,7 @@ class _Limb:
 
 
 @dataclass(frozen=True, eq=False)
-class Skeleton:
+class Bones:
     """Positions of all bones.
 
     Args:
@@ -216,7 +216,7 @@ STANCES: Mapping[str, Callable[[Rng], Stance]] = {
 
 
 def _vary(measures: Measures, spread: float, rng: Rng) -> Measures:
-    """Return randomly varied measures, with one factor per length and a common factor for all radii."""
+    """Return randomly varied proportions, with one factor per length and a common factor for all radii."""
     lengths = ("leg", "torso", "neck", "head", "arm", "hand", "foot", "shoulders", "stoop")
     usual = (getattr(measures, name) for name in lengths)
     long = dict(zip(lengths, around(rng, spread, *usual), strict=True))
@@ -229,7 +229,7 @@ def _vary(measures: Measures, spread: float, rng: Rng) -> Measures:
     return replace(measures, chest=chest, waist=waist, pelvis=pelvis, **long, **thick)
 
 
-def skeleton(measures: Measures, stance: Stance) -> Skeleton:
+def skeleton(measures: Measures, stance: Stance) -> Bones:
     """Return the bones of a body in a pose, with the hips at the origin."""
     heights = np.array([-0.16, 0.0, 0.36, 0.70, 0.93, 1.06]) * measures.torso
     rest = np.column_stack([np.zeros(6), heights, np.zeros(6)])
@@ -241,7 +241,7 @@ def skeleton(measures: Measures, stance: Stance) -> Skeleton:
     skull = Frame(spine[5] + measures.neck * up, yaw(stance.turn + 0.5 * stance.twist) @ pitch(stance.nod))
     legs = tuple(_leg_bones(measures, leg) for leg in stance.legs)
     arms = tuple(_arm_bones(measures, arm) for arm in stance.arms)
-    return Skeleton(spine, turns, chest, skull, legs, arms)
+    return Bones(spine, turns, chest, skull, legs, arms)
 
 
 def _leg_bones(measures: Measures, leg: _Leg) -> _Limb:
@@ -286,7 +286,7 @@ class Flesh(Table):
     tail: Number = 0.0
     coat: Ripple | None = None
 
-    def parts(self, measures: Measures, bones: Skeleton, rng: Rng) -> list[Part]:
+    def parts(self, measures: Measures, bones: Bones, rng: Rng) -> list[Part]:
         """Return the parts in blending order."""
         coat = self.coat
         parts = [fuse(_trunk(measures, bones), ripple=coat)]
@@ -313,7 +313,7 @@ class Flesh(Table):
 class Robot(Table):
     """Builds a robot of boxes, balls and pipes around a skeleton."""
 
-    def parts(self, measures: Measures, bones: Skeleton, rng: Rng) -> list[Part]:
+    def parts(self, measures: Measures, bones: Bones, rng: Rng) -> list[Part]:
         """Return the parts in blending order."""
         edge = rng.uniform(0.012, 0.04)
         boxy = bool(rng.uniform() < 0.5)
@@ -374,7 +374,7 @@ def _each(limbs: Sequence[_Limb], shapes: Callable[[_Limb], list[Shape]]) -> lis
     return [on_side(shape, right) for right, limb in sides for shape in shapes(limb)]
 
 
-def _trunk(measures: Measures, bones: Skeleton) -> Sweep:
+def _trunk(measures: Measures, bones: Bones) -> Sweep:
     """Return the trunk, from the crotch to the base of the neck."""
     pelvis, waist, chest = (
         np.array([girth.half_depth, girth.half_width])
@@ -386,7 +386,7 @@ def _trunk(measures: Measures, bones: Skeleton) -> Sweep:
     return tube(points, rows[:, 0], rows[:, 1], side=bones.turns[:, :, 2])
 
 
-def _belly(measures: Measures, bones: Skeleton) -> Shape:
+def _belly(measures: Measures, bones: Bones) -> Shape:
     at, turn = (bones.spine[1] + 1.4 * bones.spine[2]) / 2.4, bones.turns[2]
     size = np.array([measures.waist.half_depth, 0.40 * measures.torso, 1.02 * measures.waist.half_width])
     return ball(at + turn @ np.array([measures.belly, 0.0, 0.0]), size, turn)
@@ -442,7 +442,7 @@ def _hand(kind: str, measures: Measures, limb: _Limb) -> list[Shape]:
     return [shape.placed(limb.end, size) for shape in shapes]
 
 
-def _skirt(measures: Measures, bones: Skeleton) -> Shape:
+def _skirt(measures: Measures, bones: Bones) -> Shape:
     """Return a cone around the hips and thighs."""
     waist, hips = bones.spine[2], bones.spine[1]
     hem = hips + np.array([0.0, -0.42 * measures.leg, 0.0])
@@ -454,7 +454,7 @@ def _skirt(measures: Measures, bones: Skeleton) -> Shape:
     return tube(rows, radii, [measures.waist.half_width * 1.05, width * 1.2, width * 1.75], flat=True)
 
 
-def _tail(length: float, bones: Skeleton, rng: Rng) -> Shape:
+def _tail(length: float, bones: Bones, rng: Rng) -> Shape:
     lift, aside = rng.uniform(0.1, 0.7), rng.normal(0, 0.25)
     rows = np.array([[0, 0, 0], [-0.25, -0.08, 0.1], [-0.55, 0.0, 0.4], [-0.72, 0.5, 0.7], [-0.6, 0.95, 1.0]])
     rows = rows * [1.0, lift, aside] * length

@@ -1,4 +1,4 @@
-"""Birds: measures of a kind with its wings, tail and legs, in body lengths.
+"""Birds: proportions of a species with its wings, tail and legs, in body lengths.
 
 Feathers are flat sweeps that overlap like roof tiles. A leg has a feathered thigh, a thin shank, three
 toes in front and one behind, optionally webbed.
@@ -209,7 +209,7 @@ _FACES: Mapping[str, Callable[[Rng], list[Part]]] = {
     "brow": _brow, "comb": _comb, "plume": _plume, "tufts": _tufts,
 }  # fmt: skip
 _POSES = ("stand", "walk", "feed", "perch", "one_leg", "swim", "spread", "soar", "land")
-_YOUNG_SHARE = 0.15
+_YOUNG_PROBABILITY = 0.15
 _RANGES: Mapping[str, Span] = {
     "girth": (0.88, 1.15), "neck": (0.9, 1.12), "head": (0.92, 1.12), "beak": (0.85, 1.18),
     "tail": (0.8, 1.2), "legs": (0.88, 1.12), "wing": (0.9, 1.12),
@@ -273,7 +273,7 @@ class Bird(PosedPlan):
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
         """Return the parts of a random individual in a pose."""
-        young = self.chick and pose in {"stand", "walk", "swim"} and bool(rng.uniform() < _YOUNG_SHARE)
+        young = self.chick and pose in {"stand", "walk", "swim"} and bool(rng.uniform() < _YOUNG_PROBABILITY)
         build = proportions(_RANGES, self.ranges, rng, _CHICK if young else None)
         tilt = rng.uniform(*self.pitch)
         tilt = {"soar": 4.0, "swim": 0.6 * tilt, "feed": 0.35 * tilt - 8.0}.get(pose, tilt)
@@ -308,9 +308,9 @@ class Bird(PosedPlan):
 
 
 def _neck(kind: Bird, pose: str, build: Mapping[str, float], body: Frame, rng: Rng) -> tuple[Part, Frame]:
-    share = rng.uniform(0.85, 1.0) if pose == "feed" else rng.uniform(0.0, 0.22)
+    fraction = rng.uniform(0.85, 1.0) if pose == "feed" else rng.uniform(0.0, 0.22)
     up, low = kind.neck, kind.low
-    points = up.points + share * (low.points - up.points)
+    points = up.points + fraction * (low.points - up.points)
     if pose == "soar":  # stretched forward, or retracted like a heron's
         points[:, 1] *= 0.25
         points[:, 0] += 0.5 * np.abs(up.y)
@@ -318,9 +318,9 @@ def _neck(kind: Bird, pose: str, build: Mapping[str, float], body: Frame, rng: R
     points += body.place([0.86, 0.02, 0.0])
     aside = float(np.clip(rng.normal(0, 0.35), -1, 1)) * kind.turn
     bent, _ = bend(points, 0.0, 0.4 * aside)
-    radii = up.radius + share * (low.radius - up.radius)
+    radii = up.radius + fraction * (low.radius - up.radius)
     sweep = tube(bent, radii * np.linspace(1.0, build["head"], len(bent)))
-    nod = rng.uniform(-8, 10) - (38.0 * share if pose == "feed" else 0.0)
+    nod = rng.uniform(-8, 10) - (38.0 * fraction if pose == "feed" else 0.0)
     return fuse(sweep, blend=0.14), Frame(bent[-1], yaw(aside) @ pitch(nod))
 
 

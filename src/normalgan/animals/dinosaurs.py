@@ -26,7 +26,7 @@ _RANGES: Mapping[str, Span] = {
     "arm": (0.85, 1.2), "legs": (0.9, 1.08), "sail": (0.75, 1.2),
 }  # fmt: skip
 _YOUNG: Mapping[str, float] = {"head": 1.3, "neck": 0.85, "tail": 0.85, "girth": 0.95, "legs": 1.08}
-_YOUNG_SHARE = 0.12
+_YOUNG_PROBABILITY = 0.12
 _POSES = ("stand", "walk", "run", "roar")
 
 
@@ -88,7 +88,7 @@ class Theropod(PosedPlan):
 
     def assemble(self, pose: str, rng: Rng) -> list[Part]:
         """Return the parts of a random individual in a pose."""
-        young = _YOUNG if rng.uniform() < _YOUNG_SHARE else None
+        young = _YOUNG if rng.uniform() < _YOUNG_PROBABILITY else None
         build = proportions(_RANGES, self.ranges, rng, young)
         tilt = rng.uniform(*self.pitch) + {"run": -5.0, "roar": 14.0}.get(pose, 0.0)
         whole = about((0, 0, 0), pitch(tilt))
@@ -161,9 +161,9 @@ def _arms(kind: Theropod, factor: float, rng: Rng) -> list[Part]:
 def _sail(torso: Profile, height: float) -> Part:
     start, end = float(torso.x[0]), float(torso.x[-1])
     base = float(torso.top.min()) - 0.05
-    share = np.linspace(0, 1, 9)
-    heights = base + 0.12 + height * np.sin(np.pi * share) ** 0.7
-    arch = np.column_stack([start + (end - start) * share, heights])
+    fraction = np.linspace(0, 1, 9)
+    heights = base + 0.12 + height * np.sin(np.pi * fraction) ** 0.7
+    arch = np.column_stack([start + (end - start) * fraction, heights])
     outline = rounded([(start, base), *arch, (end, base)], 1)
     return fuse(Plate(Frame(np.zeros(3), np.eye(3)), outline, 0.018, 0.06, 0.05), blend=0.06)
 
@@ -220,10 +220,10 @@ def _rows(line: Doubles, count: int, size: float) -> list[Part]:
     return [fuse(*plates[0::2], blend=0.03), fuse(*plates[1::2], blend=0.03)]
 
 
-def _plate(line: Doubles, share: float, tall: float, side: float) -> Plate:
+def _plate(line: Doubles, fraction: float, tall: float, side: float) -> Plate:
     steps = way_along(line)
     before, at, after = (
-        np.array([np.interp(share * steps[-1] + far, steps, column) for column in line.T])
+        np.array([np.interp(fraction * steps[-1] + far, steps, column) for column in line.T])
         for far in (-0.12, 0.0, 0.12)
     )
     ahead = unit(before - after)

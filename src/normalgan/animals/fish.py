@@ -1,4 +1,4 @@
-"""Fish: measures of a kind in body lengths, with parts that follow a bent spine."""
+"""Fish: proportions of a species in body lengths, with parts that follow a bent spine."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -95,7 +95,7 @@ class Gills(Table):
 
 @dataclass(frozen=True)
 class Fish(PosedPlan):
-    """A kind of fish, given straight, with the nose at x = 1 and the root of the tail fin near x = 0.
+    """A kind of fish in a straight pose, with the nose at x = 1 and the root of the tail fin near x = 0.
 
     Args:
         body: stations from the tail to the nose.

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from normalgan.animals.frames import Frame, hinge, pitch, ray, roll, yaw
 from normalgan.animals.parts import Part, Ripple, ball, both, by, carried, fuse, in_space, on_side, pair, tube
-from normalgan.animals.plan import BodyPlan, Form, Rng, around
+from normalgan.animals.plan import BodyPlan, FunctionPlan, Rng, around
 from normalgan.animals.shapes import Plate, Shape, Sweep
 from normalgan.animals.tables import Span
 from normalgan.arrays import Doubles
@@ -471,16 +471,16 @@ def _dragonfly(pose: str, rng: Rng) -> list[Part]:
 
 
 INSECTS: Mapping[str, BodyPlan] = {
-    "ant": Form(("stand", "walk"), _ant),
-    "bee": Form(("fly", "fly", "stand"), _bee),
-    "beetle": Form(("stand", "walk"), _beetle),
-    "butterfly": Form(("fly", "fly", "stand"), _butterfly),
-    "caterpillar": Form(("stand", "walk"), _caterpillar),
-    "dragonfly": Form(("fly", "stand"), _dragonfly),
-    "fly": Form(("fly", "stand", "walk"), _fly),
-    "grasshopper": Form(("stand", "stand", "leap"), _grasshopper),
-    "ladybird": Form(("stand", "walk"), _ladybird),
-    "mantis": Form(("stand", "strike"), _mantis),
-    "scorpion": Form(("stand", "walk"), _scorpion),
-    "spider": Form(("stand", "walk"), _spider),
+    "ant": FunctionPlan(("stand", "walk"), _ant),
+    "bee": FunctionPlan(("fly", "fly", "stand"), _bee),
+    "beetle": FunctionPlan(("stand", "walk"), _beetle),
+    "butterfly": FunctionPlan(("fly", "fly", "stand"), _butterfly),
+    "caterpillar": FunctionPlan(("stand", "walk"), _caterpillar),
+    "dragonfly": FunctionPlan(("fly", "stand"), _dragonfly),
+    "fly": FunctionPlan(("fly", "stand", "walk"), _fly),
+    "grasshopper": FunctionPlan(("stand", "stand", "leap"), _grasshopper),
+    "ladybird": FunctionPlan(("stand", "walk"), _ladybird),
+    "mantis": FunctionPlan(("stand", "strike"), _mantis),
+    "scorpion": FunctionPlan(("stand", "walk"), _scorpion),
+    "spider": FunctionPlan(("stand", "walk"), _spider),
 }

@@ -16,15 +16,15 @@ from normalgan.rendering.mesh import Mesh
 _Window = tuple[slice, slice, slice]
 _FAR = np.float32(10.0)  # value of the field far from all parts
 _MARGIN = 4  # number of grid cells around a part where its field is valid
-_FACES = 32_000  # approximate target
-_THINNEST = 1.35  # in grid cells; a smaller radius would break up into beads
-_COARSER = 4  # ratio of target faces to faces of the coarse mesh that measures the area
+_TARGET_FACES = 32_000  # approximate target
+_THINNEST_RADIUS = 1.35  # in grid cells; a smaller radius would break up into beads
+_COARSE_RATIO = 4  # ratio of target faces to faces of the coarse mesh that measures the area
 _OVERLAP = 1.28  # usual ratio of the parts' total area to the area of their union
-_TRUSTED = (0.7, 1.25)  # ratios of measured to estimated area for which the estimate is kept
-_CRUMB = 60  # in grid cells; smaller separate pieces are leftovers between a part and a hollow
+_TRUSTED_RATIOS = (0.7, 1.25)  # ratios of measured to estimated area for which the estimate is kept
+_LARGEST_CRUMB = 60  # in grid cells; smaller separate pieces are leftovers between a part and a hollow
 
 
-def to_mesh(name: str, parts: Sequence[Part], count: int = _FACES) -> Mesh:
+def to_mesh(name: str, parts: Sequence[Part], count: int = _TARGET_FACES) -> Mesh:
     """Return the surface of the blended parts, centred and scaled to a bounding sphere of radius 1.
 
     Args:
@@ -52,17 +52,17 @@ def _spacing(parts: Sequence[Part], count: int) -> float:
         # Solids may overlap strongly or be hollowed out, so the area is measured on a coarse grid. For
         # sweeps, the sum of areas is better, because they overlap little and a coarse grid thickens thin
         # ones.
-        coarse = float(np.sqrt(2.35 * skin * _COARSER / count))
+        coarse = float(np.sqrt(2.35 * skin * _COARSE_RATIO / count))
         vertices, faces, _, _ = marching_cubes(_field(parts, coarse), 0.0)
         measured = _OVERLAP * float(mesh_surface_area(vertices, faces)) * coarse**2
-        if not _TRUSTED[0] < measured / skin < _TRUSTED[1]:
+        if not _TRUSTED_RATIOS[0] < measured / skin < _TRUSTED_RATIOS[1]:
             skin = measured
     return float(np.sqrt(2.35 * skin / count))
 
 
 def _field(parts: Sequence[Part], spacing: float) -> Volume:
     """Return the field of the parts on a grid around all of them, without voids and loose crumbs."""
-    fine = [part.thickened(_THINNEST * spacing) for part in parts]
+    fine = [part.thickened(_THINNEST_RADIUS * spacing) for part in parts]
     corners = [part.reach() for part in fine if not part.carve]
     # Blends extend the union by at most a sixth of their width, for which two extra cells are enough.
     pad = (_MARGIN + 2) * spacing
@@ -82,10 +82,10 @@ def fill_voids(field: Volume) -> Volume:
 
 
 def drop_crumbs(field: Volume) -> Volume:
-    """Return the field without separate pieces smaller than `_CRUMB` cells."""
+    """Return the field without separate pieces smaller than `_LARGEST_CRUMB` cells."""
     labels, count = ndimage.label(field < 0)
     if count > 1:
-        small = np.bincount(labels.ravel()) < _CRUMB
+        small = np.bincount(labels.ravel()) < _LARGEST_CRUMB
         small[0] = False
         field = np.where(small[labels], np.float32(1e-3), field)
     return field

@@ -7,7 +7,7 @@ import numpy as np
 
 from normalgan.animals.frames import pitch, ray, roll, unit, yaw
 from normalgan.animals.parts import Part, Ripple, ball, block, both, by, fuse, pair, ring, tube
-from normalgan.animals.plan import BodyPlan, Form, Rng, around
+from normalgan.animals.plan import BodyPlan, FunctionPlan, Rng, around
 from normalgan.animals.shapes import Shape
 from normalgan.arrays import Doubles
 
@@ -533,5 +533,5 @@ _SHAPES: Mapping[str, Callable[[str, Rng], list[Part]]] = {
     "tree": _tree,
     "vase": _vase,
 }
-BLOBS: Mapping[str, BodyPlan] = {name: Form(("rest",), shape) for name, shape in _SHAPES.items()}
+BLOBS: Mapping[str, BodyPlan] = {name: FunctionPlan(("rest",), shape) for name, shape in _SHAPES.items()}
 """All species that are neither animals nor toys."""

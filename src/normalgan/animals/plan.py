@@ -67,7 +67,7 @@ class PosedPlan(Table, ABC):
 
 
 @dataclass(frozen=True)
-class Form(PosedPlan):
+class FunctionPlan(PosedPlan):
     """A species defined by a function of the pose and a random generator.
 
     Args:
@@ -106,5 +106,5 @@ def proportions(
 
 
 def around(rng: Rng, spread: float, *usual: float) -> list[float]:
-    """Return random numbers around the usual ones, with a relative deviation of at most ``spread``."""
+    """Return random numbers that differ from the usual ones by a fraction of at most ``spread``."""
     return [value * rng.uniform(1 - spread, 1 + spread) for value in usual]

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from normalgan.animals.frames import Frame, pitch, ray, roll, unit, yaw
 from normalgan.animals.insects import wing
 from normalgan.animals.parts import Part, ball, block, by, carried, fuse, in_space, pair, tube
-from normalgan.animals.plan import BodyPlan, Form, Rng, around
+from normalgan.animals.plan import BodyPlan, FunctionPlan, Rng, around
 from normalgan.animals.shapes import Shape, Sweep
 from normalgan.animals.tables import Point
 from normalgan.arrays import Doubles
@@ -335,13 +335,13 @@ def _dragon(pose: str, rng: Rng) -> list[Part]:
 
 
 PLUSH: Mapping[str, BodyPlan] = {
-    "plush_bunny": Form(_HABITS, _bunny),
-    "plush_cat": Form(_HABITS, _cat),
-    "plush_dragon": Form(_HABITS, _dragon),
-    "plush_elephant": Form(_HABITS, _elephant),
-    "plush_frog": Form(_HABITS, _frog),
-    "plush_octopus": Form(_HABITS, _octopus),
-    "plush_penguin": Form(_HABITS, _penguin),
-    "plush_pig": Form(_HABITS, _pig),
-    "teddy": Form(_HABITS, _teddy),
+    "plush_bunny": FunctionPlan(_HABITS, _bunny),
+    "plush_cat": FunctionPlan(_HABITS, _cat),
+    "plush_dragon": FunctionPlan(_HABITS, _dragon),
+    "plush_elephant": FunctionPlan(_HABITS, _elephant),
+    "plush_frog": FunctionPlan(_HABITS, _frog),
+    "plush_octopus": FunctionPlan(_HABITS, _octopus),
+    "plush_penguin": FunctionPlan(_HABITS, _penguin),
+    "plush_pig": FunctionPlan(_HABITS, _pig),
+    "teddy": FunctionPlan(_HABITS, _teddy),
 }

@@ -46,7 +46,7 @@ _YOUNG: Mapping[str, float] = {
     "legs": 1.08, "bone": 0.95, "girth": 0.88, "depth": 0.86, "length": 0.9, "head": 1.12, "muzzle": 0.88,
     "neck": 0.92, "ears": 1.1, "horns": 0.35, "tail": 0.8,
 }  # fmt: skip
-_YOUNG_SHARE = 0.12
+_YOUNG_PROBABILITY = 0.12
 
 
 @dataclass(frozen=True)
@@ -239,7 +239,7 @@ class Mane(Table):
 
 @dataclass(frozen=True)
 class Quadruped(Table):
-    """A kind of quadruped, given standing: head towards +x, ground at y = 0, withers about 1 high.
+    """A kind of quadruped in a standing pose: head towards +x, ground at y = 0, withers about 1 high.
 
     Args:
         habits: poses of the species; a pose listed twice is drawn twice as often.
@@ -284,7 +284,7 @@ class Quadruped(Table):
 
     def grow(self, pose: str | None, rng: Rng) -> list[Part]:
         """Return the parts of a random individual."""
-        young = _YOUNG if rng.uniform() < _YOUNG_SHARE else None
+        young = _YOUNG if rng.uniform() < _YOUNG_PROBABILITY else None
         build = proportions(_RANGES, self.ranges, rng, young)
         drawn = drawn_pose(self.habits, pose, rng)
         return _assemble(self, build, (POSES[drawn] if drawn in POSES else POSTURES[drawn])(rng), rng)

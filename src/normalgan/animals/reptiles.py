@@ -167,8 +167,8 @@ class Snake(PosedPlan):
         fat = rng.uniform(0.060, 0.085)
         line = {"coil": _coil, "wind": _wind, "rear": _rear}[pose](fat, rng)
         steps = way_along(line)
-        share = steps / steps[-1]  # 0 at the tip of the tail, 1 at the head
-        radii = fat * np.interp(share, [0, 0.18, 0.5, 0.85, 1.0], [0.16, 0.62, 1.0, 0.92, 0.62])
+        fraction = steps / steps[-1]  # 0 at the tip of the tail, 1 at the head
+        radii = fat * np.interp(fraction, [0, 0.18, 0.5, 0.85, 1.0], [0.16, 0.62, 1.0, 0.92, 0.62])
         line[:, 1] += radii - fat  # each part lies on the ground or on the coil below
         way = line[-1] - line[-2]
         heading = float(np.rad2deg(np.arctan2(-way[2], way[0])))
@@ -190,14 +190,14 @@ class Snake(PosedPlan):
 
 def _crawler_spine(rows: Profile, pose: str, rng: Rng) -> Spine:
     xs = np.linspace(rows.x[0], rows.x[-1] + 0.05, 41)
-    share = (xs[-1] - xs) / (xs[-1] - xs[0])
+    fraction = (xs[-1] - xs) / (xs[-1] - xs[0])
     side = 1.0 if rng.uniform() < 0.5 else -1.0
     if pose == "crawl":
-        turns = side * (14 + 34 * share) * np.sin(2 * np.pi * (1.15 * share + rng.uniform(-0.08, 0.08)))
+        turns = side * (14 + 34 * fraction) * np.sin(2 * np.pi * (1.15 * fraction + rng.uniform(-0.08, 0.08)))
     elif pose == "bask":  # curled to one side, most strongly at the tail
-        turns = side * rng.uniform(90, 165) * share**1.8
+        turns = side * rng.uniform(90, 165) * fraction**1.8
     else:
-        turns = side * rng.uniform(0, 40) * share**1.3 + rng.normal(0, 10) * np.sin(5 * share)
+        turns = side * rng.uniform(0, 40) * fraction**1.3 + rng.normal(0, 10) * np.sin(5 * fraction)
     return Spine(xs, turns - turns[-1])
 
 
@@ -252,10 +252,10 @@ def _bumps(rows: Profile, pairs: int, spine: Spine) -> list[Sweep]:
         top, bottom, wide = rows.at(x)
         tail = x < 0.45 * rows.x[0]  # the two inner rows merge on the tail
         for k in range(1 if tail else pairs):
-            share = 0.0 if tail else (0.24 + 0.46 * k / max(pairs - 1, 1))
-            y = (top + bottom) / 2 + (top - bottom) / 2 * np.sqrt(1 - share**2)
+            fraction = 0.0 if tail else (0.24 + 0.46 * k / max(pairs - 1, 1))
+            y = (top + bottom) / 2 + (top - bottom) / 2 * np.sqrt(1 - fraction**2)
             for sign in (1.0,) if tail else (1.0, -1.0):
-                z = sign * share * wide
+                z = sign * fraction * wide
                 points = [[x + 0.018, y - 0.006, z], [x - 0.018, y + (0.028 if tail else 0.012), z]]
                 bumps.append(tube(spine.place(points), [0.020, 0.012], [0.015, 0.010]))
     return bumps

@@ -12,8 +12,8 @@ from normalgan.animals.frames import Axes, Frame, Volume
 from normalgan.arrays import Doubles
 
 MIRROR = np.array([1.0, 1.0, -1.0])  # factors that mirror a point
-_TINY = np.float32(1e-9)
-_BAND = 0.15
+_TINY = np.float32(1e-9)  # keeps square roots and divisions finite at the centre
+_BAND = 0.15  # fraction of an outline's extent; farther away, no blend needs the distance to its edge
 
 
 class Piece(NamedTuple):

@@ -19,10 +19,10 @@ FOLDER = Path(__file__).with_name("species")
 SHARED = FOLDER / "shared.toml"
 """Tables shared by several species files, by class and name."""
 
-_GREATEST = 10_000
+_LARGEST_NUMBER = 10_000
 """Bound of numbers; sizes are about 1 and angles are in degrees, so larger numbers would only overflow."""
-Number = Annotated[float, Range(-_GREATEST, _GREATEST)]
-Span = Annotated[tuple[Number, Number], Range(-_GREATEST, _GREATEST)]
+Number = Annotated[float, Range(-_LARGEST_NUMBER, _LARGEST_NUMBER)]
+Span = Annotated[tuple[Number, Number], Range(-_LARGEST_NUMBER, _LARGEST_NUMBER)]
 """Minimum and maximum of a uniform distribution."""
 Point = tuple[Number, Number, Number]
 Bone = Annotated[float, Range(0.01, 100)]

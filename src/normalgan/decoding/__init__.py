@@ -12,9 +12,9 @@ from normalgan.decoding.results import (
     DecodedFrames,
     DecodedLayer,
     DecodedLayers,
+    DecodedPixels,
     FileNotes,
     LayerNote,
-    Pixels,
 )
 
 __all__ = [
@@ -22,9 +22,9 @@ __all__ = [
     "DecodedFrames",
     "DecodedLayer",
     "DecodedLayers",
+    "DecodedPixels",
     "FileNotes",
     "LayerNote",
-    "Pixels",
     "decode",
     "decode_frames",
     "decode_layers",

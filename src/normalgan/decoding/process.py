@@ -31,16 +31,17 @@ from normalgan.decoding.time_limit import time_limit
 from normalgan.errors import InputError, RunError
 
 T = TypeVar("T")
-SECONDS = 10
+CPU_SECONDS = 10
 """Limit of processor time per picture, in seconds."""
 MEMORY = 2**31
 """Memory limit for decoding a picture in bytes, in addition to that of the libraries."""
-PATIENCE = 60.0
+WALL_SECONDS = 60.0
 """Limit of wall-clock time per picture in seconds, longer to allow for a busy machine."""
 _MOST_WORDS = 4096
+"""Maximum number of characters of a text from a child, which sends at most `_MOST_NOTES` about a picture."""
 _MOST_HEADER = 2**20
 """Maximum size of a message without pixels, in bytes."""
-_NONSENSE = (EOFError, OSError, ValueError, KeyError, TypeError)
+_CHILD_ERRORS = (EOFError, OSError, ValueError, KeyError, TypeError)
 """Exceptions raised if a child has ended or sends invalid messages."""
 
 
@@ -109,8 +110,8 @@ class _Question(Generic[T]):
         name: name of the file in errors.
         content: content of the file.
         sides: minimum and maximum side in pixels.
-        read: function that converts the child's answer to the result, and raises one of `_NONSENSE` if the
-            answer is invalid.
+        read: function that converts the child's answer to the result, or raises one of `_CHILD_ERRORS` if it
+            is invalid.
         more: additional decoding options.
     """
 
@@ -177,7 +178,7 @@ class _Child:
         if sys.platform == "win32":
             os.set_handle_inheritable(handle, True)
             passed = {"close_fds": False, "creationflags": subprocess.CREATE_NO_WINDOW}
-        given = (_HERE, str(handle), needs, str(SECONDS), str(MEMORY), *_folders())
+        given = (_HERE, str(handle), needs, str(CPU_SECONDS), str(MEMORY), *_folders())
         try:
             self._process = subprocess.Popen(
                 [sys.executable, "-I", "-S", "-c", _PROGRAM, *given],
@@ -198,7 +199,7 @@ class _Child:
 
     def ask(self, question: _Question[T]) -> T:
         """Return the answer; if any error except a refusal is raised, the process has ended."""
-        with time_limit(PATIENCE, self._process.kill) as late:
+        with time_limit(WALL_SECONDS, self._process.kill) as late:
             try:
                 if not self._ready:
                     self._greet()
@@ -212,7 +213,7 @@ class _Child:
                 raise
             except InputError:
                 raise
-            except _NONSENSE:
+            except _CHILD_ERRORS:
                 self.close()
                 reason = self._reason(late.is_set())
                 raise InputError(f"{question.name} cannot be decoded: {reason}.") from None
@@ -233,7 +234,7 @@ class _Child:
         try:
             header = json.loads(self._connection.recv_bytes(_MOST_HEADER))
             words = _printable(header["refused"]) if "refused" in header else ""
-        except _NONSENSE:
+        except _CHILD_ERRORS:
             self._process.kill()
             words = f"it ended with {self._process.wait()}"
         if words:
@@ -281,9 +282,9 @@ class _Child:
     def _reason(self, late: bool) -> str:
         code = self._process.returncode
         if late:
-            return f"it takes more than {PATIENCE:.0f} seconds"
+            return f"it takes more than {WALL_SECONDS:.0f} seconds"
         if code == -getattr(signal, "SIGXCPU", 0):
-            return f"it takes more than {SECONDS} seconds of processor time"
+            return f"it takes more than {CPU_SECONDS} seconds of processor time"
         crash = (
             signal.Signals(-code).name if code < 0 and -code in set(signal.Signals) else f"exit code {code}"
         )
@@ -366,7 +367,7 @@ def _forget() -> None:
     """Forget all children after a fork, because they belong to the parent process."""
     global _pool  # noqa: PLW0603
     _kept.append(_pool)  # otherwise the parent's connections would be closed and its children waited for
-    _pool = _Pool(_MOST)
+    _pool = _Pool(_MOST_CHILDREN)
 
 
 def _close() -> None:
@@ -387,10 +388,10 @@ _ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 """Disables the threads of NumPy's linear algebra, which a child does not need and which use memory."""
 _KEPT_MEMORY = {"MALLOC_MMAP_THRESHOLD_": str(2**25), "MALLOC_TRIM_THRESHOLD_": str(2**26)}
 """Makes glibc keep up to 64 MiB for the next picture, because new pages take longer than decoding."""
-_MOST = max(2, min(os.cpu_count() or 1, 8))
+_MOST_CHILDREN = max(2, min(os.cpu_count() or 1, 8))
 """Maximum number of children, at least two, so that strokes in the studio do not wait for an import."""
 _kept: list[_Pool] = []
-_pool = _Pool(_MOST)
+_pool = _Pool(_MOST_CHILDREN)
 atexit.register(_close)
 if sys.platform != "win32":
     os.register_at_fork(after_in_child=_forget)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Pixels = NDArray[np.uint8] | NDArray[np.uint16] | NDArray[np.int32] | NDArray[np.float32]
+DecodedPixels = NDArray[np.uint8] | NDArray[np.uint16] | NDArray[np.int32] | NDArray[np.float32]
 """(H, W) grey of any of these types, or (H, W, 3) or (H, W, 4) with red, green, blue and opacity of 8
 bits. If the stored levels are requested, colours may also be 16 bits or floats."""
 
@@ -50,7 +50,7 @@ class Decoded:
         notes: differences between the decoded file and what its own program shows.
     """
 
-    pixels: Pixels
+    pixels: DecodedPixels
     shape: tuple[int, int]
     notes: FileNotes = FileNotes()
 

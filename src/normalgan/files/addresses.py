@@ -21,9 +21,9 @@ from normalgan.files.writing import write_bytes
 
 CACHE = "NORMALGAN_CACHE"
 """Environment variable with the folder of downloaded files."""
-_WAIT = 30
+_TIMEOUT = 30
 """Timeout for a server's answer, and interval over which its speed is measured, in seconds."""
-_SLOWEST = 10
+_LOWEST_SPEED = 10
 """Minimum speed of a server in bytes per second, as in cargo, which also measures over 30 s. A socket
 timeout restarts with each byte, so a slow server could block us forever."""
 _HASH = re.compile(r"sha256=([0-9a-fA-F]{64})")
@@ -156,7 +156,7 @@ class _Fetch(Thread):
         """Read the server's answer."""
         request = Request(self._address.text, headers={"User-Agent": "normalgan"})
         try:
-            with urlopen(request, timeout=_WAIT) as answer:
+            with urlopen(request, timeout=_TIMEOUT) as answer:
                 self._promised = int(answer.headers.get("Content-Length") or 0)
                 while len(self._received) <= MOST_BYTES and (part := answer.read1(2**16)):
                     self._received += part
@@ -172,12 +172,12 @@ class _Fetch(Thread):
         """
         while self.is_alive():
             before = len(self._received)
-            self.join(_WAIT)
-            if self.is_alive() and len(self._received) - before < _SLOWEST * _WAIT:
+            self.join(_TIMEOUT)
+            if self.is_alive() and len(self._received) - before < _LOWEST_SPEED * _TIMEOUT:
                 if not self._received:
                     raise TimeoutError("timed out")
                 raise InputError(
-                    f"{self._address.text} sends less than {_SLOWEST} bytes a second; try again later."
+                    f"{self._address.text} sends less than {_LOWEST_SPEED} bytes a second; try again later."
                 )
         if self._error is not None:
             raise self._error

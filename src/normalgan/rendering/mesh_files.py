@@ -176,7 +176,7 @@ class _Orientation(NamedTuple):
 def read_orientations(path: str) -> dict[str, _Orientation]:
     """Return the orientations of a JSON file ``{"name": {"rotation": 3×3, "inside_out": bool}}``.
 
-    Either entry may be missing. The mesh is then not rotated, or its outside is detected.
+    Without a rotation, the mesh is not rotated. Without ``inside_out``, its outside is detected.
 
     Raises:
         InputError: if the file cannot be read or has another form, or a matrix is not a rotation.

@@ -109,7 +109,7 @@ class _Text:
         self._at += count if properties else 0
 
     def table(self, count: int, properties: Sequence[_Property]) -> Doubles:
-        """Return the places (V, 3) of vertices."""
+        """Return the positions (V, 3) of vertices."""
         places = _places(properties)
         if any(each.length is not None for each in properties):
             raise BrokenMeshError("its vertices have lists")
@@ -164,7 +164,7 @@ class _Binary:
             self._read(count, properties)
 
     def table(self, count: int, properties: Sequence[_Property]) -> Doubles:
-        """Return the places (V, 3) of vertices."""
+        """Return the positions (V, 3) of vertices."""
         columns = self._read(count, properties)
         return np.stack([np.asarray(columns[each][0], np.float64) for each in _places(properties)], axis=-1)
 

@@ -21,16 +21,16 @@ from normalgan.line_widths import USUAL_WIDTHS, check_line_widths
 from normalgan.losses import ADVERSARIAL_OBJECTIVES, RECONSTRUCTIONS
 from normalgan.models import DISCRIMINATORS, GENERATORS
 from normalgan.registry import Registry, class_path, find_imported
-from normalgan.weights.class_spec import ANY_NUMBER, LARGEST, ClassSpec, is_plain
+from normalgan.weights.class_spec import ANY_NUMBER, LARGEST_SETTING, ClassSpec, is_plain
 from normalgan.weights.file import SUFFIXES, Weights, read_weights
 from normalgan.weights.local_classes import find_local, where_classes_are_looked_for
 from normalgan.weights.metadata import ModelMetadata
 from normalgan.weights.network import check_fit
 
 REGISTRIES: dict[str, tuple[Registry[Any], int]] = {
-    "generator": (GENERATORS, LARGEST),
-    "discriminator": (DISCRIMINATORS, LARGEST),
-    "hint_sampler": (HINT_SAMPLERS, LARGEST),
+    "generator": (GENERATORS, LARGEST_SETTING),
+    "discriminator": (DISCRIMINATORS, LARGEST_SETTING),
+    "hint_sampler": (HINT_SAMPLERS, LARGEST_SETTING),
     "objective": (ADVERSARIAL_OBJECTIVES, ANY_NUMBER),  # loss weights, which do not affect memory
     "reconstruction": (RECONSTRUCTIONS, ANY_NUMBER),
 }
@@ -219,7 +219,7 @@ def read_checkpoint(path: Path) -> Checkpoint:
     # torch.compile prefixes the names of a network's weights.
     tensors = {uncompiled(name): tensor for name, tensor in tensors.items()}
     size = content.get(PICTURE_SIZE)
-    size = size if type(size) is int and 1 <= size <= LARGEST else None
+    size = size if type(size) is int and 1 <= size <= LARGEST_SETTING else None
     # Lightning's note on how to build the model, which is not needed.
     settings = {
         _RENAMED_SETTINGS.get(name, name): value
@@ -274,7 +274,7 @@ def _part(name: str, value: Any) -> ClassSpec:
 
 
 def _unchecked_part(name: str, value: Any) -> ClassSpec | None:
-    """Return a component that inference does not use, so that its class may be unknown here.
+    """Return a component that inference does not use, and whose class may be unknown here.
 
     It returns None if the object was made in Python from values that are not plain.
     """
@@ -330,7 +330,7 @@ def _check_named(name: str, value: Any) -> None:
 
 
 def _has_form(found: Any, form: Any) -> bool:
-    """Return whether a value has the same structure as another, with numbers of 0 or more.
+    """Return whether a value has the same structure as another, with non-negative numbers.
 
     >>> [_has_form(found, {"ready": 0}) for found in ({"ready": 3}, {"ready": -1}, {})]
     [True, False, False]
@@ -375,6 +375,6 @@ def _size_of_run(config: Path) -> int | None:
     try:
         text = read_bounded(config, MOST_SETTINGS).decode("utf-8")
         size = None if yaml_limit_error(text) else load_yaml(text)["data"]["size"]
-        return size if type(size) is int and 1 <= size <= LARGEST else None
+        return size if type(size) is int and 1 <= size <= LARGEST_SETTING else None
     except (OSError, InputError, yaml.YAMLError, KeyError, TypeError, UnicodeDecodeError):
         return None

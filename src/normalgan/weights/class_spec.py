@@ -16,7 +16,7 @@ from normalgan.weights.local_classes import find_local, where_classes_are_looked
 
 T = TypeVar("T")
 
-LARGEST = 4096
+LARGEST_SETTING = 4096
 """Upper bound of a network's settings, such as width or size; larger values could exhaust time or memory."""
 ANY_NUMBER = 2**63
 """Upper bound of settings that do not affect memory, such as the weight of a loss."""
@@ -35,7 +35,7 @@ class ClassSpec:
     settings: Mapping[str, Any]
 
     @classmethod
-    def of(cls, configuration: Any, largest: int = LARGEST) -> "ClassSpec":
+    def of(cls, configuration: Any, largest: int = LARGEST_SETTING) -> "ClassSpec":
         """Return the class and settings in a configuration, without looking up the class.
 
         Args:
@@ -127,7 +127,7 @@ class ClassSpec:
         return built
 
 
-def is_plain(value: Any, largest: int = LARGEST) -> bool:
+def is_plain(value: Any, largest: int = LARGEST_SETTING) -> bool:
     """Return whether a setting is plain data; a dotted path is not, because it might import a module.
 
     >>> is_plain([0.5, "batch", None]), is_plain("os.system"), is_plain({"class_path": "a"}), is_plain(5000)

@@ -26,7 +26,7 @@ _MOST_HEADER = 2**20  # names and shapes take a hundred bytes per tensor
 _NETWORK, _HALF = "generator.", ".half"
 _MEAN, _COUNT = "running_mean", "num_batches_tracked"
 """Parts of the names of tensors in an ONNX file."""
-_SMALL = 64  # smaller tensors take little space and keep their precision
+_SMALLEST_HALVED = 64  # smaller tensors take little space and keep their precision
 
 
 @dataclass(frozen=True)
@@ -152,7 +152,7 @@ def _split(content: bytes) -> tuple[dict[str, Any], bytes]:
 
 
 def _halve(tensor: Tensor) -> Tensor:
-    if not tensor.is_floating_point() or tensor.numel() < _SMALL:
+    if not tensor.is_floating_point() or tensor.numel() < _SMALLEST_HALVED:
         return tensor
     largest = torch.finfo(torch.float16).max
     return tensor.clamp(-largest, largest).to(torch.float16)

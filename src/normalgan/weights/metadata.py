@@ -9,7 +9,7 @@ from normalgan.hints import HINT_SAMPLERS, HintSampler
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths, line_widths_of
 from normalgan.models import GENERATORS
 from normalgan.version import __version__
-from normalgan.weights.class_spec import LARGEST, ClassSpec
+from normalgan.weights.class_spec import LARGEST_SETTING, ClassSpec
 
 _UNKNOWN = "null"
 _MADE_IN_PYTHON = "its hint sampler was made in Python of more than plain values; measure the model there."
@@ -101,7 +101,7 @@ class ModelMetadata:
         return cls(
             ClassSpec.from_json(metadata["generator"]),
             None if metadata["hint_sampler"] == _UNKNOWN else ClassSpec.from_json(metadata["hint_sampler"]),
-            size=_number(metadata, "size", LARGEST),
+            size=_number(metadata, "size", LARGEST_SETTING),
             noise_at_test=metadata["noise_at_test"] == "true",
             seed=_number(metadata, "seed", 2**63 - 1),
             licence=metadata["licence"],

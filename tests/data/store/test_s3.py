@@ -3,7 +3,6 @@ import socket
 import time
 import urllib.request
 import warnings
-from collections.abc import Iterator
 from pathlib import Path
 
 import fsspec  # type: ignore[import-untyped]
@@ -16,31 +15,13 @@ from normalgan.data.render import open_samples, render_samples
 from normalgan.data.store import fsspec_storage
 from normalgan.data.store.fsspec_storage import ObjectFolder, options
 from normalgan.errors import InputError
-from s3_server import forget, fresh_bucket, s3_server
+from s3_server import download, forget
 
 # Tests that change the credentials drop file systems, whose connections close when the garbage is collected.
 pytestmark = pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 
 SOURCES = {"train": [Octahedron("a"), Octahedron("b", 0.3)], "test": [Octahedron("c", 0.8)]}
 VIEWS = 18  # 36 samples to train on are two shards, 18 to test on are one
-
-
-@pytest.fixture(scope="module", name="endpoint")
-def make_endpoint() -> Iterator[str]:
-    """The address of an S3 server in this process."""
-    with s3_server() as address:
-        yield address
-
-
-@pytest.fixture(name="bucket")
-def make_bucket(endpoint: str, monkeypatch: pytest.MonkeyPatch) -> str:
-    """The URL of a fresh bucket."""
-    return fresh_bucket(endpoint, monkeypatch)
-
-
-def download(url: str, folder: Path) -> dict[str, bytes]:
-    fsspec.filesystem("s3", use_listings_cache=False).get(url, str(folder), recursive=True)
-    return contents(folder)
 
 
 def render(cache: str, cluster: str | None = None, **settings: object) -> None:
@@ -53,7 +34,7 @@ def test_the_store_holds_the_same_bytes_and_is_read_from_every_process(bucket: s
         warnings.simplefilter("error")
         render(f"{bucket}/deep/cache")
     render(str(tmp_path / "disk"))
-    assert download(f"{bucket}/deep/cache", tmp_path / "copy") == contents(tmp_path / "disk")
+    assert contents(download(f"{bucket}/deep/cache", tmp_path / "copy")) == contents(tmp_path / "disk")
     near = open_samples(str(tmp_path / "disk"), SOURCES, VIEWS, recipe())["train"]
     far = open_samples(f"{bucket}/deep/cache", SOURCES, VIEWS, recipe())["train"]
     for index in (0, 17, 35):
@@ -72,7 +53,7 @@ def test_a_cluster_renders_into_it(bucket: str, tmp_path: Path, monkeypatch: pyt
     monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[1]), prepend=":")
     render(f"{bucket}/cache", cluster="local:2")
     render(str(tmp_path / "disk"))
-    assert download(f"{bucket}/cache", tmp_path / "copy") == contents(tmp_path / "disk")
+    assert contents(download(f"{bucket}/cache", tmp_path / "copy")) == contents(tmp_path / "disk")
 
 
 @pytest.mark.slow

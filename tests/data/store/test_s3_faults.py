@@ -3,14 +3,13 @@
 from collections.abc import Iterator
 from pathlib import Path
 
-import fsspec  # type: ignore[import-untyped]
 import pytest
 from toys import Octahedron, assert_same, contents, recipe
 
 from faulty_proxy import KINDS, Faults, faulty_proxy
 from normalgan.data.render import open_samples, render_samples
 from normalgan.errors import InputError
-from s3_server import forget, fresh_bucket, s3_server
+from s3_server import download, forget
 
 pytestmark = [
     pytest.mark.slow,  # s3fs waits before it tries again
@@ -19,17 +18,6 @@ pytestmark = [
 
 SOURCES = {"train": [Octahedron("a"), Octahedron("b", 0.3)], "test": [Octahedron("c", 0.8)]}
 VIEWS = 18
-
-
-@pytest.fixture(scope="module", name="endpoint")
-def make_endpoint() -> Iterator[str]:
-    with s3_server() as address:
-        yield address
-
-
-@pytest.fixture(name="bucket")
-def make_bucket(endpoint: str, monkeypatch: pytest.MonkeyPatch) -> str:
-    return fresh_bucket(endpoint, monkeypatch)
 
 
 @pytest.fixture(name="faults")
@@ -55,11 +43,6 @@ def render(cache: str) -> None:
     render_samples(cache, SOURCES, VIEWS, recipe(), progress=False)
 
 
-def stored(url: str, folder: Path) -> dict[str, bytes]:
-    fsspec.filesystem("s3", use_listings_cache=False).get(url, str(folder), recursive=True)
-    return contents(folder)
-
-
 @pytest.mark.parametrize("kind", KINDS)
 def test_single_faults_are_not_noticed(
     bucket: str, faults: Faults, kind: str, whole: Path, tmp_path: Path
@@ -72,7 +55,7 @@ def test_single_faults_are_not_noticed(
         assert_same(store.read(index), near.read(index))
     assert faults.spoilt >= 3
     faults.every = 0
-    assert stored(f"{bucket}/cache", tmp_path / "copy") == contents(whole)
+    assert contents(download(f"{bucket}/cache", tmp_path / "copy")) == contents(whole)
 
 
 @pytest.mark.parametrize("kind", ["busy", "cut"])
@@ -85,7 +68,7 @@ def test_a_server_that_goes_away_while_samples_are_written_costs_one_sentence(
     assert faults.spoilt
     faults.away_after = None  # it is back: what was written serves, the rest is rendered
     render(f"{bucket}/cache")
-    assert stored(f"{bucket}/cache", tmp_path / "copy") == contents(whole)
+    assert contents(download(f"{bucket}/cache", tmp_path / "copy")) == contents(whole)
 
 
 @pytest.mark.parametrize("kind", ["busy", "cut"])

@@ -1,5 +1,6 @@
 """Ellipsoids seen orthographically, whose maps are known exactly, and drawings of them."""
 
+import mesh_shapes
 import numpy as np
 
 from normalgan.arrays import Doubles
@@ -45,6 +46,5 @@ def drawing(size: int = 128) -> list[Stroke]:
 
 def angles(one: Maps, two: Maps) -> Doubles:
     """Return the degrees between normals where both maps have the object."""
-    a, b = (maps.normal[one.mask & two.mask].astype(np.float64) for maps in (one, two))
-    cosine, sine = (a * b).sum(axis=1), np.linalg.norm(np.cross(a, b), axis=1)
-    return np.asarray(np.rad2deg(np.arctan2(sine, cosine)))
+    both = one.mask & two.mask
+    return mesh_shapes.angles(one.normal[both], two.normal[both])

@@ -12,7 +12,7 @@ from normalgan.errors import InputError
 from normalgan.rendering.gltf.scene import world_matrices
 from normalgan.rendering.mesh_files import MeshFile, find_meshes
 from normalgan.rendering.rigs import RiggedFile, find_poses
-from normalgan.rendering.rigs.joints import SMALL, find_joints
+from normalgan.rendering.rigs.joints import DEFAULT_ROTATION, find_joints
 from normalgan.rendering.rigs.posing import draw_pose, turned
 from normalgan.rendering.rigs.reading import read_rig
 from normalgan.rendering.rigs.rig import Rig, posed_surface
@@ -52,14 +52,14 @@ def test_ranges_are_those_of_the_animations(tmp_path: Path) -> None:
 def test_without_animations_joints_turn_a_little_and_the_root_not(tmp_path: Path) -> None:
     rig = read_rig(write_gltf(tmp_path / "bar.gltf", bar(clips=False)[0]))
     joints = find_joints(rig)
-    np.testing.assert_array_equal(joints.high, [[0] * 3, [SMALL] * 3])
+    np.testing.assert_array_equal(joints.high, [[0] * 3, [DEFAULT_ROTATION] * 3])
     np.testing.assert_array_equal(joints.low, -joints.high)
     rest = tube()[0]
     for seed in range(5):
         vertices, _ = posed_surface(rig, draw_pose(rig, np.random.default_rng(seed)))
         np.testing.assert_allclose(vertices[: 4 * 11], rest[: 4 * 11], atol=1e-6)
         tip = vertices[-4:].mean(axis=0) - [0, 1, 0]
-        assert 0.001 < np.arccos(tip[1] / np.linalg.norm(tip)) < np.sqrt(3) * SMALL
+        assert 0.001 < np.arccos(tip[1] / np.linalg.norm(tip)) < np.sqrt(3) * DEFAULT_ROTATION
 
 
 def test_turning_a_joint_takes_along_what_hangs_on_it(tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ from normalgan.rendering.rigs.posing import (
     in_posture,
 )
 from normalgan.rendering.rigs.reading import read_rig
-from normalgan.rendering.rigs.rig import Piece, Rig
+from normalgan.rendering.rigs.rig import BoundSurface, Rig
 
 PAWS: dict[str, tuple[str | None, tuple[float, float, float]]] = {
     "Back": (None, (0, 1, 0)),
@@ -64,7 +64,7 @@ def dog(elbow: float = 0.8) -> Rig:
     triangle = np.array([[0, 0, 0], [0.05, 0, 0], [0, 0.05, 0]])
     none = np.zeros((3, 0))
     pieces = tuple(
-        Piece(triangle, np.array([[0, 1, 2]]), node, None, none.astype(np.int64), none)
+        BoundSurface(triangle, np.array([[0, 1, 2]]), node, None, none.astype(np.int64), none)
         for node in range(count)
     )
     return Rig(nodes, pieces, (), tuple(names))

@@ -1,7 +1,7 @@
 """Parser errors: rewrite the parser's long messages as a single sentence."""
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from normalgan.errors import brief, did_you_mean
@@ -21,7 +21,7 @@ _KINDS = {
 }
 """Plain words for Python types."""
 _OF_A_CLASS = ("class_path", "init_args")
-_FEW = 16
+_LONGEST_LIST = 16
 """Longer lists of names are left out of the message about an unknown name."""
 
 
@@ -57,45 +57,20 @@ def explain(
     >>> explain("argument --height: expected one argument", {}, choices={"--height": "{png,exr}"})
     '--height needs a value: png or exr.'
     """
-    found_keys = re.findall(r'Parser key "([^"]+)"(?: element (\d+))?:', message)
-    key = ".".join(name for name, _ in found_keys)
-    item = "".join(f", item {number}" for _, number in found_keys if number)
-    where = f"{_spelled(key, options)}{item}: " if key else ""
-    registry = plugins.get(key.rpartition(".")[2])
-    if found := re.fullmatch(
-        r"(?:Group '(.+)' does not accept option|Option|unrecognized arguments:) '?(?:--)?([^\s'=]+).*",
-        message,
-        re.DOTALL,
-    ):
-        name = ".".join(part for part in found.groups() if part)
-        return _no_option(message, options) if options else _no_setting(message, name, settings)
-    if found := re.search(r'Parser key "([^"]+)": Unable to load config "([^"]*)"$', message):
-        inside = next((f", such as {name}," for name in settings if name.startswith(f"{found[1]}.")), "")
-        return f"{found[1]} is a group of settings{inside} and {found[2]} is not a file of them."
-    if found := re.search(r"Importing '(.+?)' is not allowed", message):
-        return (
-            f"{where}--safe-config does not allow {found[1]}; it only allows registered classes and "
-            "some of torch and Lightning."
-        )
-    if found := re.search(r"Not of type \w+: (.*)does not conform to restriction (.+)", message):
-        value = found[1].strip() or _given(message)
-        bounds = re.sub(r"v([<>]=?)", r"\1 ", found[2])
-        return f"{where}{value} is out of range; it must be {bounds}."
-    if found := re.search(r"Not of type \w+: .*: '?([^'\n]*)", message):
-        whole = "whole " if "literal for int()" in found[0] else ""
-        return f"{where}expected a {whole}number, not {found[1]}."
-    if found := re.search(r"Option '(.+?)' is not accepted(.*)", message):
-        return (
-            f"{where}there is no setting {found[1]!r} in it.{found[2] or did_you_mean(found[1], _OF_A_CLASS)}"
-        )
-    if sentence := _of_a_class(message, registry):
-        return where + sentence
-    if sentence := _misused(message, options or {}, choices or {}):
-        return where + sentence
-    wanted = [each for each in dict.fromkeys(_wanted(message)) if not options or each != "null"]
-    if key and wanted:
-        return f"{where}expected {' or '.join(wanted)}, not {_given(message)}."
-    return " ".join(message.replace(" - ", " ").split())
+    steps = re.findall(r'Parser key "([^"]+)"(?: element (\d+))?:', message)
+    key = ".".join(name for name, _ in steps)
+    if sentence := _bad_name(message, settings, options):
+        return sentence
+    sentence = (
+        _bad_value(message)
+        or _bad_class(message, plugins.get(key.rpartition(".")[2]))
+        or _misused(message, options or {}, choices or {})
+        or (_wrong_type(message, null=not options) if key else "")
+    )
+    if not sentence:  # none of the messages known here
+        return " ".join(message.replace(" - ", " ").split())
+    item = "".join(f", item {number}" for _, number in steps if number)
+    return f"{_spelled(key, options)}{item}: {sentence}" if key else sentence
 
 
 def refusal(error: Exception) -> str:
@@ -129,18 +104,44 @@ def _spelled(key: str, options: Mapping[str, str] | None) -> str:
     return f"{option}{dot}{rest}" if option else f'argument "{key}"'
 
 
-def _no_setting(message: str, name: str, settings: Sequence[str]) -> str:
+def _bad_name(message: str, settings: Sequence[str], options: Mapping[str, str] | None) -> str:
+    """Return the explanation of an unknown name, or of a value for a group; empty for other errors."""
+    if found := re.search(r'Parser key "([^"]+)": Unable to load config "([^"]*)"$', message):
+        inside = next((f", such as {name}," for name in settings if name.startswith(f"{found[1]}.")), "")
+        return f"{found[1]} is a group of settings{inside} and {found[2]} is not a file of them."
+    kinds = r"(?:Group '(.+)' does not accept option|Option|unrecognized arguments:)"
+    found = re.match(kinds + r" '?(?:--)?([^\s'=]+)", message)
+    if found is None:
+        return ""
+    given = message.removeprefix("unrecognized arguments: ").split()[0]
+    if options and not given.startswith("-"):
+        return f"unexpected argument {given}."
+    if options:
+        name = given.partition("=")[0]
+        return f"there is no option {name}.{did_you_mean(name, options.values())}"
+    name = ".".join(part for part in found.groups() if part)
     if re.match("unrecognized arguments: [^-]", message):
         return f"{name!r} is not an option; write --config FILE, --ckpt_path FILE or --SETTING VALUE."
     return f"there is no setting {name}.{did_you_mean(name, settings)}"
 
 
-def _no_option(message: str, options: Mapping[str, str]) -> str:
-    given = message.removeprefix("unrecognized arguments: ").split()[0]
-    if not given.startswith("-"):
-        return f"unexpected argument {given}."
-    name = given.partition("=")[0]
-    return f"there is no option {name}.{did_you_mean(name, options.values())}"
+def _bad_value(message: str) -> str:
+    """Return the explanation of a value that is not allowed or out of range; empty for other errors."""
+    if found := re.search(r"Importing '(.+?)' is not allowed", message):
+        return (
+            f"--safe-config does not allow {found[1]}; it only allows registered classes and "
+            "some of torch and Lightning."
+        )
+    if found := re.search(r"Not of type \w+: (.*)does not conform to restriction (.+)", message):
+        value = found[1].strip() or _given(message)
+        bounds = re.sub(r"v([<>]=?)", r"\1 ", found[2])
+        return f"{value} is out of range; it must be {bounds}."
+    if found := re.search(r"Not of type \w+: .*: '?([^'\n]*)", message):
+        whole = "whole " if "literal for int()" in found[0] else ""
+        return f"expected a {whole}number, not {found[1]}."
+    if found := re.search(r"Option '(.+?)' is not accepted(.*)", message):
+        return f"there is no setting {found[1]!r} in it.{found[2] or did_you_mean(found[1], _OF_A_CLASS)}"
+    return ""
 
 
 def _misused(message: str, options: Mapping[str, str], choices: Mapping[str, str]) -> str:
@@ -159,7 +160,7 @@ def _misused(message: str, options: Mapping[str, str], choices: Mapping[str, str
     return ""
 
 
-def _of_a_class(message: str, registry: Registry[Any] | None) -> str:
+def _bad_class(message: str, registry: Registry[Any] | None) -> str:
     """Return the explanation of an error about a named class; empty for other errors."""
     if found := re.search(r"but (\S+) is abstract", message):
         return f"{found[1]} is abstract; name a class that defines all of its methods."
@@ -168,7 +169,7 @@ def _of_a_class(message: str, registry: Registry[Any] | None) -> str:
     if found := re.search(r"Expected a dot import path string: (.+)", message):
         return _unknown(registry, found[1]) if registry else f"no class named {found[1]!r}."
     if found := re.search(r"Problem with given class_path '(.+?)':\s+(?!\s|Parser key)(.+)", message):
-        if sentence := _of_its_settings(found[1], found[2]):
+        if sentence := _bad_class_settings(found[1], found[2]):
             return sentence
         advice = f": {_unknown(registry, found[1].rpartition('.')[2])}" if registry else "."
         missing = found[2].startswith(f"No module named '{found[1].partition('.')[0]}")
@@ -179,7 +180,7 @@ def _of_a_class(message: str, registry: Registry[Any] | None) -> str:
     return ""
 
 
-def _of_its_settings(path: str, problem: str) -> str:
+def _bad_class_settings(path: str, problem: str) -> str:
     """Return the explanation of an error about the settings of a class; empty if the class was not found."""
     if found := re.match(r"Group '(.+)' does not accept option '(.+)'", problem):
         return f"{found[1]}.{found[2]} is not a setting of it; write class_path and init_args."
@@ -193,25 +194,34 @@ def _known(registry: Registry[Any] | None) -> str:
 
 
 def _unknown(registry: Registry[Any], name: str) -> str:
-    if len(registry.names()) <= _FEW:
+    if len(registry.names()) <= _LONGEST_LIST:
         return registry.explain_unknown(name)
     return f"no {registry.base.__name__} named {name!r}.{did_you_mean(name, registry.names())}"
 
 
-def _wanted(message: str) -> Iterable[str]:
-    """Yield the accepted values, in plain words from `_KINDS` where possible."""
-    for text in re.findall(r"Expected an? (.+?)(?:\. Got value.*)?$", message, re.MULTILINE):
-        if text.startswith(("path but", "dot import path")):
-            continue
-        named = re.fullmatch(r"<class '(?:\w+\.)*(\w+)'>", text)
-        literal = re.fullmatch(r"typing\.Literal\[(.+)\]", text)
-        yield (
-            _KINDS.get(named[1], f"a {named[1]}")
-            if named
-            else f"{'one of ' if ', ' in literal[1] else ''}{literal[1]}"
-            if literal
-            else f"a {text}"
-        )
+def _wrong_type(message: str, null: bool) -> str:
+    """Return the explanation of a value of a wrong type; empty for other errors.
+
+    Args:
+        message: jsonargparse's message.
+        null: whether to name null, which cannot be written as an option, among the accepted values.
+    """
+    texts = re.findall(r"Expected an? (.+?)(?:\. Got value.*)?$", message, re.MULTILINE)
+    wanted = dict.fromkeys(
+        _plain(text) for text in texts if not text.startswith(("path but", "dot import path"))
+    )
+    if not null:
+        wanted.pop("null", None)
+    return f"expected {' or '.join(wanted)}, not {_given(message)}." if wanted else ""
+
+
+def _plain(text: str) -> str:
+    """Return an accepted value in plain words, from `_KINDS` where possible."""
+    if named := re.fullmatch(r"<class '(?:\w+\.)*(\w+)'>", text):
+        return _KINDS.get(named[1], f"a {named[1]}")
+    if literal := re.fullmatch(r"typing\.Literal\[(.+)\]", text):
+        return f"{'one of ' if ', ' in literal[1] else ''}{literal[1]}"
+    return f"a {text}"
 
 
 def _given(message: str) -> str:

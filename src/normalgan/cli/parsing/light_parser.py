@@ -65,7 +65,7 @@ class OwnDefaultsParser(ArgumentParser):
         raise CommandExit(status)
 
     def get_defaults(self, *given: Any, **how: Any) -> Namespace:
-        """Return all defaults; of default classes only the explicit arguments, as parsing adds the rest."""
+        """Return all defaults; default classes only have explicit arguments, as parsing adds the rest."""
         defaults = super().get_defaults(*given, **how)
         for key, value in list(defaults.items(branches=True)):
             if isinstance(value, Namespace) and "class_path" in value and "init_args" in value:

@@ -67,10 +67,10 @@ _HEIC = {b"heic", b"heix", b"hevc", b"hevx", b"heim", b"heis", b"mif1", b"msf1"}
 """Brands of the two formats based on ISO/IEC 14496-12 boxes."""
 
 
-def format_of(start: bytes) -> Format | None:
+def detect_format(start: bytes) -> Format | None:
     r"""Return the format of a file, given its first 64 bytes; None for SVG and unknown formats.
 
-    >>> format_of(b"\x89PNG...").name, format_of(b"\0\0\0\x18ftypmif1\0\0\0\0avif").endings
+    >>> detect_format(b"\x89PNG...").name, detect_format(b"\0\0\0\x18ftypmif1\0\0\0\0avif").endings
     ('PNG', ('.avif',))
     """
     if start[4:6] == b"\xe0\xa5" and len(start) >= 64:

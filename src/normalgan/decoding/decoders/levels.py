@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from .formats import format_of
+from .formats import detect_format
 from .opening import DTYPES, RefusedError, check_sides, first_line, reduced_size
 
 
@@ -19,7 +19,7 @@ def loses_levels(content: bytes) -> bool:
 
 def is_tiff(content: bytes) -> bool:
     """Return whether a file is a TIFF."""
-    found = format_of(content[:64])
+    found = detect_format(content[:64])
     return found is not None and found.name == "TIFF"
 
 

@@ -4,7 +4,7 @@ import io
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from .formats import Format, format_of
+from .formats import Format, detect_format
 
 if TYPE_CHECKING:
     from PIL.Image import Image
@@ -45,7 +45,7 @@ def opened(content: bytes) -> "Image":
     from PIL import Image, UnidentifiedImageError
 
     Image.MAX_IMAGE_PIXELS = None  # our own limits are lower
-    found = format_of(content[:64])
+    found = detect_format(content[:64])
     if found is None or found.plugin is None:
         raise UnidentifiedImageError
     try:

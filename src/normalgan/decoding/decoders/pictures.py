@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from .formats import NO_PAGE, SUBFILE, format_of
+from .formats import NO_PAGE, SUBFILE, detect_format
 from .levels import exact_levels, is_tiff, viewed
 from .limits import limit_time
 from .opening import (
@@ -62,26 +62,10 @@ def decode(
     if is_svg(content):
         content = draw_svg(content, svg_side, most)
     try:
-        if (layered := _layered(content, least, most)) is not None:
-            upright = layered.composite()
-            if str(layered.notes):
-                notes.append(layered.notes)
-            check_sides(upright.width, upright.height, least, most)
-            upright.load()
-        else:
-            try:
-                image = opened(content)
-            except DamagedError:
-                if not is_tiff(content):
-                    raise
-                # OpenCV may read pictures that Pillow does not support, such as float colours.
-                levels = exact_levels(content, least, most)
-                return viewed(levels, longest, grey), levels.shape[1::-1]
-            with image:
-                check_sides(image.width, image.height, least, most)
-                image.load()
-                upright = turned_upright(image)
-            del image
+        upright = _upright(content, least, most, notes)
+        if upright is None:
+            levels = exact_levels(content, least, most)
+            return viewed(levels, longest, grey), levels.shape[1::-1]
         upright, full = plain(upright), upright.size
         if longest and max(full) > longest:
             upright = reduced(upright, longest)
@@ -93,6 +77,27 @@ def decode(
         raise RefusedError(f"is not an image that can be read; use {KNOWN}") from None
     except Exception as error:  # Pillow's decoders may raise anything on damaged data
         raise RefusedError(f"cannot be read as an image: {first_line(error)}") from None
+
+
+def _upright(content: bytes, least: int, most: int, notes: list[Any]) -> "Image | None":
+    """Return a picture upright; None if Pillow does not support it, such as a TIFF of float colours."""
+    if (layered := _layered(content, least, most)) is not None:
+        upright: Image = layered.composite()
+        if str(layered.notes):
+            notes.append(layered.notes)
+        check_sides(upright.width, upright.height, least, most)
+        upright.load()
+        return upright
+    try:
+        image = opened(content)
+    except DamagedError:
+        if is_tiff(content):
+            return None
+        raise
+    with image:
+        check_sides(image.width, image.height, least, most)
+        image.load()
+        return turned_upright(image)
 
 
 def frames(content: bytes, least: int, most: int, seconds: int) -> Iterator[Message]:
@@ -292,7 +297,7 @@ def _layered(content: bytes, least: int, most: int) -> Any:
     Raises:
         RefusedError: if the file cannot be read, or the picture is too small or too large.
     """
-    found = format_of(content[:64])
+    found = detect_format(content[:64])
     if found is None or not found.layered:
         return None
     from .layered_files import open_layered  # only few files need it

@@ -14,7 +14,7 @@ from contextlib import nullcontext, suppress
 from importlib import import_module
 from typing import Any
 
-from .formats import FORMATS, format_of
+from .formats import FORMATS, detect_format
 from .levels import exact_levels, loses_levels
 from .limits import limit, limit_time
 from .opening import Message, RefusedError, with_form
@@ -71,7 +71,7 @@ def main(handle: int, needs: str, seconds: int, memory: int, folders: list[str])
 
 def needed(content: bytes, exact: bool = False) -> str:
     """Return the additional library that a picture needs, or "" if none."""
-    found = format_of(content[:64])
+    found = detect_format(content[:64])
     if found is not None and found.library:
         return found.library
     return "cv2" if exact and loses_levels(content) else ""

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from normalgan.decoding import Decoded, DecodedLayer, DecodedLayers, decode_layers
-from normalgan.decoding.decoders.formats import format_of
+from normalgan.decoding.decoders.formats import detect_format
 from normalgan.inference.reading.drawings import LARGEST, SMALLEST, read_content
 from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, to_picture
 from normalgan.inference.regions import box_of
@@ -43,7 +43,7 @@ def layered_kind(path: Path, content: bytes | None = None) -> LayeredKind | None
     """
     try:
         with io.BytesIO(content) if content is not None else path.open("rb") as file:
-            found = format_of(file.read(64))
+            found = detect_format(file.read(64))
     except OSError:
         return None  # the error is raised when the drawing is read
     return _KINDS.get(found.name) if found is not None else None

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from normalgan.arrays import BoolMask
-from normalgan.decoding import Decoded, Pixels
+from normalgan.decoding import Decoded, DecodedPixels
 from normalgan.errors import InputError
 from normalgan.inference.cleaning.reader import Reading, shown_share
 from normalgan.inference.composites.cells import Cell
@@ -169,7 +169,11 @@ def _repeated(
 
 
 def _member(
-    cell: Cell, pixels: Pixels, hints: Hints | None, mask: MaskOrSource, holes: Sequence[tuple[float, float]]
+    cell: Cell,
+    pixels: DecodedPixels,
+    hints: Hints | None,
+    mask: MaskOrSource,
+    holes: Sequence[tuple[float, float]],
 ) -> Member | None:
     """Return the drawing in a cell; None if the cell is empty."""
     part = pixels[cell.box].copy()
@@ -192,7 +196,7 @@ def _too_small(cell: Cell) -> InputError:
     )
 
 
-def _ground(part: Pixels, own: BoolMask) -> NDArray[np.generic]:
+def _ground(part: DecodedPixels, own: BoolMask) -> NDArray[np.generic]:
     """Return the colour of the paper around a drawing: the median along the edge of its own pixels."""
     edge = own & (cv2.erode(own.astype(np.uint8), np.ones((3, 3), np.uint8), borderValue=0) == 0)
     return np.asarray(np.median(part[edge], axis=0)).astype(part.dtype)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from normalgan.arrays import Floats
-from normalgan.decoding import Decoded, Pixels, decode
+from normalgan.decoding import Decoded, DecodedPixels, decode
 from normalgan.decoding.decoders.formats import ENDINGS, LAYERED
 from normalgan.decoding.decoders.levels import float_white
 from normalgan.errors import InputError
@@ -134,7 +134,7 @@ def read_pixels(
     return decode(str(path), data, (SMALLEST, LARGEST), svg_side, longest, grey, exact)
 
 
-def to_unit(pixels: Pixels) -> Floats:
+def to_unit(pixels: DecodedPixels) -> Floats:
     """Return pixels of any type scaled to [0, 1]."""
     if pixels.dtype == np.uint8:
         return np.multiply(pixels, np.float32(1 / 255), dtype=np.float32)

@@ -7,14 +7,14 @@ from numpy.typing import NDArray
 
 from normalgan.rendering.gltf.container import COMPONENTS, WIDTHS, Container, bad_gltf
 
-_MOST = 2**26
+_MOST_ELEMENTS = 2**26
 """Maximum number of elements, because an accessor may declare any number of zeros."""
 
 _Array = NDArray[Any]
 
 
 def read_accessor(container: Container, index: Any, kind: str) -> _Array:
-    """Return the (count, width) numbers of an accessor of a kind such as VEC3 (glTF 2.0, section 3.6.2).
+    """Return the (count, width) numbers of an accessor of a type such as VEC3 (glTF 2.0, section 3.6.2).
 
     Normalised integers are returned as float64 in [0, 1] or [-1, 1], and others as stored. Matrices are in
     column-major order, as stored.
@@ -26,7 +26,7 @@ def read_accessor(container: Container, index: Any, kind: str) -> _Array:
     code, held, count = entry["componentType"], entry["type"], entry["count"]
     if held != kind or code not in COMPONENTS:
         raise bad_gltf(container.path, f"accessor {index} holds {held} of {code} where {kind} is needed")
-    if type(count) is not int or not 1 <= count <= _MOST:
+    if type(count) is not int or not 1 <= count <= _MOST_ELEMENTS:
         raise bad_gltf(container.path, f"accessor {index} has {count} elements")
     dtype = np.dtype(COMPONENTS[code])
     if "bufferView" in entry:

@@ -30,11 +30,11 @@ _FREE_VERTICES = 2**18
 """Maximum number of placed vertices regardless of file size, counting repeated parts each time."""
 _MOST_PARTS = 5_000
 """Maximum number of nodes, or of placed parts of meshes, because each takes at least a millisecond."""
-_REPEATED = 4
+_MOST_REUSES = 4
 """Maximum number of times that accessors use the bytes of a file; nearly all exporters use them once."""
 
 _SUFFIXES = (".glb", ".gltf")
-_KNOWN = ("KHR_mesh_quantization", "KHR_animation_pointer", "KHR_node_visibility")
+_SUPPORTED = ("KHR_mesh_quantization", "KHR_animation_pointer", "KHR_node_visibility")
 _LOOKS = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "KHR_xmp", "EXT_texture_", "EXT_lights_", "MSFT_")
 """Supported required extensions, and prefixes of those that do not affect surfaces; others are refused."""
 _MAGIC, _JSON, _BINARY = 0x46546C67, 0x4E4F534A, 0x004E4942
@@ -107,7 +107,7 @@ def read_container(path: Path) -> Container:
     """
     tree, binary = _tree(path)
     for name in map(str, tree.get("extensionsRequired", [])):
-        if name not in _KNOWN and not name.startswith(_LOOKS):
+        if name not in _SUPPORTED and not name.startswith(_LOOKS):
             raise bad_gltf(
                 path,
                 f"it needs the extension {name[:60]}, which is not supported; export the file without it",
@@ -228,7 +228,7 @@ def _chunks(data: bytes) -> dict[int, bytes]:
 def _check_views(path: Path, tree: dict[str, Any], held: int) -> None:
     """Refuse buffer views that reuse bytes too often or have overlapping elements, because all are copied."""
     views = tree.get("bufferViews", [])
-    if sum(view["byteLength"] for view in views) > max(_FREE_NUMBERS, _REPEATED * held):
+    if sum(view["byteLength"] for view in views) > max(_FREE_NUMBERS, _MOST_REUSES * held):
         raise InputError(f"{path} refers to the same bytes again and again; export it again.")
     for index, entry in enumerate(tree.get("accessors", [])):
         if "bufferView" not in entry or "byteStride" not in (view := views[entry["bufferView"]]):
@@ -246,7 +246,7 @@ def _check_counts(path: Path, tree: dict[str, Any], held: int) -> None:
     accessors, nodes = tree.get("accessors", []), tree.get("nodes", [])
     numbers = [entry["count"] * WIDTHS[entry["type"]] for entry in accessors]
     unbacked = sum(n for n, entry in zip(numbers, accessors, strict=True) if "bufferView" not in entry)
-    if sum(numbers) > max(_FREE_NUMBERS, _REPEATED * held) or unbacked > _FREE_NUMBERS:
+    if sum(numbers) > max(_FREE_NUMBERS, _MOST_REUSES * held) or unbacked > _FREE_NUMBERS:
         many = min(sum(numbers), 10**15)  # the number may have a thousand digits
         raise InputError(f"{path} declares {many} numbers, more than a mesh file can hold.")
     placed = Counter(node["mesh"] for node in nodes if "mesh" in node)

@@ -10,13 +10,13 @@ from normalgan.rendering.maps import Maps
 
 _CELLS = 4
 """Number of spline cells along a side of the frame; displacements vary over about half a side."""
-_AROUND = 1  # number of cells around the frame, beyond which the displacement is constant
-KNOTS = _CELLS + 2 * _AROUND + 3
+_OUTER_CELLS = 1  # number of cells around the frame, beyond which the displacement is constant
+KNOTS = _CELLS + 2 * _OUTER_CELLS + 3
 """Number of spline coefficients along each axis."""
 _SPREAD = 0.479  # root mean square of a 2D cubic B-spline with standard normal coefficients
 _STEEPEST = 0.45  # maximum slope of the displacement relative to the matrix; below 1, nothing folds over
-_ROUNDS = 12  # Newton iterations; fewer than four are enough if nothing folds over
-_CLOSE = 1e-4  # fraction of the side; below this, another Newton iteration leaves less than 1e-7
+_NEWTON_STEPS = 12  # Newton iterations; fewer than four are enough if nothing folds over
+_CONVERGED = 1e-4  # fraction of the side; below this, another Newton iteration leaves less than 1e-7
 
 
 @dataclass(frozen=True)
@@ -54,13 +54,13 @@ class Distortion:
     def move(self, points: Doubles) -> Doubles:
         """Return the distorted positions of points (N, 2), inverting `sources` by Newton's method."""
         moved = (0.5 + (points - 0.5) @ np.linalg.inv(self.matrix).T) * self.zoom + self.shift
-        for _ in range(_ROUNDS):
+        for _ in range(_NEWTON_STEPS):
             source, jacobian = self.sources(moved)
             missing = points - source
             (a, b), (c, d) = jacobian.transpose(1, 2, 0)
             x, y = missing.T / (a * d - b * c)
             moved = moved + np.stack([d * x - b * y, a * y - c * x], axis=1)
-            if np.abs(missing).max(initial=0) < _CLOSE:
+            if np.abs(missing).max(initial=0) < _CONVERGED:
                 break
         return moved
 
@@ -88,8 +88,8 @@ class Distortion:
 
 def _spline(at: Doubles) -> tuple[Doubles, Doubles]:
     """Return the matrices (N, `KNOTS`) from coefficients to values and derivatives at (N,) positions."""
-    knot = at * _CELLS + _AROUND
-    held = knot.clip(0, _CELLS + 2 * _AROUND)
+    knot = at * _CELLS + _OUTER_CELLS
+    held = knot.clip(0, _CELLS + 2 * _OUTER_CELLS)
     off = held[:, None] + 1 - np.arange(KNOTS)  # distance in cells from the centre of each cubic B-spline
     two, one = np.maximum(2 - np.abs(off), 0), np.maximum(1 - np.abs(off), 0)
     inside = _CELLS * (held == knot)[:, None]
@@ -135,7 +135,7 @@ def _framed(distortion: Distortion, maps: Maps) -> Distortion:
     return Distortion(distortion.matrix, distortion.bends, zoom, (low + high - zoom * (left + right)) / 2)
 
 
-_ALIKE = 0.5  # neighbours with a larger difference in a normal component belong to different surfaces
+_SAME_SURFACE = 0.5  # neighbours with a larger difference in a normal component belong to different surfaces
 
 
 def follow(maps: Maps, distortion: Distortion) -> Maps:
@@ -182,7 +182,7 @@ def _one_surface(maps: Maps) -> BoolMask:
     """Return where a pixel and its right, lower and lower right neighbours are on one surface, (H, W)."""
     square, corner = np.ones((2, 2), np.uint8), (0, 0)
     spread = cv2.dilate(maps.normal, square, anchor=corner) - cv2.erode(maps.normal, square, anchor=corner)
-    alike = cv2.inRange(spread, (-1.0,) * 3, (_ALIKE,) * 3)
+    alike = cv2.inRange(spread, (-1.0,) * 3, (_SAME_SURFACE,) * 3)
     whole = cv2.erode(maps.mask.astype(np.uint8), square, anchor=corner)
     one: BoolMask = (alike > 0) & (whole > 0)
     return one
@@ -202,7 +202,7 @@ def _sort_out(maps: Maps, x: Floats, y: Floats, left: Indices, top: Indices) -> 
     nearest = np.take_along_axis(np.stack(corners), weight.argmax(axis=0)[None], axis=0)[0]
     own = normals[nearest]
     total = np.zeros_like(own)
-    for index, share in zip(corners, weight, strict=True):
+    for index, fraction in zip(corners, weight, strict=True):
         normal = normals[index]
-        total += (share * (np.abs(normal - own) <= _ALIKE).all(axis=1))[:, None] * normal
+        total += (fraction * (np.abs(normal - own) <= _SAME_SURFACE).all(axis=1))[:, None] * normal
     return total, depths[nearest]

@@ -70,7 +70,7 @@ def turning(points: Doubles, reach: int, closed: bool = False) -> Doubles:
     return angle
 
 
-_APART = 4  # knots between strokes, so that they share none, because a cubic spans four
+_KNOTS_APART = 4  # knots between strokes, so that they share none, because a cubic spans four
 _NOISE_SPREAD = np.sqrt(0.479)  # root mean square of a cubic B-spline with standard normal coefficients
 
 
@@ -97,7 +97,7 @@ def smooth_noise(
     """
     sizes = np.asarray(counts)
     rate = 2 * STEP / wavelength
-    knots = np.floor((sizes - 1) * rate).astype(int) + _APART
+    knots = np.floor((sizes - 1) * rate).astype(int) + _KNOTS_APART
     starts, firsts = np.cumsum(knots) - knots, np.cumsum(sizes) - sizes
     at = np.repeat(starts, sizes) + (np.arange(sizes.sum()) - np.repeat(firsts, sizes)) * rate
     cell = np.floor(at).astype(int)
@@ -107,19 +107,19 @@ def smooth_noise(
 
 
 _SHORTEST_PIECE = round(0.04 / STEP)  # minimum number of points between lifts of the pen
-_ANYWHERE = 0.02  # radians²: weight of a straight piece, so that the pen is occasionally lifted there too
-_LATER = 0.2  # an inner stroke is drawn together with outline strokes of a fifth of its length
+_STRAIGHT_WEIGHT = 0.02  # radians²; the pen is occasionally lifted from a straight piece too
+_INNER_PRIORITY = 0.2  # an inner stroke is drawn together with outline strokes of a fifth of its length
 _RIM = 0.012  # strokes within this distance of the silhouette belong to the outline
 
 
 def cut(stroke: Stroke, cuts: float, rng: np.random.Generator) -> list[Stroke]:
     """Cut a stroke into pieces, mostly where it turns, with ``cuts`` expected cuts per side length."""
     count = len(stroke.points)
-    weights = turning(stroke.points, _TURN_REACH, stroke.closed) ** 2 + _ANYWHERE
+    weights = turning(stroke.points, _TURN_REACH, stroke.closed) ** 2 + _STRAIGHT_WEIGHT
     chance = weights / weights.sum()
     if stroke.closed:  # a closed stroke also begins at a corner
         stroke = begin_at(stroke, int(rng.choice(count, p=chance)) % (count - 1))
-        chance = turning(stroke.points, _TURN_REACH) ** 2 + _ANYWHERE
+        chance = turning(stroke.points, _TURN_REACH) ** 2 + _STRAIGHT_WEIGHT
         chance /= chance.sum()
     wanted = rng.poisson(cuts * (count - 1) * STEP)
     chosen = np.sort(rng.choice(count, size=wanted, p=chance))
@@ -146,13 +146,13 @@ def inside(strokes: Sequence[Stroke], maps: Maps) -> Doubles:
 def in_order(strokes: Sequence[Stroke], interior: Doubles) -> tuple[list[Stroke], Doubles]:
     """Return strokes and fractions in drawing order: outline before inner strokes, and long before short."""
     lengths = np.array([stroke.length for stroke in strokes])
-    order = np.argsort(-lengths * np.where(interior > 0.5, _LATER, 1), kind="stable")
+    order = np.argsort(-lengths * np.where(interior > 0.5, _INNER_PRIORITY, 1), kind="stable")
     return [strokes[index] for index in order], interior[order]
 
 
 _OUTLINE, _INSIDE = 0.05, 0.4  # strokes of this length are forgotten e times less often
-_GAP = 0.05  # mean length of a skipped part
-_SHORTEST = round(0.012 / STEP)  # minimum number of points of a drawn part
+_MEAN_GAP = 0.05  # mean length of a skipped part
+_SHORTEST_PART = round(0.012 / STEP)  # minimum number of points of a drawn part
 
 
 def forget(
@@ -178,33 +178,33 @@ def skip_parts(stroke: Stroke, parts: float, rng: np.random.Generator) -> list[S
     count = len(stroke.points)
     missing = rng.poisson(parts * (count - 1) * STEP)
     drawn = np.ones(count, bool)
-    for middle, share in zip(rng.random(missing), rng.exponential(_GAP, missing), strict=True):
-        half = min(share / STEP, 0.3 * count) / 2
+    for middle, length in zip(rng.random(missing), rng.exponential(_MEAN_GAP, missing), strict=True):
+        half = min(length / STEP, 0.3 * count) / 2
         drawn[max(0, round(middle * count - half)) : round(middle * count + half)] = False
     if drawn.all():
         return [stroke]
     edges = np.flatnonzero(np.diff(np.concatenate([[False], drawn, [False]]).astype(int))).reshape(-1, 2)
     longest = edges[np.argmax(edges[:, 1] - edges[:, 0])]
-    left = [(start, stop) for start, stop in edges if stop - start >= _SHORTEST]
+    left = [(start, stop) for start, stop in edges if stop - start >= _SHORTEST_PART]
     return [_piece(stroke, start, stop) for start, stop in left or [longest] if stop - start > 1] or [stroke]
 
 
-_LEAST = 0.4  # minimum length of a second pass, as a fraction of the stroke
+_SHORTEST_REPEAT = 0.4  # minimum length of a second pass, as a fraction of the stroke
 _OFFSET = 0.005  # offset from the first stroke (standard deviation)
 
 
 def second_pass(stroke: Stroke, rng: np.random.Generator) -> Stroke:
     """Return a second stroke close to the first, over at least two fifths of it."""
     count = len(stroke.points)
-    kept = min(max(3, round(rng.uniform(_LEAST, 1) * count)), count)
+    kept = min(max(3, round(rng.uniform(_SHORTEST_REPEAT, 1) * count)), count)
     start = int(rng.integers(count - kept + 1))
     part = _piece(stroke, start, start + kept)
     return Stroke(part.points + rng.normal(0, _OFFSET, 2), part.width, part.darkness)
 
 
-_MOST = 0.25  # maximum error of an end, as a fraction of the stroke
-_LOOK = 6  # number of points for estimating the direction and the bend of an end
-_BEND = np.deg2rad(40)  # maximum turn of an overshoot
+_LARGEST_MISS = 0.25  # maximum error of an end, as a fraction of the stroke
+_END_REACH = 6  # number of points for estimating the direction and the bend of an end
+_LARGEST_BEND = np.deg2rad(40)  # maximum turn of an overshoot
 
 
 def miss_ends(stroke: Stroke, overshoot: float, gap: float, rng: np.random.Generator) -> Stroke:
@@ -212,7 +212,7 @@ def miss_ends(stroke: Stroke, overshoot: float, gap: float, rng: np.random.Gener
 
     The mean lengths are ``overshoot`` and ``gap``.
     """
-    most = _MOST * (len(stroke.points) - 1)
+    most = _LARGEST_MISS * (len(stroke.points) - 1)
     for _ in range(2):  # the end, then, after reversal, the beginning
         beyond, lengths = rng.random() < 0.5, rng.exponential([overshoot, gap]) / STEP
         change = round(min(lengths[0 if beyond else 1], most))
@@ -226,11 +226,11 @@ def miss_ends(stroke: Stroke, overshoot: float, gap: float, rng: np.random.Gener
 
 def _longer(stroke: Stroke, count: int) -> Stroke:
     """Return the stroke with ``count`` more points at its end, which continue its direction and curvature."""
-    look = min(_LOOK, (len(stroke.points) - 1) // 2)
+    look = min(_END_REACH, (len(stroke.points) - 1) // 2)
     near, middle, far = (stroke.points[-1 - k * look] for k in range(3))
     heading, earlier = _angle(near - middle), _angle(middle - far)
     bend = (heading - earlier + np.pi) % (2 * np.pi) - np.pi
-    rate = np.clip(bend / look, -_BEND / count, _BEND / count)
+    rate = np.clip(bend / look, -_LARGEST_BEND / count, _LARGEST_BEND / count)
     angles = heading + rate * (look / 2 + np.arange(1, count + 1))
     ahead = near + STEP * np.cumsum(np.stack([np.cos(angles), np.sin(angles)], axis=1), axis=0)
     return Stroke(
@@ -246,8 +246,8 @@ def _angle(vector: Doubles) -> float:
 
 _WAVELENGTH = 0.35  # wavelength of the pressure
 _TAPER = 0.07  # length over which a long stroke tapers at its ends
-_START = 0.5  # taper where the pen is set down, relative to that where it is lifted
-_TIGHT = np.deg2rad(40)  # turning angle where the hand is slowest
+_START_TAPER = 0.5  # taper where the pen is set down, relative to that where it is lifted
+_TIGHT_TURN = np.deg2rad(40)  # turning angle where the hand is slowest
 
 
 def press(
@@ -277,7 +277,7 @@ def press(
     force += 0.4 * np.repeat(own.standard_normal(len(counts)), counts)  # 0.92² + 0.4² = 1
     pressed = []
     for stroke, f in zip(strokes, np.split(force, np.cumsum(counts)[:-1]), strict=True):
-        slow = np.clip(turning(stroke.points, _TURN_REACH) / _TIGHT, 0, 1)
+        slow = np.clip(turning(stroke.points, _TURN_REACH) / _TIGHT_TURN, 0, 1)
         factor = np.exp(pressure * f) * (1 + slowness * slow) * _lifted(len(f), taper)
         darkness = np.minimum(stroke.darkness, stroke.darkness * np.exp(fade * f))
         pressed.append(Stroke(stroke.points, stroke.width * factor, darkness))
@@ -289,7 +289,7 @@ def _lifted(count: int, taper: float) -> Doubles:
     reach = max(1.0, min(_TAPER / STEP, 0.4 * count))
     index = np.arange(count)
     start, end = (np.clip(distance / reach, 0, 1) for distance in (index, count - 1 - index))
-    factor: Doubles = (1 - _START * taper * (1 - start) ** 2) * (1 - taper * (1 - end) ** 2)
+    factor: Doubles = (1 - _START_TAPER * taper * (1 - start) ** 2) * (1 - taper * (1 - end) ** 2)
     return factor
 
 

@@ -105,14 +105,20 @@ class Hand:
         drawing = [replace(stroke, points=stroke.points / side) for stroke in strokes]
         drawing = mine._draw_strokes(drawing, maps, streams)
         if mine.distortion or mine.proportion:
-            distortion = random_distortion(mine.distortion, mine.proportion, maps, bending)
-            counts = np.cumsum([len(stroke.points) for stroke in drawing])
-            points = np.concatenate([np.zeros((0, 2)), *(stroke.points for stroke in drawing)])
-            moved = np.split(distortion.move(points), counts[:-1])
-            drawing = [replace(stroke, points=at) for stroke, at in zip(drawing, moved, strict=False)]
-            maps = follow(maps, distortion)
+            drawing, maps = mine._distort(drawing, maps, bending)
         done = [replace(each, points=side * each.points, width=width * each.width) for each in drawing]
         return done, maps
+
+    def _distort(
+        self, drawing: Sequence[Stroke], maps: Maps, rng: np.random.Generator
+    ) -> tuple[list[Stroke], Maps]:
+        """Return the strokes, in fractions of the side, and the maps after a distortion of the picture."""
+        distortion = random_distortion(self.distortion, self.proportion, maps, rng)
+        counts = np.cumsum([len(stroke.points) for stroke in drawing])
+        points = np.concatenate([np.zeros((0, 2)), *(stroke.points for stroke in drawing)])
+        moved = np.split(distortion.move(points), counts[:-1])
+        bent = [replace(stroke, points=at) for stroke, at in zip(drawing, moved, strict=False)]
+        return bent, follow(maps, distortion)
 
     def _of_one_drawing(self, strength: float, rng: np.random.Generator) -> Self:
         """Return the settings scaled by the strength and the habits of a drawing."""

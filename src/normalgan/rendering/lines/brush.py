@@ -15,10 +15,10 @@ from normalgan.rendering.strokes.curves import SPACING, resample, settle, smooth
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
-_RATIO = 1.6  # ratio of the blurs that best approximates a Laplacian (Marr, Hildreth 1980)
-_SPUR = 1.5  # minimum length of a stroke in ink widths; shorter ones are spurs
-_TREMBLE = 7.0  # points for smoothing the centre line, which jumps from pixel to pixel
-_SWELL = 6.0  # points for smoothing its width
+_BLUR_RATIO = 1.6  # ratio of the blurs that best approximates a Laplacian (Marr, Hildreth 1980)
+_SHORTEST_STROKE = 1.5  # minimum length of a stroke in ink widths; shorter ones are spurs
+_LINE_SMOOTHING = 7.0  # points for smoothing the centre line, which jumps from pixel to pixel
+_WIDTH_SMOOTHING = 6.0  # points for smoothing its width
 
 
 @LINE_DRAWINGS.register
@@ -59,7 +59,9 @@ class Brush(BufferedDrawing):
         sharp = _sharpened(facing, self.sigma * buffers.side, self.sharpening)
         inked = _without_specks(contours | (sharp < self.threshold), self.shortest * buffers.side)
         # Uneven ink gives the centre line spurs that end inside the ink.
-        lines = [line for line in thin(inked) if len(line[0]) >= max(_SPUR * np.median(line[1]), 2)]
+        lines = [
+            line for line in thin(inked) if len(line[0]) >= max(_SHORTEST_STROKE * np.median(line[1]), 2)
+        ]
         if not lines:
             return []
         median = float(np.median(np.concatenate([width for _, width in lines])))
@@ -67,10 +69,10 @@ class Brush(BufferedDrawing):
 
     def _stroke(self, points: Doubles, width: Doubles, buffers: Buffers) -> Stroke:
         """Return the stroke along ``points`` (P, 2) of the buffers, with relative widths ``width`` (P,)."""
-        path = resample(buffers.to_sketch(settle(points, _TREMBLE, 1.5)), SPACING)
+        path = resample(buffers.to_sketch(settle(points, _LINE_SMOOTHING, 1.5)), SPACING)
         closed = bool((points[0] == points[-1]).all())
         number = np.zeros(len(width)) if closed else np.arange(len(width))
-        swelling = smooth(np.stack([width, number], axis=1), _SWELL)[:, 0]
+        swelling = smooth(np.stack([width, number], axis=1), _WIDTH_SMOOTHING)[:, 0]
         here = np.interp(np.linspace(0, len(width) - 1, len(path)), np.arange(len(width)), swelling)
         return Stroke(path, self.line_width * np.clip(here, 0.1, self.widest), np.ones(len(path)))
 
@@ -83,7 +85,7 @@ def _facing_ratio(buffers: Buffers) -> Floats:
 
 def _sharpened(picture: Floats, sigma: float, sharpening: float) -> Floats:
     """Return ``(1 + p) G_sigma - p G_(1.6 sigma)`` of a picture (H, W), sigma in pixels."""
-    near, far = (cv2.GaussianBlur(picture, (0, 0), width) for width in (sigma, _RATIO * sigma))
+    near, far = (cv2.GaussianBlur(picture, (0, 0), width) for width in (sigma, _BLUR_RATIO * sigma))
     sharp: Floats = (1 + sharpening) * near - sharpening * far
     return sharp
 

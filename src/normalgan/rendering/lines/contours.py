@@ -135,27 +135,27 @@ def _distance_to(marks: BoolMask) -> Floats:
     return distance.astype(np.float32, copy=False)
 
 
-_STAIRS = 4.0  # points for smoothing a line that is only known to pass between two pixels
+_COARSE_SMOOTHING = 4.0  # points for smoothing a line that is only known to pass between two pixels
 _SLACK = 0.5  # pixels from the border of two pixels to their centres, between which the line passes
-_JITTER = 1.5  # points for smoothing a more precise line
+_FINE_SMOOTHING = 1.5  # points for smoothing a more precise line
 
 
 def _draw_border(line: Line, buffers: Buffers, width: float) -> Stroke:
     """Return the stroke along a line that is only known to pass between certain pixels."""
-    path = settle(line.points, _STAIRS, _SLACK)
+    path = settle(line.points, _COARSE_SMOOTHING, _SLACK)
     return Stroke.even(resample(buffers.to_sketch(path), SPACING), width)
 
 
 def draw_curve(line: Line, buffers: Buffers, width: float) -> Stroke:
     """Return the stroke along a line with subpixel points."""
-    path = smooth(line.points, _JITTER)
+    path = smooth(line.points, _FINE_SMOOTHING)
     return Stroke.even(resample(buffers.to_sketch(path), SPACING), width)
 
 
 _GRAZING = 0.1  # minimum cosine of a tangent plane, because steeper planes would explain any gap
 _BAND = 2  # pixels; such a narrow flank is a contour, because it is thinner than the line
-_MUCH = 3.0  # ratio above which a gap is considered much larger
-_BEYOND = np.float32(1e6)  # depth of the background in mesh units, farther than any object
+_MUCH_LARGER = 3.0  # ratio above which a gap is considered much larger
+_BACKGROUND_DEPTH = np.float32(1e6)  # depth of the background in mesh units, farther than any object
 
 
 def _depth_gaps(maps: Maps, sight: Sight, least: float) -> Crossings:
@@ -167,7 +167,7 @@ def _depth_gaps(maps: Maps, sight: Sight, least: float) -> Crossings:
     A gap belongs to the nearer, occluding pixel. Its strength is its size, and is huge next to the
     background. The frame's border does not count as a gap.
     """
-    depth = np.where(maps.mask, maps.depth, _BEYOND)
+    depth = np.where(maps.mask, maps.depth, _BACKGROUND_DEPTH)
     floor = np.where(maps.mask, sight.pixel, np.float32(0)) * np.float32(least)
     right, below = (_gaps_along(axis, depth, floor, maps, sight) for axis in (0, 1))
     return crossings((right, below), maps.mask.shape[1])
@@ -184,7 +184,7 @@ def _gaps_along(axis: int, depth: Floats, floor: Floats, maps: Maps, sight: Sigh
     deep = [depth.ravel()[pixel] for pixel in line]
     step = deep[3] - deep[2]
     excuses = [deep[1] - deep[0], deep[5] - deep[4]]
-    excuses = [np.where(np.abs(excuse) < _BEYOND / 2, excuse, 0) for excuse in excuses]
+    excuses = [np.where(np.abs(excuse) < _BACKGROUND_DEPTH / 2, excuse, 0) for excuse in excuses]
     excuses += [_foretold(maps, sight, pixel, axis) for pixel in line[2:4]]
     back, front = step - np.max(excuses, axis=0), np.min(excuses, axis=0) - step
     second = front > back
@@ -194,10 +194,10 @@ def _gaps_along(axis: int, depth: Floats, floor: Floats, maps: Maps, sight: Sigh
     seen = np.flatnonzero(maps.mask.ravel()[nearer] & (gap > floor.ravel()[nearer]))
     strength, second, first = gap[seen] / size[seen], second[seen], line[2][seen]
     # A strong edge is a contour, even close to the end of the part behind it.
-    weak = gap[seen] < _MUCH * floor.ravel()[nearer[seen]]
+    weak = gap[seen] < _MUCH_LARGER * floor.ravel()[nearer[seen]]
     kept = seen[~(weak & _outdone(np.where(second, -strength, strength), first, depth.shape, axis))]
-    second, share = front[kept] > back[kept], np.full(len(kept), 0.5)
-    return rows[kept], columns[kept], share, gap[kept] / size[kept], second
+    second, fraction = front[kept] > back[kept], np.full(len(kept), 0.5)
+    return rows[kept], columns[kept], fraction, gap[kept] / size[kept], second
 
 
 def _moved(rows: Indices, columns: Indices, by: int, axis: int, shape: tuple[int, ...]) -> Indices:
@@ -234,7 +234,7 @@ def _outdone(falls: Floats, first: Indices, shape: tuple[int, ...], axis: int) -
     there[first + stride] = falls
     sign = np.sign(falls)
     beside = [there[first + k * stride] * sign for k in (0, 2)]
-    outdone: BoolMask = np.max(beside, axis=0) > _MUCH * np.abs(falls)
+    outdone: BoolMask = np.max(beside, axis=0) > _MUCH_LARGER * np.abs(falls)
     return outdone
 
 
@@ -250,8 +250,8 @@ def _creases(maps: Maps, angle: float) -> Crossings:
         cosine[~(maps.mask[one] & maps.mask[two])] = 1
         sharpest = (cosine < limit) & _lowest(cosine, 1 - axis)
         rows, columns = np.nonzero(sharpest)
-        share, second = np.full(len(rows), 0.5), np.zeros(len(rows), bool)
-        pairs.append((rows, columns, share, 1 - cosine[sharpest], second))
+        fraction, second = np.full(len(rows), 0.5), np.zeros(len(rows), bool)
+        pairs.append((rows, columns, fraction, 1 - cosine[sharpest], second))
     return crossings((pairs[0], pairs[1]), maps.mask.shape[1])
 
 

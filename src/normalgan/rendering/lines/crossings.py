@@ -128,8 +128,8 @@ def crossings(pairs: tuple[Crossed, Crossed], width: int) -> Crossings:
         width: width of the picture in pixels.
     """
     parts = []
-    for axis, (row, column, share, strength, second) in enumerate(pairs):
-        down, right = (share, 0.0) if axis else (0.0, share)
+    for axis, (row, column, fraction, strength, second) in enumerate(pairs):
+        down, right = (fraction, 0.0) if axis else (0.0, fraction)
         # The cell with the upper left pixel (r, c) has the index (r + 1) (W + 1) + c + 1.
         cell = (row + 1) * (width + 1) + column + 1
         parts.append(

@@ -8,7 +8,7 @@ import numpy as np
 from normalgan.arrays import Doubles
 from normalgan.ranges import Positive, Range
 from normalgan.rendering.lines.base import LINE_DRAWINGS
-from normalgan.rendering.lines.surface import Shape
+from normalgan.rendering.lines.surface import SurfaceShape
 from normalgan.rendering.lines.surface_lines import EdgeMarks, SurfaceDrawing, zero_marks
 
 
@@ -31,7 +31,7 @@ class ObjectSpaceSuggestive(SurfaceDrawing):
     strength: Positive = 35.0
     theta: Annotated[float, Range(0, 90, below=True)] = 15.0
 
-    def _find(self, shape: Shape, eye: Doubles) -> list[tuple[EdgeMarks, Doubles]]:
+    def _find(self, shape: SurfaceShape, eye: Doubles) -> list[tuple[EdgeMarks, Doubles]]:
         """Return the suggestive contours; see `SurfaceDrawing._find`."""
         facing, radial, rise = radial_curvature(shape, eye)
         turned = (facing > 0) & (facing < np.cos(np.deg2rad(self.theta)))
@@ -39,7 +39,7 @@ class ObjectSpaceSuggestive(SurfaceDrawing):
         return [(marks, marks.take(shape.surface, rise))]
 
 
-def radial_curvature(shape: Shape, eye: Doubles) -> tuple[Doubles, Doubles, Doubles]:
+def radial_curvature(shape: SurfaceShape, eye: Doubles) -> tuple[Doubles, Doubles, Doubles]:
     """Return n·v, the radial curvature times sin², and its increase towards the viewer, (V,) each.
 
     The radial curvature is the curvature along w, the projection of the view vector v onto the tangent

@@ -7,7 +7,7 @@ import numpy as np
 from normalgan.arrays import Doubles
 from normalgan.ranges import NonNegative, Positive
 from normalgan.rendering.lines.base import LINE_DRAWINGS
-from normalgan.rendering.lines.surface import Shape, Surface
+from normalgan.rendering.lines.surface import MeshSurface, SurfaceShape
 from normalgan.rendering.lines.surface_lines import EdgeMarks, SurfaceDrawing
 
 _FACING = 0.15  # n·v below which a ridge counts as a contour
@@ -40,7 +40,7 @@ class RidgesAndValleys(SurfaceDrawing):
 
     _rounding = 0.02
 
-    def _find(self, shape: Shape, eye: Doubles) -> list[tuple[EdgeMarks, Doubles]]:
+    def _find(self, shape: SurfaceShape, eye: Doubles) -> list[tuple[EdgeMarks, Doubles]]:
         """Return the ridges, then the valleys; see `SurfaceDrawing._find`.
 
         Where a ridge is too blunt, its strength is 0, so that the gap can be bridged.
@@ -55,7 +55,7 @@ class RidgesAndValleys(SurfaceDrawing):
         return [(marks.only(kept), strength[kept]) for kept in (towards & bulging, towards & ~bulging)]
 
 
-def apparent_curvature(shape: Shape, eye: Doubles) -> tuple[Doubles, Doubles]:
+def apparent_curvature(shape: SurfaceShape, eye: Doubles) -> tuple[Doubles, Doubles]:
     """Return the maximum change of the normal per length in the picture, (V,), and its direction, (V, 3).
 
     Let a and b be the tangents along and across the viewing direction. In the picture, a step along a is
@@ -81,7 +81,7 @@ def apparent_curvature(shape: Shape, eye: Doubles) -> tuple[Doubles, Doubles]:
     return np.sqrt(largest), along
 
 
-def extremes(surface: Surface, values: Doubles, along: Doubles) -> tuple[EdgeMarks, Doubles]:
+def extremes(surface: MeshSurface, values: Doubles, along: Doubles) -> tuple[EdgeMarks, Doubles]:
     """Return the extrema of values (V,) along tangents (V, 3), and the negative second derivatives there.
 
     The extrema are zeros of the derivative along the tangents, scaled by their lengths. Tangents have no

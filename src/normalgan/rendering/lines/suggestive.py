@@ -124,8 +124,8 @@ def _zero_crossings(slope: Floats, bend: Floats, valid: BoolMask) -> Crossings:
     for one, two in PAIRS:
         at = places((negative[one] != negative[two]) & valid[one] & valid[two])
         first, other = size[one][at], size[two][at]
-        share = first / np.maximum(first + other, 1e-30)
+        fraction = first / np.maximum(first + other, 1e-30)
         second = first > other
         strength = np.where(second, bend[two][at], bend[one][at])
-        pairs.append((*at, share.astype(np.float64), strength, second))
+        pairs.append((*at, fraction.astype(np.float64), strength, second))
     return crossings((pairs[0], pairs[1]), slope.shape[1])

@@ -1,4 +1,4 @@
-"""Surface: a mesh with its differential operators and curvature, computed once per mesh."""
+"""MeshSurface: a mesh with its differential operators and curvature, computed once per mesh."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -13,7 +13,7 @@ _Operator = Any  # a sparse matrix, because SciPy's types are not generic in the
 
 
 @dataclass(frozen=True)
-class Surface:
+class MeshSurface:
     """A triangle mesh with its edges, and linear operators on values at its vertices.
 
     Args:
@@ -38,7 +38,7 @@ class Surface:
     spacing: float
 
     @classmethod
-    def of(cls, mesh: Mesh) -> "Surface":
+    def of(cls, mesh: Mesh) -> "MeshSurface":
         """Return the surface of a mesh."""
         vertices, faces = mesh.vertices.astype(np.float64), mesh.faces.astype(np.int64)
         pairs = np.sort(faces[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2), axis=1)
@@ -101,7 +101,7 @@ def _average(edges: Indices, count: int) -> _Operator:
 
 
 @dataclass(frozen=True)
-class Shape:
+class SurfaceShape:
     """Normals and curvature of a mesh at its vertices.
 
     Args:
@@ -110,34 +110,34 @@ class Shape:
         operators: (V, 3, 3) shape operators; see `shape_operators`.
     """
 
-    surface: Surface
+    surface: MeshSurface
     normals: Doubles
     operators: Doubles
 
 
 # Views of a mesh are rendered in a row, so each process caches only one mesh, and memory stays constant.
 # Its shapes are keyed by smoothing, which differs between the styles of a mixture.
-_last: tuple[Mesh, Surface, dict[float, Shape]] | None = None
+_last: tuple[Mesh, MeshSurface, dict[float, SurfaceShape]] | None = None
 
 
-def shape_of(mesh: Mesh, smoothing: float) -> Shape:
+def shape_of(mesh: Mesh, smoothing: float) -> SurfaceShape:
     """Return the shape of a mesh, with curvature smoothed over ``smoothing`` mesh units."""
     global _last  # noqa: PLW0603 -- see above
     if _last is None or _last[0] is not mesh:
-        _last = (mesh, Surface.of(mesh), {})
+        _last = (mesh, MeshSurface.of(mesh), {})
     _, surface, shapes = _last
     if smoothing not in shapes:
         normals = smooth_normals(surface, smoothing)
-        shapes[smoothing] = Shape(surface, normals, shape_operators(surface, normals, smoothing))
+        shapes[smoothing] = SurfaceShape(surface, normals, shape_operators(surface, normals, smoothing))
     return shapes[smoothing]
 
 
-def smooth_normals(surface: Surface, smoothing: float) -> Doubles:
+def smooth_normals(surface: MeshSurface, smoothing: float) -> Doubles:
     """Return the unit normals (V, 3) of a mesh, smoothed over ``smoothing`` mesh units."""
     return _unit(surface.smooth(surface.normals, smoothing))
 
 
-def shape_operators(surface: Surface, normals: Doubles, smoothing: float) -> Doubles:
+def shape_operators(surface: MeshSurface, normals: Doubles, smoothing: float) -> Doubles:
     """Return the symmetric shape operator S at each vertex, (V, 3, 3).
 
     A step s along the surface changes the normal by ``S s``. ``S n = 0``, and ``u · S u`` is the curvature
@@ -215,8 +215,8 @@ def _tilt(vectors: Doubles, old: Doubles, new: Doubles) -> Doubles:
     """Return tangent vectors (F, 3) after the minimal rotation from the old to the new normal."""
     cosine = (old * new).sum(1)
     # On a fold, normals are opposite, and any rotation axis will do.
-    share = (vectors * new).sum(1) / np.maximum(1 + cosine, 1e-6)
-    tilted: Doubles = vectors - (old + new) * share[:, None]
+    factor = (vectors * new).sum(1) / np.maximum(1 + cosine, 1e-6)
+    tilted: Doubles = vectors - (old + new) * factor[:, None]
     return tilted
 
 

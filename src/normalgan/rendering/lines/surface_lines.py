@@ -12,13 +12,13 @@ from normalgan.ranges import NonNegative, Positive
 from normalgan.rendering.cameras import project, towards_eye
 from normalgan.rendering.lines.buffers import Buffers
 from normalgan.rendering.lines.contours import OutlinedDrawing
-from normalgan.rendering.lines.surface import Shape, Surface, shape_of
+from normalgan.rendering.lines.surface import MeshSurface, SurfaceShape, shape_of
 from normalgan.rendering.strokes.chain import chain
 from normalgan.rendering.strokes.curves import SPACING, lengths_along, resample, smooth
 from normalgan.rendering.strokes.stroke import Stroke
 from normalgan.rendering.view import View
 
-_DEEPER = 0.004  # in mesh units; rounding and facets put points behind the depth buffer
+_DEPTH_TOLERANCE = 0.004  # in mesh units; rounding and facets put points behind the depth buffer
 
 
 @dataclass(frozen=True)
@@ -27,25 +27,25 @@ class EdgeMarks:
 
     Args:
         edges: (N,) edge indices without duplicates.
-        share: (N,) positions along the edges, from 0 at the first vertex to 1 at the second.
+        fraction: (N,) positions along the edges, from 0 at the first vertex to 1 at the second.
     """
 
     edges: Indices
-    share: Doubles
+    fraction: Doubles
 
-    def take(self, surface: Surface, values: Doubles) -> Doubles:
+    def take(self, surface: MeshSurface, values: Doubles) -> Doubles:
         """Interpolate values (V, …) at the vertices to the marks, (N, …)."""
         one, other = values[surface.edges[self.edges].T]
-        share = self.share.reshape(-1, *(1,) * (values.ndim - 1))
-        between: Doubles = one + share * (other - one)
+        fraction = self.fraction.reshape(-1, *(1,) * (values.ndim - 1))
+        between: Doubles = one + fraction * (other - one)
         return between
 
     def only(self, kept: BoolMask) -> "EdgeMarks":
         """Return the marks for which ``kept`` (N,) is true."""
-        return EdgeMarks(self.edges[kept], self.share[kept])
+        return EdgeMarks(self.edges[kept], self.fraction[kept])
 
 
-def zero_marks(surface: Surface, field: Doubles, usable: BoolMask) -> EdgeMarks:
+def zero_marks(surface: MeshSurface, field: Doubles, usable: BoolMask) -> EdgeMarks:
     """Return the sign changes of ``field`` (V,) along edges with both ends ``usable`` (V,)."""
     one, other = field[surface.edges.T]
     crossed = np.flatnonzero(((one < 0) != (other < 0)) & usable[surface.edges].all(axis=1))
@@ -65,10 +65,10 @@ def _seen(view: View, buffers: Buffers, points: Doubles) -> tuple[Doubles, BoolM
     column, row = np.floor(place * buffers.scale - buffers.corner).astype(np.int64).T
     height, width = deepest.shape
     deep = deepest[row.clip(0, height - 1), column.clip(0, width - 1)]
-    return place, depth <= deep + _DEEPER
+    return place, depth <= deep + _DEPTH_TOLERANCE
 
 
-def _paths(surface: Surface, marks: EdgeMarks, place: Doubles) -> list[Indices]:
+def _paths(surface: MeshSurface, marks: EdgeMarks, place: Doubles) -> list[Indices]:
     """Return the indices of the marks along each line, in order; marks on the same face are connected.
 
     ``place`` holds the positions (N, 2) of the marks in the picture.
@@ -81,8 +81,8 @@ def _paths(surface: Surface, marks: EdgeMarks, place: Doubles) -> list[Indices]:
     return chain(place, np.unique(links, axis=0)) if len(links) else []
 
 
-_FINE = 0.25  # spacing while smoothing, in units of `SPACING`
-_FAINTEST = 0.4  # relative width of a stroke where it is weakest
+_FINE_SPACING = 0.25  # spacing while smoothing, in units of `SPACING`
+_WEAKEST_WIDTH = 0.4  # relative width of a stroke where it is weakest
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ class SurfaceDrawing(OutlinedDrawing):
     """Standard deviation for smoothing strokes, which are jagged on a mesh, as a fraction of the side."""
 
     @abstractmethod
-    def _find(self, shape: Shape, eye: Doubles) -> list[tuple[EdgeMarks, Doubles]]:
+    def _find(self, shape: SurfaceShape, eye: Doubles) -> list[tuple[EdgeMarks, Doubles]]:
         """Return the points where lines cross edges of the mesh, and the lines' strengths there, (N,).
 
         Args:
@@ -125,7 +125,7 @@ class SurfaceDrawing(OutlinedDrawing):
 
     def _along(
         self,
-        surface: Surface,
+        surface: MeshSurface,
         marks: EdgeMarks,
         strength: Doubles,
         view: View,
@@ -151,12 +151,12 @@ class SurfaceDrawing(OutlinedDrawing):
 
     def _stroke(self, points: Doubles, strength: Doubles, size: int) -> Stroke:
         along = lengths_along(points)
-        fine = resample(points, _FINE)
-        path = resample(smooth(fine, self._rounding * size / _FINE), SPACING)
-        share = np.clip(strength / self.strength, 0, 1)
-        here = np.interp(np.linspace(0, along[-1], len(path)), along, share)
+        fine = resample(points, _FINE_SPACING)
+        path = resample(smooth(fine, self._rounding * size / _FINE_SPACING), SPACING)
+        fraction = np.clip(strength / self.strength, 0, 1)
+        here = np.interp(np.linspace(0, along[-1], len(path)), along, fraction)
         pressure = smooth(np.stack([here, here], axis=1), 3.0)[:, 0]
-        width = self.interior_width * (_FAINTEST + (1 - _FAINTEST) * np.clip(pressure, 0, 1))
+        width = self.interior_width * (_WEAKEST_WIDTH + (1 - _WEAKEST_WIDTH) * np.clip(pressure, 0, 1))
         return Stroke(path, width, np.ones(len(path)))
 
 

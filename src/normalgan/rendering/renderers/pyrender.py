@@ -70,7 +70,7 @@ def _open_context() -> "_FloatContext":
     return _context
 
 
-_SIZES = 3  # maximum number of framebuffers; one of 1024 pixels takes 20 MB
+_MOST_FRAMEBUFFERS = 3  # maximum number of framebuffers; one of 1024 pixels takes 20 MB
 
 
 class _FloatFramebuffer:
@@ -104,7 +104,7 @@ class _FloatFramebuffer:
         if self._main_fb is not None and size == self._main_fb_dims:
             return
         if size not in self._kept:
-            if len(self._kept) >= _SIZES:
+            if len(self._kept) >= _MOST_FRAMEBUFFERS:
                 self._delete_main_framebuffer()
             color, depth = GL.glGenRenderbuffers(2)
             self._kept[size] = (GL.glGenFramebuffers(1), color, depth)

@@ -12,9 +12,9 @@ from normalgan.rendering.gltf.scene import world_matrices
 from normalgan.rendering.rigs.animations import track_at
 from normalgan.rendering.rigs.rig import Rig, posed_vertices
 
-SMALL = np.deg2rad(12.0)
+DEFAULT_ROTATION = np.deg2rad(12.0)
 """Maximum rotation of a joint about each axis if there is no animation."""
-_FRAMES = 24
+_MOMENTS = 24
 """Number of times at which each animation is evaluated."""
 _OUTLIERS = 5.0
 """Percentage of times at either extreme that do not widen a joint's range, because a clip may show a fall."""
@@ -140,11 +140,11 @@ def _ordered(parents: Indices, moving: BoolMask) -> Indices:
 def _ranges(rig: Rig, members: Indices) -> tuple[Doubles, Doubles]:
     """Return the minimum and maximum rotations (J, 3) of each joint from the rest pose in the animations."""
     if not rig.clips:
-        reach = np.full((len(members), 3), SMALL)
+        reach = np.full((len(members), 3), DEFAULT_ROTATION)
         return -reach, reach
-    turns = np.zeros((len(rig.clips), _FRAMES, len(rig.nodes.parents), 3))
+    turns = np.zeros((len(rig.clips), _MOMENTS, len(rig.nodes.parents), 3))
     for clip, seen in zip(rig.clips, turns, strict=True):
-        moments = np.linspace(*clip.span, _FRAMES)
+        moments = np.linspace(*clip.span, _MOMENTS)
         for track in clip.tracks:
             if track.path == "rotation":
                 rest = Rotation.from_quat(rig.nodes.rotations[track.node]).inv()

@@ -38,8 +38,8 @@ def draw_pose(rig: Rig, rng: np.random.Generator, postures: float = 0.0) -> Doub
         clip = rig.clips[rng.integers(len(rig.clips))]
         return world_matrices(pose_at(rig.nodes, clip, rng.uniform(*clip.span)))
     joints = find_joints(rig)
-    share = rng.beta(2.0, 2.0, joints.low.shape)
-    return turned(world_matrices(rig.nodes), joints, joints.low + share * (joints.high - joints.low))
+    fraction = rng.beta(2.0, 2.0, joints.low.shape)
+    return turned(world_matrices(rig.nodes), joints, joints.low + fraction * (joints.high - joints.low))
 
 
 def turned(world: Doubles, joints: Joints, turns: Doubles) -> Doubles:
@@ -103,7 +103,7 @@ class Posture:
 
 
 def _tuples(value: Any) -> Any:
-    """Return a value of JSON with its lists, also those within lists, as tuples."""
+    """Return a JSON value with all lists, including nested ones, as tuples."""
     return tuple(map(_tuples, value)) if isinstance(value, list) else value
 
 
@@ -235,8 +235,8 @@ def _skeleton(rig: Rig, names: _Names, position: Mapping[str, int]) -> Skeleton:
 def _elbows(leg: Doubles) -> bool:
     """Return whether a foreleg (J, 3) has an elbow, a second joint behind the line of its neighbours."""
     above, joint, below = leg[:3]
-    share = (above[1] - joint[1]) / (above[1] - below[1])
-    return bool(joint[2] < above[2] + share * (below[2] - above[2]))
+    fraction = (above[1] - joint[1]) / (above[1] - below[1])
+    return bool(joint[2] < above[2] + fraction * (below[2] - above[2]))
 
 
 def draw_posture(kind: str, rng: np.random.Generator) -> Posture:
@@ -325,7 +325,7 @@ def _bends(skeleton: Skeleton, posture: Posture) -> dict[int, Doubles]:
 
 
 def _targets(skeleton: Skeleton, posture: Posture) -> dict[int, tuple[Doubles, Doubles]]:
-    """Return the vector (3,) of each limb segment at rest, and the unit vector (3,) that it shall get."""
+    """Return the vector (3,) of each limb segment at rest, and the unit vector (3,) that it should have."""
     targets = {}
     limbs = (*skeleton.fore, *skeleton.hind)
     for nodes, limb, side in zip(limbs, (*posture.fore, *posture.hind), (-1.0, 1.0) * 2, strict=True):

@@ -11,7 +11,7 @@ from normalgan.rendering.gltf.accessors import read_accessor
 from normalgan.rendering.gltf.container import Container, bad_gltf, read_container, refusing_bad_gltf
 from normalgan.rendering.gltf.scene import Nodes, read_nodes, read_primitives, shown_nodes
 from normalgan.rendering.rigs.animations import read_clips
-from normalgan.rendering.rigs.rig import Piece, Rig, Skin
+from normalgan.rendering.rigs.rig import BoundSurface, Rig, Skin
 
 _MOST_SETS = 4
 """Maximum number of sets of four joints and weights per vertex."""
@@ -40,7 +40,7 @@ def read_rig(path: Path) -> Rig:
     return Rig(nodes, pieces, clips, names)
 
 
-def _pieces(container: Container, nodes: Nodes, index: int) -> list[Piece]:
+def _pieces(container: Container, nodes: Nodes, index: int) -> list[BoundSurface]:
     entry = container.item("nodes", index)
     if "mesh" not in entry:
         return []
@@ -78,7 +78,7 @@ def _bound(
     vertices: Doubles,
     faces: Indices,
     node: int,
-) -> Piece:
+) -> BoundSurface:
     """Return a surface bound to the joints of a skin, or to its node if no vertex has weights.
 
     Exporters write no weights, or NaN, for vertices that no joint moves. If only some vertices have no
@@ -110,12 +110,12 @@ def _bound(
             container.path,
             f"the weights of {wrong.sum()} vertices do not sum to 1, the first to {total[wrong][0]:.3g}",
         )
-    return Piece(vertices, faces, node, skin, joints, weights / total)
+    return BoundSurface(vertices, faces, node, skin, joints, weights / total)
 
 
-def _stiff(vertices: Doubles, faces: Indices, node: int) -> Piece:
+def _stiff(vertices: Doubles, faces: Indices, node: int) -> BoundSurface:
     count = len(vertices)
-    return Piece(vertices, faces, node, None, np.zeros((count, 0), np.int64), np.zeros((count, 0)))
+    return BoundSurface(vertices, faces, node, None, np.zeros((count, 0), np.int64), np.zeros((count, 0)))
 
 
 def _binding(container: Container, attributes: dict[str, Any], count: int) -> tuple[Indices, Doubles]:

@@ -23,7 +23,7 @@ class Skin:
 
 
 @dataclass(frozen=True)
-class Piece:
+class BoundSurface:
     """A surface that moves rigidly with a node, or bends with the joints of a skin.
 
     Args:
@@ -96,12 +96,12 @@ class Rig:
     """
 
     nodes: Nodes
-    pieces: tuple[Piece, ...]
+    pieces: tuple[BoundSurface, ...]
     clips: tuple[Clip, ...]
     names: tuple[str, ...]
 
 
-def posed_vertices(piece: Piece, world: Doubles) -> Doubles:
+def posed_vertices(piece: BoundSurface, world: Doubles) -> Doubles:
     """Return the world positions (V, 3) of a piece's vertices, given the nodes' world matrices (N, 4, 4).
 
     They are ``x' = sum_k w_k J_k B_k x`` with the joint's world matrix J and inverse bind matrix B

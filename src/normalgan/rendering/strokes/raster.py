@@ -8,9 +8,9 @@ import numpy as np
 from normalgan.arrays import BoolMask, Doubles, Floats, Indices
 from normalgan.rendering.strokes.stroke import Stroke
 
-_LONGEST = 2.0  # maximum length of a segment in pixels, so that each affects only a small square
-_FAINTEST = 1e-4  # smaller amounts of ink are rounding errors
-_BATCH = 1_000_000  # number of pixels processed at once
+_LONGEST_SEGMENT = 2.0  # maximum length of a segment in pixels, so that each affects only a small square
+_FAINTEST_INK = 1e-4  # smaller amounts of ink are rounding errors
+_BATCH_PIXELS = 1_000_000  # number of pixels processed at once
 
 
 def rasterise(strokes: Sequence[Stroke], size: int) -> Floats:
@@ -64,7 +64,7 @@ class _Segments:
         """Yield batches of segments with the same side, small enough for their squares to fit into memory."""
         for side in np.unique(self.side):
             alike = np.flatnonzero(self.side == side)
-            count = max(int(_BATCH // side**2), 1)
+            count = max(int(_BATCH_PIXELS // side**2), 1)
             yield from (self.of(alike[k : k + count]) for k in range(0, len(alike), count))
 
 
@@ -88,10 +88,10 @@ def _segments(strokes: Sequence[Stroke], size: int) -> _Segments:
 
 
 def _cut(stroke: Stroke) -> tuple[Doubles, Doubles]:
-    """Return points (P, 2) and pens (P, 2), with consecutive points at most `_LONGEST` apart."""
+    """Return points (P, 2) and pens (P, 2), with consecutive points at most `_LONGEST_SEGMENT` apart."""
     pens = np.stack([stroke.width, stroke.darkness], axis=1)
     steps = np.hypot(*np.diff(stroke.points, axis=0).T)
-    pieces = np.maximum(np.ceil(steps / _LONGEST), 1).astype(np.int64)
+    pieces = np.maximum(np.ceil(steps / _LONGEST_SEGMENT), 1).astype(np.int64)
     if (pieces == 1).all():
         return stroke.points, pens
     stops = np.concatenate([[0], np.cumsum(pieces)])
@@ -124,7 +124,7 @@ def _dots(segments: _Segments, size: int) -> tuple[Indices, Indices, Indices, Fl
     slant[(segments.step == 0).all(axis=1), 0] = 1  # a dot, where any direction will do
     ink = _covered(half - distance, slant) - _covered(-half - distance, slant)
     ink *= dark + at * darker
-    which, down, right = np.nonzero(ink > _FAINTEST)
+    which, down, right = np.nonzero(ink > _FAINTEST_INK)
     row, column = corner[which].astype(np.int64).T[::-1] + np.stack([down, right])
     inside = (row >= 0) & (row < size) & (column >= 0) & (column < size)
     owner = segments.owner[which]
@@ -146,11 +146,11 @@ def _covered(depth: Floats, slant: Doubles) -> Floats:
     wide, narrow = np.sort(np.maximum(slant, 0.02), axis=1).astype(np.float32).T[::-1, :, None, None]
     outer, inner = np.float32(0.5) * (wide + narrow), np.float32(0.5) * (wide - narrow)
     depth = np.clip(depth, -outer, outer)
-    share: Floats = np.square(depth + outer)
-    share -= np.square(np.maximum(depth + inner, 0))
-    share -= np.square(np.maximum(depth - inner, 0))
-    share /= 2 * wide * narrow
-    return share
+    fraction: Floats = np.square(depth + outer)
+    fraction -= np.square(np.maximum(depth + inner, 0))
+    fraction -= np.square(np.maximum(depth - inner, 0))
+    fraction /= 2 * wide * narrow
+    return fraction
 
 
 def _lay(owner: Indices, row: Indices, column: Indices, ink: Floats, paper: Floats) -> None:

@@ -7,8 +7,8 @@ import numpy as np
 from normalgan.arrays import Doubles
 from normalgan.rendering.strokes.stroke import Stroke
 
-_EXACT = 0.05  # in pixels; points closer than this to the line between their neighbours are left out
-_EVEN = 0.01  # in pixels; smaller variations of the width are ignored
+_PLACE_TOLERANCE = 0.05  # in pixels; points closer to the line between their neighbours are left out
+_WIDTH_TOLERANCE = 0.01  # in pixels; smaller variations of the width are ignored
 
 
 def to_svg(strokes: Sequence[Stroke], size: int) -> str:
@@ -45,7 +45,7 @@ def to_svg(strokes: Sequence[Stroke], size: int) -> str:
 def _path(stroke: Stroke) -> str:
     darkness = float(stroke.darkness.mean())
     opacity = "" if darkness > 0.999 else f' opacity="{darkness:.3g}"'
-    if np.ptp(stroke.width) < _EVEN:
+    if np.ptp(stroke.width) < _WIDTH_TOLERANCE:
         end = "Z" if stroke.closed else ""
         points = stroke.points[:-1] if stroke.closed else stroke.points
         return f'<path stroke-width="{_number(stroke.width[0])}"{opacity} d="{_data(points)}{end}"/>'
@@ -56,7 +56,7 @@ def _path(stroke: Stroke) -> str:
 def _data(points: Doubles) -> str:
     from skimage.measure import approximate_polygon  # imports scipy.signal, which takes half a second
 
-    points = approximate_polygon(points, _EXACT)
+    points = approximate_polygon(points, _PLACE_TOLERANCE)
     return "M" + "L".join(f"{_number(x)} {_number(y)}" for x, y in points)
 
 
@@ -69,7 +69,7 @@ def _number(value: float) -> str:
     return f"{round(value, 2) + 0.0:.2f}".rstrip("0").rstrip(".")
 
 
-_CAP = 6  # number of corners of a round end, invisible at the width of a pen
+_CAP_CORNERS = 6  # number of corners of a round end, invisible at the width of a pen
 
 
 def outline(stroke: Stroke) -> list[Doubles]:
@@ -110,7 +110,7 @@ def _tangents(points: Doubles, closed: bool) -> Doubles:
 
 def _cap(end: Doubles, side: Doubles, width: float) -> Doubles:
     """Return the corners of a half circle around ``end`` that starts after ``side`` and runs clockwise."""
-    angles = np.linspace(0, np.pi, _CAP + 2)[1:-1]
+    angles = np.linspace(0, np.pi, _CAP_CORNERS + 2)[1:-1]
     radius = width / 2
     start = side / max(float(np.linalg.norm(side)), 1e-12)
     over = np.array([start[1], -start[0]])

@@ -102,9 +102,9 @@ def bump(points: Doubles, centre: Doubles, width: float, shift: Doubles) -> Defo
         shift: (3,) displacement of the centre.
     """
     offset = points - centre
-    share = _gaussian(offset, width)
-    slope = -share[:, None] * offset / width**2
-    return points + share[:, None] * shift, np.eye(3) + shift[:, None] * slope[:, None, :]
+    fraction = _gaussian(offset, width)
+    slope = -fraction[:, None] * offset / width**2
+    return points + fraction[:, None] * shift, np.eye(3) + shift[:, None] * slope[:, None, :]
 
 
 def swell(points: Doubles, centre: Doubles, width: float, growth: float) -> Deformed:
@@ -117,9 +117,9 @@ def swell(points: Doubles, centre: Doubles, width: float, growth: float) -> Defo
         growth: relative increase of lengths at the centre; negative to shrink.
     """
     offset = points - centre
-    share = growth * _gaussian(offset, width)
+    factor = growth * _gaussian(offset, width)
     outer = offset[:, :, None] * offset[:, None, :] / width**2
-    return points + share[:, None] * offset, np.eye(3) + share[:, None, None] * (np.eye(3) - outer)
+    return points + factor[:, None] * offset, np.eye(3) + factor[:, None, None] * (np.eye(3) - outer)
 
 
 def _gaussian(offset: Doubles, width: float) -> Doubles:
@@ -156,10 +156,10 @@ def free_form(points: Doubles, low: Doubles, high: Doubles, pulls: Doubles) -> D
     return points + blend(*weights), jacobian + np.eye(3)
 
 
-def _bernstein(share: Doubles) -> Deformed:
+def _bernstein(fraction: Doubles) -> Deformed:
     """Return values and derivatives (V, 4) of the cubic Bernstein polynomials at positions along an axis."""
     k = np.arange(_DEGREE + 1)
-    t, rest = share[:, None], 1 - share[:, None]
+    t, rest = fraction[:, None], 1 - fraction[:, None]
     # 0 ** 0 is 1, and terms with an exponent of -1 have a factor of 0.
     slopes = _CHOOSE * (
         k * t ** np.maximum(k - 1, 0) * rest ** (_DEGREE - k)
@@ -168,11 +168,11 @@ def _bernstein(share: Doubles) -> Deformed:
     return _CHOOSE * t**k * rest ** (_DEGREE - k), slopes
 
 
-_BELLY_SHARE = 0.4
+_BELLY_FRACTION = 0.4
 """Fraction of the largest cross section's area at which the legs end, going upwards."""
 _BLEND = 0.08
 """Half of the transition height for lengthening legs, in radii of the object."""
-_REACH = 3.0
+_CUTOFF = 3.0
 """Cutoff of the Gaussian for middles, in standard deviations."""
 
 
@@ -192,7 +192,7 @@ def belly(points: Doubles, faces: NDArray[np.integer], up: int) -> float:
     height = (a + b + c)[:, up] / 3
     order = np.argsort(-height)
     section = np.cumsum(rising[order])[::-1]
-    wide = section >= _BELLY_SHARE * section.max()
+    wide = section >= _BELLY_FRACTION * section.max()
     return float(height[order][::-1][np.argmax(wide)])
 
 
@@ -251,7 +251,7 @@ class Middle:
         from scipy.spatial import cKDTree  # takes half a second to import, only needed to vary meshes
 
         near = cKDTree(points).sparse_distance_matrix(
-            cKDTree(self.places), _REACH * self.width, output_type="coo_matrix"
+            cKDTree(self.places), _CUTOFF * self.width, output_type="coo_matrix"
         )
         row, column = np.asarray(near.row), np.asarray(near.col)
         weight = self.areas[column] * np.exp(-((np.asarray(near.data) / self.width) ** 2) / 2)

@@ -10,7 +10,7 @@ from normalgan.rendering.repair import face_vectors
 
 _COARSE, _FINE = np.arange(0.0, 180.0, 5.0), np.arange(-4.5, 5.0, 0.5)
 """Steps in degrees of the search for the plane of symmetry, first over all angles, then around the best."""
-_ACROSS = 0.002
+_ACROSS_WEIGHT = 0.002
 """Weight of the distance across the plane in the penalty of a mirrored vertex."""
 _PROBES = 500
 """Number of vertices that are mirrored to test a plane."""
@@ -62,7 +62,7 @@ def find_frame(mesh: Mesh) -> ObjectFrame:
         side = _sideways(turn)
         missed = np.mean(tree.query(probes - 2 * np.outer(probes @ side, side))[0])
         # Prefer the plane along the object if there are several.
-        return float(missed + _ACROSS * np.ptp(probes @ side))
+        return float(missed + _ACROSS_WEIGHT * np.ptp(probes @ side))
 
     best = min(_COARSE, key=miss)
     side = _sideways(min(best + _FINE, key=miss))

@@ -1,5 +1,6 @@
 """Joints without a skeleton: limbs are found on the surface and bent where they are thin."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, cast
 
@@ -13,23 +14,23 @@ from normalgan.rendering.variation.deformations import Deformed
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-_TIPS = 8
+_MOST_TIPS = 8
 """Maximum number of limb ends; a person has five, a dog with a tail six."""
 _SHORTEST_LIMB = 0.35
 """Minimum length of a limb, as a fraction of the longest limb."""
-_JOINTS = 2
+_MOST_JOINTS = 2
 """Maximum number of joints of a limb, such as knee and hip or elbow and shoulder."""
 _PLACES = np.linspace(0.25, 0.8, 12)
 """Range of possible positions of a joint, from the limb's tip (0) to the middle of the object (1)."""
-_THICKEST = 0.35
+_THICKEST_LIMB = 0.35
 """Maximum ratio of a limb's radius at a joint to its length beyond it; thicker parts are not limbs."""
 _BAND = 1.5
 """Half of a joint's length, in radii of the limb; a shorter joint would crease at 70 degrees."""
 _TORN = 0.1
 """Maximum remaining fraction of a rotation at the ends of a joint."""
-_FEWEST = 3
+_FEWEST_VERTICES = 3
 """Minimum number of vertices on either side of a joint, for estimating the limb's direction."""
-_CLOTH = 0.02
+_CLOTH_DISTANCE = 0.02
 """Distance within which separate parts such as body and clothes move together, in radii of the object."""
 
 
@@ -51,11 +52,11 @@ class Joint:
     beyond: BoolMask
     near: BoolMask
 
-    def share(self, points: Doubles) -> tuple[Doubles, Doubles]:
+    def fraction(self, points: Doubles) -> tuple[Doubles, Doubles]:
         """Return the fractions (V,) of the rotation at points (V, 3), and their outward derivatives."""
         along = np.clip(((points - self.centre) @ self.outward) / (2 * self.band) + 0.5, 0.0, 1.0)
-        share = np.where(self.near, along**2 * (3 - 2 * along), self.beyond)
-        return share, np.where(self.near, 6 * along * (1 - along) / (2 * self.band), 0.0)
+        fraction = np.where(self.near, along**2 * (3 - 2 * along), self.beyond)
+        return fraction, np.where(self.near, 6 * along * (1 - along) / (2 * self.band), 0.0)
 
     def bend(self, points: Doubles, axis: Doubles, angle: float) -> Deformed:
         """Rotate the vertices beyond the joint.
@@ -67,8 +68,8 @@ class Joint:
         """
         from scipy.spatial.transform import Rotation  # takes half a second to import
 
-        share, slope = self.share(points)
-        rotation = Rotation.from_rotvec(np.outer(angle * share, axis)).as_matrix()
+        fraction, slope = self.fraction(points)
+        rotation = Rotation.from_rotvec(np.outer(angle * fraction, axis)).as_matrix()
         moved = (rotation @ (points - self.centre)[:, :, None])[:, :, 0]
         # The outward increase of the rotation.
         speed = angle * slope[:, None] * np.cross(axis, moved)
@@ -78,7 +79,7 @@ class Joint:
 def find_limb_joints(points: Doubles, faces: NDArray[np.integer], rng: np.random.Generator) -> list[Joint]:
     """Find the limbs of a surface, and return up to two joints per limb, where it is thin.
 
-    The ends of limbs are points with maximum geodesic distance from each other. The middle of the object
+    The tips of limbs are points with maximum geodesic distance from each other. The middle of the object
     is the point with the smallest maximum distance from them.
 
     Args:
@@ -89,44 +90,46 @@ def find_limb_joints(points: Doubles, faces: NDArray[np.integer], rng: np.random
     Returns:
         The joints, outer joints before inner ones.
     """
-    from scipy.sparse.csgraph import dijkstra  # takes half a second to import
-
     places, place_of = np.unique(points.round(6), axis=0, return_inverse=True)
     place_of = place_of.ravel()
-    graph, whole = _graph(places, place_of[faces])
+    joints: list[Joint] = []
+    for distance, length in _limbs(*_graph(places, place_of[faces])):
+        found = [_joint(places, distance, place * length) for place in _PLACES]
+        thin = [joint for joint in found if joint is not None]
+        chosen: list[Joint] = []
+        for index in rng.permutation(len(thin)):
+            joint = thin[index]
+            if len(chosen) < _MOST_JOINTS and not any((joint.near & other.near).any() for other in chosen):
+                chosen.append(joint)
+        joints += [replace(one, beyond=one.beyond[place_of], near=one.near[place_of]) for one in chosen]
+    return sorted(joints, key=lambda joint: int(joint.beyond.sum()))
+
+
+def _limbs(graph: "csr_array", whole: BoolMask) -> Iterator[tuple[Doubles, float]]:
+    """Yield, for each limb, the distances (P,) of all places from its tip, and its length."""
+    from scipy.sparse.csgraph import dijkstra  # takes half a second to import
 
     def distances(start: int) -> Doubles:
         return np.asarray(cast("Any", dijkstra)(graph, indices=start))  # some type stubs lack csr_array
 
     nearest = distances(int(np.argmax(whole)))
     reached: list[Doubles] = []
-    for _ in range(_TIPS):
+    for _ in range(_MOST_TIPS):
         tip = int(np.argmax(np.where(whole, nearest, -1.0)))
         reached.append(distances(tip))
         nearest = np.minimum.reduce(reached)
     middle = int(np.argmin(np.where(whole, np.maximum.reduce(reached), np.inf)))
     longest = max(distance[middle] for distance in reached)
-    joints: list[Joint] = []
     for distance in reached:
-        length = distance[middle]
-        if length < _SHORTEST_LIMB * longest:
-            continue
-        found = [_joint(places, distance, place * length) for place in _PLACES]
-        thin = [joint for joint in found if joint is not None]
-        chosen: list[Joint] = []
-        for index in rng.permutation(len(thin)):
-            joint = thin[index]
-            if len(chosen) < _JOINTS and not any((joint.near & other.near).any() for other in chosen):
-                chosen.append(joint)
-        joints += [replace(one, beyond=one.beyond[place_of], near=one.near[place_of]) for one in chosen]
-    return sorted(joints, key=lambda joint: int(joint.beyond.sum()))
+        if distance[middle] >= _SHORTEST_LIMB * longest:
+            yield distance, distance[middle]
 
 
 def _joint(places: Doubles, distance: Doubles, length: float) -> Joint | None:
     """Return the joint of a limb at a distance from its tip, or None if the limb is too thick there."""
     ring = np.abs(distance - length) < length / 8
     outer = ring & (distance < length)
-    if min(outer.sum(), (ring & ~outer).sum()) < _FEWEST:
+    if min(outer.sum(), (ring & ~outer).sum()) < _FEWEST_VERTICES:
         return None
     centre = places[ring].mean(axis=0)
     outward = places[outer].mean(axis=0) - places[ring & ~outer].mean(axis=0)
@@ -135,14 +138,14 @@ def _joint(places: Doubles, distance: Doubles, length: float) -> Joint | None:
     across = offset - np.outer(offset @ outward, outward)
     radius = float(np.quantile(np.linalg.norm(across, axis=1), 0.9))
     band = _BAND * radius
-    if radius > _THICKEST * length or band > length / 1.5:
+    if radius > _THICKEST_LIMB * length or band > length / 1.5:
         return None
     near = np.abs(distance - length) < 1.5 * band
     joint = Joint(centre, outward, band, distance < length + 1.5 * band, near)
     # If another limb is in between, the surface continues beyond the joint and would tear.
-    share, _ = joint.share(places)
-    torn = (share[near & (distance > length + band)] > _TORN).any() or (
-        share[near & (distance < length - band)] < 1 - _TORN
+    fraction, _ = joint.fraction(places)
+    torn = (fraction[near & (distance > length + band)] > _TORN).any() or (
+        fraction[near & (distance < length - band)] < 1 - _TORN
     ).any()
     return None if torn else joint
 
@@ -154,7 +157,7 @@ def _graph(places: Doubles, faces: NDArray[np.integer]) -> tuple["csr_array", Bo
 
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     part = connected(len(places), edges)
-    pairs = cKDTree(places).query_pairs(_CLOTH, output_type="ndarray")
+    pairs = cKDTree(places).query_pairs(_CLOTH_DISTANCE, output_type="ndarray")
     links = pairs[part[pairs[:, 0]] != part[pairs[:, 1]]]
     edges = np.unique(np.sort(np.concatenate([edges, links]), axis=1), axis=0)
     lengths = np.linalg.norm(places[edges[:, 0]] - places[edges[:, 1]], axis=1)
