@@ -106,8 +106,8 @@ def predict_sheet(
     for x, y in holes:
         if not any(cell.points([(x, y)]) for cell in cells):
             raise InputError(
-                f"no drawing of the sheet lies at x {x / scale:g}, y {y / scale:g}; give a point inside closed "
-                "lines."
+                f"no drawing of the sheet lies at x {x / scale:g}, y {y / scale:g}; give a point inside "
+                "closed lines."
             )
     drawn = drawings_in(sheet, cells, hints, mask, holes, reading)
     if not drawn:
