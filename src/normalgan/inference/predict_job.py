@@ -233,6 +233,7 @@ class JobPredictor:
             holes=holes,
             reading=page.reading,
             scale=sheet.shape[1] / picture.shape[1],
+            pixel_art=self.sprite.pixel_art,
         )
 
     def _explain_figures(self, job: Job, figures: Sequence[tuple[Cell, Member]]) -> None:
@@ -259,7 +260,15 @@ class JobPredictor:
         found = self.packing.cells(sheet, files.drawing, files.below, units)
         shared = self.frame == "shared"
         preds = predict_sheet(
-            self.predictor, sheet, found.cells, hints, mask, shared, self.holes, said=found.warnings
+            self.predictor,
+            sheet,
+            found.cells,
+            hints,
+            mask,
+            shared,
+            self.holes,
+            said=found.warnings,
+            pixel_art=self.sprite.pixel_art,
         )
         return self._adapted(preds, to_picture(sheet))
 
@@ -318,7 +327,7 @@ class JobPredictor:
             yield preds.stronger(self.strength)
 
     def _member(self, picture: Picture, files: DrawingFiles) -> Member:
-        return Member(picture, *_hints_and_mask(files, picture.shape))
+        return Member(picture, *_hints_and_mask(files, picture.shape), pixel_art=self.sprite.pixel_art)
 
 
 @dataclass
