@@ -25,7 +25,7 @@ from normalgan.inference.findings import Finding
 from normalgan.inference.inputs import as_hints
 from normalgan.inference.jobs.plan import DrawingFiles, Job, overwritten
 from normalgan.inference.jobs.writing import Held, Writer
-from normalgan.inference.mask.mask_files import READER, MaskOrSource, load_mask
+from normalgan.inference.mask.mask_files import OUTLINE, READER, MaskOrSource, load_mask
 from normalgan.inference.network.tile import Tile
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.explanation import write_explanation
@@ -198,10 +198,13 @@ class JobPredictor:
             return self._adapted(tiled, picture)
         member = replace(self._member(picture, files), holes=self.holes)
         prepared = self._prepared(member, self.size)
-        split = not self.single and files.mask in {None, READER}
-        cells = figures_of(prepared, drawing.pixels if self.size is None else None) if split else []
+        split = not self.single and files.mask in {None, READER, OUTLINE}
+        # Lines do not tell which of them belong to one figure, so the reader does.
+        by_lines = split and files.mask == OUTLINE
+        page = self._prepared(replace(member, mask=READER, holes=()), self.size) if by_lines else prepared
+        cells = figures_of(page, drawing.pixels if self.size is None else None) if split else []
         if cells:
-            preds = self._page(job, drawing, replace(member, reading=prepared.reading), cells)
+            preds = self._page(job, drawing, replace(member, reading=page.reading), cells)
         else:
             preds = predict(self.predictor.backend, prepared, self.predictor.upsample)
         if self.explain is not None:
