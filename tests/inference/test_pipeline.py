@@ -303,3 +303,19 @@ def test_hints_off_the_object_are_told_with_their_places(model: Path) -> None:
     assert "4 of 5 hints lie off the object, at x 2, y 3; x 5, y 3; x 11, y 3 and 1 more; mo" in said(
         on, *off
     )
+
+
+@pytest.mark.parametrize("side", [32, 48])
+def test_the_outline_of_a_tiny_icon_is_one_line(side: int) -> None:
+    big = np.zeros((8 * side, 8 * side, 4), np.float32)
+    cv2.circle(big, (4 * side, 4 * side), round(3.2 * side), (0.1, 0.1, 0.1, 1), -1)
+    cv2.circle(big, (4 * side, 4 * side), round(2.9 * side), (0.8, 0.2, 0.2, 1), -1)
+    small = big.reshape(side, 8, side, 8, 4).mean((1, 3))
+    colour = small[..., :3] / np.maximum(small[..., 3:], 1e-4)
+    ink = prepare(Picture(colour, small[..., 3]), 256).model_input > 0.5
+    crossed = []
+    for turn in np.linspace(0, 2 * np.pi, 32, endpoint=False):
+        along = 128 + np.arange(0, 126, 0.5)[:, None] * [np.cos(turn), np.sin(turn)]
+        column, row = along.astype(int).T
+        crossed.append(np.count_nonzero(np.diff(ink[row, column].astype(int)) == 1))
+    assert np.mean(np.equal(crossed, 1)) > 0.9

@@ -226,3 +226,21 @@ def test_the_options_reach_the_map(here: Path, capsys: pytest.CaptureFixture[str
         assert sentence in said
         assert len(said.splitlines()) == 1
     assert not Path("bad").exists()
+
+
+@pytest.mark.slow
+def test_enlarged_pixel_art_has_the_map_of_the_art_itself(here: Path) -> None:
+    painted = sprite(ball())
+    assert painted.alpha is not None
+    small = np.rint(255 * np.dstack([painted.colour, painted.alpha])).astype(np.uint8)
+    once = np.ones((4, 4, 1), np.uint8)
+    Image.fromarray(small).save("one.png")
+    Image.fromarray(np.kron(small, once)).save("four.png")
+    Image.fromarray(np.kron(np.hstack([small, small]), once)).save("row.png")
+    for names in (["one.png", "four.png"], ["row.png", "--sheet", "2x1"]):
+        arguments = "--pixel-art", "--alpha", "--pad", "0"
+        assert main(["generate", *names, *arguments]) == 0  # at the shipped model's size, larger than both
+    one, four, row = (np.asarray(Image.open(f"normals/{name}_normal.png")) for name in ("one", "four", "row"))
+    assert np.array_equal(four, np.kron(one, once))
+    assert np.array_equal(row, np.hstack([four, four]))
+    assert np.array_equal(four[..., 3] > 0, np.kron(small, once)[..., 3] > 0)

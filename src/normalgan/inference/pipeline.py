@@ -138,7 +138,7 @@ def _opacity(prepared: Prepared, covered: Floats) -> Floats:
 def _enlarged(covered: Floats, shape: tuple[int, int]) -> Floats:
     """Return coverage enlarged to (H, W), with edges sharpened to a width of one pixel."""
     edge = resize(covered, shape)
-    sharper = np.float32(shape[1] / covered.shape[1])
+    sharper = np.float32(max(shape[1] / covered.shape[1], 1))
     for strip in strips(shape):
         steep = edge[strip]  # in place, because copies would take longer than the arithmetic
         steep -= 0.5

@@ -25,7 +25,7 @@ from normalgan.inference.findings import Finding
 from normalgan.inference.inputs import as_hints
 from normalgan.inference.jobs.plan import DrawingFiles, Job, overwritten
 from normalgan.inference.jobs.writing import Held, Writer
-from normalgan.inference.mask.mask_files import READER, MaskOrSource, load_mask
+from normalgan.inference.mask.mask_files import OUTLINE, READER, MaskOrSource, load_mask
 from normalgan.inference.network.tile import Tile
 from normalgan.inference.normal_map import NormalMap
 from normalgan.inference.outputs.explanation import write_explanation
@@ -76,6 +76,8 @@ class JobPredictor:
             its own; None uses ``shared`` for animations and ``own`` otherwise.
         strength: factor applied to the slopes of all maps.
         layers: whether each visible layer of a layered file is predicted separately.
+        mixed: whether, with ``layers``, a drawing without layers is predicted as it is; otherwise it is an
+            error.
         tile: directions in which each drawing repeats; None if it does not.
         single: whether a page is predicted as one object instead of separate figures.
         holes: x and y of points whose regions are flipped, in pixels of the drawing or of the sheet; see
@@ -91,6 +93,7 @@ class JobPredictor:
     frame: Framing | None = None
     strength: float = 1.0
     layers: bool = False
+    mixed: bool = False
     tile: Tile | None = None
     single: bool = False
     holes: Sequence[tuple[float, float]] = ()
@@ -106,7 +109,7 @@ class JobPredictor:
         """
         files = job.files
         drawing = Drawing(files.drawing, files.content)
-        if self.layers:
+        if by_layers(job, self.layers, self.mixed):
             shared = self.frame != "own"
             layered = LayeredJob(self.predictor, self.writer, self.size, shared, self.strength, self.sprite)
             target = layered_target(job, drawing, self.writer.outputs)
@@ -114,10 +117,11 @@ class JobPredictor:
             return Done(maps, warning, held, partial=partial)
         if self.packing.tileset == OWN:
             return self._written(job, self._tileset(files, *drawing.tileset))
+        flat = ["it has no layers and is predicted as it is"] if self.layers else []
         # A multi-page file counts as moving, because its pages are decoded and predicted like frames.
         if drawing.moving is not None:
             self._check_moving(drawing)
-            return self._animation(job, drawing)
+            return replace(self._animation(job, drawing), note="; ".join(flat))
         if job.exact and job.target.suffix.lower() in {".gif", ".webp"}:
             raise InputError(f"{job.target} would be an animation, but {files.drawing} is a still image.")
         if self.packing.given:
@@ -125,7 +129,7 @@ class JobPredictor:
         preds = self._drawing(job, drawing)
         figures = len(preds.cells)
         note = f"it shows {figures} separate figures, each predicted separately; --single predicts one object"
-        return replace(self._written(job, preds), note=note if figures else "")
+        return replace(self._written(job, preds), note="; ".join([*flat, *([note] if figures else [])]))
 
     def together(self, jobs: Sequence[Job]) -> Iterator[tuple[Job, Done | Exception]]:
         """Yield each job with its result, in order, for drawings in separate files that share a frame.
@@ -150,17 +154,23 @@ class JobPredictor:
             members.append(member)
             kept.append(job)
         predicted = predict_series(self.predictor, members, True, True, self.size)
+        held: list[Held] = []
         for job, member, preds in zip(kept, members, predicted, strict=True):
             if isinstance(preds, InputError):
                 yield job, preds
                 continue
             try:
-                yield job, self._written(job, self._adapted(preds, member.picture))
+                done = self._written(job, self._adapted(preds, member.picture), hold=True)
             except OSError as error:
                 yield job, error
+                continue
+            held += done.held
+            yield job, replace(done, held=[])
+        # They share one scale, as the frames of an animation do.
+        self.writer.write_held(held)
 
-    def _written(self, job: Job, preds: NormalMap) -> Done:
-        held = self.writer.write(job, preds.stronger(self.strength))
+    def _written(self, job: Job, preds: NormalMap, hold: bool = False) -> Done:
+        held = self.writer.write(job, preds.stronger(self.strength), hold)
         return Done([job.target], preds.warning, held, partial=preds.partial)
 
     def _check_moving(self, drawing: Drawing) -> None:
@@ -188,10 +198,13 @@ class JobPredictor:
             return self._adapted(tiled, picture)
         member = replace(self._member(picture, files), holes=self.holes)
         prepared = self._prepared(member, self.size)
-        split = not self.single and files.mask in {None, READER}
-        cells = figures_of(prepared, drawing.pixels if self.size is None else None) if split else []
+        split = not self.single and files.mask in {None, READER, OUTLINE}
+        # Lines do not tell which of them belong to one figure, so the reader does.
+        by_lines = split and files.mask == OUTLINE
+        page = self._prepared(replace(member, mask=READER, holes=()), self.size) if by_lines else prepared
+        cells = figures_of(page, drawing.pixels if self.size is None else None) if split else []
         if cells:
-            preds = self._page(job, drawing, replace(member, reading=prepared.reading), cells)
+            preds = self._page(job, drawing, replace(member, reading=page.reading), cells)
         else:
             preds = predict(self.predictor.backend, prepared, self.predictor.upsample)
         if self.explain is not None:
@@ -223,6 +236,7 @@ class JobPredictor:
             holes=holes,
             reading=page.reading,
             scale=sheet.shape[1] / picture.shape[1],
+            pixel_art=self.sprite.pixel_art,
         )
 
     def _explain_figures(self, job: Job, figures: Sequence[tuple[Cell, Member]]) -> None:
@@ -249,7 +263,15 @@ class JobPredictor:
         found = self.packing.cells(sheet, files.drawing, files.below, units)
         shared = self.frame == "shared"
         preds = predict_sheet(
-            self.predictor, sheet, found.cells, hints, mask, shared, self.holes, said=found.warnings
+            self.predictor,
+            sheet,
+            found.cells,
+            hints,
+            mask,
+            shared,
+            self.holes,
+            said=found.warnings,
+            pixel_art=self.sprite.pixel_art,
         )
         return self._adapted(preds, to_picture(sheet))
 
@@ -308,7 +330,7 @@ class JobPredictor:
             yield preds.stronger(self.strength)
 
     def _member(self, picture: Picture, files: DrawingFiles) -> Member:
-        return Member(picture, *_hints_and_mask(files, picture.shape))
+        return Member(picture, *_hints_and_mask(files, picture.shape), pixel_art=self.sprite.pixel_art)
 
 
 @dataclass
@@ -345,6 +367,17 @@ class _Problems:
             return ""
         more = f"; and so on, in {len(self.said)} of its {count} {self.part}s" if len(self.said) > 1 else ""
         return self.said[0] + more
+
+
+def by_layers(job: Job, layers: bool, mixed: bool) -> bool:
+    """Return whether a job's layers are predicted separately.
+
+    Args:
+        job: the job.
+        layers: whether layers are asked for.
+        mixed: whether a drawing without layers is predicted as it is.
+    """
+    return layers and (not mixed or Drawing(job.files.drawing, job.files.content).layered is not None)
 
 
 def target_of(job: Job, outputs: Outputs, packing: Packing, layers: bool) -> Path:

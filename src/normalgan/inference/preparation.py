@@ -17,7 +17,7 @@ from normalgan.inference.mask.mask_files import MaskOrSource
 from normalgan.inference.network.framing import Frame
 from normalgan.inference.network.line_width import render_model_input
 from normalgan.inference.reading.hint_files import Hints
-from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, fitted_within, resize
+from normalgan.inference.reading.picture import MOST_WORKED, Picture, fitted, resize
 from normalgan.inference.regions import Bounds
 from normalgan.line_widths import USUAL_WIDTHS, LineWidths
 
@@ -101,10 +101,11 @@ def prepare(
         InputError: if a point of ``holes`` lies in no region.
     """
     shape = fitted(picture.shape, longest)
-    worked = fitted_within(shape, MOST_WORKED)
+    # Lines of a tiny sprite are as wide as its details; enlarged, they can be told apart and thinned.
+    worked = fitted(shape, min(max(network_size, *shape), MOST_WORKED))
     if reading is None and not clean_strokes:
         reading = read(picture)
-    cleaned = clean(picture.resized(worked), reading)
+    cleaned = clean(picture.resized(worked), reading, drawn_pixel=worked[1] / picture.size[1])
     if painted is not None:
         by_hand = cv2.resize(painted, worked[::-1], interpolation=cv2.INTER_NEAREST)
         painted = np.asarray(by_hand, np.int8)

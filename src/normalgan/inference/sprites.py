@@ -217,6 +217,26 @@ def art_pixel(picture: Picture) -> int:
     return 1
 
 
+def to_art_pixels(picture: Picture) -> Picture:
+    """Return a sprite with one pixel for each art pixel; its `shape` stays that of the file.
+
+    A sprite that was cropped within an art pixel is returned unchanged.
+
+    >>> art = np.random.default_rng(0).random((16, 16, 3)).astype(np.float32)
+    >>> small = to_art_pixels(Picture(np.kron(art, np.ones((4, 4, 1), np.float32)), None))
+    >>> small.size, small.shape, bool(np.allclose(small.colour, art))
+    ((16, 16), (64, 64), True)
+    """
+    side = art_pixel(picture)
+    if side == 1:
+        return picture
+    blocks = _Blocks.of(picture.colour, side)
+    small = len(blocks.rows), len(blocks.columns)
+    if (small[0] * side, small[1] * side) != picture.size:
+        return picture
+    return replace(picture.resized(small), full=picture.size, notes=picture.notes)
+
+
 def _seen(colour: Floats, alpha: Floats | None) -> Floats:
     return colour if alpha is None else np.dstack([colour * alpha[..., None], alpha])
 

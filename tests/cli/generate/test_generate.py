@@ -434,3 +434,15 @@ def test_figures_of_a_page_are_predicted_separately_unless_they_are_one(
     assert np.abs(found[60:120, 60:120, :3].astype(int) - found[60:120, 240:300, :3]).max() < 16
     assert generate("page.png", "--single") == 0
     assert "separate figures" not in capsys.readouterr().err
+
+
+def test_figures_are_predicted_separately_with_the_mask_of_their_outlines_too(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    part = GREY[:, 80:260]
+    Image.fromarray(part).save("one.png")
+    Image.fromarray(np.hstack([part, part])).save("page.png")
+    assert generate("one.png", "page.png", "--mask", "outline", "--alpha", "--pad", "0") == 0
+    assert "page.png: it shows 2 separate figures" in capsys.readouterr().err
+    one, page = (np.asarray(Image.open(f"normals/{name}_normal.png")) for name in ("one", "page"))
+    assert np.abs(page[60:120, 240:300].astype(int) - one[60:120, 60:120]).max() < 16

@@ -108,6 +108,20 @@ def test_the_picture_beside_a_layered_file_is_its_export(
     assert np.asarray(Image.open("alone/fox_normal.png")).shape[:2] == (80, 120)
 
 
+def test_among_layered_files_a_flat_drawing_is_predicted_as_it_is(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    draw("in/owl.png", "in/hen.png", "in/hen.bmp")
+    draw_layers("in/fox.ora")
+    for arguments in (["--dry-run"], []):
+        assert generate("in", "--layers", *arguments) == 1  # two are named hen
+        said = capsys.readouterr()
+        assert said.err.count("would be written twice") == 2
+        assert str(Path("normals/owl_normal.png")) in said.out
+    assert written("normals") == {"fox_normal.ora", "owl_normal.png"}
+    assert f"{Path('in/owl.png')}: it has no layers and is predicted as it is." in said.err
+
+
 def test_drawings_of_one_name_do_not_stop_the_others(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
     draw("in/fox.png", "in/fox.bmp", "in/owl.png")
     for extra in (["--dry-run"], []):
@@ -120,7 +134,9 @@ def test_drawings_of_one_name_do_not_stop_the_others(here: Path, capsys: pytest.
         assert "owl_normal.png" in said.out
     assert "2 of 3 sketches could not be used" in said.err
     assert written("normals") == {"owl_normal.png"}
+    capsys.readouterr()
     assert generate("in/fox.png", "in/fox.bmp") == 2
+    assert capsys.readouterr().err.count("would be written twice") == 2
 
 
 @pytest.mark.slow
@@ -151,6 +167,61 @@ def test_existing_maps_can_be_skipped(here: Path, capsys: pytest.CaptureFixture[
     assert "1 of 2 sketches already have a map" in said.err
     assert Path("normals/fox_normal.png").stat().st_mtime_ns == before
     assert generate("fox.png", "--skip-existing") == 0
+
+
+def test_with_skip_existing_only_missing_files_are_written(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    draw("fox.png")
+    assert generate("fox.png") == 0
+    Path("normals/fox_normal.png").write_bytes(b"edited by hand")
+    capsys.readouterr()
+    for _ in range(2):
+        assert generate("fox.png", "--skip-existing", "--height", "png") == 0
+        assert written("normals") == {"fox_normal.png", "fox_height.png"}
+        assert Path("normals/fox_normal.png").read_bytes() == b"edited by hand"
+        said = capsys.readouterr()
+        assert not said.out
+    assert "1 of 1 sketches already have a map" in said.err
+
+
+def draw_frames() -> None:
+    """Write three frames in which an arm of different length reaches out of a body."""
+    Path("in").mkdir()
+    for number, reach in enumerate((0, 60, 110), 1):
+        body = blob(centre=(90, 120))
+        body[110:130, 90 : 150 + reach] = 1
+        drawn = np.rint(255 * (1 - outline(body))).astype(np.uint8)
+        Image.fromarray(drawn).save(f"in/walk{number}.png")
+
+
+def test_a_missing_frame_is_predicted_with_the_others(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    draw_frames()
+    shared = "in", "--frame", "shared", "--height", "png"
+    assert generate(*shared) == 0
+    lost = [Path("normals/walk1_normal.png"), Path("normals/walk1_height.png")]
+    before = [path.read_bytes() for path in lost]
+    for path in lost:
+        path.unlink()
+    capsys.readouterr()
+    assert generate(*shared, "--skip-existing") == 0
+    assert capsys.readouterr().out.split() == [str(lost[0])]
+    assert [path.read_bytes() for path in lost] == before
+    assert generate(*shared, "--skip-existing") == 0
+    assert not capsys.readouterr().out
+
+
+def test_heights_of_frames_in_separate_files_have_one_scale(here: Path) -> None:
+    draw_frames()
+    for scale, given in (("own", []), ("shared", ["--frame", "shared"])):
+        assert generate("in", *given, "--height", "png", "-o", scale) == 0
+    most = {
+        scale: [int(np.asarray(Image.open(path)).max()) for path in sorted(Path(scale).glob("*_height.png"))]
+        for scale in ("own", "shared")
+    }
+    assert most["own"] == [65535] * 3
+    assert max(most["shared"]) == 65535
+    assert min(most["shared"]) < 65535
 
 
 @pytest.mark.parametrize(

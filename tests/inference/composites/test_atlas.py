@@ -78,6 +78,32 @@ UNITY = """#
 a;0;40;40;60; 0.5;0.5; 0;0;0;0
 b;50;70;30;20; 0.5;0.5
 """
+UNITY_SLICES = """fileFormatVersion: 2
+TextureImporter:
+  spriteMode: 2
+  spriteSheet:
+    serializedVersion: 2
+    sprites:
+    - serializedVersion: 2
+      name: a
+      rect:
+        serializedVersion: 2
+        x: 0
+        y: 40
+        width: 40
+        height: 60
+      alignment: 0
+    - serializedVersion: 2
+      name: "b"
+      rect:
+        serializedVersion: 2
+        x: 50
+        y: 70
+        width: 30
+        height: 20
+  nameFileIdTable:
+    a: 21300000
+"""
 EASEL = {
     "images": ["other.png", "sheet.png"],
     "frames": [[0, 0, 9, 9, 0], [0, 0, 40, 60, 1], [50, 10, 30, 20, 1]],
@@ -118,6 +144,7 @@ FILES: dict[str, tuple[str | bytes, set[tuple[str, int, int, int, int, int]]]] =
         ),
         UPRIGHT,
     ),
+    "slices of Unity": (UNITY_SLICES, UPRIGHT),
     "egret": (json.dumps({"file": "sheet.png", "frames": {"a": {**A, "offX": 0}, "b": FLAT}}), UPRIGHT),
     "dragon": (json.dumps(DRAGON), UPRIGHT),
     "easel": (

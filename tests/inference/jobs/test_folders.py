@@ -24,6 +24,13 @@ def test_a_drawing_matched_twice_is_taken_once(tmp_path: Path) -> None:
     assert find_drawings([str(tmp_path / "*.png"), str(tmp_path)]) == [tmp_path / "a.png"]
 
 
+def test_drawings_that_lie_only_in_subfolders_are_named(tmp_path: Path) -> None:
+    (tmp_path / "deep" / "er").mkdir(parents=True)
+    Image.new("L", (32, 32)).save(tmp_path / "deep" / "er" / "a.png")
+    with pytest.raises(InputError, match=r"only in subfolders such as .*er; .* with --recursive"):
+        find_drawings(str(tmp_path))
+
+
 def test_finding_nothing_or_one_name_twice_is_said(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no sketch found"):
         find_drawings(str(tmp_path))

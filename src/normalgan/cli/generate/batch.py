@@ -4,7 +4,7 @@ import sys
 import time
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from jsonargparse import Namespace
@@ -12,11 +12,11 @@ from jsonargparse import Namespace
 from normalgan.errors import InputError, RunError, printable, tell, unwritable, with_subject
 from normalgan.inference.composites.packing import Packing
 from normalgan.inference.forms import parse_form
-from normalgan.inference.jobs.plan import STDOUT, Job, companions_of
+from normalgan.inference.jobs.plan import STDIN, STDOUT, Job, companions_of
 from normalgan.inference.jobs.watching import Watcher
-from normalgan.inference.jobs.writing import Held, Writer
+from normalgan.inference.jobs.writing import Held, MissingFiles, Writer
 from normalgan.inference.parallel import stream
-from normalgan.inference.predict_job import JobPredictor, target_of
+from normalgan.inference.predict_job import JobPredictor, by_layers, target_of, written_for
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.reading.drawings import without_companions
 from normalgan.inference.sprites import Sprite
@@ -64,12 +64,13 @@ class DrawingBatch:
         self._settings, self._writer, self._packing, self._holes = settings, writer, packing, holes
         self._form = None if settings.form is None else parse_form(settings.form)
         self._outputs = writer.outputs
+        self._mixed = may_be_mixed(settings.sketches)
         self._failed = self._partial = 0
         self._held: list[Held] = []
 
     def without_existing(self, jobs: Sequence[Job]) -> list[Job]:
-        """Return the jobs that do not have a map yet; print the number of those that have."""
-        left = [job for job in jobs if not self._has_map(job)]
+        """Return the jobs that lack a file; print the number of those that have all."""
+        left = [job for job in jobs if not self._is_complete(job)]
         if len(left) < len(jobs):
             tell(f"{len(jobs) - len(left)} of {len(jobs)} sketches already have a map.")
         return left
@@ -91,15 +92,21 @@ class DrawingBatch:
                 print(printable(f"{job.files.drawing}{''.join(extras)} -> {target}"))
         return failed
 
-    def predict(self, predictor: Predictor, jobs: Sequence[Job], alone: bool = False) -> None:
+    def predict(
+        self, predictor: Predictor, jobs: Sequence[Job], alone: bool = False, keep: bool = False
+    ) -> None:
         """Predict drawings, and print the result of each.
 
         Args:
             predictor: the network.
             jobs: the drawings.
             alone: whether there is only one drawing, so that its error is raised instead of printed.
+            keep: whether files that exist are kept, and only the missing ones are written.
         """
         settings = self._settings
+        missing = MissingFiles(self._writer.sink)
+        if keep:
+            self._writer = replace(self._writer, sink=missing)
         work = JobPredictor(
             predictor,
             self._writer,
@@ -108,13 +115,14 @@ class DrawingBatch:
             frame=settings.frame,
             strength=settings.strength,
             layers=settings.layers,
+            mixed=self._mixed,
             tile=settings.tile,
             single=settings.single,
             holes=self._holes,
             explain=None if settings.explain is None else Path(settings.explain),
             sprite=Sprite(settings.detail, settings.pixel_art, self._form),
         )
-        written = work.together(jobs) if self._share_frame and len(jobs) > 1 else stream(jobs, work)
+        written = work.together(jobs) if self.share_frame and len(jobs) > 1 else stream(jobs, work)
         watched = len(jobs) > 1 and sys.stderr.isatty()
         with progress_bar("predicting", len(jobs), "drawings", shown=watched) as advance:
             for job, outcome in written:
@@ -134,7 +142,10 @@ class DrawingBatch:
                     tell(f"{job.files.drawing}: {outcome.note}.")
                 if settings.output != STDOUT:
                     for each in outcome.maps:
-                        print(printable(each), flush=self._settings.watch)
+                        if each not in missing.kept:
+                            print(printable(each), flush=self._settings.watch)
+        if keep and settings.watch:  # a drawing that is saved later gets a new map
+            self._writer = replace(self._writer, sink=missing.sink)
 
     def watch(self, predictor: Predictor, watcher: Watcher, find: Callable[[], Found], found: Found) -> None:
         """Predict drawings whenever they are saved, until Ctrl-C; drawings that share a frame all at once.
@@ -167,7 +178,7 @@ class DrawingBatch:
             if saved:
                 try:
                     self.predict(
-                        predictor, [*jobs.values()] if self._share_frame else [jobs[each] for each in saved]
+                        predictor, [*jobs.values()] if self.share_frame else [jobs[each] for each in saved]
                     )
                 except InputError as error:  # for example, frames differ in size until all are saved
                     tell(error)
@@ -181,8 +192,8 @@ class DrawingBatch:
         }
 
     @property
-    def _share_frame(self) -> bool:
-        """Whether drawings in separate files are framed by one square."""
+    def share_frame(self) -> bool:
+        """Whether drawings in separate files are framed by one square, so that none is predicted alone."""
         return self._settings.frame == "shared" and not self._packing.given and not self._settings.layers
 
     def code(self, predicted: int, unusable: int) -> int:
@@ -204,13 +215,19 @@ class DrawingBatch:
         return 1 if failed or self._partial else 0
 
     def _target(self, job: Job) -> Path:
-        return target_of(job, self._outputs, self._packing, self._settings.layers)
+        return target_of(job, self._outputs, self._packing, self._by_layers(job))
 
-    def _has_map(self, job: Job) -> bool:
-        try:
-            return self._target(job).exists()
-        except InputError:
-            return False  # the error is raised by the prediction
+    def _by_layers(self, job: Job) -> bool:
+        return by_layers(job, self._settings.layers, self._mixed)
+
+    def _is_complete(self, job: Job) -> bool:
+        files = list(written_for(job, self._outputs, self._packing, self._by_layers(job)))
+        return bool(files) and all(each.exists() for each in files)
+
+
+def may_be_mixed(sketches: Sequence[str]) -> bool:
+    """Return whether the arguments can name drawings of several kinds, not just one file."""
+    return len(sketches) > 1 or (sketches[0] != STDIN and not Path(sketches[0]).is_file())
 
 
 def _sentence(job: Job, error: Exception) -> InputError:

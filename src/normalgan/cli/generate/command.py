@@ -9,7 +9,7 @@ from pathlib import Path
 from jsonargparse import Namespace
 
 from normalgan import decoding
-from normalgan.cli.generate.batch import DrawingBatch, Found
+from normalgan.cli.generate.batch import DrawingBatch, Found, may_be_mixed
 from normalgan.cli.generate.options import as_shell_means, build_parser, engine_of
 from normalgan.errors import InputError, tell
 from normalgan.inference.composites.packing import Packing
@@ -28,7 +28,7 @@ from normalgan.inference.jobs.watching import Watcher
 from normalgan.inference.jobs.writing import Writer
 from normalgan.inference.network.onnx_backend import OnnxBackend
 from normalgan.inference.outputs.output_set import Outputs, outputs_of
-from normalgan.inference.predict_job import written_for
+from normalgan.inference.predict_job import by_layers, written_for
 from normalgan.inference.predictor import Predictor
 from normalgan.inference.reading.drawings import MOST_BYTES
 from normalgan.ranges import OutOfRangeError
@@ -57,7 +57,10 @@ def run(arguments: list[str]) -> int:
     found = find()
     jobs, wrong = found.jobs, [*found.missing, *found.clashing]
     if wrong and not jobs:
-        raise wrong[0]
+        *others, last = wrong
+        for other in others:
+            tell(other)
+        raise last
     if piped is not None and len(jobs) > 1:  # refused before anything is predicted
         raise _not_one(len(jobs))
     if holes and len(jobs) > 1:
@@ -71,13 +74,15 @@ def run(arguments: list[str]) -> int:
         tell(each)
     # Created before the first prediction, so that drawings saved during it are predicted again.
     watcher = Watcher(batch.read(jobs) if settings.watch else {})
-    if settings.skip_existing and piped is None:
-        jobs = batch.without_existing(jobs)
+    skips = settings.skip_existing and piped is None
+    lacking = batch.without_existing(jobs) if skips else jobs
     if settings.dry_run:
-        return 1 if batch.list_jobs(jobs) + len(wrong) else 0
+        return 1 if batch.list_jobs(lacking) + len(wrong) else 0
+    # Drawings with one frame and one scale are predicted together, even if most of their files exist.
+    jobs = jobs if lacking and batch.share_frame else lacking
     _one_thread_each()
     predictor = Predictor(OnnxBackend(path, threads=1))
-    batch.predict(predictor, jobs, alone=len(jobs) == 1 and not wrong and not settings.watch)
+    batch.predict(predictor, jobs, alone=len(jobs) == 1 and not wrong and not settings.watch, keep=skips)
     if settings.watch:
         batch.watch(predictor, watcher, find, found)
     if piped is not None:
@@ -197,9 +202,10 @@ def _find(settings: Namespace, outputs: Outputs, packing: Packing, content: byte
     if is_file_name(folder):
         jobs = [plan_file(files, folder, others, also_read)] if files else []
         return Found(jobs, missing, [], left_out)
+    mixed = may_be_mixed(settings.sketches)
     jobs, clashing = without_clashes(
         plan(files, folder, outputs.ending, others, may_clash=True, also_read=also_read),
-        lambda job: written_for(job, outputs, packing, settings.layers),
+        lambda job: written_for(job, outputs, packing, by_layers(job, settings.layers, mixed)),
     )
     return Found(jobs, missing, clashing, left_out)
 

@@ -132,7 +132,11 @@ def _add_folders(parser: LightParser) -> None:
     group.add_argument(
         "--recursive", action="store_true", help="search subfolders too, and mirror them in the output folder"
     )
-    group.add_argument("--skip-existing", action="store_true", help="skip drawings that already have a map")
+    group.add_argument(
+        "--skip-existing",
+        action="store_true",
+        help="write only missing files, and skip drawings that have all of them",
+    )
     group.add_argument(
         "--watch",
         action="store_true",

@@ -34,7 +34,9 @@ class Cleaned:
     silhouette: BoolMask | None
 
 
-def clean(picture: Picture, reading: Reading | None, repeats: bool = False) -> Cleaned:
+def clean(
+    picture: Picture, reading: Reading | None, repeats: bool = False, drawn_pixel: float = 1.0
+) -> Cleaned:
     """Return the ink of a drawing in any medium: photo, scan, pencil, chalk, paint or transparent PNG.
 
     Args:
@@ -43,6 +45,7 @@ def clean(picture: Picture, reading: Reading | None, repeats: bool = False) -> C
             white.
         repeats: whether the drawing may be a surface that continues past its edges, such as bricks. The
             reader takes such a surface for background.
+        drawn_pixel: side of the original drawing's pixels in pixels of ``picture``.
 
     Raises:
         LackingError: if the drawing has no lines.
@@ -53,7 +56,7 @@ def clean(picture: Picture, reading: Reading | None, repeats: bool = False) -> C
         ink = _of_surface(ink, np.asarray(over_paper(picture) @ GREY, np.float32))
     if picture.alpha is not None and is_silhouette(picture, reading):
         silhouette = picture.alpha > 0.5
-        ink = np.maximum(np.where(silhouette, ink, 0), contour(silhouette))
+        ink = np.maximum(np.where(silhouette, ink, 0), contour(silhouette, drawn_pixel))
     if float(ink.max()) < _LEAST:
         raise LackingError(
             "no lines were found in it; a sketch needs lines that stand out from the paper.", "no_lines"

@@ -43,7 +43,13 @@ def is_silhouette(picture: Picture, reading: Reading | None = None) -> bool:
     return inked <= covered + _SURE
 
 
-def contour(silhouette: BoolMask) -> Floats:
-    """Return the ink (H, W) of a line just inside a silhouette, about 1/250 of its extent wide."""
-    width = max(extent_of(silhouette) / 250, 1.5)
+def contour(silhouette: BoolMask, drawn_pixel: float = 1.0) -> Floats:
+    """Return the ink (H, W) of a line just inside a silhouette, about 1/250 of its extent wide.
+
+    Args:
+        silhouette: (H, W), the object.
+        drawn_pixel: side of the original drawing's pixels in pixels of ``silhouette``. The line covers the
+            half-transparent pixels at the edge; otherwise a gap would part it from the object's own outline.
+    """
+    width = max(extent_of(silhouette) / 250, 1.5 * drawn_pixel)
     return np.where(silhouette, np.clip(width + 0.5 - depth_of(silhouette), 0, 1), 0).astype(np.float32)

@@ -1,6 +1,6 @@
 """Atlas: read the positions of a sheet's sprites from another program's file."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from normalgan.errors import InputError
@@ -64,10 +64,14 @@ def read_atlas(
     scale = _scale(page, shape, sheet, path, units)
     cells: dict[tuple[int, ...], Cell] = {}
     warnings: list[str] = []
-    for name, frame in page.frames:
-        if frame is None:
+    for name, given in page.frames:
+        if given is None:
             warnings.append(f"the sprite {name!r} has no position; it needs x, y, width and height")
             continue
+        frame = given
+        if page.from_below:
+            lower_edge = shape[0] if units is None else units[1]
+            frame = replace(given, top=lower_edge - given.top - given.height)
         cell = _cell(frame, scale)
         if not cell.width or not cell.height:
             continue

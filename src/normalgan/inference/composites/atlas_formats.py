@@ -45,11 +45,14 @@ class Page:
         image: file name of the sheet without its folder; empty if the atlas does not name it.
         size: (width, height) of the sheet; None if the atlas does not give it.
         frames: name and position of each sprite; the position is None if the atlas gives none.
+        from_below: whether ``top`` of the frames is the distance from the sheet's lower edge to that of the
+            sprite, because the atlas measures from there and does not give the sheet's size.
     """
 
     image: str
     size: tuple[float, float] | None
     frames: list[tuple[str, Frame | None]]
+    from_below: bool = False
 
 
 class Format(NamedTuple):
@@ -316,6 +319,21 @@ def _unity(text: str) -> list[Page] | None:
     return [Page(_name(about["texture"]), _size(*size), frames)]
 
 
+_SLICE = re.compile(
+    r"^[ \t]+name: *(.*?)\s*\n\s*rect:\s*(?:serializedVersion: *\d+\s*)?"
+    + r"\s+".join(f"{each}:{_NUMBER}" for each in ("x", "y", "width", "height")),
+    re.MULTILINE,
+)
+
+
+def _unity_slices(text: str) -> list[Page] | None:
+    """Parse the .meta file of a sheet that was sliced in Unity's Sprite Editor."""
+    if not re.search(r"^TextureImporter:", text, re.MULTILINE):
+        return None
+    frames = [_frame(name.strip("'\""), box) for name, *box in _SLICE.findall(text)]
+    return [Page("", None, frames, from_below=True)] if frames else None
+
+
 _BOX = r"[,;\t ]".join([_NUMBER] * 4)
 _ROW = re.compile(rf"^\s*\"?(.+?)\"?\s*(?:=\s*|[,;\t]){_BOX}(?:[,;\t ].*)?$")
 
@@ -337,6 +355,7 @@ FORMATS = (
     Format("property lists (Cocos2d)", (".plist",), _plist),
     Format("libGDX or Spine", (".atlas", ".atlas.txt"), _gdx),
     Format("TexturePacker for Unity", (".tpsheet",), _unity),
+    Format("slices of Unity's Sprite Editor", (".png.meta",), _unity_slices),
     Format("lines of name, x, y, width, height", (".txt", ".csv"), _lines),
 )
 """All formats, in the order in which they are tried."""
@@ -351,7 +370,7 @@ _LOOKS = (
     ("is a Spine skeleton; name its .atlas", r"\A\s*\{[\s\S]*\"(?:skeleton|bones)\"\s*:"),
     ("is a Tiled map or tileset; divide its sheet by --sheet", r"<tileset|<map\s|\"tilewidth\"\s*:"),
     ("is an LDtk project; divide its sheet by --sheet", r"\"__header__\"\s*:"),
-    ("is a Unity .meta file", r"TextureImporter:"),
+    ("is a Unity .meta file without slices; slice the sheet in the Sprite Editor", r"TextureImporter:"),
     ("is a Godot resource", r"\A\s*\[gd_(?:resource|scene)"),
     ("is an SVG picture", r"<svg[\s>]"),
     ("is a web page", r"(?i)<html|<!doctype html"),

@@ -98,7 +98,7 @@ class LayeredJob:
             return None
 
         def prepared(layer: DecodedLayer) -> Prepared:
-            return prepare_member(self.predictor, _member(job, layer, found.shape), self.size)
+            return prepare_member(self.predictor, self._member(job, layer, found.shape), self.size)
 
         # Layers are prepared again for prediction: keeping all layers of a large file would fill the memory.
         parts = (each for _, each in stream(drawn, prepared) if isinstance(each, Prepared))
@@ -111,7 +111,7 @@ class LayeredJob:
         """Return a layer's predictions frame by frame, the warning, the held files and the written maps."""
         outputs = self.writer.outputs
         own = [layer for layer in found.layers if layer.number == number]
-        members = [_member(job, layer, found.shape) for layer in own]
+        members = [self._member(job, layer, found.shape) for layer in own]
         several = self.shared and len(own) > 1
         predicted: list[DecodedLayer] = []
         said: list[str] = []
@@ -141,6 +141,10 @@ class LayeredJob:
             raise failed[0]
         return predicted, said[0] if said else "", held, written
 
+    def _member(self, job: Job, layer: DecodedLayer, shape: tuple[int, int]) -> Member:
+        where = job.files.mask if isinstance(job.files.mask, str) else None
+        return Member(picture_of(layer, shape), None, where, pixel_art=self.sprite.pixel_art)
+
     def _among(self, member: Member, context: Context) -> NormalMap | InputError:
         """Return the map of a layer predicted alone or among the others, or the error."""
         backend = self.predictor.backend
@@ -150,11 +154,6 @@ class LayeredJob:
             return finish(seen, preds, confidence, self.predictor.upsample)
         except InputError as error:
             return error
-
-
-def _member(job: Job, layer: DecodedLayer, shape: tuple[int, int]) -> Member:
-    where = job.files.mask if isinstance(job.files.mask, str) else None
-    return Member(picture_of(layer, shape), None, where)
 
 
 def layered_target(job: Job, drawing: Drawing, outputs: Outputs) -> Path:

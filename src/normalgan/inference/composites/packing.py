@@ -112,7 +112,7 @@ class Packing:
         if not found:
             raise InputError(
                 f"{self.atlas} has no atlas for {path}; its name must be {path.stem}.json, .xml, .plist, "
-                ".atlas, .tpsheet, .txt or .csv."
+                ".atlas, .tpsheet, .png.meta, .txt or .csv."
             )
         read = read_atlas(found[0], sheet.shape, path, units)
         cells, warnings = separate(read.cells, sheet)

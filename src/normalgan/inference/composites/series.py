@@ -1,7 +1,7 @@
 """Series: predict related drawings consistently, such as cells of a sheet or frames of an animation."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from normalgan.inference.preparation import Prepared, hinted, prepare, reframed
 from normalgan.inference.reading.hint_files import Hints
 from normalgan.inference.reading.picture import Picture, fitted
 from normalgan.inference.regions import Bounds, united
+from normalgan.inference.sprites import to_art_pixels
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,8 @@ class Member:
         mask: the object or the source of the mask, as in `prepare`.
         holes: x and y of points whose regions are flipped, as in `prepare`.
         reading: the reader's output, if it is known; or None.
+        pixel_art: whether the network sees one pixel for each art pixel of an enlarged sprite. The steps of
+            the art pixels would otherwise be part of its outline.
     """
 
     picture: Picture
@@ -38,6 +41,7 @@ class Member:
     mask: MaskOrSource = None
     holes: Sequence[tuple[float, float]] = ()
     reading: Reading | None = None
+    pixel_art: bool = False
 
 
 def predict_series(
@@ -115,8 +119,13 @@ def flat_map(shape: tuple[int, int], size: int | None = None) -> NormalMap:
 def prepare_member(predictor: Predictor, member: Member, size: int | None = None) -> Prepared:
     """Return a drawing of a series, cleaned and framed separately, without hints."""
     widths = predictor.backend.line_widths
-    given = member.picture, predictor.size, member.mask, None, size
-    return prepare(*given, line_widths=widths, holes=member.holes, reading=member.reading)
+    picture = to_art_pixels(member.picture) if member.pixel_art else member.picture
+    given = picture, predictor.size, member.mask, None, size
+    prepared = prepare(*given, line_widths=widths, holes=member.holes, reading=member.reading)
+    if picture is member.picture or prepared.alpha is None:
+        return prepared
+    alpha = member.picture.resized((prepared.ink.shape[0], prepared.ink.shape[1])).alpha
+    return prepared if alpha is None else replace(prepared, alpha=member.picture.alpha, mask=alpha > 0.5)
 
 
 def _of_one_size(boxes: Sequence[Bounds]) -> bool:

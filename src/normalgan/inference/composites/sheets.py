@@ -83,6 +83,7 @@ def predict_sheet(
     said: Sequence[str] = (),
     reading: Reading | None = None,
     scale: float = 1.0,
+    pixel_art: bool = False,
 ) -> NormalMap:
     """Return the map of a sheet, predicting each cell as if it were a file of its own.
 
@@ -98,6 +99,7 @@ def predict_sheet(
         reading: the reader's output for the sheet; cells use it that would show the reader no more of their
             pixels by themselves. None reads each cell.
         scale: pixels of the sheet per pixel of the drawing, in which warnings give places.
+        pixel_art: whether the cells are pixel art; see `Member`.
 
     Raises:
         InputError: if no cell can be predicted, cells that share a frame differ in size, or a hole lies in no
@@ -109,7 +111,10 @@ def predict_sheet(
                 f"no drawing of the sheet lies at x {x / scale:g}, y {y / scale:g}; give a point inside "
                 "closed lines."
             )
-    drawn = drawings_in(sheet, cells, hints, mask, holes, reading)
+    drawn = [
+        (cell, replace(member, pixel_art=pixel_art))
+        for cell, member in drawings_in(sheet, cells, hints, mask, holes, reading)
+    ]
     if not drawn:
         raise InputError("none of its cells holds a drawing; give other columns and rows, or another atlas.")
     large = [(cell, member) for cell, member in drawn if min(cell.width, cell.height) >= SMALLEST]

@@ -77,13 +77,23 @@ def search(
             InputError(f"{path} is a link to {path.readlink()}, which does not exist.") for path in broken
         ]
         if not here and not broken and not (may_be_empty and place.is_dir()):
-            errors.append(
-                InputError(
-                    f"no sketch found at {word!r}; give a folder, a file or a glob of {' '.join(SUFFIXES)}."
-                )
-            )
+            errors.append(_nothing_found(word, leave_out))
         found |= {path: below for path, below in here.items() if path not in found}
     return _apart(found), errors
+
+
+def _nothing_found(word: str, leave_out: Path | None) -> InputError:
+    """Return the error for a name that matches no drawing."""
+    below = _below(Path(word), leave_out) if Path(word).is_dir() else ()
+    deep = next((path for path in below if is_drawing(path) and path.is_file()), None)
+    if deep is not None:
+        return InputError(
+            f"no sketch found at {word!r}, only in subfolders such as {deep.parent}; name them, or let "
+            "generate search them with --recursive."
+        )
+    return InputError(
+        f"no sketch found at {word!r}; give a folder, a file or a glob of {' '.join(SUFFIXES)}."
+    )
 
 
 def _is_broken(path: Path) -> bool:

@@ -15,6 +15,26 @@ Sink = Callable[[Path, bytes], None]
 """Called with the path and the content of each file. The default, `write_bytes`, writes atomically."""
 
 
+@dataclass(frozen=True)
+class MissingFiles:
+    """A sink that writes only files that do not exist.
+
+    Args:
+        sink: writes the missing files.
+        kept: gets the paths of the files that exist.
+    """
+
+    sink: Sink
+    kept: set[Path] = field(default_factory=set)
+
+    def __call__(self, path: Path, content: bytes) -> None:
+        """Write a file unless it exists."""
+        if path.exists():
+            self.kept.add(path)
+        else:
+            self.sink(path, content)
+
+
 class Held(NamedTuple):
     """A file that is held back until the scale that it shares with other files is known."""
 
@@ -34,13 +54,18 @@ class Writer:
     outputs: Outputs = field(default_factory=Outputs)
     sink: Sink = write_bytes
 
-    def write(self, job: Job, preds: NormalMap) -> list[Held]:
+    def write(self, job: Job, preds: NormalMap, hold: bool = False) -> list[Held]:
         """Write the files of a drawing; return the files that are held back for other drawings.
+
+        Args:
+            job: job of the drawing.
+            preds: map of the drawing.
+            hold: whether the drawing shares its scale with others, like the frames of an animation.
 
         Raises:
             OSError: if a file cannot be written.
         """
-        held = self.write_others(job, preds)
+        held = self.write_others(job, preds, hold)
         self.write_map(job, preds)  # last, so that an existing map implies that its other outputs exist
         return held
 
