@@ -1,10 +1,12 @@
 """The studio's page tells of a map in its own words, and shows on the drawing where that is."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
-from studio_page import Hand, Point, Server, Studio, sending_nothing_late
+from PIL import Image, ImageDraw
+from studio_page import SIDE, Hand, Point, Server, Studio, sending_nothing_late
 
 from chromium import page as open_page
 
@@ -99,3 +101,39 @@ def test_separate_figures_are_told_until_each_has_its_own_layer(opened: "Browser
         with studio.repainting():
             page.keyboard.press("j")
         assert said.count() == 0
+
+
+def test_separate_figures_are_given_a_layer_each_by_one_click(studio: Studio, tmp_path: Path) -> None:
+    page = studio.page
+    picture = Image.new("RGB", (SIDE, SIDE), (240, 230, 205))
+    draw = ImageDraw.Draw(picture)
+    for x, y in ((60, 64), (190, 64), (128, 190)):
+        draw.ellipse((x - 42, y - 42, x + 42, y + 42), outline=(20, 30, 120), width=5)
+    picture.save(tmp_path / "page.png")
+    with studio.repainting():
+        page.set_input_files("#import-file", files=tmp_path / "page.png")
+        page.locator("#choose button[value=drawing]").click()
+    for x, y in ((60, 64), (128, 190)):
+        with studio.repainting():
+            studio.pin(x, y)
+        page.keyboard.press("Escape")
+    with studio.repainting(), studio.saying("Each figure has its own layer now."):
+        page.locator("#warning .way").click()
+    assert page.locator("#warning").is_hidden()
+    kept = studio.wait_for_server(lambda doc: len(doc["layers"]) == 3)["layers"]
+    assert [layer["name"] for layer in kept] == ["Layer 1", "Layer 2", "Layer 3"]
+    assert [[round(hint["y"]) for hint in layer["hints"]] for layer in kept] == [[64], [], [190]]
+    parts = [layer["strokes"][0] for layer in kept[1:]]
+    centres = [(part["x"] + part["width"] / 2, part["y"] + part["height"] / 2) for part in parts]
+    assert centres == [pytest.approx((190, 64), abs=1), pytest.approx((128, 190), abs=1)]
+    with studio.repainting():
+        page.keyboard.press("Control+z")  # one step
+    assert page.locator("#warning .way").is_visible()
+    page.locator("#history summary").click()
+    page.locator("#history-list [aria-current]").wait_for()
+    assert page.locator("#history-list li").all_inner_texts()[1:] == [
+        "Picture imported",
+        "Point",
+        "Point",
+        "Moved to a new layer",
+    ]

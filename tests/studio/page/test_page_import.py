@@ -187,6 +187,23 @@ def test_layers_come_in_front_of_what_is_drawn(studio: Studio, tmp_path: Path) -
     assert studio.inked((100 - 59) * scale, 120 * scale + (SIDE - SHAPE[0] * scale) / 2)
 
 
+def test_a_picture_goes_to_a_layer_of_its_own_where_something_is_drawn(
+    studio: Studio, tmp_path: Path
+) -> None:
+    page = studio.page
+    with studio.repainting():
+        studio.circle()
+    Image.new("RGB", (SIDE, SIDE), "white").save(tmp_path / "sheet.png")
+    with studio.saying("Imported “sheet.png”. Working on “Layer 2”."):
+        page.set_input_files("#import-file", files=tmp_path / "sheet.png")
+        page.locator("#choose button[value=drawing]").click()
+    kept = studio.wait_for_server(lambda doc: len(doc["layers"]) == 2)
+    assert [[stroke["kind"] for stroke in layer["strokes"]] for layer in kept["layers"]] == [
+        ["pen"],
+        ["picture"],
+    ]
+
+
 def test_what_cannot_come_in_layers_is_said_and_nothing_changes(studio: Studio, tmp_path: Path) -> None:
     many = [part(f"part {number}", number, (60 + 9 * number, 90), 30) for number in range(16)]
     files = {

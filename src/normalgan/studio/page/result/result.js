@@ -25,7 +25,9 @@ export class Result extends EventTarget {
     /** The current view. @type {View} */
     this.view = "map";
     this.predictor = predictor;
-    this.tell = followFindings($("warning"), predictor.editor);
+    /** Called to give each of separate figures its own layer. @type {(outlines: import("../drawing/lasso.js").Lasso[]) => void} */
+    this.onFigures = () => {};
+    this.tell = followFindings($("warning"), predictor.editor, (outlines) => this.onFigures(outlines));
     this.status = status;
     /** Options of the flat views. */
     this.look = { tiled: false, pixelated: false };
