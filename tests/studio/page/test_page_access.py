@@ -5,9 +5,10 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import pytest
-from studio_page import SIDE, Server, Studio, open_studio
+from studio_page import SIDE, Server, Studio, open_studio, sending_nothing_late
 
 from chromium import browser
+from chromium import page as open_page
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -242,6 +243,20 @@ def test_beside_the_result_all_of_a_regions_form_is_seen(
         assert studio.page.locator("#region-options").evaluate("(e) => e.scrollWidth <= e.clientWidth")
 
 
+@pytest.mark.parametrize("locale", ["en-US", "de-DE"])
+def test_choosing_a_structure_leaves_the_drawing_in_its_place(
+    opened: "Browser", server: Server, locale: str
+) -> None:
+    with open_page(opened, width=1280, height=760, locale=locale) as page, sending_nothing_late(page):
+        Studio(page, server.url)
+        page.keyboard.press("d")
+        before = page.locator("#board").bounding_box()
+        page.keyboard.press("Shift+W")
+        page.locator("#structure-choose").wait_for()
+        assert page.locator("#board").bounding_box() == before
+        assert page.locator("#brush-options").evaluate("(e) => e.scrollWidth <= e.clientWidth")
+
+
 @pytest.mark.parametrize(("width", "height"), [(390, 780), (820, 1100)])
 def test_narrow_windows_stack_the_panes(opened: "Browser", server: Server, width: int, height: int) -> None:
     with open_studio(opened, server.url, width=width, height=height) as studio:
@@ -260,6 +275,24 @@ def test_narrow_windows_stack_the_panes(opened: "Browser", server: Server, width
             assert box is not None
             assert box["x"] >= 0
             assert box["x"] + box["width"] <= width
+
+
+@pytest.mark.parametrize("width", [568, 640, 719])  # 640 is 1280 at 200 %
+def test_in_a_low_window_the_switch_of_the_canvases_covers_nothing(
+    opened: "Browser", server: Server, width: int
+) -> None:
+    with open_page(opened, width=width, height=380, locale="es-ES") as page, sending_nothing_late(page):
+        Studio(page, server.url)
+        switch = page.locator("#layout").bounding_box()
+        assert switch is not None
+        for control in page.locator("header :is(button, summary, h1):visible").all():
+            box = control.bounding_box()
+            assert box is not None
+            beside = box["x"] + box["width"] <= switch["x"] or box["x"] >= switch["x"] + switch["width"]
+            assert beside, control.get_attribute("data-label")
+            assert box["x"] + box["width"] <= width
+        views = page.locator("#outcome > .bar")
+        assert views.evaluate("(bar) => bar.scrollWidth <= bar.clientWidth")
 
 
 @pytest.mark.parametrize(("width", "height"), [(667, 375), (1024, 600)])

@@ -54,6 +54,36 @@ def test_what_is_said_of_a_map_is_seen_whole_beside_layers(
             assert seen, layout
 
 
+@pytest.mark.parametrize("size", [(390, 844), (1280, 760)])
+def test_a_toast_covers_no_finding(opened: "Browser", server: Server, size: tuple[int, int]) -> None:
+    with open_page(opened, width=size[0], height=size[1]) as page, sending_nothing_late(page):
+        studio = Studio(page, server.url)
+        studio.new()
+        page.locator("#layout-both").click()
+        with studio.repainting():
+            studio.circle()
+        if page.locator("#menu-toggle").is_visible():
+            page.locator("#menu-toggle").click()
+        page.locator("#new").click()
+        page.locator("#choose button[value=drop]").click()
+        page.locator("#new-dialog button.strong").click()
+        page.locator("#toast").wait_for()
+        studio.wait_for_frame()
+        studio.size = 512, 512
+        with studio.repainting():
+            studio.line((200, 200), (320, 200), (320, 330), (200, 330), (200, 200))
+        with studio.repainting():
+            studio.pin(40, 40)
+        page.keyboard.press("Escape")
+        toast, said = (page.locator(each).bounding_box() for each in ("#toast", "#warning"))
+        assert toast is not None
+        assert said is not None
+        assert said["y"] + said["height"] <= toast["y"]
+        tools = page.locator("#tools").bounding_box()
+        assert tools is not None
+        assert toast["x"] >= tools["x"] + tools["width"] or toast["y"] + toast["height"] <= tools["y"]
+
+
 def test_a_point_off_the_object_is_told_in_the_pages_language_and_shown(
     opened: "Browser", server: Server
 ) -> None:
