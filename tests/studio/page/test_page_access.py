@@ -53,6 +53,23 @@ def test_without_webgl_the_relief_says_why_there_is_none(studio: Studio) -> None
     studio.page.locator("#viewer-words", has_text="WebGL").wait_for()
 
 
+def test_the_relief_says_in_its_pane_why_there_is_none_and_other_views_do_not(
+    with_webgl: "Browser", server: Server
+) -> None:
+    refused = "status of 400"
+    with open_studio(with_webgl, server.url, tolerate=(refused,)) as studio:
+        page = studio.page
+        studio.new()
+        dent(studio)
+        page.route("**/api/height", lambda route: route.fulfill(status=400, json={"error": "not here"}))
+        page.keyboard.press("5")
+        page.locator("#viewer-words", has_text="Not here.").wait_for()
+        assert page.locator("#problem").is_hidden()
+        page.keyboard.press("2")
+        assert page.locator("#viewer-words").is_hidden()
+        page.unroute("**/api/height")
+
+
 def test_keys_alone_draw_pin_turn_and_undo(opened: "Browser", server: Server) -> None:
     with open_studio(opened, server.url) as studio:
         page, press = studio.page, studio.page.keyboard.press

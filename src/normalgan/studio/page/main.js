@@ -189,7 +189,7 @@ const remove = () => {
 };
 $("select-remove").addEventListener("click", remove);
 const clicks = {
-  new: create, open: () => projects.choose(), save: () => projects.save(), "save-as": () => projects.saveAs(),
+  new: create, open: () => projects.choose(), save: () => projects.save(), "save-as": () => projects.saveAs().then((saved) => saved && /** @type {HTMLDialogElement} */ ($("open-dialog")).close()),
   import: () => importing.pick(), export: () => exporting.ask(), "lit-save": () => exporting.saveLit(), undo, redo, help,
   "zoom-in": () => zoom(1.25), "zoom-out": () => zoom(0.8), "zoom-fit": () => view.fit(),
 };
