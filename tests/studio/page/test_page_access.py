@@ -253,6 +253,8 @@ def test_beside_the_result_all_of_a_regions_form_is_seen(
     with open_studio(opened, server.url, width=width, height=800) as studio:
         studio.new()
         studio.page.keyboard.press("r")
+        name = studio.page.locator("#form-choose span")
+        assert name.evaluate("(e) => e.scrollWidth <= e.clientWidth")  # beside the help
         studio.circle()
         for _ in range(2):  # flat, whose name is the longest
             studio.page.keyboard.press("g")

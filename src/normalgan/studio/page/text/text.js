@@ -208,7 +208,7 @@ export const text = {
   firstSteps: "First steps",
   firstSkip: "Skip",
   firstDraw: "Draw a closed outline, or open a sample. Its normal map appears as you draw.",
-  firstLight: "Choose Lit, then drag over the result to move the light.",
+  firstLight: "In the result, choose Lit and drag to move the light.",
   firstPoint: "Where the shape is wrong, click with the point tool, turn the ball, and press Done.",
   firstExport: "Export the map, or all files for Unity, Unreal, Godot or Blender.",
   firstDone: "You're set. The question mark lists the shortcuts.",

@@ -200,7 +200,7 @@ export const words = {
   firstSteps: "Erste Schritte",
   firstSkip: "Überspringen",
   firstDraw: "Zeichne einen geschlossenen Umriss oder öffne ein Beispiel. Die Normal Map entsteht beim Zeichnen.",
-  firstLight: "Wähle Licht und zieh über das Ergebnis, um das Licht zu bewegen.",
+  firstLight: "Wähle im Ergebnis Licht und zieh, um das Licht zu bewegen.",
   firstPoint: "Wo die Form nicht stimmt: mit dem Punktwerkzeug klicken, Kugel drehen, Fertig drücken.",
   firstExport: "Exportiere die Map oder alle Dateien für Unity, Unreal, Godot oder Blender.",
   firstDone: "Das war's. Das Fragezeichen zeigt die Tastenkürzel.",

@@ -200,7 +200,7 @@ export const words = {
   firstSteps: "Primeros pasos",
   firstSkip: "Omitir",
   firstDraw: "Dibuja un contorno cerrado o abre un ejemplo. El mapa de normales aparece mientras dibujas.",
-  firstLight: "Elige Luz y arrastra sobre el resultado para mover la luz.",
+  firstLight: "En el resultado, elige Luz y arrastra para mover la luz.",
   firstPoint: "Donde la forma falle, haz clic con la herramienta Puntos, gira la bola y pulsa Listo.",
   firstExport: "Exporta el mapa, o todos los archivos para Unity, Unreal, Godot o Blender.",
   firstDone: "Ya está. El signo de interrogación muestra los atajos.",

@@ -200,7 +200,7 @@ export const words = {
   firstSteps: "Premiers pas",
   firstSkip: "Passer",
   firstDraw: "Dessinez un contour fermé ou ouvrez un exemple. La carte de normales apparaît pendant que vous dessinez.",
-  firstLight: "Choisissez Éclairé, puis glissez sur le résultat pour déplacer la lumière.",
+  firstLight: "Dans le résultat, choisissez Éclairé et glissez pour déplacer la lumière.",
   firstPoint: "Où la forme est fausse, cliquez avec l'outil Points, tournez la boule et appuyez sur Terminé.",
   firstExport: "Exportez la carte, ou tous les fichiers pour Unity, Unreal, Godot ou Blender.",
   firstDone: "Vous êtes prêt. Le point d'interrogation liste les raccourcis.",

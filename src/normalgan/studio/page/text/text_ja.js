@@ -200,7 +200,7 @@ export const words = {
   firstSteps: "はじめに",
   firstSkip: "スキップ",
   firstDraw: "閉じた輪郭を描くか、見本を開きます。描くと法線マップが現れます。",
-  firstLight: "「照明」を選び、結果の上をドラッグして光を動かします。",
+  firstLight: "結果で「照明」を選び、ドラッグして光を動かします。",
   firstPoint: "形が違う所を点ツールでクリックし、球を回して「完了」を押します。",
   firstExport: "マップ、またはUnity、Unreal、Godot、Blender用の全ファイルを書き出します。",
   firstDone: "準備完了です。「？」でショートカットを見られます。",

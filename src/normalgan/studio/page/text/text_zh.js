@@ -200,7 +200,7 @@ export const words = {
   firstSteps: "入门",
   firstSkip: "跳过",
   firstDraw: "画一个闭合轮廓，或打开示例。画的时候会出现法线贴图。",
-  firstLight: "选择“打光”，在结果上拖动以移动光源。",
+  firstLight: "在结果中选择“打光”，拖动以移动光源。",
   firstPoint: "形状不对之处，用点工具点击，转动小球，再按“完成”。",
   firstExport: "导出贴图，或导出用于 Unity、Unreal、Godot、Blender 的全部文件。",
   firstDone: "准备好了。问号列出快捷键。",
