@@ -167,3 +167,20 @@ def test_separate_figures_are_given_a_layer_each_by_one_click(studio: Studio, tm
         "Point",
         "Moved to a new layer",
     ]
+
+
+def test_more_figures_than_layers_are_to_be_circled_by_hand(studio: Studio, tmp_path: Path) -> None:
+    page = studio.page
+    picture = Image.new("RGB", (640, 512), "white")
+    draw = ImageDraw.Draw(picture)
+    for x in range(64, 640, 128):
+        for y in range(64, 512, 128):
+            draw.ellipse((x - 42, y - 42, x + 42, y + 42), outline="black", width=5)
+    picture.save(tmp_path / "page.png")
+    with studio.repainting():
+        page.set_input_files("#import-file", files=tmp_path / "page.png")
+        page.locator("#choose button[value=drawing]").click()
+    said = page.locator("#warning")
+    assert "20 separate figures" in said.inner_text()
+    assert "Circle each with the lasso" in said.inner_text()
+    assert page.locator("#warning .way").count() == 0

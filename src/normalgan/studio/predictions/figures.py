@@ -11,6 +11,7 @@ from normalgan.inference.composites.figures import figures_of
 from normalgan.inference.findings import Finding
 from normalgan.inference.preparation import Prepared
 from normalgan.inference.reading.picture import Picture, to_pixels
+from normalgan.studio.drawings.limits import MOST_LAYERS
 
 _DETAIL = 1.5
 """Maximum distance of an outline from its cell in pixels of the map; cells end midway between two figures."""
@@ -23,7 +24,8 @@ class FiguresFinding(Finding):
     """The finding that a page shows separate figures.
 
     Args:
-        outlines: of each figure, one or more lines around it: x, y, x, y, … in pixels of the drawing.
+        outlines: of each figure, one or more lines around it: x, y, x, y, … in pixels of the drawing; empty
+            if there are more figures than a drawing can have layers.
     """
 
     outlines: tuple[_Outline, ...] = ()
@@ -44,7 +46,7 @@ def several_figures(prepared: Prepared, picture: Picture) -> tuple[Finding, ...]
     scale = picture.shape[1] / prepared.shape[1]
     centres = ((each.left + each.width / 2, each.top + each.height / 2) for each in cells)
     places = tuple((scale * x, scale * y) for x, y in centres)
-    outlines = tuple(_outline(each, scale) for each in cells)
+    outlines = tuple(_outline(each, scale) for each in cells) if len(cells) <= MOST_LAYERS else ()
     return (FiguresFinding("figures", places, len(places), outlines=outlines),)
 
 

@@ -202,6 +202,10 @@ export class Arranging {
       cutFailed(this.announce)(error);
       return;
     }
+    if (!added) {
+      this.announce(text.figuresByHand, "warning");
+      return;
+    }
     editor.commit(doc);
     this.announce(text.figuresParted);
   }

@@ -73,10 +73,10 @@ export function followFindings(element, editor, part) {
     return button;
   };
   /** @param {Finding} finding what can be done about it */
-  const ways = ({ outlines = [] }) => {
-    if (!outlines.length) return [];
-    // The first figure stays where it is.
-    if (editor.doc.layers.length + outlines.length - 1 > MOST_LAYERS) return [make("span", { text: text.figuresByHand })];
+  const ways = ({ code, outlines = [] }) => {
+    if (code !== "figures") return [];
+    // The first figure stays where it is. Of more figures than layers no outlines are sent.
+    if (!outlines.length || editor.doc.layers.length + outlines.length - 1 > MOST_LAYERS) return [make("span", { text: text.figuresByHand })];
     const button = make("button", { type: "button", class: "way", text: text.figuresApart });
     button.addEventListener("click", () => part(outlines));
     return [button];
